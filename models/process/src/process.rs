@@ -1,0 +1,150 @@
+//! The process contract: typed for those who write a model, by index for those who drive it.
+
+use crate::{AnyRecord, Field, ModelError, Record};
+
+/// Something that ends a step before its time and that a driver has to react to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum ProcessEvent {
+    /// Flank wear reached the wear limit (ISO 3685 VB criterion).
+    WearLimit,
+    /// The contact temperature passed what the tool material bears; the edge is lost.
+    ThermalCollapse,
+    /// The edge chipped: accumulated hazard reached the edge's resistance.
+    Chipping,
+    /// The grinding zone passed the burn temperature.
+    Burn,
+    /// The wheel has dulled to the point where it must be dressed.
+    DressingDue,
+}
+
+impl ProcessEvent {
+    /// Name in files and logs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WearLimit => "wear_limit",
+            Self::ThermalCollapse => "thermal_collapse",
+            Self::Chipping => "chipping",
+            Self::Burn => "burn",
+            Self::DressingDue => "dressing_due",
+        }
+    }
+}
+
+/// How far a step came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Advance {
+    /// Time taken, s; less than asked for exactly when an event stopped the step.
+    pub elapsed: f64,
+    /// The event that stopped it.
+    pub event: Option<ProcessEvent>,
+}
+
+/// A cutting process: an immutable value (parameters and effects) that maps a state and an
+/// input to outputs and to the state a while later. All numbers are SI.
+///
+/// Whoever holds the state drives the process: the shop by events, an FMU by communication
+/// steps, the gap diagnosis by recorded inputs.
+pub trait Process: Send + Sync {
+    /// What a driver commands and what surrounds the cut; held during a step.
+    type Input: Record;
+    /// Everything that changes.
+    type State: Record;
+    /// Everything that can be observed or logged.
+    type Output: Record;
+
+    /// Name in files (`turning`).
+    const NAME: &'static str;
+    /// Events that this process raises, in the order of [`Process::event_indicators`].
+    const EVENTS: &'static [ProcessEvent];
+
+    /// State of a new edge, or of a freshly dressed wheel.
+    fn initial(&self) -> Self::State;
+
+    /// Outputs at state `x` under input `u`, both inside their ranges.
+    fn output(&self, x: &Self::State, u: &Self::Input) -> Self::Output;
+
+    /// Moves `x` by `dt` seconds under held input, or up to the first event.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for an input outside its range, [`ModelError::Step`] for a
+    /// `dt` that is negative or not finite. `x` is left as it was.
+    fn advance(&self, x: &mut Self::State, u: &Self::Input, dt: f64) -> Result<Advance, ModelError>;
+
+    /// The input `elapsed` seconds later, where the input itself says that it changes (a
+    /// speed ramp). Splitting a step in two uses this for the second half.
+    fn input_after(&self, u: &Self::Input, _elapsed: f64) -> Self::Input {
+        *u
+    }
+
+    /// Right-hand side of the state equation, or `None` where the process is no ordinary
+    /// differential equation.
+    fn derivative(&self, _x: &Self::State, _u: &Self::Input) -> Option<Self::State> {
+        None
+    }
+
+    /// Event functions, one for each of [`Process::EVENTS`]: negative before the event, zero
+    /// or positive from it on.
+    ///
+    /// # Shape
+    /// `indicators` has the length of [`Process::EVENTS`].
+    fn event_indicators(&self, x: &Self::State, u: &Self::Input, indicators: &mut [f64]);
+
+    /// Parameter groups by name, for files, FMI parameters and calibration.
+    fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)>;
+}
+
+/// A [`Process`] seen by element index: what the shop drives, native or imported.
+///
+/// # Shape
+/// States, inputs and outputs are slices with one SI number for every element of the fields.
+pub trait MachineProcess: Send + Sync {
+    /// Name in files.
+    fn name(&self) -> &str;
+    /// Input fields.
+    fn inputs(&self) -> &[Field];
+    /// State fields.
+    fn states(&self) -> &[Field];
+    /// Output fields.
+    fn outputs(&self) -> &[Field];
+    /// State of a new edge.
+    fn initial(&self) -> Vec<f64>;
+    /// Outputs at state `x` under input `u`, written to `y`.
+    fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]);
+    /// Moves `x` by `dt` seconds or up to the first event, and `u` to the input at that time.
+    ///
+    /// # Errors
+    /// As [`Process::advance`]; `x` and `u` are left as they were.
+    fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError>;
+}
+
+impl<P: Process> MachineProcess for P {
+    fn name(&self) -> &str {
+        P::NAME
+    }
+    fn inputs(&self) -> &[Field] {
+        P::Input::FIELDS
+    }
+    fn states(&self) -> &[Field] {
+        P::State::FIELDS
+    }
+    fn outputs(&self) -> &[Field] {
+        P::Output::FIELDS
+    }
+    fn initial(&self) -> Vec<f64> {
+        let mut x = vec![0.0; P::State::LEN];
+        Process::initial(self).write_to(&mut x);
+        x
+    }
+    fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
+        Process::output(self, &P::State::from_slice(x), &P::Input::from_slice(u)).write_to(y);
+    }
+    fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
+        let mut state = P::State::from_slice(x);
+        let input = P::Input::from_slice(u);
+        let advance = Process::advance(self, &mut state, &input, dt)?;
+        state.write_to(x);
+        self.input_after(&input, advance.elapsed).write_to(u);
+        Ok(advance)
+    }
+}
