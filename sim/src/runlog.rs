@@ -1,0 +1,259 @@
+//! What a run leaves behind: tidy tables, one row a fact, in SI.
+
+/// State of a machine (ISO 22400-2 time elements).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum MachineState {
+    /// In cut: the productive part of the actual production time.
+    Cutting,
+    /// Loading or unloading.
+    Handling,
+    /// Changing over to another setup group.
+    Setup,
+    /// Changing an edge or refilling the magazine.
+    ToolChange,
+    /// Dressing a grinding wheel.
+    Dressing,
+    /// Broken down.
+    Down,
+    /// Ready, nothing to do.
+    Idle,
+    /// Out of shift.
+    OffShift,
+}
+
+impl MachineState {
+    /// All states in the order of reports.
+    pub const ALL: [Self; 8] = [
+        Self::Cutting,
+        Self::Handling,
+        Self::Setup,
+        Self::ToolChange,
+        Self::Dressing,
+        Self::Down,
+        Self::Idle,
+        Self::OffShift,
+    ];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cutting => "cutting",
+            Self::Handling => "handling",
+            Self::Setup => "setup",
+            Self::ToolChange => "tool_change",
+            Self::Dressing => "dressing",
+            Self::Down => "down",
+            Self::Idle => "idle",
+            Self::OffShift => "off_shift",
+        }
+    }
+}
+
+/// Why an edge left the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ChangeReason {
+    /// The policy's tool change rule.
+    Rule,
+    /// The edge passed its wear limit inside a pass.
+    WearLimit,
+    /// The edge chipped.
+    Chipping,
+    /// The edge collapsed thermally.
+    ThermalCollapse,
+    /// The wheel was dressed.
+    Dressing,
+    /// Still in the machine at the end of the run.
+    EndOfRun,
+}
+
+impl ChangeReason {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rule => "rule",
+            Self::WearLimit => "wear_limit",
+            Self::Chipping => "chipping",
+            Self::ThermalCollapse => "thermal_collapse",
+            Self::Dressing => "dressing",
+            Self::EndOfRun => "end_of_run",
+        }
+    }
+}
+
+/// How a job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum JobOutcome {
+    /// Finished, good.
+    Good,
+    /// Scrapped: an edge failed and spoiled it.
+    ToolFailure,
+    /// Scrapped at inspection: size error above tolerance.
+    OutOfTolerance,
+    /// Scrapped by a breakdown of the machine.
+    Breakdown,
+    /// Not finished at the end of the run.
+    InProcess,
+}
+
+impl JobOutcome {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::ToolFailure => "tool_failure",
+            Self::OutOfTolerance => "out_of_tolerance",
+            Self::Breakdown => "breakdown",
+            Self::InProcess => "in_process",
+        }
+    }
+}
+
+/// One pass of one operation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassRow {
+    /// Job.
+    pub job: u32,
+    /// Part type.
+    pub part: u32,
+    /// Operation within the routing.
+    pub operation: u32,
+    /// Pass within the operation (phase for grinding).
+    pub pass: u32,
+    /// Machine.
+    pub machine: u32,
+    /// Edge, unique within the run; row of [`RunLog::edges`].
+    pub edge: u32,
+    /// Start, s.
+    pub start: f64,
+    /// End, s.
+    pub end: f64,
+    /// Time in cut, s (an interruption counts in `end - start` only).
+    pub cutting_time: f64,
+    /// Cutting speed at the start, m/s (wheel speed does not count here: grinding has 0).
+    pub speed_start: f64,
+    /// Cutting speed at the end, m/s.
+    pub speed_end: f64,
+    /// Feed per revolution, per tooth, or infeed per revolution, m.
+    pub feed: f64,
+    /// Depth of cut with its allowance scatter, m.
+    pub depth_of_cut: f64,
+    /// Cutting path, m.
+    pub path: f64,
+    /// Cutting time on this edge before the pass, s.
+    pub edge_time: f64,
+    /// True flank wear (wheel wear for grinding) at the start, m.
+    pub flank_wear_start: f64,
+    /// True flank wear at the end, m.
+    pub flank_wear_end: f64,
+    /// Wear that the controller believes at the end, m; NaN without observer.
+    pub flank_wear_estimate: f64,
+    /// Main (normal for grinding) force at the end, N.
+    pub cutting_force: f64,
+    /// Spindle power at the end, W.
+    pub spindle_power: f64,
+    /// Contact temperature at the end, K.
+    pub temperature: f64,
+    /// Energy of the cut, J.
+    pub energy: f64,
+    /// Size error at the end, m.
+    pub size_error: f64,
+}
+
+/// One cutting edge, or one dressing cycle of a wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeRow {
+    /// Tool type.
+    pub tool: u32,
+    /// Machine.
+    pub machine: u32,
+    /// Put in, s.
+    pub installed: f64,
+    /// Taken out, s.
+    pub removed: f64,
+    /// Why.
+    pub reason: ChangeReason,
+    /// Cutting time, s.
+    pub cutting_time: f64,
+    /// Cutting path, m.
+    pub path: f64,
+    /// Passes finished.
+    pub passes: u32,
+    /// Parts whose operation it finished.
+    pub parts: u32,
+    /// Final flank wear (specific removed volume has no place here), m.
+    pub flank_wear: f64,
+    /// True factor on mechanical wear, 1.
+    pub mechanical_wear_factor: f64,
+    /// True factor on thermal wear, 1.
+    pub thermal_wear_factor: f64,
+}
+
+/// One job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JobRow {
+    /// Part type.
+    pub part: u32,
+    /// Arrival, s.
+    pub arrival: f64,
+    /// First operation started, s; NaN: never.
+    pub start: f64,
+    /// Left the shop, s; NaN: still in it.
+    pub finish: f64,
+    /// Due, s.
+    pub due: f64,
+    /// How it ended.
+    pub outcome: JobOutcome,
+}
+
+/// One stay of a machine in one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StateRow {
+    /// Machine.
+    pub machine: u32,
+    /// State.
+    pub state: MachineState,
+    /// From, s.
+    pub start: f64,
+    /// To, s.
+    pub end: f64,
+    /// Job in the machine.
+    pub job: Option<u32>,
+}
+
+/// One event worth a line in the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventRow {
+    /// When, s.
+    pub time: f64,
+    /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
+    /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
+    /// `shift_end`, `setup`.
+    pub event: &'static str,
+    /// Machine.
+    pub machine: Option<u32>,
+    /// Job.
+    pub job: Option<u32>,
+    /// Edge.
+    pub edge: Option<u32>,
+}
+
+/// The tables of one replication under one policy.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunLog {
+    /// Passes in the order of their end.
+    pub passes: Vec<PassRow>,
+    /// Edges in the order of their installation; the index is the edge number.
+    pub edges: Vec<EdgeRow>,
+    /// Jobs in the order of their arrival; the index is the job number.
+    pub jobs: Vec<JobRow>,
+    /// Machine states in the order of their end.
+    pub states: Vec<StateRow>,
+    /// Events in order.
+    pub events: Vec<EventRow>,
+    /// Simulated time, s.
+    pub horizon: f64,
+    /// Replay proof: the same scenario, seed and version give the same digest.
+    pub digest: u64,
+    /// Calendar events handled.
+    pub calendar_events: u64,
+}

@@ -1,0 +1,109 @@
+//! Parts, routings, arrivals.
+
+/// A part and its routing.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// Name, unique.
+    pub name: String,
+    /// Cost of the blank, lost when the part is scrapped, currency.
+    pub material_cost: f64,
+    /// Time from arrival to due date, s.
+    pub flow_allowance: f64,
+    /// Workpieces of one hardness batch; the batch factor is drawn anew after each.
+    pub batch_size: u32,
+    /// Operations in order.
+    pub operations: Vec<Operation>,
+}
+
+/// One operation of a routing.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// Name, unique within the part.
+    pub name: String,
+    /// Machines that may do it, by index.
+    pub machines: Vec<usize>,
+    /// Tool, by index.
+    pub tool: usize,
+    /// Name of the fixture and program family; a change of it costs a setup.
+    pub setup_group: String,
+    /// Setup time, s; `None`: the machine's.
+    pub setup_time: Option<f64>,
+    /// What is cut.
+    pub work: Work,
+    /// Greatest size error of a good part, m.
+    pub size_tolerance: f64,
+    /// Share of parts that a broken edge spoils.
+    pub scrap_on_tool_failure: f64,
+}
+
+/// The work of an operation.
+#[derive(Clone, Debug)]
+pub enum Work {
+    /// Turning or milling passes.
+    Cutting(Vec<Cut>),
+    /// A plunge grinding cycle.
+    Grinding {
+        /// Work rotation speed, rad/s.
+        work_rotation_speed: f64,
+        /// Infeed phases in order; spark-out is a phase of infeed zero.
+        phases: Vec<GrindingPhase>,
+    },
+}
+
+/// One pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Programmed cutting speed, m/s.
+    pub cutting_speed: f64,
+    /// Feed per revolution (turning) or per tooth (milling), m.
+    pub feed: f64,
+    /// Depth of cut a_p, m.
+    pub depth_of_cut: f64,
+    /// Width of cut a_e (milling), m; unused in turning.
+    pub width_of_cut: f64,
+    /// Cutting path of the edge through the material (turning: π·d·l/f) or path of the
+    /// cutter axis (milling), m.
+    pub path_length: f64,
+}
+
+/// Revolutions at one infeed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrindingPhase {
+    /// Infeed per revolution, m.
+    pub infeed_per_rev: f64,
+    /// Whole revolutions.
+    pub revolutions: u32,
+}
+
+/// A source of jobs.
+#[derive(Clone, Debug)]
+pub struct Arrival {
+    /// Part, by index.
+    pub part: usize,
+    /// When they come.
+    pub pattern: ArrivalPattern,
+}
+
+/// When jobs come.
+#[derive(Clone, Debug)]
+pub enum ArrivalPattern {
+    /// At these times, s, so many each.
+    Schedule(Vec<(f64, u32)>),
+    /// Poisson process.
+    Poisson {
+        /// Jobs per second.
+        rate: f64,
+    },
+    /// Lots at a fixed interval, the first at time zero.
+    Batch {
+        /// Time between lots, s.
+        interval: f64,
+        /// Jobs in a lot.
+        size: u32,
+    },
+    /// So many jobs kept in the shop: a new one enters when one leaves.
+    ConstantWork {
+        /// Jobs in the shop.
+        jobs: u32,
+    },
+}

@@ -1,0 +1,127 @@
+//! The comparison axis: how speed is chosen and when an edge is changed.
+
+/// One policy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolicyRule {
+    /// Name, unique.
+    pub name: String,
+    /// How the cutting speed of turning passes is chosen; milling and grinding run as
+    /// programmed.
+    pub speed: SpeedRule,
+    /// When an edge is changed.
+    pub tool_change: ToolChangeRule,
+    /// Parameter set that the controller believes in, where it is not the tool's own.
+    pub believed_model: Option<String>,
+    /// Sensors of adaptive rules.
+    pub sensors: SensorSheet,
+}
+
+/// How the cutting speed is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpeedRule {
+    /// As programmed in the operation.
+    Programmed,
+    /// One speed for all passes.
+    Constant(SpeedChoice),
+    /// Speed against cumulative path, tabulated once on the believed model.
+    Schedule,
+    /// Paper's mode 1: minimum wear per path at the estimated wear.
+    MinimumWear {
+        /// Paper's literal rule (both functionals equal) instead of the exact balance.
+        literal: bool,
+    },
+    /// Paper's mode 2: a set wear increment per pass, so that the limit is reached after this
+    /// cutting path, m.
+    SetIncrement {
+        /// Cutting path over the life of an edge, m.
+        path_per_edge: f64,
+    },
+    /// Greatest production rate at a shadow price of edges.
+    Productivity {
+        /// Shadow price, s/m; `None`: the rate optimum for the machine's tool change time and
+        /// cost.
+        price: Option<f64>,
+    },
+    /// Mode 1 with the true wear, the bound for every observer.
+    Oracle,
+}
+
+/// A constant speed and what it is best for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpeedChoice {
+    /// Given, m/s.
+    Given(f64),
+    /// Longest cutting path per edge.
+    BestPath,
+    /// Longest tool life.
+    BestLife,
+    /// Greatest production rate with the machine's tool change time.
+    BestRate,
+    /// Least cost.
+    BestCost,
+    /// Makarov's optimum: minimum wear per path at this flank wear, m.
+    Makarov(f64),
+}
+
+/// When an edge is changed; decided between passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToolChangeRule {
+    /// When the wear read after a pass, with its reading error, reaches this limit.
+    WearLimit {
+        /// Flank wear, m; `None`: the tool's wear limit.
+        limit: Option<f64>,
+    },
+    /// After so many parts.
+    PartCount {
+        /// Parts per edge.
+        parts: u32,
+    },
+    /// Before the cutting time would pass this.
+    CuttingTime {
+        /// Cutting time per edge, s.
+        time: f64,
+    },
+    /// Before the next pass would bring the estimated wear past the limit.
+    Predicted {
+        /// Flank wear, m; `None`: the tool's wear limit.
+        limit: Option<f64>,
+    },
+}
+
+/// What an adaptive controller measures, and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorSheet {
+    /// Time between samples, s.
+    pub sampling_period: f64,
+    /// Relative standard deviation of spindle power, 1.
+    pub spindle_power: f64,
+    /// Relative standard deviation of feed force, 1.
+    pub feed_force: f64,
+    /// Relative standard deviation of thermo-EMF, 1.
+    pub thermo_emf: f64,
+    /// Systematic relative error of the thermo-EMF on top of its scatter, 1.
+    pub thermo_emf_bias: f64,
+    /// Systematic relative error of the feed force, 1.
+    pub feed_force_bias: f64,
+    /// Systematic relative error of the spindle power, 1.
+    pub spindle_power_bias: f64,
+    /// Standard deviation of a flank wear reading, m.
+    pub flank_wear: f64,
+}
+
+impl Default for SensorSheet {
+    /// Noise of the observer's derivation: 6 s, 1.5 %, 3 %, 1.5 %, no bias, 0.01 mm
+    /// (assumptions of the reconstruction).
+    fn default() -> Self {
+        Self {
+            sampling_period: 6.0,
+            spindle_power: 0.015,
+            feed_force: 0.03,
+            thermo_emf: 0.015,
+            thermo_emf_bias: 0.0,
+            feed_force_bias: 0.0,
+            spindle_power_bias: 0.0,
+            flank_wear: 1e-5,
+        }
+    }
+}

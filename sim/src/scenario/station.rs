@@ -1,0 +1,149 @@
+//! Machines, tools, working time, breakdowns, dispatching.
+
+use super::Distribution;
+use std::sync::Arc;
+use toolroom_cutting::{Milling, Turning};
+use toolroom_infeed::Infeed;
+use toolroom_wear::Scatter;
+
+/// A machine tool.
+#[derive(Clone, Debug)]
+pub struct MachineType {
+    /// Name, unique.
+    pub name: String,
+    /// Process it can run, by [`ProcessModel::name`].
+    pub process: String,
+    /// Cost of an hour of machine and operator, currency per second.
+    pub rate: f64,
+    /// Fastening a part, s.
+    pub load_time: Distribution,
+    /// Taking it off, s.
+    pub unload_time: Distribution,
+    /// Changing a worn edge for a new one, s.
+    pub tool_change_time: f64,
+    /// Change over when the setup group changes, s, unless the operation gives its own.
+    pub setup_time: f64,
+    /// Edges in the magazine before an operator has to refill it.
+    pub magazine: u32,
+    /// Refilling the magazine, s.
+    pub refill_time: f64,
+    /// Least and greatest cutting speed of spindle and program, m/s.
+    pub speed_range: (f64, f64),
+    /// Power of spindle without cut, W.
+    pub idle_power: f64,
+    /// Index into [`Scenario::calendars`](super::Scenario::calendars).
+    pub calendar: Option<usize>,
+}
+
+/// The process of a tool: parameters and effects of the true world.
+#[derive(Clone, Debug)]
+pub enum ProcessModel {
+    /// Turning with this tool and work material.
+    Turning(Arc<Turning>),
+    /// Milling with this cutter.
+    Milling(Arc<Milling>),
+    /// Plunge grinding with this wheel.
+    Infeed(Arc<Infeed>),
+}
+
+impl ProcessModel {
+    /// Name in files: `turning`, `milling`, `infeed`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Turning(_) => "turning",
+            Self::Milling(_) => "milling",
+            Self::Infeed(_) => "infeed",
+        }
+    }
+}
+
+/// A kind of tool with its process model.
+#[derive(Clone, Debug)]
+pub struct ToolType {
+    /// Name, unique.
+    pub name: String,
+    /// True physics.
+    pub process: ProcessModel,
+    /// Name of the parameter set, for logs.
+    pub parameter_set: String,
+    /// Cost of one cutting edge (of one dressing for a wheel), currency.
+    pub edge_cost: f64,
+    /// Dressing time, s; wheels only.
+    pub dressing_time: f64,
+    /// Scatter of edges, of workpieces and of sensors.
+    pub scatter: Scatter,
+}
+
+/// Working time that repeats.
+#[derive(Clone, Debug)]
+pub struct ShiftCalendar {
+    /// Name, unique.
+    pub name: String,
+    /// Period of repetition, s (a day, a week).
+    pub period: f64,
+    /// Working intervals inside one period, ascending, not overlapping.
+    pub shifts: Vec<Shift>,
+    /// What happens to the part in the machine when a shift ends.
+    pub at_end: Interruption,
+}
+
+/// One working interval, s from the start of the period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Start, s.
+    pub start: f64,
+    /// End, s.
+    pub end: f64,
+}
+
+/// What becomes of an operation that is interrupted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interruption {
+    /// Finish it first (shift ends only).
+    Finish,
+    /// Go on from where it stopped.
+    Resume,
+    /// Start the operation again.
+    Repeat,
+    /// The part is lost.
+    Scrap,
+}
+
+/// A way for a machine to break down.
+#[derive(Clone, Debug)]
+pub struct FailureMode {
+    /// Index of the machine.
+    pub machine: usize,
+    /// Time to failure on its clock.
+    pub time_between: Distribution,
+    /// Time to repair.
+    pub time_to_repair: Distribution,
+    /// Clock that runs towards the failure.
+    pub clock: FailureClock,
+    /// What becomes of the part in the machine.
+    pub part: Interruption,
+}
+
+/// The clock of a failure mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FailureClock {
+    /// All time counts.
+    Calendar,
+    /// Only time in which the machine works on a part.
+    Busy,
+}
+
+/// Which waiting job a free machine takes; ties by arrival at the queue, then job number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DispatchRule {
+    /// First in, first out.
+    Fifo,
+    /// Shortest (nominal) processing time of the operation.
+    ShortestProcessingTime,
+    /// Earliest due date.
+    EarliestDueDate,
+    /// Least ratio of time left to work left.
+    CriticalRatio,
+    /// Same setup group first, then first in, first out.
+    LeastSetup,
+}
