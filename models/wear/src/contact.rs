@@ -1,0 +1,142 @@
+//! The flank contact under one cut, at any state of wear.
+
+use crate::emf::Junction;
+use crate::law::Wear;
+use crate::temperature::Heating;
+use crate::{Cut, Pair};
+use toolroom_process::{Number, record};
+
+record! {
+    /// What can be known of the edge at one instant.
+    pub struct Point {
+        /// Contact temperature at the flank, theta.
+        temperature: Real["K" => "K"] = 293.15, 0.0..=1e5;
+        /// Mechanical wear per path, A.
+        mechanical_wear_per_path: Real["1" => "um/m"] = 0.0, 0.0..=1e3;
+        /// Thermal wear rate, B.
+        thermal_wear_rate: Real["m/s" => "um/min"] = 0.0, 0.0..=1e6;
+        /// Wear per path, J = A + B/v; A alone at rest.
+        wear_intensity: Real["1" => "um/m"] = 0.0, 0.0..=1e9;
+        /// Balance of the weighted functionals, (w_M·A - w_T·B/v)/(w_M·A + w_T·B/v): positive
+        /// where more speed means less wear per path, 0 at the minimum.
+        wear_balance: Real = 0.0, -1.0..=1.0;
+        /// Cutting force P_z.
+        cutting_force: Real["N" => "N"] = 0.0, 0.0..=1e9;
+        /// Feed force P_x.
+        feed_force: Real["N" => "N"] = 0.0, 0.0..=1e9;
+        /// Cutting power P_z·v.
+        spindle_power: Real["W" => "kW"] = 0.0, 0.0..=1e9;
+        /// Thermo-EMF of the tool–work pair.
+        thermo_emf: Real["V" => "mV"] = 0.0, -10.0..=10.0;
+    }
+}
+
+/// The flank contact of a [`Pair`] under one [`Cut`]: everything that does not depend on the
+/// state of the edge, computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<'a, N: Copy = f64> {
+    pair: &'a Pair<N>,
+    cut: Cut<N>,
+    heating: Heating<N>,
+    level: Wear<N>,
+    damage_gain: N,
+}
+
+impl<N: Number> Pair<N> {
+    /// The contact under `cut`.
+    pub fn contact(&self, cut: &Cut<N>) -> Contact<'_, N> {
+        Contact {
+            pair: self,
+            cut: *cut,
+            heating: self.temperature.heating(cut),
+            level: self.law.level(cut),
+            damage_gain: self.damage_terms(cut).1,
+        }
+    }
+
+    /// Quasi-steady point: the tool body is as warm as this cut makes it, no thermal damage.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::{Cut, Pair};
+    /// let point = Pair::named("ni_vk6om").unwrap().point(&Cut::default(), 0.2e-3);
+    /// assert!((point.temperature - 1028.916).abs() < 1e-3);
+    /// assert!((point.wear_intensity - 0.5000084e-6).abs() < 1e-12);
+    /// ```
+    pub fn point(&self, cut: &Cut<N>, flank_wear: N) -> Point<N> {
+        let contact = self.contact(cut);
+        contact.point(flank_wear, contact.rise(flank_wear), N::from(0.0))
+    }
+}
+
+impl<N: Number> Contact<'_, N> {
+    /// Temperature rise by chip and flank in cut, K.
+    pub fn rise(&self, flank_wear: N) -> N {
+        self.heating.chip + self.heating.flank(flank_wear)
+    }
+
+    /// Quasi-steady contact temperature, K.
+    pub fn steady_temperature(&self, flank_wear: N) -> N {
+        let rise = self.rise(flank_wear);
+        self.temperature(rise, rise)
+    }
+
+    /// Contact temperature at a temperature rise of chip and flank and one of the body, K.
+    pub(crate) fn temperature(&self, rise: N, body: N) -> N {
+        let share = self.pair.temperature.body_share;
+        self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.cut.engaged) + share * body
+    }
+
+    /// Wear at a contact temperature.
+    pub fn wear(&self, flank_wear: N, temperature: N, damage: N) -> Wear<N> {
+        self.pair.law.wear(self.level, flank_wear, temperature, damage, self.damage_gain)
+    }
+
+    /// Quasi-steady wear without damage.
+    pub fn steady_wear(&self, flank_wear: N) -> Wear<N> {
+        self.wear(flank_wear, self.steady_temperature(flank_wear), N::from(0.0))
+    }
+
+    /// `w_M·A` and `w_T·B/v`, whose difference is `-∂J/∂ln v`, quasi-steady.
+    pub(crate) fn balance(&self, flank_wear: N, temperature: N, wear: Wear<N>) -> (N, N) {
+        let flank = self.heating.flank(flank_wear);
+        let chi = self.heating.speed_sensitivity(self.pair.temperature.speed_exponent, flank, temperature);
+        let (mechanical, thermal) = self.pair.law.weights(temperature, chi);
+        (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.cut.cutting_speed)
+    }
+
+    /// Everything at a state of the edge; `body` is the tool body's temperature rise.
+    pub fn point(&self, flank_wear: N, body: N, damage: N) -> Point<N> {
+        let (pair, cut) = (self.pair, &self.cut);
+        let temperature = self.temperature(self.rise(flank_wear), body);
+        let wear = self.wear(flank_wear, temperature, damage);
+        let moving = cut.cutting_speed.re() > 0.0;
+        let wear_intensity = if moving { wear.intensity(cut.cutting_speed) } else { wear.mechanical_per_path };
+        let wear_balance = if moving {
+            let (mechanical, thermal) = self.balance(flank_wear, temperature, wear);
+            let sum = mechanical.abs() + thermal.abs();
+            if sum.re() > 0.0 { (mechanical - thermal) / sum } else { N::from(0.0) }
+        } else {
+            N::from(0.0)
+        };
+        let cutting_force = pair.force.cutting(cut, flank_wear) * cut.engaged;
+        let junction = Junction {
+            ambient: pair.temperature.ambient_temperature,
+            chip: self.heating.chip,
+            temperature,
+            chip_thickness: pair.force.chip_thickness(cut),
+            land: flank_wear + pair.temperature.land_offset,
+        };
+        Point {
+            temperature,
+            mechanical_wear_per_path: wear.mechanical_per_path,
+            thermal_wear_rate: wear.thermal_rate,
+            wear_intensity,
+            wear_balance,
+            cutting_force,
+            feed_force: pair.force.feed(cut, flank_wear) * cut.engaged,
+            spindle_power: cutting_force * cut.cutting_speed,
+            thermo_emf: pair.emf.value(junction) * cut.engaged,
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Contact temperature at the flank.
+
+use crate::Cut;
+use toolroom_process::{Number, record};
+
+record! {
+    /// Heating of the flank contact by the chip and by friction on the wear land.
+    ///
+    /// `temperature = ambient_temperature + (1 - body_share)·(chip + flank) + body_share·body`
+    ///
+    /// | term | equation |
+    /// |---|---|
+    /// | chip | `chip_heating · (v/v_r)^x · (f/f_r)^y · (a_p/a_r)^z · hardness^n` |
+    /// | flank | `flank_heating · sqrt(v/v_r · (flank_wear + land_offset)/land_r) · hardness^n` |
+    /// | body | a state that follows chip + flank with `body_time_constant` |
+    ///
+    /// # Validity
+    /// Quasi-steady contact (contact times of milliseconds), high Péclet number.
+    ///
+    /// # Source
+    /// Power-law chip heating as in Kosilova & Meshcheryakov (recalled); square-root law of a
+    /// moving band source (Jaeger 1942, recalled) for the land; split into contact and body an
+    /// assumption. Defaults are the set `ni_vk6om`.
+    pub struct Temperature {
+        /// Ambient temperature, theta_a.
+        ambient_temperature: Real["K" => "K"] = 293.15, 200.0..=600.0;
+        /// Temperature rise by the chip at the reference cut, K_t.
+        chip_heating: Real["K" => "K"] = 130.0, 0.0..=2000.0;
+        /// Exponent of speed, x.
+        speed_exponent: Real = 0.38, 0.0..=1.0;
+        /// Exponent of feed, y.
+        feed_exponent: Real = 0.20, 0.0..=1.0;
+        /// Exponent of depth of cut, z.
+        depth_exponent: Real = 0.08, 0.0..=1.0;
+        /// Temperature rise by flank friction at reference speed and land, K_f.
+        flank_heating: Real["K" => "K"] = 70.0, 0.0..=2000.0;
+        /// Land that heats when the edge is new, h0.
+        land_offset: Real["m" => "mm"] = 0.02e-3, 0.0..=1e-3;
+        /// Exponent of hardness, n_th.
+        hardness_exponent: Real = 0.5, 0.0..=3.0;
+        /// Share of the rise that the tool body's temperature carries, beta.
+        body_share: Real = 0.15, 0.0..=1.0;
+        /// Time constant of the tool body, tau_b.
+        body_time_constant: Real["s" => "s"] = 20.0, 1e-3..=1e5;
+        /// Contact temperature at which the edge collapses, theta_max.
+        collapse_temperature: Real["K" => "K"] = 1400.0, 300.0..=5000.0;
+        /// Speed at which the coefficients hold, 1 m/min.
+        reference_speed: Real["m/s" => "m/min"] = 1.0 / 60.0, 1e-6..=100.0;
+        /// Feed at which the coefficients hold, s0.
+        reference_feed: Real["m" => "mm/rev"] = 0.12e-3, 1e-6..=5e-3;
+        /// Depth of cut at which the coefficients hold, t0.
+        reference_depth: Real["m" => "mm"] = 0.75e-3, 1e-6..=20e-3;
+        /// Land at which the coefficients hold, 1 mm.
+        reference_land: Real["m" => "mm"] = 1e-3, 1e-6..=1.0;
+    }
+}
+
+/// Temperature rise of one cut, for any flank wear.
+#[derive(Clone, Copy, Debug)]
+pub struct Heating<N> {
+    /// Rise by the chip, K.
+    pub chip: N,
+    /// Rise by flank friction at the reference land, K.
+    flank_at_reference: N,
+    land_offset: N,
+    reference_land: N,
+}
+
+impl<N: Number> Temperature<N> {
+    /// The temperature rise that `cut` causes.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::{Cut, Temperature};
+    /// let heating = Temperature::default().heating(&Cut::default());
+    /// assert!((heating.chip - 528.11).abs() < 0.01);
+    /// assert!((heating.flank(0.2e-3) - 207.65).abs() < 0.01);
+    /// ```
+    pub fn heating(&self, cut: &Cut<N>) -> Heating<N> {
+        let speed = cut.cutting_speed / self.reference_speed;
+        let hard = power(cut.hardness, self.hardness_exponent);
+        let chip = self.chip_heating
+            * power(speed, self.speed_exponent)
+            * power(cut.feed_per_rev / self.reference_feed, self.feed_exponent)
+            * power(cut.depth_of_cut / self.reference_depth, self.depth_exponent)
+            * hard
+            * cut.temperature_factor;
+        let flank_at_reference = self.flank_heating * root(speed) * hard * cut.temperature_factor;
+        Heating { chip, flank_at_reference, land_offset: self.land_offset, reference_land: self.reference_land }
+    }
+}
+
+impl<N: Number> Heating<N> {
+    /// Rise by friction on a land of width `flank_wear`, K.
+    pub fn flank(&self, flank_wear: N) -> N {
+        self.flank_at_reference * root((flank_wear + self.land_offset) / self.reference_land)
+    }
+
+    /// `∂ ln theta / ∂ ln v` at contact temperature `theta`, quasi-steady.
+    pub(crate) fn speed_sensitivity(&self, speed_exponent: N, flank: N, theta: N) -> N {
+        (speed_exponent * self.chip + flank * 0.5) / theta
+    }
+}
+
+/// `base^exponent`, zero at zero base also for dual numbers (their slope there is infinite).
+pub(crate) fn power<N: Number>(base: N, exponent: N) -> N {
+    if base.re() > 0.0 { base.powd(exponent) } else { N::from(if exponent.re() == 0.0 { 1.0 } else { 0.0 }) }
+}
+
+/// Square root, zero at zero also for dual numbers.
+pub(crate) fn root<N: Number>(square: N) -> N {
+    if square.re() > 0.0 { square.sqrt() } else { N::from(0.0) }
+}
