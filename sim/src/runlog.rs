@@ -108,7 +108,7 @@ impl JobOutcome {
     }
 }
 
-/// One pass of one operation.
+/// One pass of one operation by one edge: a pass that two edges share has two rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassRow {
     /// Job.
@@ -176,7 +176,7 @@ pub struct EdgeRow {
     pub cutting_time: f64,
     /// Cutting path, m.
     pub path: f64,
-    /// Passes finished.
+    /// Passes it cut, whole or in part: its rows in [`RunLog::passes`].
     pub passes: u32,
     /// Parts whose operation it finished.
     pub parts: u32,
@@ -252,6 +252,8 @@ pub struct RunLog {
     pub events: Vec<EventRow>,
     /// Simulated time, s.
     pub horizon: f64,
+    /// Time at the start that no statistic counts, s. The tables hold it all the same.
+    pub warm_up: f64,
     /// Replay proof: the same scenario, seed and version give the same digest.
     pub digest: u64,
     /// Calendar events handled.

@@ -1,9 +1,11 @@
 //! Machines, tools, working time, breakdowns, dispatching.
 
 use super::Distribution;
+use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
+use toolroom_process::MachineProcess;
 use toolroom_wear::Scatter;
 
 /// A machine tool.
@@ -21,9 +23,11 @@ pub struct MachineType {
     pub unload_time: Distribution,
     /// Changing a worn edge for a new one, s.
     pub tool_change_time: f64,
-    /// Change over when the setup group changes, s, unless the operation gives its own.
+    /// Change over when the setup group changes, s, unless the operation gives its own. The
+    /// machine stands ready for whatever comes first.
     pub setup_time: f64,
-    /// Edges in the magazine before an operator has to refill it.
+    /// Edges in the magazine before an operator has to refill it. It is full at the start and
+    /// gives the first edge of every tool, which is mounted beforehand and costs no time.
     pub magazine: u32,
     /// Refilling the magazine, s.
     pub refill_time: f64,
@@ -36,7 +40,7 @@ pub struct MachineType {
 }
 
 /// The process of a tool: parameters and effects of the true world.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub enum ProcessModel {
     /// Turning with this tool and work material.
     Turning(Arc<Turning>),
@@ -44,15 +48,30 @@ pub enum ProcessModel {
     Milling(Arc<Milling>),
     /// Plunge grinding with this wheel.
     Infeed(Arc<Infeed>),
+    /// Any other process, such as an imported unit. It takes the inputs that it knows by name
+    /// (`cutting_speed`, `feed_per_rev` …); a pass lasts path over cutting speed.
+    Other(Arc<dyn MachineProcess>),
+}
+
+impl fmt::Debug for ProcessModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("ProcessModel").field(&self.name()).finish()
+    }
 }
 
 impl ProcessModel {
     /// Name in files: `turning`, `milling`, `infeed`.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> &str {
+        self.machine_process().name()
+    }
+
+    /// The process as the shop drives it, by element index.
+    pub fn machine_process(&self) -> &dyn MachineProcess {
         match self {
-            Self::Turning(_) => "turning",
-            Self::Milling(_) => "milling",
-            Self::Infeed(_) => "infeed",
+            Self::Turning(process) => process.as_ref(),
+            Self::Milling(process) => process.as_ref(),
+            Self::Infeed(process) => process.as_ref(),
+            Self::Other(process) => process.as_ref(),
         }
     }
 }

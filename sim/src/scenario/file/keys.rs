@@ -1,0 +1,367 @@
+//! The sections of a scenario file.
+
+use super::form::{Form, Key, Kind, Quantity};
+
+const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
+}
+
+const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
+}
+
+/// Ten years, s: longer times are slips of the unit.
+const DECADE: f64 = 10.0 * 365.0 * 86400.0;
+const TIME: Kind = quantity("s", "min", 0.0, DECADE, "1.5 min");
+const DURATION: Kind = positive("s", "min", DECADE, "1.5 min");
+const LONG_DURATION: Kind = positive("s", "h", DECADE, "8 h");
+const COST: Kind = quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
+const RATE: Kind = quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
+/// Above 6000 m/min nothing is cut.
+const SPEED: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
+const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
+const FEED_PER_TOOTH: Kind = positive("m", "mm", 5e-3, "0.1 mm/tooth");
+const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
+const LENGTH: Kind = positive("m", "mm", 1e4, "250 mm");
+const PATH: Kind = positive("m", "m", 1e6, "75 m");
+const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
+const SHARE: Kind = quantity("1", "1", 0.0, 1.0, "0.5");
+const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
+
+/// Currencies whose amounts can be read.
+pub(super) const CURRENCIES: &[&str] = &["EUR", "USD", "GBP", "CHF", "JPY", "CNY", "INR", "RUB"];
+/// Processes that a machine can run.
+pub(super) const PROCESSES: &[&str] = &["turning", "milling", "infeed"];
+
+/// A positive random time; a plain duration in its place is a constant.
+pub(super) static DISTRIBUTION: Form = Form {
+    title: "distribution",
+    doc: "A positive random time",
+    keys: &[
+        Key::required(
+            "distribution",
+            Kind::Choice(&["constant", "exponential", "lognormal", "weibull", "triangular", "uniform"]),
+            "Family",
+        ),
+        Key::required("mean", DURATION, "Mean")
+            .when("distribution", &["constant", "exponential", "lognormal", "weibull"]),
+        Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
+            .when("distribution", &["lognormal"]),
+        Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape").when("distribution", &["weibull"]),
+        Key::required("low", TIME, "Least").when("distribution", &["triangular", "uniform"]),
+        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular"]),
+        Key::required("high", DURATION, "Greatest").when("distribution", &["triangular", "uniform"]),
+    ],
+};
+
+const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
+
+static SHOP: Form = Form {
+    title: "[shop]",
+    doc: "The study: seed, replications, simulated time",
+    keys: &[
+        Key::required("name", Kind::Name, "Short name, also of the output folder"),
+        Key::default("title", Kind::Text, "", "One line for people"),
+        Key::default("seed", Kind::Count { min: 0, max: u64::MAX }, "1", "Seed of every random stream"),
+        Key::default("replications", Kind::Count { min: 1, max: 1_000_000 }, "20", "Independent repetitions of the horizon"),
+        Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
+        Key::default("warm_up", TIME, "0 h", "Time at the start that no statistic counts"),
+        Key::default("shift_length", LONG_DURATION, "8 h", "Length of the shift to which rates refer (parts per shift)"),
+        Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
+    ],
+};
+
+static CALENDAR: Form = Form {
+    title: "[[calendar]]",
+    doc: "Working time that repeats; a machine without calendar always works",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("period", LONG_DURATION, "1 day", "Period of repetition, a day or a week"),
+        Key::required("shift", Kind::Tables(&SHIFT), "Working intervals inside one period, in order"),
+        Key::default(
+            "at_end",
+            Kind::Choice(&["finish", "resume", "repeat", "scrap"]),
+            "finish",
+            "What happens to the part in the machine when a shift ends",
+        ),
+    ],
+};
+
+static SHIFT: Form = Form {
+    title: "[[calendar.shift]]",
+    doc: "One working interval, counted from the start of the period",
+    keys: &[Key::required("start", TIME, "Start"), Key::required("end", DURATION, "End")],
+};
+
+static MACHINE: Form = Form {
+    title: "[[machine]]",
+    doc: "A machine tool, or several of one kind",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name; with `count` the prefix of L1, L2, …, and the name of them all"),
+        Key::optional("count", Kind::Count { min: 1, max: 1000 }, "Number of machines of this kind; left out: one, called as it is"),
+        Key::required("process", Kind::Choice(PROCESSES), "Process that it can run"),
+        Key::required("rate", RATE, "Cost of an hour of machine and operator"),
+        Key::required("load_time", RANDOM_TIME, "Fastening a part"),
+        Key::required("unload_time", RANDOM_TIME, "Taking it off"),
+        Key::default("tool_change_time", TIME, "0 min", "Changing a worn edge for a new one"),
+        Key::default("setup_time", TIME, "0 min", "Change over when the setup group changes, unless the operation gives its own"),
+        Key::default("magazine", Kind::Count { min: 1, max: 100_000 }, "100000", "Edges in the magazine before an operator has to refill it"),
+        Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
+        Key::required(
+            "speed_range",
+            Kind::List(&SPEED),
+            "Least and greatest cutting speed of spindle and program",
+        )
+        .when("process", &["turning", "milling"]),
+        Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
+        Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
+    ],
+};
+
+static TOOL: Form = Form {
+    title: "[[tool]]",
+    doc: "A kind of tool with its process model",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("process", Kind::Choice(PROCESSES), "Process"),
+        Key::required("parameter_set", Kind::Name, "Tool and work material: name of a parameter set of the process"),
+        Key::optional(
+            "parameters",
+            Kind::Free("Deviations from the parameter set, group.parameter = value with unit"),
+            "Deviations from the parameter set",
+        ),
+        Key::optional("effects", Kind::Free("Effects of the catalogue, { id = …, size = … }"), "Effects switched on in the true world"),
+        Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
+        Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
+        Key::default(
+            "scatter",
+            Kind::Shorthand { word: &Kind::Choice(&["none", "lab", "shop"]), form: &SCATTER },
+            "shop",
+            "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
+        ),
+    ],
+};
+
+const SIGMA: Kind = quantity("1", "1", 0.0, 2.0, "0.15");
+
+/// Scatter, value by value; what is left out is as in the shop.
+static SCATTER: Form = Form {
+    title: "scatter",
+    doc: "Scatter of edges, workpieces and wear; what is left out is as in the shop",
+    keys: &[
+        Key::optional("wear_rate", SIGMA, "Log standard deviation of the wear rate of an edge, common to both terms"),
+        Key::optional("wear_terms", SIGMA, "Log standard deviation of each wear term of an edge by itself"),
+        Key::optional("hardness_batch", SIGMA, "Relative standard deviation of hardness from batch to batch"),
+        Key::optional("hardness_piece", SIGMA, "Relative standard deviation of hardness from piece to piece"),
+        Key::optional("allowance", quantity("m", "mm", 0.0, 5e-3, "0.05 mm"), "Standard deviation of the depth of cut from pass to pass"),
+        Key::optional("land_stress", SIGMA, "Log standard deviation of the stresses on the wear land"),
+        Key::optional("thermo_emf", SIGMA, "Standard deviation of the gain of the thermo-EMF from edge to edge"),
+    ],
+};
+
+static PART: Form = Form {
+    title: "[[part]]",
+    doc: "A part and its routing",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("material_cost", COST, "0 EUR", "Cost of the blank, lost when the part is scrapped"),
+        Key::default("flow_allowance", LONG_DURATION, "8 h", "Time from arrival to due date"),
+        Key::default("batch_size", Kind::Count { min: 1, max: 1_000_000 }, "25", "Workpieces of one hardness batch"),
+        Key::optional("operation", Kind::Tables(&OPERATION), "Operations in order"),
+    ],
+};
+
+static OPERATION: Form = Form {
+    title: "[[part.operation]]",
+    doc: "One operation of the routing",
+    keys: &[
+        Key::required("name", Kind::Name, "Name, unique within the part"),
+        Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines that may do it"),
+        Key::required("tool", Kind::Reference("tool"), "Tool"),
+        Key::optional("setup_group", Kind::Name, "Fixture and program family; a change of it costs a setup; left out: the part's name"),
+        Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
+        Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part"),
+        Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
+        Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one").when("process", &["turning", "milling"]),
+        Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", &["turning", "milling"]),
+        Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
+        Key::optional("depth_of_cut", DEPTH, "Depth of cut").when("process", &["turning", "milling"]),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("path_length", PATH, "Cutting path of a turning edge, or path of the cutter axis, in one pass")
+            .when("process", &["turning", "milling"]),
+        Key::optional("diameter", LENGTH, "Work diameter; the path of a turning pass is pi * diameter * length / feed_per_rev")
+            .when("process", &["turning"]),
+        Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+        Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
+            .when("process", &["turning", "milling"]),
+        Key::required("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work").when("process", &["infeed"]),
+        Key::required("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero").when("process", &["infeed"]),
+    ],
+};
+
+static PASS: Form = Form {
+    title: "[[part.operation.pass]]",
+    doc: "One pass; what it leaves out is the operation's",
+    keys: &[
+        Key::optional("cutting_speed", SPEED, "Programmed cutting speed"),
+        Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
+        Key::optional("depth_of_cut", DEPTH, "Depth of cut"),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("path_length", PATH, "Path of this pass"),
+        Key::optional("diameter", LENGTH, "Work diameter").when("process", &["turning"]),
+        Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+    ],
+};
+
+static PHASE: Form = Form {
+    title: "[[part.operation.phase]]",
+    doc: "Revolutions at one infeed",
+    keys: &[
+        Key::required("infeed_per_rev", quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"), "Infeed per revolution of the work"),
+        Key::required("revolutions", Kind::Count { min: 1, max: 100_000 }, "Whole revolutions"),
+    ],
+};
+
+static ARRIVALS: Form = Form {
+    title: "[[arrivals]]",
+    doc: "A source of jobs",
+    keys: &[
+        Key::required("part", Kind::Reference("part"), "Part"),
+        Key::required("pattern", Kind::Choice(&["poisson", "batch", "schedule", "constant_work"]), "When jobs come"),
+        Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
+        Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero").when("pattern", &["batch"]),
+        Key::required("size", Kind::Count { min: 1, max: 1_000_000 }, "Jobs in a lot").when("pattern", &["batch"]),
+        Key::required("lot", Kind::Tables(&LOT), "Lots in order").when("pattern", &["schedule"]),
+        Key::required("jobs", Kind::Count { min: 1, max: 1_000_000 }, "Jobs kept in the shop").when("pattern", &["constant_work"]),
+    ],
+};
+
+static LOT: Form = Form {
+    title: "[[arrivals.lot]]",
+    doc: "Jobs that come together",
+    keys: &[
+        Key::required("time", quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
+        Key::default("size", Kind::Count { min: 1, max: 1_000_000 }, "1", "How many"),
+    ],
+};
+
+static DISPATCH: Form = Form {
+    title: "[dispatch]",
+    doc: "Which waiting job a free machine takes",
+    keys: &[Key::default(
+        "rule",
+        Kind::Choice(&["fifo", "shortest_processing_time", "earliest_due_date", "critical_ratio", "least_setup"]),
+        "fifo",
+        "Rule; ties by arrival at the queue, then job number",
+    )],
+};
+
+static FAILURE: Form = Form {
+    title: "[[failure]]",
+    doc: "A way for machines to break down",
+    keys: &[
+        Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines; each breaks down by itself"),
+        Key::required("time_between", RANDOM_TIME, "Time to failure on its clock"),
+        Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),
+        Key::default("clock", Kind::Choice(&["busy", "calendar"]), "busy", "Whether only working time counts towards the failure, or all"),
+        Key::default("part", Kind::Choice(&["resume", "repeat", "scrap"]), "resume", "What becomes of the part in the machine"),
+    ],
+};
+
+/// Rules of speed.
+const SPEED_RULES: &[&str] = &[
+    "programmed",
+    "constant",
+    "best_path",
+    "best_life",
+    "best_rate",
+    "best_cost",
+    "makarov",
+    "schedule",
+    "minimum_wear",
+    "minimum_wear_literal",
+    "set_increment",
+    "productivity",
+    "oracle",
+];
+
+static POLICY: Form = Form {
+    title: "[[policy]]",
+    doc: "One policy; the first is the baseline of every difference",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("speed", Kind::Choice(SPEED_RULES), "How the cutting speed of turning passes is chosen"),
+        Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
+        Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
+        Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
+        Key::optional("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges; left out: the rate optimum").when("speed", &["productivity"]),
+        Key::default(
+            "tool_change",
+            Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
+            "wear_limit",
+            "When an edge is changed",
+        ),
+        Key::optional("believed_model", Kind::Name, "Parameter set that the controller believes in, where it is not the tool's own"),
+        Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
+    ],
+};
+
+/// When an edge is changed.
+pub(super) static TOOL_CHANGE: Form = Form {
+    title: "tool_change",
+    doc: "When an edge is changed; decided between passes",
+    keys: &[
+        Key::required("rule", Kind::Choice(&["wear_limit", "part_count", "cutting_time", "predicted"]), "Rule"),
+        Key::optional("limit", WEAR, "Flank wear; left out: the tool's wear limit").when("rule", &["wear_limit", "predicted"]),
+        Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per edge").when("rule", &["part_count"]),
+        Key::required("time", DURATION, "Cutting time per edge").when("rule", &["cutting_time"]),
+    ],
+};
+
+const NOISE: Kind = quantity("1", "1", 0.0, 1.0, "1.5 %");
+
+/// Sensors; the defaults are those of the observer's derivation.
+pub(super) static SENSORS: Form = Form {
+    title: "sensors",
+    doc: "What an adaptive controller measures, and how well",
+    keys: &[
+        Key::default("sampling_period", positive("s", "s", 3600.0, "6 s"), "6 s", "Time between samples"),
+        Key::default("spindle_power", NOISE, "1.5 %", "Relative standard deviation of spindle power"),
+        Key::default("feed_force", NOISE, "3 %", "Relative standard deviation of feed force"),
+        Key::default("thermo_emf", NOISE, "1.5 %", "Relative standard deviation of thermo-EMF"),
+        Key::default("thermo_emf_bias", BIAS, "0", "Systematic relative error of thermo-EMF"),
+        Key::default("feed_force_bias", BIAS, "0", "Systematic relative error of feed force"),
+        Key::default("spindle_power_bias", BIAS, "0", "Systematic relative error of spindle power"),
+        Key::default("flank_wear", quantity("m", "mm", 0.0, 1e-3, "0.01 mm"), "0.01 mm", "Standard deviation of a flank wear reading"),
+    ],
+};
+
+static OUTPUT: Form = Form {
+    title: "[output]",
+    doc: "What is written",
+    keys: &[
+        Key::default("format", Kind::Choice(&["parquet", "csv"]), "parquet", "Format of the log tables"),
+        Key::default("logs", Kind::Flag, "true", "Whether the log tables are written at all"),
+    ],
+};
+
+/// The whole file.
+pub(super) static SCENARIO: Form = Form {
+    title: "the scenario",
+    doc: "One shop under one or more policies, for toolroom",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("shop", Kind::Table(&SHOP), "The study"),
+        Key::optional("calendar", Kind::Tables(&CALENDAR), "Working time"),
+        Key::optional("machine", Kind::Tables(&MACHINE), "Machines"),
+        Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
+        Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
+        Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
+        Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
+        Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
+        Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
+        Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
+    ],
+};

@@ -1,0 +1,495 @@
+//! Reads sections by their [`Form`]: units, ranges, unknown and missing keys, all faults at once.
+
+use super::fault::{Fault, nearest};
+use super::form::{Form, Key, Kind, Need, Quantity};
+use super::keys::CURRENCIES;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use toolroom_process::unit::{self, UnitError};
+
+/// Bytes of the file, or of a `--set` past its end.
+pub(super) type Span = Range<usize>;
+
+/// A fault and the text that it is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// What is wrong.
+    pub fault: Fault,
+    /// Bytes of the text.
+    pub span: Range<usize>,
+}
+
+/// One quantity as it was understood.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Echo {
+    /// Section, `machine L1`.
+    pub section: String,
+    /// Key.
+    pub key: String,
+    /// Value in the key's display unit.
+    pub value: String,
+    /// Whether the file leaves it out.
+    pub default: bool,
+}
+
+/// A value of a section.
+#[derive(Clone, Debug)]
+pub(super) struct Got {
+    pub span: Span,
+    pub given: bool,
+    pub value: Value,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    /// SI number.
+    Si(f64),
+    Count(u64),
+    Text(String),
+    Flag(bool),
+    List(Vec<Got>),
+    /// Not looked into yet.
+    Raw(DeValue<'static>),
+    /// Refused; the problem is noted.
+    Faulty,
+}
+
+/// A section whose keys were read.
+#[derive(Clone, Debug)]
+pub(super) struct Section {
+    pub form: &'static Form,
+    pub span: Span,
+    pub path: String,
+    values: BTreeMap<&'static str, Got>,
+}
+
+impl Section {
+    pub fn got(&self, key: &str) -> Option<&Got> {
+        self.values.get(key)
+    }
+
+    /// Bytes of the value, or of the section where the key is left out.
+    pub fn span_of(&self, key: &str) -> Span {
+        self.got(key).filter(|got| got.given).map_or(self.span.clone(), |got| got.span.clone())
+    }
+
+    pub fn given(&self, key: &str) -> bool {
+        self.got(key).is_some_and(|got| got.given)
+    }
+
+    pub fn si(&self, key: &str) -> Option<f64> {
+        match self.got(key)?.value {
+            Value::Si(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// A value that must be there; NaN only where a problem was noted.
+    pub fn required(&self, key: &str) -> f64 {
+        self.si(key).unwrap_or(f64::NAN)
+    }
+
+    pub fn count(&self, key: &str) -> Option<u64> {
+        match self.got(key)?.value {
+            Value::Count(count) => Some(count),
+            _ => None,
+        }
+    }
+
+    /// A count within `u32` by its form.
+    pub fn count32(&self, key: &str) -> u32 {
+        self.count(key).and_then(|count| u32::try_from(count).ok()).unwrap_or(1)
+    }
+
+    pub fn text(&self, key: &str) -> Option<&str> {
+        match &self.got(key)?.value {
+            Value::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    pub fn flag(&self, key: &str) -> Option<bool> {
+        match self.got(key)?.value {
+            Value::Flag(flag) => Some(flag),
+            _ => None,
+        }
+    }
+
+    pub fn list(&self, key: &str) -> &[Got] {
+        match self.got(key).map(|got| &got.value) {
+            Some(Value::List(list)) => list,
+            _ => &[],
+        }
+    }
+}
+
+/// The state of a reading: what was found wrong so far, and what was understood.
+#[derive(Debug, Default)]
+pub(super) struct Walk {
+    pub problems: Vec<Problem>,
+    pub echo: Vec<Echo>,
+    /// Currency codes used, with their place.
+    pub currencies: Vec<(&'static str, Span)>,
+}
+
+impl Walk {
+    pub fn fault(&mut self, span: Span, fault: Fault) {
+        self.problems.push(Problem { fault, span });
+    }
+
+    /// Reads a section. `case` decides keys that depend on something outside the section, such as
+    /// the process of an operation's tool.
+    pub fn section(
+        &mut self,
+        form: &'static Form,
+        path: &str,
+        table: &DeTable<'_>,
+        span: Span,
+        case: Option<(&str, &str)>,
+    ) -> Section {
+        let path = match table.get("name").and_then(|name| name.get_ref().as_str()) {
+            Some(name) => format!("{path} {name}"),
+            None => path.to_owned(),
+        };
+        let mut section = Section { form, span: span.clone(), path, values: BTreeMap::new() };
+        for (name, value) in table {
+            if form.key(name.get_ref()).is_none() {
+                let fault = Fault::UnknownKey {
+                    section: form.title.to_owned(),
+                    key: name.get_ref().to_string(),
+                    nearest: nearest(name.get_ref(), form.keys.iter().map(|key| key.name)),
+                    known: form.keys.iter().map(|key| key.name).collect::<Vec<_>>().join(", "),
+                };
+                // A header's span is the key; of an override only the value has a place.
+                let place = if name.span().is_empty() { value.span() } else { name.span() };
+                self.fault(place, fault);
+            }
+        }
+        for key in form.keys {
+            let raw = table.get(key.name);
+            // Selectors stand before the keys that they decide.
+            let applies = key.when.map_or(Some(true), |when| {
+                let chosen = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);
+                chosen.or_else(|| section.text(when.key)).map(|chosen| when.values.contains(&chosen))
+            });
+            match (raw, key.need) {
+                (Some(raw), _) if applies == Some(false) => self.not_applicable(&section, key, raw.span(), case),
+                (Some(raw), _) => {
+                    let got = Got { span: raw.span(), given: true, value: self.value(key.name, &key.kind, raw) };
+                    self.note(&section.path, key, &got);
+                    section.values.insert(key.name, got);
+                }
+                (None, Need::Required) if applies == Some(true) => {
+                    let fault = Fault::MissingKey {
+                        section: form.title.to_owned(),
+                        key: key.name,
+                        example: example(&key.kind),
+                    };
+                    self.fault(span.clone(), fault);
+                }
+                (None, Need::Default(text)) if applies != Some(false) => {
+                    let parsed = DeValue::parse(text)
+                        .ok()
+                        .filter(|_| !matches!(key.kind, Kind::Name | Kind::Text | Kind::Choice(_)));
+                    let raw = parsed.unwrap_or_else(|| Spanned::new(span.clone(), DeValue::String(text.into())));
+                    let value = self.value(key.name, &key.kind, &raw);
+                    let got = Got { span: span.clone(), given: false, value };
+                    self.note(&section.path, key, &got);
+                    section.values.insert(key.name, got);
+                }
+                (None, _) => {}
+            }
+        }
+        section
+    }
+
+    /// Every entry of the tables under `key`.
+    pub fn sections(&mut self, of: &Section, key: &str, case: Option<(&str, &str)>) -> Vec<Section> {
+        let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
+        let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
+        let mut sections = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            match entry.get_ref() {
+                DeValue::Table(table) => {
+                    // A part's operation keeps the part's name in its path.
+                    let base = if of.path.is_empty() { key.to_owned() } else { format!("{}, {key}", of.path) };
+                    let path = if table.contains_key("name") { base } else { format!("{base} {}", i + 1) };
+                    sections.push(self.section(form, &path, table, entry.span(), case));
+                }
+                other => self.wrong_type(key, other, &format!("a table {}", form.title), entry.span(), form.title.to_owned()),
+            }
+        }
+        sections
+    }
+
+    /// The table under `key`, where it is a table.
+    pub fn table(&mut self, of: &Section, key: &str) -> Option<Section> {
+        let form = table_form(of.form, key)?;
+        let got = of.got(key)?;
+        let Value::Raw(DeValue::Table(table)) = &got.value else { return None };
+        let path = if of.path.is_empty() { key.to_owned() } else { format!("{}, {key}", of.path) };
+        Some(self.section(form, &path, table, got.span.clone(), None))
+    }
+
+    fn not_applicable(&mut self, section: &Section, key: &Key, span: Span, case: Option<(&str, &str)>) {
+        let Some(when) = key.when else { return };
+        let outside = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);
+        let chosen = outside.or_else(|| section.text(when.key)).unwrap_or_default();
+        let applicable = section
+            .form
+            .keys
+            .iter()
+            .filter(|other| other.when.is_none_or(|when| when.values.contains(&chosen)))
+            .map(|other| other.name)
+            .collect::<Vec<_>>()
+            .join(", ");
+        let case = format!("{} = \"{chosen}\"", when.key);
+        self.fault(span, Fault::NotApplicable { key: key.name, case, applicable });
+    }
+
+    fn value(&mut self, key: &str, kind: &Kind, raw: &Spanned<DeValue<'_>>) -> Value {
+        let span = raw.span();
+        match (kind, raw.get_ref()) {
+            (Kind::Quantity(quantity), _) => self.quantity(key, quantity, raw),
+            (Kind::Name, DeValue::String(text)) => {
+                if text.trim().is_empty() || text.chars().count() > 100 || text.chars().any(char::is_control) {
+                    let fault = Fault::WrongType {
+                        key: key.to_owned(),
+                        read: format!("{text:?}"),
+                        expected: "a name of 1 to 100 printable characters".to_owned(),
+                        example: example(kind),
+                    };
+                    self.fault(span, fault);
+                    return Value::Faulty;
+                }
+                Value::Text(text.to_string())
+            }
+            (Kind::Text | Kind::Reference(_), DeValue::String(text)) => Value::Text(text.to_string()),
+            (Kind::Choice(choices), DeValue::String(text)) => {
+                if choices.contains(&&**text) {
+                    return Value::Text(text.to_string());
+                }
+                let fault = Fault::UnknownChoice {
+                    key: key.to_owned(),
+                    read: text.to_string(),
+                    nearest: nearest(text, choices.iter().copied()).map(str::to_owned),
+                    choices: choices.join(", "),
+                };
+                self.fault(span, fault);
+                Value::Faulty
+            }
+            (Kind::Count { min, max }, DeValue::Integer(integer)) => {
+                match u64::from_str_radix(integer.as_str(), integer.radix()).ok().filter(|count| (min..=max).contains(&count)) {
+                    Some(count) => Value::Count(count),
+                    None => {
+                        let upper = if *max == u64::MAX { "up".to_owned() } else { format!("to {max}") };
+                        let fault = Fault::OutOfRange {
+                            key: key.to_owned(),
+                            read: integer.to_string(),
+                            range: format!("{min} {upper}"),
+                            meant: Vec::new(),
+                        };
+                        self.fault(span, fault);
+                        Value::Faulty
+                    }
+                }
+            }
+            (Kind::Flag, DeValue::Boolean(flag)) => Value::Flag(*flag),
+            (Kind::List(item), DeValue::Array(items)) => {
+                let read = |raw: &Spanned<DeValue<'_>>| Got { span: raw.span(), given: true, value: self.value(key, item, raw) };
+                Value::List(items.iter().map(read).collect())
+            }
+            (Kind::List(item), DeValue::String(_)) => {
+                let value = self.value(key, item, raw);
+                Value::List(vec![Got { span, given: true, value }])
+            }
+            (Kind::Shorthand { word, .. }, other) if !other.is_table() => self.value(key, word, raw),
+            (Kind::Shorthand { .. } | Kind::Table(_), DeValue::Table(_))
+            | (Kind::Tables(_), DeValue::Array(_))
+            | (Kind::Free(_), _) => {
+                let mut owned = raw.get_ref().clone();
+                owned.make_owned();
+                Value::Raw(owned)
+            }
+            (_, other) => {
+                self.wrong_type(key, other, &expected(kind), span, example(kind));
+                Value::Faulty
+            }
+        }
+    }
+
+    /// A quantity with its unit; ratios may be bare numbers.
+    pub fn quantity(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'_>>) -> Value {
+        let inside = raw.span().start + 1; // past the opening quote
+        let number = match raw.get_ref() {
+            DeValue::String(text) => text.to_string(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
+            DeValue::Float(float) => float.as_str().to_owned(),
+            other => {
+                self.wrong_type(key, other, &expected(&Kind::Quantity(*quantity)), raw.span(), quoted(quantity.example));
+                return Value::Faulty;
+            }
+        };
+        let not_finite = matches!(number.trim().trim_start_matches(['+', '-']).to_lowercase().as_str(), "inf" | "nan" | "infinity");
+        let value = match unit::quantity(&number, quantity.unit) {
+            Ok(value) => value,
+            Err(_) if not_finite => f64::NAN,
+            Err(reason) => {
+                let at = inside + reason.at();
+                let span = if reason.at() > 0 && at < raw.span().end { at..raw.span().end - 1 } else { raw.span() };
+                self.fault(span, Fault::Quantity { key: key.to_owned(), example: fix(quantity, &number, &reason), reason });
+                return Value::Faulty;
+            }
+        };
+        if unit::parse(quantity.unit).is_ok_and(|unit| unit.dimension[7] != 0) {
+            let words = number.split(|c: char| !c.is_ascii_alphabetic());
+            let used = words.filter_map(|word| CURRENCIES.iter().find(|code| **code == word));
+            self.currencies.extend(used.map(|code| (*code, raw.span())));
+        }
+        if !quantity.admits(value) {
+            let fault = Fault::OutOfRange {
+                key: key.to_owned(),
+                read: number.clone(),
+                range: range(quantity),
+                meant: meant(quantity, &number),
+            };
+            self.fault(raw.span(), fault);
+            return Value::Faulty;
+        }
+        Value::Si(value)
+    }
+
+    pub fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
+        let fault = Fault::WrongType { key: key.to_owned(), read: described(read), expected: expected.to_owned(), example };
+        self.fault(span, fault);
+    }
+
+    fn note(&mut self, path: &str, key: &Key, got: &Got) {
+        let Some(value) = understood(&key.kind, &got.value) else { return };
+        self.echo.push(Echo { section: path.to_owned(), key: key.name.to_owned(), value, default: !got.given });
+    }
+}
+
+fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
+    match of.key(key)?.kind {
+        Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
+        _ => None,
+    }
+}
+
+/// A value in words, in the display unit of its key; `None` for sections, which speak themselves.
+fn understood(kind: &Kind, value: &Value) -> Option<String> {
+    Some(match (kind, value) {
+        (Kind::Quantity(quantity), Value::Si(si)) => display(quantity, *si),
+        (_, Value::Count(count)) => count.to_string(),
+        (_, Value::Text(text)) => text.clone(),
+        (_, Value::Flag(flag)) => flag.to_string(),
+        (Kind::Shorthand { word, .. }, value) => return understood(word, value),
+        (Kind::List(item), Value::List(list)) => {
+            list.iter().filter_map(|got| understood(item, &got.value)).collect::<Vec<_>>().join(", ")
+        }
+        _ => return None,
+    })
+}
+
+/// An SI value in a quantity's display unit.
+pub(super) fn display(quantity: &Quantity, si: f64) -> String {
+    let number = significant(unit::convert(si, quantity.unit, quantity.display));
+    if quantity.display == "1" { number } else { format!("{number} {}", quantity.display) }
+}
+
+/// Six significant digits without trailing zeros.
+pub(super) fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    // Through the exponent form, so that 0.12e-3·1e3 prints as 0.12.
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+fn range(quantity: &Quantity) -> String {
+    let shown = |si| display(quantity, si);
+    if quantity.above && quantity.min == 0.0 {
+        format!("the range above 0 up to {}", shown(quantity.max))
+    } else {
+        format!("{} to {}", shown(quantity.min), shown(quantity.max))
+    }
+}
+
+/// The same number in units in which it would be in range.
+fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
+    let digits = number.trim().trim_end_matches(|c: char| !c.is_ascii_digit());
+    let Some(digits) = digits.split_whitespace().next() else { return Vec::new() };
+    unit::accepted(quantity.unit)
+        .split(", ")
+        .map(|unit| format!("{digits} {unit}"))
+        .filter(|text| unit::quantity(text, quantity.unit).is_ok_and(|value| quantity.admits(value)))
+        .take(2)
+        .map(|text| quoted(&text))
+        .collect()
+}
+
+/// A value that would do in place of one that could not be read.
+fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
+    match reason {
+        UnitError::DecimalComma { fix, .. } => fix.clone(),
+        UnitError::MissingUnit { .. } => {
+            let text = format!("{} {}", number.trim(), quantity.display);
+            let good = unit::quantity(&text, quantity.unit).is_ok_and(|value| quantity.admits(value));
+            quoted(if good { &text } else { quantity.example })
+        }
+        _ => quoted(quantity.example),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{text}\"")
+}
+
+/// What a key takes, in words.
+fn expected(kind: &Kind) -> String {
+    match kind {
+        Kind::Name | Kind::Text => "text in quotes".to_owned(),
+        Kind::Quantity(quantity) if quantity.unit == "1" => "a number".to_owned(),
+        Kind::Quantity(quantity) => format!("a number with its unit in quotes ({})", unit::accepted(quantity.unit)),
+        Kind::Count { .. } => "a whole number".to_owned(),
+        Kind::Flag => "true or false".to_owned(),
+        Kind::Choice(choices) => format!("one of {}", choices.join(", ")),
+        Kind::Reference(kind) => format!("the name of a {kind} in quotes"),
+        Kind::List(_) => "a list in brackets".to_owned(),
+        Kind::Table(form) => format!("a section {}", form.title),
+        Kind::Tables(form) => format!("sections {}", form.title),
+        Kind::Shorthand { word, form } => format!("{}, or a table ({})", expected(word), form.doc),
+        Kind::Free(doc) => (*doc).to_owned(),
+    }
+}
+
+/// A value that would do, as written in a file.
+pub(super) fn example(kind: &Kind) -> String {
+    match kind {
+        Kind::Name | Kind::Text | Kind::Reference(_) => "\"…\"".to_owned(),
+        Kind::Quantity(quantity) => quoted(quantity.example),
+        Kind::Count { min, .. } => min.to_string(),
+        Kind::Flag => "true".to_owned(),
+        Kind::Choice(choices) => quoted(choices.first().copied().unwrap_or_default()),
+        Kind::List(item) => format!("[{}]", example(item)),
+        Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
+        Kind::Shorthand { word, .. } => example(word),
+        Kind::Free(_) => "{ … }".to_owned(),
+    }
+}
+
+fn described(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("the text {text:?}"),
+        DeValue::Integer(number) => format!("the bare number {number}"),
+        DeValue::Float(number) => format!("the bare number {number}"),
+        DeValue::Boolean(flag) => format!("`{flag}`"),
+        DeValue::Datetime(time) => format!("the date or time {time}"),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}

@@ -1,0 +1,84 @@
+//! Who writes down what happens.
+
+use crate::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
+
+/// Receives the facts of a run as they become final. A [`RunLog`] keeps them all, [`Silent`]
+/// none.
+pub trait Recorder: Clone {
+    /// A pass, or the part of it that one edge cut, is over.
+    fn pass(&mut self, row: PassRow);
+    /// Edge `number` was mounted, or left the machine.
+    fn edge(&mut self, number: u32, row: EdgeRow);
+    /// Job `number` arrived, or left the shop.
+    fn job(&mut self, number: u32, row: JobRow);
+    /// A machine left a state.
+    fn state(&mut self, row: StateRow);
+    /// Something worth a line. Events inside a pass come when the pass is over.
+    fn event(&mut self, row: EventRow);
+    /// The run is over.
+    fn close(&mut self, closing: Closing);
+}
+
+/// What holds for a run as a whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closing {
+    /// Simulated time, s.
+    pub horizon: f64,
+    /// Time that no statistic counts, s.
+    pub warm_up: f64,
+    /// Replay proof.
+    pub digest: u64,
+    /// Calendar events handled.
+    pub calendar_events: u64,
+}
+
+/// Keeps nothing, costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Silent;
+
+impl Recorder for Silent {
+    fn pass(&mut self, _: PassRow) {}
+    fn edge(&mut self, _: u32, _: EdgeRow) {}
+    fn job(&mut self, _: u32, _: JobRow) {}
+    fn state(&mut self, _: StateRow) {}
+    fn event(&mut self, _: EventRow) {}
+    fn close(&mut self, _: Closing) {}
+}
+
+impl Recorder for RunLog {
+    fn pass(&mut self, row: PassRow) {
+        self.passes.push(row);
+    }
+
+    fn edge(&mut self, number: u32, row: EdgeRow) {
+        put(&mut self.edges, number, row);
+    }
+
+    fn job(&mut self, number: u32, row: JobRow) {
+        put(&mut self.jobs, number, row);
+    }
+
+    fn state(&mut self, row: StateRow) {
+        self.states.push(row);
+    }
+
+    fn event(&mut self, row: EventRow) {
+        self.events.push(row);
+    }
+
+    fn close(&mut self, closing: Closing) {
+        self.events.sort_by(|a, b| a.time.total_cmp(&b.time)); // stable: one instant keeps its order
+        self.horizon = closing.horizon;
+        self.warm_up = closing.warm_up;
+        self.digest = closing.digest;
+        self.calendar_events = closing.calendar_events;
+    }
+}
+
+/// Numbers are given in order: a row is new or the final version of an old one.
+fn put<T>(rows: &mut Vec<T>, number: u32, row: T) {
+    match rows.get_mut(number as usize) {
+        Some(old) => *old = row,
+        None => rows.push(row),
+    }
+}
