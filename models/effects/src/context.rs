@@ -1,0 +1,37 @@
+//! What an effect may look at.
+
+use toolroom_process::{Number, record};
+
+record! {
+    /// What a process tells its effects about the cut: physical quantities only, never a name
+    /// of a machine or a tool.
+    ///
+    /// A process fills what it has and takes the rest from [`Context::neutral`].
+    ///
+    /// ```
+    /// use toolroom_effects::Context;
+    /// let worn = Context { flank_wear: 0.2e-3, ..Context::neutral() };
+    /// assert_eq!(worn.cutting_time, 0.0);
+    /// ```
+    pub struct Context {
+        /// Flank wear land VB of the edge (ISO 3685).
+        flank_wear: Real["m" => "mm"] = 0.0, 0.0..=0.01;
+        /// Time that the edge has been in cut.
+        cutting_time: Real["s" => "min"] = 0.0, 0.0..=1e8;
+        /// Age of the coolant since it was changed.
+        coolant_age: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Membership of the deviating material lot: 0 for a nominal lot, 1 for the deviating one.
+        lot_deviation: Real = 0.0, 0.0..=1.0;
+        /// Whether another coolant than the nominal one is in use: 0 or 1.
+        coolant_changed: Real = 0.0, 0.0..=1.0;
+        /// Material removed per wheel width since dressing, V'.
+        removed_volume: Real["m2" => "mm3/mm"] = 0.0, 0.0..=1e3;
+    }
+}
+
+impl<N: Number> Context<N> {
+    /// A new edge or freshly dressed wheel, nominal material, fresh nominal coolant.
+    pub fn neutral() -> Self {
+        Context::<f64>::default().map(N::from)
+    }
+}

@@ -1,0 +1,221 @@
+//! One effect and how it is read and written.
+
+use crate::{CatalogueEntry, Context, EffectError, Terms};
+use serde::de::Error as _;
+use serde::ser::SerializeMap as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::str::FromStr;
+use toolroom_process::{AnyRecord, Field, Number, parameters::Value, unit};
+
+/// Declares the effects: one line `Variant in module` each. A module holds the record of its
+/// parameters (called as the variant, `size` first), `const ENTRY` and `fn act`.
+macro_rules! catalogue {
+    ($($(#[doc = $doc:literal])+ $variant:ident in $module:ident;)+) => {
+        $(pub use crate::$module::$variant;)+
+
+        /// An effect that a nominal model leaves out, with its strength and shape.
+        ///
+        /// An effect maps a [`Context`] to changes of [`Terms`]; its `size` is never negative
+        /// and neutral at zero.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Effect<N: Copy = f64> {
+            $($(#[doc = $doc])+ $variant($variant<N>),)+
+        }
+
+        impl Effect {
+            /// Every effect that can be switched on.
+            pub const CATALOGUE: &'static [CatalogueEntry] = &[$(crate::$module::ENTRY),+];
+
+            /// Every effect at its default: size zero.
+            pub fn all() -> impl Iterator<Item = Self> {
+                [$(Self::$variant($variant::default())),+].into_iter()
+            }
+
+            /// Size and shape, the size first.
+            pub fn parameters(&self) -> &dyn AnyRecord {
+                match self { $(Self::$variant(parameters) => parameters,)+ }
+            }
+
+            /// Size and shape, to be set.
+            pub fn parameters_mut(&mut self) -> &mut dyn AnyRecord {
+                match self { $(Self::$variant(parameters) => parameters,)+ }
+            }
+        }
+
+        impl<N: Copy> Effect<N> {
+            /// The effect's row of the catalogue.
+            pub fn entry(&self) -> &'static CatalogueEntry {
+                match self { $(Self::$variant(_) => const { &crate::$module::ENTRY },)+ }
+            }
+
+            /// Strength, SI.
+            pub fn size(&self) -> N {
+                match self { $(Self::$variant(parameters) => parameters.size,)+ }
+            }
+
+            /// The same effect with another strength, SI.
+            #[must_use]
+            pub fn with_size(mut self, size: N) -> Self {
+                match &mut self { $(Self::$variant(parameters) => parameters.size = size,)+ }
+                self
+            }
+
+            /// The same effect over another number type.
+            pub fn map<M: Copy>(&self, convert: impl FnMut(N) -> M) -> Effect<M> {
+                match self { $(Self::$variant(parameters) => Effect::$variant(parameters.map(convert)),)+ }
+            }
+        }
+
+        impl<N: Number> Effect<N> {
+            /// Changes `terms` as the effect does in the cut that `context` describes.
+            pub fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
+                match self { $(Self::$variant(parameters) => parameters.act(context, terms),)+ }
+            }
+        }
+    };
+}
+
+catalogue! {
+    /// Forces grow with flank wear.
+    WearForce in wear_force;
+    /// The contact grows hotter with flank wear.
+    WearTemperature in wear_temperature;
+    /// Wear feeds itself.
+    WearAcceleration in wear_acceleration;
+    /// A fresh edge wears faster.
+    RunIn in run_in;
+    /// Overheating leaves the tool material weaker.
+    ThermalHeredity in thermal_heredity;
+    /// One lot of material is harder.
+    LotHardness in lot_hardness;
+    /// Tool or blank runs out of true.
+    Runout in runout;
+    /// Old coolant cools less.
+    CoolantAgeing in coolant_ageing;
+    /// Another coolant lubricates better.
+    CoolantChange in coolant_change;
+    /// The grinding wheel dulls between dressings.
+    WheelDulling in wheel_dulling;
+    /// The grinding wheel rubs before it cuts.
+    ThresholdForce in threshold_force;
+}
+
+impl Effect {
+    /// The effect called `id`, at size zero.
+    ///
+    /// # Errors
+    /// [`EffectError::Unknown`] with the most similar id.
+    pub fn named(id: &str) -> Result<Self, EffectError> {
+        if let Some(effect) = Self::all().find(|effect| effect.entry().id == id) {
+            return Ok(effect);
+        }
+        let likeness = |entry: &&CatalogueEntry| strsim::jaro_winkler(entry.id, id);
+        let nearest = Self::CATALOGUE.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        Err(EffectError::Unknown { id: id.to_owned(), nearest: nearest.map_or("", |entry| entry.id) })
+    }
+
+    /// Sets a parameter from text: a number with its unit, or a bare number for a ratio.
+    ///
+    /// # Errors
+    /// An unknown parameter, a unit that does not fit, a value out of range.
+    fn set(&mut self, name: &str, text: &str) -> Result<(), EffectError> {
+        let id = self.entry().id;
+        let fields = self.parameters().fields();
+        let Some(i) = fields.iter().position(|field| field.name == name) else {
+            let known = fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
+            return Err(EffectError::UnknownParameter { id, name: name.to_owned(), known });
+        };
+        let field = &fields[i];
+        let value = unit::quantity(text, field.unit);
+        let value = value.map_err(|reason| EffectError::Unit { id, name: field.name, reason })?;
+        field.check(value).map_err(|reason| EffectError::Range { id, reason })?;
+        self.parameters_mut().set_value(i, value);
+        Ok(())
+    }
+}
+
+/// Reads `id=size`, as on the command line.
+///
+/// ```
+/// use toolroom_effects::Effect;
+/// let effect: Effect = "threshold_force=20 N".parse().unwrap();
+/// assert_eq!(effect.size(), 20.0);
+/// assert!("treshold_force=20 N".parse::<Effect>().unwrap_err().to_string().contains("threshold_force"));
+/// ```
+impl FromStr for Effect {
+    type Err = EffectError;
+
+    fn from_str(text: &str) -> Result<Self, EffectError> {
+        let (id, size) = text.split_once('=').unwrap_or((text, ""));
+        let mut effect = Self::named(id.trim())?;
+        if size.is_empty() {
+            return Err(effect.missing_size());
+        }
+        effect.set("size", size)?;
+        Ok(effect)
+    }
+}
+
+impl Effect {
+    fn missing_size(&self) -> EffectError {
+        let entry = self.entry();
+        let size = match entry.size.display {
+            "1" => "0.2".to_owned(),
+            unit => format!("\"0.2 {unit}\""),
+        };
+        EffectError::MissingSize { id: entry.id, example: format!("{{ id = \"{}\", size = {size} }}", entry.id) }
+    }
+}
+
+/// An effect as files hold it.
+#[derive(Deserialize)]
+struct Written {
+    id: String,
+    #[serde(flatten)]
+    parameters: BTreeMap<String, Value>,
+}
+
+impl TryFrom<Written> for Effect {
+    type Error = EffectError;
+
+    fn try_from(written: Written) -> Result<Self, EffectError> {
+        let mut effect = Self::named(&written.id)?;
+        for (name, value) in &written.parameters {
+            match value {
+                Value::Number(number) => effect.set(name, &number.to_string())?,
+                Value::Quantity(quantity) => effect.set(name, quantity)?,
+            }
+        }
+        if written.parameters.contains_key("size") { Ok(effect) } else { Err(effect.missing_size()) }
+    }
+}
+
+impl<'de> Deserialize<'de> for Effect {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(Written::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
+impl Serialize for Effect {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let fields = self.parameters().fields();
+        let mut map = serializer.serialize_map(Some(1 + fields.len()))?;
+        map.serialize_entry("id", self.entry().id)?;
+        for (i, field) in fields.iter().enumerate() {
+            let value = self.parameters().value(i).unwrap_or(f64::NAN);
+            match field.unit {
+                "1" => map.serialize_entry(field.name, &value)?,
+                _ => map.serialize_entry(field.name, &written_quantity(field, value))?,
+            }
+        }
+        map.end()
+    }
+}
+
+/// The value with its unit, in the display unit where that reads back to the same bits.
+fn written_quantity(field: &Field, value: f64) -> String {
+    let display = format!("{} {}", field.to_display(value), field.display);
+    if unit::quantity(&display, field.unit) == Ok(value) { display } else { format!("{value} {}", field.unit) }
+}

@@ -1,0 +1,69 @@
+//! What an effect refuses.
+
+use toolroom_process::{ModelError, unit::UnitError};
+
+/// Why an effect could not be read or used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EffectError {
+    /// An id that is not in the catalogue.
+    #[error("unknown effect `{id}`; nearest: `{nearest}`")]
+    Unknown {
+        /// What was read.
+        id: String,
+        /// The most similar id.
+        nearest: &'static str,
+    },
+    /// A parameter that the effect does not have.
+    #[error("effect `{id}` has no parameter `{name}`; it has {known}")]
+    UnknownParameter {
+        /// The effect.
+        id: &'static str,
+        /// What was read.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// No size.
+    #[error("effect `{id}` has no size; write for example `{example}`")]
+    MissingSize {
+        /// The effect.
+        id: &'static str,
+        /// A complete entry.
+        example: String,
+    },
+    /// A value that cannot be read as this parameter.
+    #[error("effect `{id}`, {name}: {reason}")]
+    Unit {
+        /// The effect.
+        id: &'static str,
+        /// Parameter.
+        name: &'static str,
+        /// What is wrong.
+        reason: UnitError,
+    },
+    /// A value outside the parameter's range.
+    #[error("effect `{id}`: {reason}")]
+    Range {
+        /// The effect.
+        id: &'static str,
+        /// What is wrong.
+        reason: ModelError,
+    },
+    /// The same effect twice in a list.
+    #[error("effect `{id}` is listed twice")]
+    Twice {
+        /// The effect.
+        id: &'static str,
+    },
+    /// An effect that does not act on this process.
+    #[error("effect `{id}` does not act on {process}; effects of {process}: {known}")]
+    NotOfProcess {
+        /// The effect.
+        id: &'static str,
+        /// The process.
+        process: &'static str,
+        /// Effects that do.
+        known: String,
+    },
+}

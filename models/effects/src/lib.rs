@@ -1,0 +1,71 @@
+//! Switchable effects that a nominal model of a machining process leaves out.
+//!
+//! A nominal simulator and a real shop differ because something is missing in the equations.
+//! Each effect here is one such thing, with a strength (`size`, neutral at zero) and a shape.
+//! An effect sees physical quantities and changes factors and summands; the equations of a
+//! process read only those, so no equation knows which effects exist. Strength zero is the
+//! same as absent, bit for bit, and still carries its derivative.
+//!
+//! ```text
+//!   Context (flank wear, time in cut,          Terms (factors 1, summands 0)
+//!   coolant age, lot, removed volume)                    │
+//!        │            ┌──────────┐                       ▼
+//!        └───────────►│ Effects  │──────────►  equations of the process
+//!                     └──────────┘
+//!                  id, size, shape from files, FMU parameters, diagnosis
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Effect`] | one effect with size and shape; reads `{ id = "wear_force", size = 0.2 }` and `wear_force=0.2` |
+//! | [`Effects`] | the list that a process holds |
+//! | [`Effect::CATALOGUE`], [`CatalogueEntry`] | what is known about each: channels, regime, confounder, separating test |
+//! | [`Context`] | what an effect may look at |
+//! | [`Terms`] | what an effect may change |
+//!
+//! ```
+//! use toolroom_effects::{Context, Effect, Effects};
+//! let effects = Effects::new(vec!["wheel_dulling=1".parse::<Effect>().unwrap()]).unwrap();
+//! let dull = Context { removed_volume: 0.3e-3, ..Context::neutral() };
+//! let terms = effects.terms::<f64>(&dull);
+//! assert!((terms.process_stiffness - 1.2).abs() < 1e-12);
+//! ```
+//!
+//! To add an effect: one file with its record (`size` first), its `ENTRY` and its `act`; one
+//! line in the list in `effect.rs`. The tests of this crate and of every process pick it up.
+//!
+//! # What is not modelled
+//! Effects of the sensors (drift and bias of the force reading, lag of the temperature reading),
+//! of the machine (spindle loss, chuck stiffness modulation, servo lag) and of the shop (feed
+//! override, stops, delays) change no term of a cutting process and have no place here. Built-up
+//! edge, thermal softening of the work material, chipping, process damping, thermal growth of
+//! the part and drift of the machine's stiffness act on a process and are not there yet. Effects
+//! act independently: none raises the size of another.
+
+mod catalogue;
+mod context;
+mod coolant_ageing;
+mod coolant_change;
+mod effect;
+mod effects;
+mod error;
+mod lot_hardness;
+mod run_in;
+mod runout;
+mod terms;
+mod thermal_heredity;
+mod threshold_force;
+mod wear_acceleration;
+mod wear_force;
+mod wear_temperature;
+mod wheel_dulling;
+
+pub use catalogue::{CatalogueEntry, Sign, Touched};
+pub use context::Context;
+pub use effect::{
+    CoolantAgeing, CoolantChange, Effect, LotHardness, RunIn, Runout, ThermalHeredity, ThresholdForce,
+    WearAcceleration, WearForce, WearTemperature, WheelDulling,
+};
+pub use effects::Effects;
+pub use error::EffectError;
+pub use terms::Terms;

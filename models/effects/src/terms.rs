@@ -1,0 +1,45 @@
+//! What an effect may change.
+
+use toolroom_process::{Number, record};
+
+record! {
+    /// What the equations of a process read: factors (neutral 1) and summands (neutral 0).
+    /// An equation multiplies by the factor or adds the summand and knows nothing of effects.
+    pub struct Terms {
+        /// Factor on the whole cutting force, and with it on spindle power.
+        cutting_force: Real = 1.0, 0.0..=1e6;
+        /// Factor on the whole feed force.
+        feed_force: Real = 1.0, 0.0..=1e6;
+        /// Factor on the specific cutting force k_c: chip formation only, not flank friction.
+        specific_cutting_force: Real = 1.0, 0.0..=1e6;
+        /// Factor on the rise of the contact temperature above ambient.
+        temperature_rise: Real = 1.0, 0.0..=1e6;
+        /// Factor on the whole rate of flank wear.
+        wear_rate: Real = 1.0, 0.0..=1e6;
+        /// Factor on the mechanical, path-driven part of flank wear.
+        mechanical_wear: Real = 1.0, 0.0..=1e6;
+        /// Summand of the coupling kap_D of mechanical wear to thermal damage D of the tool
+        /// material: mechanical wear × (1 + kap_D D). D is a state of the process.
+        thermal_damage_coupling: Real = 0.0, 0.0..=1e6;
+        /// Summand of the radial offset between the axis of rotation and the axis of the tool
+        /// (milling) or of the blank (turning); the process turns it into chip load.
+        runout: Real["m" => "um"] = 0.0, 0.0..=1e-2;
+        /// Factor on the process stiffness Cp of grinding (normal force per depth of cut).
+        process_stiffness: Real = 1.0, 0.0..=1e6;
+        /// Summand of the normal force below which a grinding wheel rubs without cutting, F0.
+        threshold_force: Real["N" => "N"] = 0.0, 0.0..=1e5;
+    }
+}
+
+impl<N: Number> Terms<N> {
+    /// What an empty list of effects gives.
+    ///
+    /// ```
+    /// use toolroom_effects::Terms;
+    /// assert_eq!(Terms::<f64>::neutral().cutting_force, 1.0);
+    /// assert_eq!(Terms::<f64>::neutral().threshold_force, 0.0);
+    /// ```
+    pub fn neutral() -> Self {
+        Terms::<f64>::default().map(N::from)
+    }
+}
