@@ -1,0 +1,322 @@
+//! What can lie on a plot area: lines, bands, steps, points, columns and reference lines.
+
+use super::axis::Axis;
+use super::frame::{Entry, Frame, Sample, points};
+use super::style::{Colour, INK, Style};
+use super::svg::{Anchor, Area, Canvas, FONT, Px, fit, text_width};
+use super::table::{Cell, Table};
+use std::fmt::Write;
+
+/// How a series of points is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    Line,
+    Step,
+    Scatter,
+    LineOfPoints,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Layer {
+    Points { label: String, points: Vec<(f64, f64)>, form: Form, style: Style },
+    Band { label: String, points: Vec<(f64, f64, f64)>, style: Style },
+    Columns { label: String, columns: Vec<(f64, f64, f64)>, style: Style },
+    Horizontal { value: f64, label: String },
+    Vertical { value: f64, label: String },
+}
+
+impl Layer {
+    /// The values on the horizontal axis, without reference lines.
+    pub fn xs(&self) -> Vec<f64> {
+        match self {
+            Self::Points { points, .. } => points.iter().map(|p| p.0).collect(),
+            Self::Band { points, .. } => points.iter().map(|p| p.0).collect(),
+            Self::Columns { columns, .. } => columns.iter().flat_map(|c| [c.0, c.1]).collect(),
+            Self::Vertical { value, .. } => vec![*value],
+            Self::Horizontal { .. } => Vec::new(),
+        }
+    }
+
+    /// The values on the vertical axis.
+    pub fn ys(&self) -> Vec<f64> {
+        match self {
+            Self::Points { points, .. } => points.iter().map(|p| p.1).collect(),
+            Self::Band { points, .. } => points.iter().flat_map(|p| [p.1, p.2]).collect(),
+            Self::Columns { columns, .. } => columns.iter().flat_map(|c| [0.0, c.2]).collect(),
+            Self::Horizontal { value, .. } => vec![*value],
+            Self::Vertical { .. } => Vec::new(),
+        }
+    }
+
+    /// True when the layer holds data that the axes can show.
+    pub fn drawable(&self, x: &Axis, y: &Axis) -> bool {
+        let is_data = !matches!(self, Self::Horizontal { .. } | Self::Vertical { .. });
+        is_data && self.len() > self.omitted(x, y)
+    }
+
+    /// Rows of data that an axis has no place for.
+    pub fn omitted(&self, x: &Axis, y: &Axis) -> usize {
+        match self {
+            Self::Points { points, .. } => points.iter().filter(|p| !(x.holds(p.0) && y.holds(p.1))).count(),
+            Self::Band { points, .. } => {
+                points.iter().filter(|p| !(x.holds(p.0) && y.holds(p.1) && y.holds(p.2))).count()
+            }
+            Self::Columns { columns, .. } => {
+                columns.iter().filter(|c| !(x.holds(c.0) && x.holds(c.1) && c.2.is_finite())).count()
+            }
+            Self::Horizontal { value, .. } => usize::from(!y.holds(*value)),
+            Self::Vertical { value, .. } => usize::from(!x.holds(*value)),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Points { points, .. } => points.len(),
+            Self::Band { points, .. } => points.len(),
+            Self::Columns { columns, .. } => columns.len(),
+            Self::Horizontal { .. } | Self::Vertical { .. } => 0,
+        }
+    }
+
+    /// The legend entry; reference lines are labelled in the plot.
+    pub fn entry(&self) -> Option<Entry<'_>> {
+        let (label, style, sample) = match self {
+            Self::Points { label, style, form, .. } => {
+                let sample = match form {
+                    Form::Line | Form::Step => Sample::Line,
+                    Form::LineOfPoints => Sample::LineOfPoints,
+                    Form::Scatter => Sample::Points,
+                };
+                (label, style, sample)
+            }
+            Self::Band { label, style, .. } => (label, style, Sample::Band),
+            Self::Columns { label, style, .. } => (label, style, Sample::Block),
+            Self::Horizontal { .. } | Self::Vertical { .. } => return None,
+        };
+        (!label.is_empty()).then_some(Entry { label, style: *style, sample })
+    }
+
+    /// Appends the rows of data, in the columns series, x, y, upper.
+    pub fn tabulate(&self, table: &mut Table) {
+        let mut row = |label: &str, x: f64, y: f64, upper: Option<f64>| {
+            table.push([label.into(), x.into(), y.into(), upper.map_or(Cell::Text(String::new()), Cell::Number)]);
+        };
+        match self {
+            Self::Points { label, points, .. } => points.iter().for_each(|p| row(label, p.0, p.1, None)),
+            Self::Band { label, points, .. } => points.iter().for_each(|p| row(label, p.0, p.1, Some(p.2))),
+            Self::Columns { label, columns, .. } => {
+                for c in columns {
+                    row(label, f64::midpoint(c.0, c.1), c.2, None);
+                }
+            }
+            Self::Horizontal { value, label } => {
+                table.push([label.as_str().into(), "".into(), (*value).into()]);
+            }
+            Self::Vertical { value, label } => table.push([label.as_str().into(), (*value).into()]),
+        }
+    }
+
+    /// Draws everything but the words of reference lines.
+    pub fn draw(&self, canvas: &mut Canvas, frame: &Frame) {
+        match self {
+            Self::Points { points: p, form, style, .. } => draw_points(canvas, frame, p, *form, *style),
+            Self::Band { points, style, .. } => draw_band(canvas, frame, points, *style),
+            Self::Columns { columns, style, .. } => {
+                for &(from, to, height) in columns {
+                    let (Some(a), Some(b)) = (frame.x.at(from), frame.x.at(to)) else { continue };
+                    let Some(top) = frame.y.at(height) else { continue };
+                    let zero = frame.y.at(0.0).unwrap_or(frame.area.bottom);
+                    let gap = if b - a > 4.0 { 0.5 } else { 0.0 };
+                    let area = Area::new(a + gap, top.min(zero), b - gap, top.max(zero));
+                    canvas.block(area, style.colour, style.hatch, "");
+                }
+            }
+            Self::Horizontal { value, .. } => {
+                if let Some(y) = frame.y.at(*value) {
+                    reference(canvas, &format!("M{} {}H{}", Px(frame.area.left), Px(y), Px(frame.area.right)));
+                }
+            }
+            Self::Vertical { value, .. } => {
+                if let Some(x) = frame.x.at(*value) {
+                    reference(canvas, &format!("M{} {}V{}", Px(x), Px(frame.area.top), Px(frame.area.bottom)));
+                }
+            }
+        }
+    }
+}
+
+fn reference(canvas: &mut Canvas, d: &str) {
+    canvas.open(INK);
+    canvas.stroke(d, 1.2, " stroke-dasharray=\"7 3\"");
+    canvas.close();
+}
+
+/// Writes the words of the reference lines, clear of each other.
+pub(crate) fn label_references(canvas: &mut Canvas, frame: &Frame, layers: &[Layer]) {
+    let a = frame.area;
+    let mut used: Vec<Area> = Vec::new();
+    for layer in layers {
+        let (text, candidates): (String, Vec<(f64, f64)>) = match layer {
+            Layer::Horizontal { value, label } => {
+                let Some(y) = frame.y.at(*value).filter(|y| (a.top - 1.0..=a.bottom + 1.0).contains(y)) else {
+                    continue;
+                };
+                let text = fit(label, FONT, a.width() / 2.0);
+                let w = text_width(&text, FONT);
+                let rows = [y - 5.0, y + 14.0];
+                let columns = [a.right - w - 6.0, a.left + 6.0, f64::midpoint(a.left, a.right) - w / 2.0];
+                let spots = columns.iter().flat_map(|&x| rows.iter().map(move |&y| (x, y)));
+                let inside = |&(_, y): &(f64, f64)| y - FONT > a.top - 2.0 && y < a.bottom;
+                (text, spots.filter(inside).collect())
+            }
+            Layer::Vertical { value, label } => {
+                let Some(x) = frame.x.at(*value).filter(|x| (a.left - 1.0..=a.right + 1.0).contains(x)) else {
+                    continue;
+                };
+                let text = fit(label, FONT, a.width() / 3.0);
+                let w = text_width(&text, FONT);
+                let columns = if x + 6.0 + w < a.right { [x + 6.0, x - 6.0 - w] } else { [x - 6.0 - w, x + 6.0] };
+                let spots =
+                    (0..6).flat_map(|row| columns.iter().map(move |&x| (x, a.top + 14.0 + 16.0 * f64::from(row))));
+                let inside = |&(x, _): &(f64, f64)| x >= a.left && x + w <= a.right;
+                (text, spots.filter(inside).collect())
+            }
+            _ => continue,
+        };
+        let w = text_width(&text, FONT);
+        let cover = |&(x, y): &(f64, f64)| Area::new(x - 4.0, y - FONT, x + w + 4.0, y + 3.0);
+        let free = |spot: &(f64, f64)| {
+            let c = cover(spot);
+            used.iter().all(|u| c.right < u.left || c.left > u.right || c.bottom < u.top || c.top > u.bottom)
+        };
+        let Some(&spot) = candidates.iter().find(|s| free(s)).or(candidates.first()) else { continue };
+        used.push(cover(&spot));
+        canvas.halo(spot.0, spot.1, Anchor::Start, &text);
+    }
+}
+
+/// Splits at what cannot be drawn.
+fn runs<T: Copy, P>(points: &[T], place: impl Fn(T) -> Option<P>) -> Vec<Vec<P>> {
+    let mut runs = vec![Vec::new()];
+    for &p in points {
+        match place(p) {
+            Some(at) => runs.last_mut().expect("never empty").push(at),
+            None if runs.last().is_some_and(|r| !r.is_empty()) => runs.push(Vec::new()),
+            None => {}
+        }
+    }
+    runs.retain(|r| !r.is_empty());
+    runs
+}
+
+/// Longest list of points that is drawn as it is.
+const MOST_POINTS: usize = 3000;
+
+/// Thins a polyline to first, lowest, highest and last of each chunk: the envelope survives.
+pub(crate) fn thin(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    if run.len() <= MOST_POINTS {
+        return run.to_vec();
+    }
+    let mut out = Vec::with_capacity(MOST_POINTS);
+    for chunk in run.chunks(run.len().div_ceil(MOST_POINTS / 4)) {
+        let by_height = |a: &&usize, b: &&usize| chunk[**a].1.total_cmp(&chunk[**b].1);
+        let indices: Vec<usize> = (0..chunk.len()).collect();
+        let low = indices.iter().min_by(by_height).copied().unwrap_or(0);
+        let high = indices.iter().max_by(by_height).copied().unwrap_or(0);
+        let mut keep = [0, low.min(high), low.max(high), chunk.len() - 1];
+        keep.sort_unstable();
+        let mut last = None;
+        for i in keep {
+            if last != Some(i) {
+                out.push(chunk[i]);
+                last = Some(i);
+            }
+        }
+    }
+    out
+}
+
+fn polyline(run: &[(f64, f64)]) -> String {
+    let mut d = String::new();
+    for (i, &(x, y)) in run.iter().enumerate() {
+        let _ = write!(d, "{}{} {}", if i == 0 { 'M' } else { 'L' }, Px(x), Px(y));
+    }
+    d
+}
+
+fn draw_points(canvas: &mut Canvas, frame: &Frame, data: &[(f64, f64)], form: Form, style: Style) {
+    canvas.open(style.colour.paint());
+    let runs = runs(data, |p| frame.at(p));
+    if form != Form::Scatter {
+        let mut d = String::new();
+        for run in &runs {
+            let run = thin(run);
+            if form == Form::Step {
+                for (i, &(x, y)) in run.iter().enumerate() {
+                    let _ = if i == 0 { write!(d, "M{} {}", Px(x), Px(y)) } else { write!(d, "H{}V{}", Px(x), Px(y)) };
+                }
+            } else {
+                d.push_str(&polyline(&run));
+            }
+        }
+        canvas.stroke(&d, 2.0, &format!(" stroke-linejoin=\"round\"{}", style.dash.attribute()));
+    }
+    // A single point draws no line; it gets its marker so that it does not vanish.
+    let lone = form != Form::Scatter && runs.iter().all(|r| r.len() == 1);
+    if matches!(form, Form::Scatter | Form::LineOfPoints) || lone {
+        let mut all: Vec<(f64, f64)> = runs.concat();
+        if all.len() > MOST_POINTS {
+            // Markers on the same pixel hide each other anyway.
+            all.sort_by(|a, b| {
+                (a.0.round(), a.1.round()).partial_cmp(&(b.0.round(), b.1.round())).unwrap_or(std::cmp::Ordering::Equal)
+            });
+            all.dedup_by_key(|p| (p.0.round(), p.1.round()));
+        }
+        points(canvas, all, style);
+    }
+    canvas.close();
+}
+
+fn draw_band(canvas: &mut Canvas, frame: &Frame, data: &[(f64, f64, f64)], style: Style) {
+    let place = |(x, low, high)| Some((frame.x.at(x)?, frame.y.at(low)?, frame.y.at(high)?));
+    canvas.open(style.colour.paint());
+    for run in runs(data, place) {
+        let lower = thin(&run.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>());
+        let mut upper = thin(&run.iter().map(|p| (p.0, p.2)).collect::<Vec<_>>());
+        canvas.stroke(
+            &(polyline(&lower) + &polyline(&upper)),
+            1.0,
+            &format!(" opacity=\"0.7\"{}", style.dash.attribute()),
+        );
+        let mut d = polyline(&lower);
+        upper.reverse();
+        d.push_str(&polyline(&upper).replacen('M', "L", 1));
+        d.push('z');
+        canvas.fill(&d, if style.colour == Colour::Grey { 0.35 } else { 0.2 }, None);
+    }
+    canvas.close();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_ends_and_extremes() {
+        let mut run: Vec<(f64, f64)> = (0..100_000).map(|i| (f64::from(i), (f64::from(i) * 0.1).sin())).collect();
+        run[54_321].1 = 7.0;
+        run[12_345].1 = -7.0;
+        let thin = thin(&run);
+        assert!(thin.len() <= MOST_POINTS + 4);
+        assert_eq!((thin[0], *thin.last().expect("not empty")), (run[0], run[99_999]));
+        assert!(thin.contains(&run[54_321]) && thin.contains(&run[12_345]));
+        assert!(thin.windows(2).all(|w| w[0].0 < w[1].0));
+    }
+
+    #[test]
+    fn a_gap_in_the_data_is_a_gap_in_the_line() {
+        let data = [(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0), (3.0, 1.0)];
+        let place = |p: (f64, f64)| p.1.is_finite().then_some(p);
+        assert_eq!(runs(&data, place).iter().map(Vec::len).collect::<Vec<_>>(), [1, 2]);
+    }
+}
