@@ -1,0 +1,94 @@
+//! Why a stability question was refused.
+
+/// Why a stability question was refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChatterError {
+    /// A quantity that must be a finite number is not.
+    #[error("{quantity} is {value}, not a finite number")]
+    NotFinite {
+        /// What was given.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity that must be positive is zero or negative.
+    #[error("{quantity} must be positive, is {value}")]
+    NotPositive {
+        /// What was given.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A quantity outside its range.
+    #[error("{quantity} must lie in {min} … {max}, is {value}")]
+    OutOfRange {
+        /// What was given.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// A range that ends before it starts.
+    #[error("range of {quantity} must ascend, runs from {start} to {end}")]
+    EmptyRange {
+        /// What was given.
+        quantity: &'static str,
+        /// First value.
+        start: f64,
+        /// Last value.
+        end: f64,
+    },
+    /// An axis needs two points at least.
+    #[error("{quantity} needs at least 2 points, has {points}")]
+    TooFewPoints {
+        /// The axis.
+        quantity: &'static str,
+        /// How many it has.
+        points: usize,
+    },
+    /// Nothing can vibrate.
+    #[error("the structure has no mode that moves the cut")]
+    NoModes,
+    /// The engagement is empty or no tooth reaches the work.
+    #[error("no tooth is in cut")]
+    NoTeethInCut,
+    /// The structure is not stable even without cutting.
+    #[error("the structure is unstable without cutting: damping ratio {damping_ratio}")]
+    UnstableStructure {
+        /// Damping ratio of the mode.
+        damping_ratio: f64,
+    },
+    /// The stable range has no upper end within the depths that were searched.
+    #[error("stable at every depth up to {searched} m")]
+    NoLimit {
+        /// Greatest depth that was searched [m].
+        searched: f64,
+    },
+    /// The eigenvalue iteration did not reach its tolerance; nothing is reported instead.
+    #[error("the dominant multiplier was not found: residual {residual}")]
+    NotConverged {
+        /// Residual of the best candidate.
+        residual: f64,
+    },
+}
+
+/// `value` if it is finite.
+pub(crate) fn finite(quantity: &'static str, value: f64) -> Result<f64, ChatterError> {
+    if value.is_finite() { Ok(value) } else { Err(ChatterError::NotFinite { quantity, value }) }
+}
+
+/// `value` if it is finite and positive.
+pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, ChatterError> {
+    finite(quantity, value)?;
+    if value > 0.0 { Ok(value) } else { Err(ChatterError::NotPositive { quantity, value }) }
+}
+
+/// `value` if it is finite and within `min..=max`.
+pub(crate) fn within(quantity: &'static str, value: f64, min: f64, max: f64) -> Result<f64, ChatterError> {
+    finite(quantity, value)?;
+    if (min..=max).contains(&value) { Ok(value) } else { Err(ChatterError::OutOfRange { quantity, value, min, max }) }
+}
