@@ -1,0 +1,149 @@
+//! Planning of one pass: speed at its start and end, and the ramp between them.
+
+use crate::{Cut, Pair};
+use toolroom_process::{ode, record};
+
+/// What a pass is to be best for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpeedMode {
+    /// Mode 1: least wear per path.
+    MinimumWear,
+    /// The paper's rule A = B/v.
+    LiteralBalance,
+    /// Mode 2: highest speed at which the pass costs `wear_increment` [m].
+    SetIncrement {
+        /// Flank wear that the pass may cost, m.
+        wear_increment: f64,
+    },
+    /// Path weighed against time at `shadow_price` [s/m].
+    ShadowPrice {
+        /// Worth of a metre of path, s/m.
+        shadow_price: f64,
+    },
+}
+
+record! {
+    /// What the machine and the shop allow a speed policy; the speed range itself is in
+    /// [`Limits`](crate::Limits).
+    pub struct RampLimits {
+        /// Greatest change of speed within a pass, per time.
+        largest_acceleration: Real["m/s2" => "m/min2"] = 20.0 / 3600.0, 0.0..=1e3;
+        /// Greatest change of speed from one pass to the next; 0.15 of 40 m/min.
+        largest_step: Real["m/s" => "m/min"] = 0.1, 0.0..=1e3;
+    }
+}
+
+/// Speed over one pass: `v(time) = start_speed + acceleration·time`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassPlan {
+    /// Speed at the start, m/s.
+    pub start_speed: f64,
+    /// Speed at the end, m/s.
+    pub end_speed: f64,
+    /// Change of speed per time, m/s².
+    pub acceleration: f64,
+    /// Time in cut, s.
+    pub duration: f64,
+    /// Predicted growth of flank wear, m.
+    pub wear_increment: f64,
+    /// Whether a set increment can be met.
+    pub feasible: bool,
+}
+
+/// Most sweeps of the fixed point between end speed and growth of wear.
+const SWEEPS: usize = 30;
+/// Runge–Kutta steps over a pass.
+const STEPS: u32 = 24;
+
+impl Pair {
+    /// Plans a pass of length `path` [m] from an edge with `flank_wear` [m].
+    ///
+    /// The speeds at both ends follow the mode at the wear there; the wear at the end is a
+    /// fixed point with the end speed. Speeds are clipped to the limits of the pair, the start
+    /// to within `largest_step` of `previous_speed`, the end to what `largest_acceleration`
+    /// reaches. The speed in `cut` is not used.
+    ///
+    /// # Source
+    /// Postnov & Shafikov, section 3 (speed and acceleration set per pass); limits assumptions.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::{Pair, RampLimits, SpeedMode};
+    /// let pair = Pair::default();
+    /// let cut = pair.reference_cut();
+    /// let plan = pair.plan_pass(&cut, 0.1e-3, 75.4, SpeedMode::MinimumWear, &RampLimits::default(), None);
+    /// assert!((plan.end_speed * 60.0 - 46.031213).abs() < 1e-4);
+    /// ```
+    pub fn plan_pass(
+        &self,
+        cut: &Cut,
+        flank_wear: f64,
+        path: f64,
+        mode: SpeedMode,
+        ramp: &RampLimits,
+        previous_speed: Option<f64>,
+    ) -> PassPlan {
+        let (start, start_feasible) = self.mode_speed(cut, flank_wear, path, mode);
+        let start_speed = match previous_speed {
+            Some(last) => self.limits.clip(start.max(last - ramp.largest_step).min(last + ramp.largest_step)),
+            None => start,
+        };
+        // v² changes by 2·a·l over a path.
+        let reach = 2.0 * ramp.largest_acceleration * path;
+        let slowest = (start_speed * start_speed - reach).max(0.0).sqrt();
+        let fastest = (start_speed * start_speed + reach).sqrt();
+        let mut wear_increment = self.intensity_at(cut, flank_wear, start_speed) * path;
+        let (mut end_speed, mut feasible) = (start_speed, start_feasible);
+        for _ in 0..SWEEPS {
+            let (end, end_feasible) = self.mode_speed(cut, flank_wear + wear_increment, path, mode);
+            end_speed = end.max(slowest).min(fastest);
+            feasible = start_feasible && end_feasible;
+            let next = self.wear_over_ramp(cut, flank_wear, path, start_speed, end_speed);
+            let change = (next - wear_increment).abs();
+            wear_increment = next;
+            if change <= 1e-12 * next {
+                break;
+            }
+        }
+        let duration = 2.0 * path / (start_speed + end_speed);
+        PassPlan {
+            start_speed,
+            end_speed,
+            acceleration: (end_speed - start_speed) / duration,
+            duration,
+            wear_increment,
+            feasible,
+        }
+    }
+
+    /// Speed of a mode, clipped, and whether it meets the demand.
+    fn mode_speed(&self, cut: &Cut, flank_wear: f64, path: f64, mode: SpeedMode) -> (f64, bool) {
+        let (speed, feasible) = match mode {
+            SpeedMode::MinimumWear => (self.minimum_wear_speed(cut, flank_wear), true),
+            SpeedMode::LiteralBalance => (self.literal_balance_speed(cut, flank_wear), true),
+            SpeedMode::ShadowPrice { shadow_price } => (self.shadow_price_speed(cut, flank_wear, shadow_price), true),
+            SpeedMode::SetIncrement { wear_increment } => {
+                let set = self.set_intensity_speed(cut, flank_wear, wear_increment / path);
+                (set.cutting_speed, set.feasible)
+            }
+        };
+        (self.limits.clip(speed), feasible)
+    }
+
+    /// Growth of quasi-steady flank wear over a ramp, m.
+    fn wear_over_ramp(&self, cut: &Cut, flank_wear: f64, path: f64, start: f64, end: f64) -> f64 {
+        let duration = 2.0 * path / (start + end);
+        let step = duration / f64::from(STEPS);
+        let rate = |time: f64, wear: &[f64; 1]| {
+            let speed = start + (end - start) * (time / duration);
+            [speed * self.intensity_at(cut, wear[0], speed)]
+        };
+        let grown = (0..STEPS).fold([flank_wear], |wear, i| ode::rk4(rate, f64::from(i) * step, &wear, step));
+        grown[0] - flank_wear
+    }
+
+    /// Quasi-steady wear per path at a speed, 1.
+    pub(crate) fn intensity_at(&self, cut: &Cut, flank_wear: f64, speed: f64) -> f64 {
+        self.contact(&cut.at_speed(speed)).steady_wear(flank_wear).intensity(speed)
+    }
+}

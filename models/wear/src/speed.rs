@@ -1,0 +1,161 @@
+//! Control laws: the cutting speed for a state of wear.
+
+use crate::search::{bisect, greatest, grid};
+use crate::{ConstantSpeed, Cut, Life, Objective, Pair};
+
+/// Range of the searches over speed, shares of the reference speed.
+const RANGE: (f64, f64) = (0.1, 6.0);
+/// Points of the first scan.
+const POINTS: u32 = 96;
+
+/// Answer to a wear rate that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetSpeed {
+    /// The speed, m/s.
+    pub cutting_speed: f64,
+    /// Whether the rate can be met; if not, the speed is that of least wear.
+    pub feasible: bool,
+}
+
+/// Variable speed that gives most path per time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateOptimum {
+    /// Shadow price μ = (T + change time)/L, s/m.
+    pub shadow_price: f64,
+    /// Life under [`Pair::shadow_price_speed`] at that price, within the speed limits.
+    pub life: Life,
+    /// Iterations taken.
+    pub iterations: u32,
+}
+
+impl Pair {
+    fn search_range(&self) -> (f64, f64) {
+        (RANGE.0 * self.limits.reference_speed, RANGE.1 * self.limits.reference_speed)
+    }
+
+    /// Wear per path J and `-∂J/∂ln v` at a speed.
+    fn intensity_and_fall(&self, cut: &Cut, flank_wear: f64, speed: f64) -> (f64, f64) {
+        let contact = self.contact(&cut.at_speed(speed));
+        let temperature = contact.steady_temperature(flank_wear);
+        let wear = contact.wear(flank_wear, temperature, 0.0);
+        let (mechanical, thermal) = contact.balance(flank_wear, temperature, wear);
+        (wear.intensity(speed), mechanical - thermal)
+    }
+
+    /// Mode 1: the speed of least wear per path, v*(h), where the weighted functionals are in
+    /// balance, `w_M·A = w_T·B/v`. Searched between 0.1 and 6 times the reference speed, not
+    /// clipped to the limits of the pair. The speed in `cut` is not used.
+    ///
+    /// # Source
+    /// Postnov & Shafikov, section 3: speed is set so that "the functionals approach each other".
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let v = pair.minimum_wear_speed(&pair.reference_cut(), 0.2e-3);
+    /// assert!((v * 60.0 - 39.99782).abs() < 1e-5);
+    /// ```
+    pub fn minimum_wear_speed(&self, cut: &Cut, flank_wear: f64) -> f64 {
+        let (low, high) = self.search_range();
+        greatest(low, high, POINTS, |speed| {
+            let (intensity, fall) = self.intensity_and_fall(cut, flank_wear, speed);
+            (-intensity, fall)
+        })
+    }
+
+    /// The paper's rule taken literally: the speed at which `A = B/v`. The highest one where
+    /// there are several, an end of the search range where there is none.
+    pub fn literal_balance_speed(&self, cut: &Cut, flank_wear: f64) -> f64 {
+        let (low, high) = self.search_range();
+        let excess = |speed: f64| {
+            let wear = self.contact(&cut.at_speed(speed)).steady_wear(flank_wear);
+            wear.mechanical_per_path - wear.thermal_rate / speed
+        };
+        let mut above = high;
+        if excess(high) > 0.0 {
+            return high;
+        }
+        for i in (0..POINTS - 1).rev() {
+            let speed = grid(low, high, POINTS, i);
+            if excess(speed) > 0.0 {
+                return bisect(speed, above, excess);
+            }
+            above = speed;
+        }
+        low
+    }
+
+    /// Mode 2: the highest speed at which wear per path is `intensity` (set increment over
+    /// path); where even the least wear is more, the speed of least wear and `feasible` false.
+    pub fn set_intensity_speed(&self, cut: &Cut, flank_wear: f64, intensity: f64) -> SetSpeed {
+        let least = self.minimum_wear_speed(cut, flank_wear);
+        let (_, high) = self.search_range();
+        let short = |speed: f64| intensity - self.intensity_at(cut, flank_wear, speed);
+        if short(least) < 0.0 {
+            return SetSpeed { cutting_speed: least, feasible: false };
+        }
+        if short(high) > 0.0 {
+            return SetSpeed { cutting_speed: high, feasible: true };
+        }
+        let mut above = high;
+        for i in (0..POINTS - 1).rev() {
+            let speed = grid(least, high, POINTS, i);
+            if short(speed) > 0.0 || i == 0 {
+                return SetSpeed { cutting_speed: bisect(speed, above, short), feasible: true };
+            }
+            above = speed;
+        }
+        SetSpeed { cutting_speed: least, feasible: true }
+    }
+
+    /// The speed that maximises `(μ - 1/v)/J`: path weighed against time at the shadow price
+    /// `μ` [s/m]. An infinite price gives [`Pair::minimum_wear_speed`].
+    ///
+    /// # Source
+    /// Least time for given path and wear: minimise ∫dl/v at given ∫J dl, whose Hamiltonian is
+    /// autonomous.
+    pub fn shadow_price_speed(&self, cut: &Cut, flank_wear: f64, shadow_price: f64) -> f64 {
+        let (low, high) = self.search_range();
+        // Below 1/μ a metre costs more time than it is worth.
+        let worth = shadow_price.recip() * (1.0 + 1e-9);
+        if worth >= high {
+            return high;
+        }
+        greatest(low.max(worth), high, POINTS, |speed| {
+            let (intensity, fall) = self.intensity_and_fall(cut, flank_wear, speed);
+            let margin = shadow_price - speed.recip();
+            (margin / intensity, (speed * margin).recip() + fall / intensity)
+        })
+    }
+
+    /// The variable speed with most path per time, edge changes of `change_time` included, by
+    /// Dinkelbach's iteration on the shadow price.
+    ///
+    /// # Source
+    /// Dinkelbach 1967 (recalled).
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let optimum = pair.rate_optimum(&pair.reference_cut(), 120.0);
+    /// assert!((optimum.life.production_rate(120.0) * 60.0 - 46.5).abs() < 0.1);
+    /// ```
+    pub fn rate_optimum(&self, cut: &Cut, change_time: f64) -> RateOptimum {
+        let ConstantSpeed { mut life, .. } = self.best_constant_speed(cut, Objective::Rate { change_time });
+        let mut shadow_price = life.production_rate(change_time).recip();
+        for iterations in 1.. {
+            let policy = |flank_wear: f64| {
+                cut.at_speed(self.limits.clip(self.shadow_price_speed(cut, flank_wear, shadow_price)))
+            };
+            life = self.life_along(policy);
+            let next = life.production_rate(change_time).recip();
+            if (next / shadow_price - 1.0).abs() < 1e-8 || iterations == 40 {
+                return RateOptimum { shadow_price, life, iterations };
+            }
+            shadow_price = next;
+        }
+        unreachable!("the loop returns")
+    }
+}
