@@ -1,5 +1,7 @@
 //! Published and reference numbers, each with its tolerance and origin.
 
 mod literature {
+    mod control;
+    mod life;
     mod static_algebra;
 }
