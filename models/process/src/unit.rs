@@ -186,7 +186,8 @@ pub fn parse(text: &str) -> Result<Unit, (String, usize)> {
             let power = if part_index == 0 { power } else { -power };
             unit.factor *= factor.powi(i32::from(power));
             for (total, each) in unit.dimension.iter_mut().zip(dimension) {
-                *total += each * power;
+                // Nonsense such as m9 m9 … may not overflow; it fits nothing anyway.
+                *total = total.saturating_add(each.saturating_mul(power));
             }
             if zero != 0.0 {
                 unit.offset = zero;
