@@ -38,6 +38,7 @@
 //! Nothing is: this crate holds no physics. Stiff systems are refused by [`ode::integrate`]
 //! rather than solved slowly.
 
+mod claim;
 pub mod contract;
 mod error;
 mod field;
@@ -48,6 +49,7 @@ mod process;
 mod record;
 pub mod unit;
 
+pub use claim::Claim;
 pub use error::ModelError;
 pub use field::{Field, Kind};
 pub use num_dual;
