@@ -67,12 +67,29 @@ impl Axis {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} [{}]", self.label, self.unit) }
     }
 
-    pub(crate) fn label(&self) -> &str {
-        &self.label
-    }
-
     pub(crate) fn unit(&self) -> &str {
         &self.unit
+    }
+
+    /// Sets the range unless the caller has.
+    pub(crate) fn default_range(mut self, low: f64, high: f64) -> Self {
+        self.range = self.range.or(Some((low, high)));
+        self
+    }
+
+    /// The axis of `count` equal cells whose first and last centres are given: it ends at their
+    /// outer borders, unless the caller has set a range.
+    pub(crate) fn around(self, [first, last]: [f64; 2], count: usize) -> Self {
+        if count < 2 {
+            return self;
+        }
+        let parts = 2.0 * (count - 1) as f64;
+        if self.kind == Kind::Log {
+            let half = (last / first).powf(1.0 / parts);
+            return self.default_range(first / half, last * half);
+        }
+        let half = last / parts - first / parts;
+        self.default_range(first - half, last + half)
     }
 
     /// Whether a value has a place on the axis.

@@ -85,12 +85,17 @@ fn sample(canvas: &mut Canvas, e: &Entry, x: f64, y: f64) {
     canvas.close();
 }
 
+/// The outlines of markers at pixel positions.
+pub(crate) fn markers(at: impl IntoIterator<Item = (f64, f64)>, style: Style) -> String {
+    at.into_iter().fold(String::new(), |mut d, (x, y)| {
+        style.marker.append(&mut d, x, y);
+        d
+    })
+}
+
 /// Draws markers at pixel positions in the current colour.
 pub(crate) fn points(canvas: &mut Canvas, at: impl IntoIterator<Item = (f64, f64)>, style: Style) {
-    let mut d = String::new();
-    for (x, y) in at {
-        style.marker.append(&mut d, x, y);
-    }
+    let d = markers(at, style);
     if style.marker.filled() {
         canvas.fill(&d, 1.0, None);
     } else {
@@ -103,6 +108,8 @@ pub(crate) struct Frame {
     pub area: Area,
     pub x: Scale,
     pub y: Scale,
+    /// True on a heat map: lines and points need a rim to be seen.
+    pub on_colour: bool,
 }
 
 impl Frame {
@@ -151,7 +158,7 @@ pub(crate) fn axes(
         &fit(&y_axis.caption_with(ticks.exponent), FONT, height + 40.0),
     );
     let x = x_ruler(canvas, x_axis, x, area);
-    Frame { area, x, y }
+    Frame { area, x, y, on_colour: false }
 }
 
 /// Draws the horizontal axis of a plot area with its grid.

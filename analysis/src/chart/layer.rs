@@ -1,8 +1,8 @@
 //! What can lie on a plot area: lines, bands, steps, points, columns and reference lines.
 
 use super::axis::Axis;
-use super::frame::{Entry, Frame, Sample, points};
-use super::style::{Colour, INK, Style};
+use super::frame::{Entry, Frame, Sample, markers, points};
+use super::style::{Colour, INK, PAPER, Style};
 use super::svg::{Anchor, Area, Canvas, FONT, Px, fit, text_width};
 use super::table::{Cell, Table};
 use std::fmt::Write;
@@ -67,6 +67,11 @@ impl Layer {
             Self::Horizontal { value, .. } => usize::from(!y.holds(*value)),
             Self::Vertical { value, .. } => usize::from(!x.holds(*value)),
         }
+    }
+
+    /// True when points that nearly cover each other are drawn once.
+    pub fn thinned(&self) -> bool {
+        matches!(self, Self::Points { form: Form::Scatter | Form::LineOfPoints, .. }) && self.len() > MOST_POINTS
     }
 
     fn len(&self) -> usize {
@@ -244,36 +249,46 @@ fn polyline(run: &[(f64, f64)]) -> String {
     d
 }
 
+fn staircase(run: &[(f64, f64)]) -> String {
+    let mut d = String::new();
+    for (i, &(x, y)) in run.iter().enumerate() {
+        let _ = if i == 0 { write!(d, "M{} {}", Px(x), Px(y)) } else { write!(d, "H{}V{}", Px(x), Px(y)) };
+    }
+    d
+}
+
 fn draw_points(canvas: &mut Canvas, frame: &Frame, data: &[(f64, f64)], form: Form, style: Style) {
-    canvas.open(style.colour.paint());
     let runs = runs(data, |p| frame.at(p));
+    let mut line = String::new();
     if form != Form::Scatter {
-        let mut d = String::new();
         for run in &runs {
             let run = thin(run);
-            if form == Form::Step {
-                for (i, &(x, y)) in run.iter().enumerate() {
-                    let _ = if i == 0 { write!(d, "M{} {}", Px(x), Px(y)) } else { write!(d, "H{}V{}", Px(x), Px(y)) };
-                }
-            } else {
-                d.push_str(&polyline(&run));
-            }
+            line.push_str(&if form == Form::Step { staircase(&run) } else { polyline(&run) });
         }
-        canvas.stroke(&d, 2.0, &format!(" stroke-linejoin=\"round\"{}", style.dash.attribute()));
     }
     // A single point draws no line; it gets its marker so that it does not vanish.
-    let lone = form != Form::Scatter && runs.iter().all(|r| r.len() == 1);
-    if matches!(form, Form::Scatter | Form::LineOfPoints) || lone {
-        let mut all: Vec<(f64, f64)> = runs.concat();
-        if all.len() > MOST_POINTS {
-            // Markers on the same pixel hide each other anyway.
-            all.sort_by(|a, b| {
-                (a.0.round(), a.1.round()).partial_cmp(&(b.0.round(), b.1.round())).unwrap_or(std::cmp::Ordering::Equal)
-            });
-            all.dedup_by_key(|p| (p.0.round(), p.1.round()));
-        }
-        points(canvas, all, style);
+    let lone = runs.iter().all(|r| r.len() == 1);
+    let mut marked: Vec<(f64, f64)> = Vec::new();
+    if lone || matches!(form, Form::Scatter | Form::LineOfPoints) {
+        marked = runs.concat();
     }
+    let mut cell = 1.0;
+    while marked.len() > MOST_POINTS {
+        // Markers this close hide each other.
+        let at = |p: &(f64, f64)| ((p.0 / cell) as i64, (p.1 / cell) as i64);
+        marked.sort_by_key(at);
+        marked.dedup_by_key(|p| at(p));
+        cell *= 1.5;
+    }
+    if frame.on_colour {
+        canvas.open(PAPER);
+        canvas.stroke(&line, 4.5, " stroke-linejoin=\"round\"");
+        canvas.stroke(&markers(marked.iter().copied(), style), 4.0, "");
+        canvas.close();
+    }
+    canvas.open(style.colour.paint());
+    canvas.stroke(&line, 2.0, &format!(" stroke-linejoin=\"round\"{}", style.dash.attribute()));
+    points(canvas, marked, style);
     canvas.close();
 }
 

@@ -12,18 +12,33 @@
 //! charts can share one page.
 
 mod axis;
+mod bars;
 mod frame;
+mod gantt;
+mod heat;
+mod histogram;
 mod layer;
 mod plot;
+mod ranges;
+mod rows;
+mod stacked;
 mod style;
 mod svg;
 mod table;
+mod waterfall;
 
 pub use axis::{Axis, number};
+pub use bars::{Bars, Estimate};
+pub use gantt::Gantt;
+pub use heat::{ColourMap, HeatMap};
+pub use histogram::Histogram;
 pub use plot::Plot;
+pub use ranges::Intervals;
+pub use stacked::StackedBars;
 pub use style::{Colour, Dash, Hatch, Marker, Style};
 pub use svg::escape;
 pub use table::{Cell, Table};
+pub use waterfall::Waterfall;
 
 pub(crate) use style::{rules, variables};
 
@@ -50,3 +65,6 @@ macro_rules! describe {
     };
 }
 use describe;
+
+#[cfg(test)]
+mod tests;

@@ -141,7 +141,11 @@ impl Chart for Plot {
         canvas.close_window();
         label_references(&mut canvas, &frame, &self.layers);
         let omitted = self.layers.iter().map(|l| l.omitted(&self.x, &self.y)).sum();
-        frame::finish(canvas, &self.title, &self.description, frame.area.bottom, &frame::omitted(omitted))
+        let mut remark = frame::omitted(omitted);
+        if self.layers.iter().any(Layer::thinned) {
+            remark = format!("{remark} Points that nearly cover each other are drawn once.").trim_start().to_owned();
+        }
+        frame::finish(canvas, &self.title, &self.description, frame.area.bottom, &remark)
     }
 
     fn data(&self) -> Table {

@@ -92,7 +92,7 @@ pub(crate) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     if text_width(text, size) <= width {
         return vec![text.to_owned()];
     }
-    let at = text.match_indices(' ').map(|(i, _)| i).filter(|&i| text_width(&text[..i], size) <= width).last();
+    let at = text.match_indices(' ').map(|(i, _)| i).filter(|&i| text_width(&text[..i], size) <= width).next_back();
     match at {
         Some(i) if i > 0 => vec![text[..i].to_owned(), fit(text[i..].trim_start(), size, width)],
         _ => vec![fit(text, size, width)],
@@ -302,7 +302,7 @@ fn hatch_lines(a: Area, hatch: Hatch) -> String {
     let segment = |d: &mut String, x1: f64, y1: f64, x2: f64, y2: f64| {
         let _ = write!(d, "M{} {}L{} {}", Px(x1), Px(y1), Px(x2), Px(y2));
     };
-    let mut horizontal = |d: &mut String| {
+    let horizontal = |d: &mut String| {
         let mut y = a.top + STEP / 2.0;
         while y < a.bottom {
             segment(d, a.left, y, a.right, y);
