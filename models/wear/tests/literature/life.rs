@@ -4,7 +4,9 @@
 //! (400 for mode 1), Runge–Kutta 4 with 0.005 min for trajectories.
 
 use toolroom_process::ProcessEvent;
-use toolroom_wear::{Cut, Estimate, Life, Measurement, Objective, Observer, ObserverNoise, Pair, WearLaw, WearState};
+use toolroom_wear::{
+    Cut, Estimate, Life, Measurement, Objective, Observer, ObserverNoise, Pair, Scatter, WearLaw, WearState,
+};
 
 fn close(what: &str, computed: f64, expected: f64, tolerance: f64) {
     assert!((computed / expected - 1.0).abs() <= tolerance, "{what}: {computed}, reference {expected}");
@@ -168,5 +170,17 @@ fn sensitivities_agree_with_the_reference() {
     ];
     for (cut, minutes) in changed {
         close("life", pair.life(&cut).cutting_time / 60.0, minutes, 1e-6);
+    }
+}
+
+/// Speed m/min; mean life min, coefficient of variation, under shop scatter of edge and batch.
+/// Tolerance 1e-4 (Gauss–Hermite in the reference, too).
+#[test]
+fn life_scatter_agrees_with_the_reference() {
+    let pair = Pair::default();
+    for (speed, mean, variation) in [(30.0, 23.905684, 0.30876672), (40.0, 15.627871, 0.31429559)] {
+        let moments = Scatter::shop().life_moments(&pair, &pair.reference_cut().at_speed(speed / 60.0));
+        close("mean", moments.mean / 60.0, mean, 1e-4);
+        close("variation", moments.variation, variation, 1e-4);
     }
 }
