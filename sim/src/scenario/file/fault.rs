@@ -1,7 +1,6 @@
 //! What can be wrong in a scenario file, and the likely fix of each.
 
 use toolroom_process::ModelError;
-use toolroom_process::parameters::ParameterError;
 use toolroom_process::unit::UnitError;
 
 /// One thing that is wrong in a scenario.
@@ -195,8 +194,8 @@ pub enum Fault {
     ParameterSet {
         /// Name of the set.
         name: String,
-        /// What is wrong.
-        reason: ParameterError,
+        /// What its reader says.
+        reason: String,
     },
     /// What a process model or effect refuses.
     #[error("{subject}: {reason}")]

@@ -1,6 +1,8 @@
 //! The vocabulary in which the sections of a scenario file are described: one table a section,
 //! from which reader, JSON schema, echo and error texts are all made.
 
+use toolroom_process::Field;
+
 /// A section: `[shop]`, one `[[machine]]`, one inline table.
 #[derive(Debug)]
 pub struct Form {
@@ -81,6 +83,13 @@ pub enum Kind {
         word: &'static Kind,
         /// The full form.
         form: &'static Form,
+    },
+    /// A word, or a table of values of a record, each in the unit of its field.
+    Fields {
+        /// The scalar form.
+        word: &'static Kind,
+        /// The record's fields.
+        fields: &'static [Field],
     },
     /// Named values that another catalogue reads.
     Free(&'static str),

@@ -1,6 +1,8 @@
 //! The sections of a scenario file.
 
 use super::form::{Form, Key, Kind, Quantity};
+use toolroom_process::Record;
+use toolroom_wear::Scatter;
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
@@ -135,27 +137,10 @@ static TOOL: Form = Form {
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
             "scatter",
-            Kind::Shorthand { word: &Kind::Choice(&["none", "lab", "shop"]), form: &SCATTER },
+            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
             "shop",
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
-    ],
-};
-
-const SIGMA: Kind = quantity("1", "1", 0.0, 2.0, "0.15");
-
-/// Scatter, value by value; what is left out is as in the shop.
-static SCATTER: Form = Form {
-    title: "scatter",
-    doc: "Scatter of edges, workpieces and wear; what is left out is as in the shop",
-    keys: &[
-        Key::optional("wear_rate", SIGMA, "Log standard deviation of the wear rate of an edge, common to both terms"),
-        Key::optional("wear_terms", SIGMA, "Log standard deviation of each wear term of an edge by itself"),
-        Key::optional("hardness_batch", SIGMA, "Relative standard deviation of hardness from batch to batch"),
-        Key::optional("hardness_piece", SIGMA, "Relative standard deviation of hardness from piece to piece"),
-        Key::optional("allowance", quantity("m", "mm", 0.0, 5e-3, "0.05 mm"), "Standard deviation of the depth of cut from pass to pass"),
-        Key::optional("land_stress", SIGMA, "Log standard deviation of the stresses on the wear land"),
-        Key::optional("thermo_emf", SIGMA, "Standard deviation of the gain of the thermo-EMF from edge to edge"),
     ],
 };
 

@@ -6,7 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Puts `text` (`path=value`) into `root`; its bytes count from `base` on.
-pub(super) fn apply(walk: &mut Walk, root: &mut DeTable<'static>, text: &str, base: usize) {
+pub(super) fn apply<'d>(walk: &mut Walk, root: &mut DeTable<'d>, text: &'d str, base: usize) {
     let whole = base..base + text.len();
     let Some((path, value)) = text.split_once('=') else {
         walk.fault(whole, Fault::OverrideForm { read: text.to_owned() });
@@ -23,12 +23,11 @@ pub(super) fn apply(walk: &mut Walk, root: &mut DeTable<'static>, text: &str, ba
 }
 
 /// A TOML literal where the text is one, else the text itself: quotes do not survive a shell.
-fn literal(text: &str, span: Span) -> Spanned<DeValue<'static>> {
-    let mut value = match DeValue::parse(text) {
+fn literal(text: &str, span: Span) -> Spanned<DeValue<'_>> {
+    let value = match DeValue::parse(text) {
         Ok(value) if !matches!(value.get_ref(), DeValue::Datetime(_)) => value.into_inner(),
-        _ => DeValue::String(text.to_owned().into()),
+        _ => DeValue::String(text.into()),
     };
-    value.make_owned();
     Spanned::new(span, value)
 }
 
@@ -48,7 +47,7 @@ fn segments(path: &str) -> Option<Vec<String>> {
     None
 }
 
-fn insert(walk: &mut Walk, table: &mut DeTable<'static>, path: &[String], value: Spanned<DeValue<'static>>, whole: Span) {
+fn insert<'d>(walk: &mut Walk, table: &mut DeTable<'d>, path: &[String], value: Spanned<DeValue<'d>>, whole: Span) {
     let [segment, rest @ ..] = path else { return };
     if rest.is_empty() {
         // An empty key span: the override's own text is the place of an unknown key.
@@ -73,12 +72,12 @@ fn insert(walk: &mut Walk, table: &mut DeTable<'static>, path: &[String], value:
     descend(walk, inner.get_mut(), segment, rest, value, whole);
 }
 
-fn descend(
+fn descend<'d>(
     walk: &mut Walk,
-    inner: &mut DeValue<'static>,
+    inner: &mut DeValue<'d>,
     segment: &str,
     rest: &[String],
-    value: Spanned<DeValue<'static>>,
+    value: Spanned<DeValue<'d>>,
     whole: Span,
 ) {
     match inner {

@@ -36,37 +36,37 @@ pub struct Echo {
 
 /// A value of a section.
 #[derive(Clone, Debug)]
-pub(super) struct Got {
+pub(super) struct Got<'d> {
     pub span: Span,
     pub given: bool,
-    pub value: Value,
+    pub value: Value<'d>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum Value<'d> {
     /// SI number.
     Si(f64),
     Count(u64),
     Text(String),
     Flag(bool),
-    List(Vec<Got>),
+    List(Vec<Got<'d>>),
     /// Not looked into yet.
-    Raw(DeValue<'static>),
+    Raw(DeValue<'d>),
     /// Refused; the problem is noted.
     Faulty,
 }
 
 /// A section whose keys were read.
 #[derive(Clone, Debug)]
-pub(super) struct Section {
+pub(super) struct Section<'d> {
     pub form: &'static Form,
     pub span: Span,
     pub path: String,
-    values: BTreeMap<&'static str, Got>,
+    values: BTreeMap<&'static str, Got<'d>>,
 }
 
-impl Section {
-    pub fn got(&self, key: &str) -> Option<&Got> {
+impl<'d> Section<'d> {
+    pub fn got(&self, key: &str) -> Option<&Got<'d>> {
         self.values.get(key)
     }
 
@@ -117,7 +117,7 @@ impl Section {
         }
     }
 
-    pub fn list(&self, key: &str) -> &[Got] {
+    pub fn list(&self, key: &str) -> &[Got<'d>] {
         match self.got(key).map(|got| &got.value) {
             Some(Value::List(list)) => list,
             _ => &[],
@@ -132,6 +132,8 @@ pub(super) struct Walk {
     pub echo: Vec<Echo>,
     /// Currency codes used, with their place.
     pub currencies: Vec<(&'static str, Span)>,
+    /// Currency of the shop, in which amounts are echoed.
+    pub currency: String,
 }
 
 impl Walk {
@@ -141,14 +143,14 @@ impl Walk {
 
     /// Reads a section. `case` decides keys that depend on something outside the section, such as
     /// the process of an operation's tool.
-    pub fn section(
+    pub fn section<'d>(
         &mut self,
         form: &'static Form,
         path: &str,
-        table: &DeTable<'_>,
+        table: &DeTable<'d>,
         span: Span,
         case: Option<(&str, &str)>,
-    ) -> Section {
+    ) -> Section<'d> {
         let path = match table.get("name").and_then(|name| name.get_ref().as_str()) {
             Some(name) => format!("{path} {name}"),
             None => path.to_owned(),
@@ -192,9 +194,12 @@ impl Walk {
                 (None, Need::Default(text)) if applies != Some(false) => {
                     let parsed = DeValue::parse(text)
                         .ok()
-                        .filter(|_| !matches!(key.kind, Kind::Name | Kind::Text | Kind::Choice(_)));
+                        .filter(|_| !matches!(key.kind, Kind::Name | Kind::Text | Kind::Choice(_) | Kind::Fields { .. }));
                     let raw = parsed.unwrap_or_else(|| Spanned::new(span.clone(), DeValue::String(text.into())));
+                    let amounts = self.currencies.len();
                     let value = self.value(key.name, &key.kind, &raw);
+                    // A default amount is zero, whatever its currency.
+                    self.currencies.truncate(amounts);
                     let got = Got { span: span.clone(), given: false, value };
                     self.note(&section.path, key, &got);
                     section.values.insert(key.name, got);
@@ -206,7 +211,7 @@ impl Walk {
     }
 
     /// Every entry of the tables under `key`.
-    pub fn sections(&mut self, of: &Section, key: &str, case: Option<(&str, &str)>) -> Vec<Section> {
+    pub fn sections<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
         let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
         let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
         let mut sections = Vec::with_capacity(entries.len());
@@ -225,7 +230,7 @@ impl Walk {
     }
 
     /// The table under `key`, where it is a table.
-    pub fn table(&mut self, of: &Section, key: &str) -> Option<Section> {
+    pub fn table<'d>(&mut self, of: &Section<'d>, key: &str) -> Option<Section<'d>> {
         let form = table_form(of.form, key)?;
         let got = of.got(key)?;
         let Value::Raw(DeValue::Table(table)) = &got.value else { return None };
@@ -233,7 +238,7 @@ impl Walk {
         Some(self.section(form, &path, table, got.span.clone(), None))
     }
 
-    fn not_applicable(&mut self, section: &Section, key: &Key, span: Span, case: Option<(&str, &str)>) {
+    fn not_applicable(&mut self, section: &Section<'_>, key: &Key, span: Span, case: Option<(&str, &str)>) {
         let Some(when) = key.when else { return };
         let outside = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);
         let chosen = outside.or_else(|| section.text(when.key)).unwrap_or_default();
@@ -249,7 +254,7 @@ impl Walk {
         self.fault(span, Fault::NotApplicable { key: key.name, case, applicable });
     }
 
-    fn value(&mut self, key: &str, kind: &Kind, raw: &Spanned<DeValue<'_>>) -> Value {
+    fn value<'d>(&mut self, key: &str, kind: &Kind, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let span = raw.span();
         match (kind, raw.get_ref()) {
             (Kind::Quantity(quantity), _) => self.quantity(key, quantity, raw),
@@ -298,20 +303,18 @@ impl Walk {
             }
             (Kind::Flag, DeValue::Boolean(flag)) => Value::Flag(*flag),
             (Kind::List(item), DeValue::Array(items)) => {
-                let read = |raw: &Spanned<DeValue<'_>>| Got { span: raw.span(), given: true, value: self.value(key, item, raw) };
+                let read = |raw: &Spanned<DeValue<'d>>| Got { span: raw.span(), given: true, value: self.value(key, item, raw) };
                 Value::List(items.iter().map(read).collect())
             }
             (Kind::List(item), DeValue::String(_)) => {
                 let value = self.value(key, item, raw);
                 Value::List(vec![Got { span, given: true, value }])
             }
-            (Kind::Shorthand { word, .. }, other) if !other.is_table() => self.value(key, word, raw),
-            (Kind::Shorthand { .. } | Kind::Table(_), DeValue::Table(_))
+            (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, other) if !other.is_table() => self.value(key, word, raw),
+            (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
             | (Kind::Free(_), _) => {
-                let mut owned = raw.get_ref().clone();
-                owned.make_owned();
-                Value::Raw(owned)
+                Value::Raw(raw.get_ref().clone())
             }
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
@@ -321,8 +324,7 @@ impl Walk {
     }
 
     /// A quantity with its unit; ratios may be bare numbers.
-    pub fn quantity(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'_>>) -> Value {
-        let inside = raw.span().start + 1; // past the opening quote
+    pub fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let number = match raw.get_ref() {
             DeValue::String(text) => text.to_string(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
@@ -337,8 +339,10 @@ impl Walk {
             Ok(value) => value,
             Err(_) if not_finite => f64::NAN,
             Err(reason) => {
-                let at = inside + reason.at();
-                let span = if reason.at() > 0 && at < raw.span().end { at..raw.span().end - 1 } else { raw.span() };
+                // Past the opening quote; the text of a --set has none.
+                let quote = usize::from(raw.span().len() > number.len());
+                let at = raw.span().start + quote + reason.at();
+                let span = if reason.at() > 0 && at < raw.span().end { at..raw.span().end - quote } else { raw.span() };
                 self.fault(span, Fault::Quantity { key: key.to_owned(), example: fix(quantity, &number, &reason), reason });
                 return Value::Faulty;
             }
@@ -366,8 +370,11 @@ impl Walk {
         self.fault(span, fault);
     }
 
-    fn note(&mut self, path: &str, key: &Key, got: &Got) {
-        let Some(value) = understood(&key.kind, &got.value) else { return };
+    fn note(&mut self, path: &str, key: &Key, got: &Got<'_>) {
+        let Some(mut value) = understood(&key.kind, &got.value) else { return };
+        if matches!(key.kind, Kind::Quantity(quantity) if quantity.display.starts_with("EUR")) && !self.currency.is_empty() {
+            value = value.replace("EUR", &self.currency);
+        }
         self.echo.push(Echo { section: path.to_owned(), key: key.name.to_owned(), value, default: !got.given });
     }
 }
@@ -380,13 +387,13 @@ fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
 }
 
 /// A value in words, in the display unit of its key; `None` for sections, which speak themselves.
-fn understood(kind: &Kind, value: &Value) -> Option<String> {
+fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
     Some(match (kind, value) {
         (Kind::Quantity(quantity), Value::Si(si)) => display(quantity, *si),
         (_, Value::Count(count)) => count.to_string(),
         (_, Value::Text(text)) => text.clone(),
         (_, Value::Flag(flag)) => flag.to_string(),
-        (Kind::Shorthand { word, .. }, value) => return understood(word, value),
+        (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, value) => return understood(word, value),
         (Kind::List(item), Value::List(list)) => {
             list.iter().filter_map(|got| understood(item, &got.value)).collect::<Vec<_>>().join(", ")
         }
@@ -441,6 +448,7 @@ fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
             let good = unit::quantity(&text, quantity.unit).is_ok_and(|value| quantity.admits(value));
             quoted(if good { &text } else { quantity.example })
         }
+        _ if quantity.example.is_empty() => quoted(&format!("… {}", quantity.display)),
         _ => quoted(quantity.example),
     }
 }
@@ -463,6 +471,10 @@ fn expected(kind: &Kind) -> String {
         Kind::Table(form) => format!("a section {}", form.title),
         Kind::Tables(form) => format!("sections {}", form.title),
         Kind::Shorthand { word, form } => format!("{}, or a table ({})", expected(word), form.doc),
+        Kind::Fields { word, fields } => {
+            let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
+            format!("{}, or a table of {}", expected(word), names.join(", "))
+        }
         Kind::Free(doc) => (*doc).to_owned(),
     }
 }
@@ -477,7 +489,7 @@ pub(super) fn example(kind: &Kind) -> String {
         Kind::Choice(choices) => quoted(choices.first().copied().unwrap_or_default()),
         Kind::List(item) => format!("[{}]", example(item)),
         Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
-        Kind::Shorthand { word, .. } => example(word),
+        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
         Kind::Free(_) => "{ … }".to_owned(),
     }
 }

@@ -1,0 +1,123 @@
+//! Scenario files: TOML in, a resolved [`Scenario`] or every fault with its place out.
+//!
+//! ```text
+//!  bytes ─decode─► text ─TOML─► tree ◄─ --set key=value
+//!                                │ walk: units, ranges, unknown and missing keys, by the
+//!                                │       tables of keys.rs
+//!                                ▼
+//!                             sections ─resolve: names, parameter sets, contradictions─► Scenario
+//! ```
+//! The tables in `keys.rs` say everything about every key once: kind, unit, range, default,
+//! meaning. Reader, JSON schema ([`schema`]), the echo of `toolroom check` and the error texts
+//! are made from them.
+
+mod error;
+mod explain;
+mod fault;
+mod form;
+mod keys;
+mod overrides;
+mod processes;
+mod resolve;
+mod routing;
+mod rules;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod text;
+mod walk;
+
+pub use error::{FaultList, Origin, Place, ReadError};
+pub use explain::{CODES, explain};
+pub use fault::Fault;
+pub use schema::schema;
+pub use walk::{Echo, Problem};
+
+use super::Scenario;
+use std::path::Path;
+use toml::de::DeTable;
+use toolroom_process::parameters::place;
+use walk::Walk;
+
+/// What a scenario file says.
+#[derive(Clone, Debug)]
+pub struct ScenarioFile {
+    /// What is simulated.
+    pub scenario: Scenario,
+    /// Every value as it was understood, defaults included, in the order of the sections.
+    pub echo: Vec<Echo>,
+    /// What is to be written.
+    pub output: Output,
+    /// The text, for records of what was run.
+    pub text: String,
+}
+
+/// The section `[output]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Log tables as CSV instead of Parquet.
+    pub csv: bool,
+    /// Whether log tables are written at all.
+    pub logs: bool,
+}
+
+/// Reads a scenario file; `overrides` are `path=value` as after `--set`.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
+pub fn read(path: &Path, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+    parse(&file, &text::decode(&file, &bytes)?, overrides)
+}
+
+/// Reads the text of a scenario; `file` is its name in messages.
+///
+/// # Errors
+/// [`ReadError::Faults`] with every fault found.
+///
+/// # Examples
+/// ```
+/// use toolroom_sim::scenario::file::{ReadError, parse};
+/// let Err(ReadError::Faults(list)) = parse("shop.toml", "schema = 1\n[shpo]\n", &[]) else { panic!() };
+/// assert!(list.to_string().starts_with("shop.toml:1:1: "));
+/// assert!(list.problems.iter().any(|problem| problem.fault.code() == "unknown-key"));
+/// ```
+pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let mut walk = Walk::default();
+    let (mut root, errors) = DeTable::parse_recoverable(text);
+    let mut last_line = 0;
+    for error in errors {
+        let span = error.span().unwrap_or(0..0);
+        // One slip often gives several messages about its line; the first says what it is.
+        let (line, _) = place(text, span.start);
+        if line != last_line {
+            walk.fault(span, Fault::Syntax { message: error.message().to_owned() });
+        }
+        last_line = line;
+    }
+    let broken = !walk.problems.is_empty();
+    let mut base = text.len() + 1;
+    for each in overrides {
+        overrides::apply(&mut walk, root.get_mut(), each, base);
+        base += each.len() + 1;
+    }
+    // What follows from a file that is not TOML says nothing about the scenario.
+    let resolved = if broken { None } else { resolve::scenario(&mut walk, root.get_ref()) };
+    match resolved {
+        Some((scenario, output)) if walk.problems.is_empty() => {
+            Ok(ScenarioFile { scenario, echo: walk.echo, output, text: text.to_owned() })
+        }
+        _ => {
+            walk.problems.sort_by_key(|problem| problem.span.start);
+            let list = FaultList {
+                file: file.to_owned(),
+                text: text.to_owned(),
+                overrides: overrides.to_vec(),
+                problems: walk.problems,
+            };
+            Err(ReadError::Faults(Box::new(list)))
+        }
+    }
+}
