@@ -1,0 +1,29 @@
+//! Turning and milling as processes: what wear, force, heat and effects give together.
+//!
+//! ```text
+//!   Pair (wear) ──┐
+//!   Finish ───────┼─► Turning ──► rates, outputs, events ──► impl Process
+//!   Effects ──────┘
+//! ```
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Turning`] | one edge in one workpiece |
+//!
+//! ```
+//! use toolroom_cutting::{Turning, TurningInput};
+//! use toolroom_process::Process;
+//! let turning = Turning::named("c45_t15k6").unwrap();
+//! let cut = TurningInput { cutting_speed: 3.0, feed_per_rev: 0.3e-3, depth_of_cut: 1.5e-3, ..Default::default() };
+//! let output = turning.output(&turning.initial(), &cut);
+//! assert!(output.spindle_power > 2e3 && output.spindle_power < 3e3);
+//! ```
+//!
+//! # What is not modelled
+//! Chatter, built-up edge, thermal growth of workpiece and spindle, notch and crater wear, chip
+//! breaking, nose wear (roughness is that of an ideal edge), interrupted cuts within a
+//! revolution, coolant other than through the effects.
+
+pub mod turning;
+
+pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningOutput, TurningState};

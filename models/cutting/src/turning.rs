@@ -1,0 +1,151 @@
+//! Turning: one edge in one workpiece.
+
+mod equations;
+mod life;
+mod records;
+
+pub use life::LifeModel;
+pub use records::{Finish, TurningInput, TurningOutput, TurningState};
+
+use toolroom_effects::Effects;
+use toolroom_process::ode::{self, Tolerance};
+use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
+use toolroom_wear::{Pair, WEAR_EVENTS};
+
+/// Turning with one tool–work pair.
+///
+/// # Examples
+/// ```
+/// use toolroom_cutting::{Turning, TurningInput};
+/// use toolroom_process::{Process, ProcessEvent};
+/// let turning = Turning::named("ni_vk6om").unwrap();
+/// let mut edge = turning.initial();
+/// let end = turning.advance(&mut edge, &TurningInput::default(), 3600.0).unwrap();
+/// assert_eq!(end.event, Some(ProcessEvent::WearLimit)); // a cold start at 40 m/min
+/// assert!((end.elapsed / 60.0 - 14.77972).abs() < 1e-4);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turning<N: Copy = f64> {
+    /// Heat, force, EMF, wear and limits of tool and work material.
+    pub pair: Pair<N>,
+    /// What decides size and finish.
+    pub finish: Finish<N>,
+    /// Effects that are switched on.
+    pub effects: Effects<N>,
+}
+
+impl Default for Turning {
+    /// The default pair, no effects.
+    fn default() -> Self {
+        Self { pair: Pair::default(), finish: Finish::default(), effects: Effects::default() }
+    }
+}
+
+/// Relative accuracy of [`Process::advance`]; the golden lives hold to 1e-6 with a margin of ten.
+const ACCURACY: f64 = 1e-8;
+
+/// Number of components of [`TurningState`].
+const STATES: usize = <TurningState as Record>::LEN;
+
+impl Turning {
+    /// Turning with a shipped parameter set and no effects.
+    ///
+    /// # Errors
+    /// [`toolroom_wear::PairError::UnknownSet`] with the nearest name.
+    pub fn named(set: &str) -> Result<Self, toolroom_wear::PairError> {
+        Ok(Self { pair: Pair::named(set)?, ..Self::default() })
+    }
+
+    /// Error of a state that counts as one, with `relative` accuracy: scales of this pair.
+    fn scales(&self, relative: f64) -> [f64; STATES] {
+        let body = self.pair.temperature.body_time_constant;
+        let speed = self.pair.limits.reference_speed;
+        let wear = self.pair.limits.wear_limit;
+        let scales = TurningState {
+            flank_wear: wear,
+            tool_body_temperature_rise: self.pair.temperature.ambient_temperature,
+            thermal_damage: 1.0,
+            mechanical_wear: wear,
+            thermal_wear: wear,
+            cutting_path: speed * body,
+            cutting_time: body,
+            chipping_hazard: 1.0,
+            energy: self.pair.force.specific_force * speed * body,
+        };
+        let mut absolute = [0.0; STATES];
+        scales.write_to(&mut absolute);
+        absolute.map(|scale| relative * scale)
+    }
+}
+
+impl<N: Number> Turning<N> {
+    /// The same process over another number type, for exact derivatives.
+    pub fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Turning<M> {
+        Turning {
+            pair: self.pair.map(&mut convert),
+            finish: self.finish.map(&mut convert),
+            effects: self.effects.map(&mut convert),
+        }
+    }
+}
+
+impl Process for Turning {
+    type Input = TurningInput;
+    type State = TurningState;
+    type Output = TurningOutput;
+
+    const NAME: &'static str = "turning";
+    const EVENTS: &'static [ProcessEvent] = &WEAR_EVENTS;
+
+    fn initial(&self) -> TurningState {
+        TurningState::default()
+    }
+
+    fn output(&self, x: &TurningState, u: &TurningInput) -> TurningOutput {
+        self.observe(x, u)
+    }
+
+    fn advance(&self, x: &mut TurningState, u: &TurningInput, dt: f64) -> Result<Advance, ModelError> {
+        u.check()?;
+        if !(dt >= 0.0 && dt.is_finite()) {
+            return Err(ModelError::Step { seconds: dt });
+        }
+        TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
+        let mut start = [0.0; STATES];
+        x.write_to(&mut start);
+        let rhs = |time: f64, y: &[f64; STATES]| {
+            let mut slope = [0.0; STATES];
+            self.rates(&TurningState::from_slice(y), &self.input_after(u, time)).write_to(&mut slope);
+            slope
+        };
+        let events = |time: f64, y: &[f64; STATES]| {
+            let mut indicators = [0.0; WEAR_EVENTS.len()];
+            self.event_indicators(&TurningState::from_slice(y), &self.input_after(u, time), &mut indicators);
+            indicators
+        };
+        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
+        let end = ode::integrate(rhs, events, &start, dt, &tolerance)?;
+        *x = TurningState::from_slice(&end.state);
+        Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
+    }
+
+    fn input_after(&self, u: &TurningInput, elapsed: f64) -> TurningInput {
+        TurningInput { cutting_speed: u.cutting_speed + u.cutting_acceleration * elapsed, ..*u }
+    }
+
+    fn derivative(&self, x: &TurningState, u: &TurningInput) -> Option<TurningState> {
+        Some(self.rates(x, u))
+    }
+
+    fn event_indicators(&self, x: &TurningState, u: &TurningInput, indicators: &mut [f64]) {
+        let cut = self.cut(u, &self.terms(x, u));
+        indicators.copy_from_slice(&self.pair.event_indicators(&x.wear(), &cut, u.chipping_resistance));
+    }
+
+    fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
+        let mut groups = self.pair.parameters_mut();
+        groups.push(("finish", &mut self.finish));
+        groups.extend(self.effects.parameters_mut());
+        groups
+    }
+}

@@ -1,0 +1,148 @@
+//! The process contract, the published lives and the neutrality of turning.
+
+use proptest::prelude::*;
+use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
+use toolroom_effects::{Effect, Effects};
+use toolroom_process::num_dual::Dual64;
+use toolroom_process::{Process, ProcessEvent, Record, process_contract};
+
+fn process() -> Turning {
+    Turning::named("ni_vk6om").expect("a shipped set")
+}
+
+fn points() -> Vec<(TurningInput, f64)> {
+    let base = TurningInput::default();
+    vec![
+        (base, 60.0),
+        (TurningInput { cutting_speed: 1.2, feed_per_rev: 0.2e-3, depth_of_cut: 1.5e-3, ..base }, 30.0),
+        (TurningInput { cutting_speed: 0.9, cutting_acceleration: -2e-3, hardness_ratio: 1.05, ..base }, 90.0),
+        (TurningInput { engaged: 0.0, ..base }, 45.0),
+    ]
+}
+
+process_contract!(contract, process(), points());
+
+/// Cold-start life of the default set at 40 m/min, and its state at the end.
+#[test]
+fn the_life_of_a_cold_start_is_the_reference_value() {
+    let (life, event) = process().life(&TurningInput::default(), LifeModel::Ode).expect("an edge that wears out");
+    assert_eq!(event, ProcessEvent::WearLimit);
+    let close = |computed: f64, expected: f64| assert!((computed / expected - 1.0).abs() < 1e-6, "{computed}");
+    close(life.cutting_time / 60.0, 14.77972);
+    close(life.mechanical_wear * 1e3, 0.21278695);
+    close(life.thermal_wear * 1e3, 0.38721305);
+}
+
+/// Quasi-steady lives: the state equations with a slaved body equal the quadrature.
+#[test]
+fn the_quasi_steady_life_is_that_of_the_quadrature() {
+    for (set, speed, minutes) in [
+        ("ni_vk6om", 20.0, 24.320973),
+        ("ni_vk6om", 60.0, 5.43553),
+        ("ni_vk6om_hb", 40.0, 21.02601),
+        ("c45_t15k6", 180.0, 111.78606),
+        ("ti_vk6", 50.0, 18.696459),
+    ] {
+        let turning = Turning::named(set).expect("a shipped set");
+        let cut = turning.pair.reference_cut();
+        let input = TurningInput {
+            cutting_speed: speed / 60.0,
+            feed_per_rev: cut.feed_per_rev,
+            depth_of_cut: cut.depth_of_cut,
+            ..TurningInput::default()
+        };
+        let (life, _) = turning.life(&input, LifeModel::QuasiSteady).expect("an edge that wears out");
+        assert!(
+            (life.cutting_time / 60.0 / minutes - 1.0).abs() < 1e-6,
+            "{set} at {speed}: {}",
+            life.cutting_time / 60.0
+        );
+    }
+}
+
+/// Passes of 1.5 min at 36 m/min with pauses of 0.3 min.
+#[test]
+fn passes_with_pauses_give_the_reference_states() {
+    let turning = process();
+    let cut = TurningInput { cutting_speed: 0.6, ..TurningInput::default() };
+    let pause = TurningInput { engaged: 0.0, ..cut };
+    let mut x = turning.initial();
+    for (land, body) in [(0.10095431, 259.06087), (0.15197396, 273.36952), (0.19088122, 281.48012)] {
+        turning.advance(&mut x, &cut, 90.0).expect("a pass");
+        turning.advance(&mut x, &pause, 18.0).expect("a pause");
+        assert!((x.flank_wear * 1e3 / land - 1.0).abs() < 1e-6, "{}", x.flank_wear);
+        assert!((x.tool_body_temperature_rise / body - 1.0).abs() < 1e-6, "{}", x.tool_body_temperature_rise);
+    }
+}
+
+/// The first edge to reach its resistance chips, at the path that the Weibull law says.
+#[test]
+fn an_edge_chips_when_its_hazard_is_used_up() {
+    let turning = process();
+    let input = TurningInput { chipping_rate: 1e-2, chipping_resistance: 0.01, ..TurningInput::default() };
+    let mut x = turning.initial();
+    let end = turning.advance(&mut x, &input, 600.0).expect("a pass");
+    assert_eq!(end.event, Some(ProcessEvent::Chipping));
+    // Hazard (rate·path)^1.5 of an unworn edge; the land raises it a little, so the path is shorter.
+    let unworn = 0.01f64.powf(1.0 / 1.5) / 1e-2;
+    assert!(x.cutting_path < unworn && x.cutting_path > 0.8 * unworn, "{} m", x.cutting_path);
+}
+
+#[test]
+fn a_collapse_is_an_event() {
+    // Worn past the limit, so that the limit is no event any more.
+    let mut x = TurningState { flank_wear: 0.65e-3, ..TurningState::default() };
+    let fast = TurningInput { cutting_speed: 2.0, ..TurningInput::default() };
+    let end = process().advance(&mut x, &fast, 60.0).expect("a pass");
+    assert_eq!(end.event, Some(ProcessEvent::ThermalCollapse));
+}
+
+#[test]
+fn a_known_effect_changes_what_it_should() {
+    let effect = |id: &str, size: f64| Turning {
+        effects: Effects::new(vec![Effect::named(id).expect("a known effect").with_size(size)]).expect("one effect"),
+        ..process()
+    };
+    let worn = TurningState { flank_wear: 0.3e-3, ..TurningState::default() };
+    let u = TurningInput::default();
+    let (bare, more) = (process().output(&worn, &u), effect("wear_force", 0.2).output(&worn, &u));
+    assert!((more.cutting_force / bare.cutting_force - 1.2).abs() < 1e-12);
+    let life = |turning: &Turning| turning.life(&u, LifeModel::Ode).expect("a life").0.cutting_time;
+    for id in ["wear_acceleration", "run_in", "wear_temperature", "thermal_heredity"] {
+        assert!(life(&effect(id, 0.5)) < life(&process()), "{id} shortens life");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn zero_strength_is_neutral(speed in 0.25..1.3f64, feed in 0.05e-3..0.4e-3, depth in 0.2e-3..3e-3, dt in 1.0..120.0f64) {
+        let u = TurningInput { cutting_speed: speed, feed_per_rev: feed, depth_of_cut: depth, ..TurningInput::default() };
+        let with = Turning { effects: Effects::every("turning"), ..process() };
+        let (mut a, mut b) = (process().initial(), with.initial());
+        prop_assert_eq!(process().advance(&mut a, &u, dt), with.advance(&mut b, &u, dt));
+        prop_assert_eq!(a, b);
+        prop_assert_eq!(process().output(&a, &u), with.output(&b, &u));
+    }
+
+    #[test]
+    fn dual_numbers_give_the_slope_of_every_output(speed in 0.3..1.2f64, land in 0.05e-3..0.5e-3) {
+        let turning = process();
+        let dual = turning.map(Dual64::from);
+        let x = TurningState { flank_wear: land, tool_body_temperature_rise: 300.0, ..TurningState::default() };
+        let u = TurningInput { cutting_speed: speed, ..TurningInput::default() };
+        let mut seeded = u.map(Dual64::from);
+        seeded.cutting_speed = seeded.cutting_speed.derivative();
+        let slopes = dual.observe(&x.map(Dual64::from), &seeded).map(|value| value.eps);
+        let h = 1e-5 * speed;
+        let at = |speed: f64| turning.output(&x, &TurningInput { cutting_speed: speed, ..u });
+        let (low, high) = (at(speed - h), at(speed + h));
+        for i in 0..toolroom_cutting::TurningOutput::<f64>::LEN {
+            let difference = (high.get(i).unwrap_or(0.0) - low.get(i).unwrap_or(0.0)) / (2.0 * h);
+            let slope = slopes.get(i).unwrap_or(0.0);
+            let scale = slope.abs().max(high.get(i).unwrap_or(0.0).abs() / speed);
+            prop_assert!((difference - slope).abs() <= 1e-5 * scale, "output {}: {} against {}", i, slope, difference);
+        }
+    }
+}
