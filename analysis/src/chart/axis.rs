@@ -244,8 +244,12 @@ fn log_ticks(low: f64, high: f64, wanted: usize) -> Ticks {
     if major.len() < 3 {
         major = multiples(&[1, 2, 5]).filter(|&v| inside(v)).collect();
     }
-    if major.len() < 2 {
-        // Less than a factor of two: as on a linear axis.
+    if major.len() < 3 {
+        major = multiples(&[1, 2, 3, 4, 5, 6, 7, 8, 9]).filter(|&v| inside(v)).collect();
+    }
+
+    if major.len() < 3 {
+        // Hardly a factor of two: as on a linear axis.
         return linear_ticks(low, high, wanted);
     }
     let minor = if stride == 1 && decades <= 8 {
@@ -286,6 +290,14 @@ fn minus(text: String) -> String {
         Some(rest) => format!("−{rest}"),
         None => text,
     }
+}
+
+/// Numbers of one picture: as many decimals for all as give the largest three significant digits.
+pub(crate) fn alike(values: impl IntoIterator<Item = f64>) -> impl Fn(f64) -> String {
+    let largest = values.into_iter().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
+    let plain = (1e-2..1e5).contains(&largest);
+    let digits = if plain { (2 - largest.log10().floor() as i32).max(0) as usize } else { 0 };
+    move |v| if plain && v.is_finite() { minus(format!("{v:.digits$}")) } else { number(v, 3) }
 }
 
 /// A number for people: so many significant digits, a power of ten when it is very large or small.
@@ -385,6 +397,13 @@ mod tests {
         assert_eq!(scale.low, 0.0);
         let scale = Axis::linear("x", "").scale([0.9, 1.0]).expect("drawable");
         assert!(scale.low > 0.8);
+    }
+
+    #[test]
+    fn numbers_of_one_picture_have_the_same_decimals() {
+        let text = alike([-81.0, 9.4, 0.4]);
+        assert_eq!([text(-44.0), text(9.4), text(0.0)], ["−44.0", "9.4", "0.0"]);
+        assert_eq!(alike([1e-9])(2.5e-9), "2.5×10⁻⁹");
     }
 
     #[test]

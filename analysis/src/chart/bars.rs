@@ -1,8 +1,8 @@
 //! Grouped bars with error bars.
 
-use super::axis::{Axis, number};
+use super::axis::{Axis, alike};
 use super::frame::{self, Entry, Sample};
-use super::style::{GRID, INK, MUTED, Style};
+use super::style::{Colour, GRID, INK, MUTED, Style};
 use super::svg::{Anchor, Area, Canvas, FONT, Px, WIDTH, fit, text_width, wrap};
 use super::table::{Cell, Table};
 use super::{Chart, describe};
@@ -101,6 +101,8 @@ impl Bars {
     }
 }
 
+const REFERENCE: Style = Style::nth(1).colour(Colour::Ink);
+
 impl Chart for Bars {
     fn title(&self) -> &str {
         &self.title
@@ -115,13 +117,14 @@ impl Chart for Bars {
         let values =
             drawn.flat_map(|e| [e.value, e.bounds().0, e.bounds().1]).chain(self.reference.iter().map(|r| r.0));
         let Some(scale) = self.axis.scale(values) else { return frame::empty(&self.title, &self.description) };
+        let text = alike(estimates().map(|e| e.value));
         let mut canvas = Canvas::new();
-        let entries: Vec<Entry> = match self.series.as_slice() {
-            [_] => Vec::new(),
-            many => {
-                many.iter().map(|(label, _, style)| Entry { label, style: *style, sample: Sample::Block }).collect()
-            }
-        };
+        let mut entries: Vec<Entry> = Vec::new();
+        if self.series.len() > 1 {
+            let blocks = self.series.iter();
+            entries.extend(blocks.map(|(label, _, style)| Entry { label, style: *style, sample: Sample::Block }));
+        }
+        entries.extend(self.reference.iter().map(|(_, label)| Entry { label, style: REFERENCE, sample: Sample::Line }));
         // Room above the highest bar for its number.
         let top = frame::header(&mut canvas, &self.title, &entries) + 10.0;
         let frame = VerticalFrame::new(&mut canvas, &self.axis, scale, top, 250.0);
@@ -138,35 +141,29 @@ impl Chart for Bars {
                 let left = middle + bar * (j as f64 - 0.5 * self.series.len() as f64);
                 let Some(y) = frame.y.at(e.value) else { continue };
                 let area = Area::new(left + 1.5, y.min(zero), left + bar - 1.5, y.max(zero));
-                canvas.block(area, style.colour, style.hatch, &format!("{label}, {category}: {}", number(e.value, 4)));
+                canvas.block(area, style.colour, style.hatch, &format!("{label}, {category}: {}", text(e.value)));
                 let (low, high) = e.bounds();
                 let ends = frame.y.at(low).zip(frame.y.at(high)).filter(|_| e.interval.is_some());
                 if let Some((low, high)) = ends {
                     whisker_up(&mut canvas, left + bar / 2.0, low, high, (bar / 4.0).min(6.0));
                 }
-                let text = number(e.value, 3);
-                if text_width(&text, FONT) < bar.max(0.9 * slot / self.series.len() as f64) + 8.0 {
+                let words = text(e.value);
+                if text_width(&words, FONT) < bar.max(0.9 * slot / self.series.len() as f64) + 8.0 {
                     let above = ends.map_or(y, |(a, b)| a.min(b).min(y));
                     let below = ends.map_or(y, |(a, b)| a.max(b).max(y));
                     let at = if e.value < 0.0 { below + 15.0 } else { above - 6.0 };
-                    canvas.halo(left + bar / 2.0, at, Anchor::Middle, &text);
+                    canvas.halo(left + bar / 2.0, at, Anchor::Middle, &words);
                 }
             }
         }
         canvas.open(INK);
         canvas.stroke(&format!("M{} {}H{}", Px(frame.area.left), Px(zero), Px(frame.area.right)), 1.0, "");
         canvas.close();
-        if let Some((value, label)) = &self.reference
-            && let Some(y) = frame.y.at(*value)
-        {
+        if let Some(y) = self.reference.as_ref().and_then(|r| frame.y.at(r.0)) {
             canvas.open(INK);
-            canvas.stroke(
-                &format!("M{} {}H{}", Px(frame.area.left), Px(y), Px(frame.area.right)),
-                1.2,
-                " stroke-dasharray=\"7 3\"",
-            );
+            let d = format!("M{} {}H{}", Px(frame.area.left), Px(y), Px(frame.area.right));
+            canvas.stroke(&d, 1.2, REFERENCE.dash.attribute());
             canvas.close();
-            canvas.halo(frame.area.right - 4.0, y - 5.0, Anchor::End, &fit(label, FONT, 300.0));
         }
         let omitted = estimates().filter(|e| !self.axis.holds(e.value)).count();
         let below = frame.area.bottom - 2.0;
@@ -218,7 +215,7 @@ impl VerticalFrame {
         canvas.stroke(&grid, 1.0, "");
         canvas.close();
         let caption = fit(&axis.caption_with(ticks.exponent), FONT, height + 40.0);
-        canvas.upright(14.0, f64::midpoint(area.top, area.bottom), &caption);
+        canvas.upright(12.0, f64::midpoint(area.top, area.bottom), &caption);
         Self { area, y }
     }
 }

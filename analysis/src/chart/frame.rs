@@ -5,10 +5,15 @@ use super::style::{MUTED, Style};
 use super::svg::{Anchor, Area, Canvas, FONT, Px, WIDTH, fit, text_width};
 use std::fmt::Write;
 
+/// Where titles and legends start.
+const LEFT: f64 = 2.0;
 /// Distance of the plot area from the right border.
 const RIGHT: f64 = 18.0;
 /// Space under the plot area for tick labels and the caption.
 const BELOW: f64 = 46.0;
+
+/// Radius of a marker.
+pub(crate) const MARKER: f64 = 3.5;
 
 /// What stands beside a label in the legend.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -29,17 +34,17 @@ pub(crate) struct Entry<'a> {
 
 /// Draws the title and the legend; returns the y below them.
 pub(crate) fn header(canvas: &mut Canvas, title: &str, entries: &[Entry]) -> f64 {
-    canvas.heading(8.0, 22.0, &fit(title, 15.5, WIDTH - 16.0));
+    canvas.heading(LEFT, 22.0, &fit(title, 15.5, WIDTH - 16.0));
     let mut y = 36.0;
     if entries.is_empty() {
         return y;
     }
-    let (mut x, line) = (8.0, 20.0);
+    let (mut x, line) = (LEFT, 20.0);
     for e in entries {
         let label = fit(e.label, FONT, 340.0);
         let width = 34.0 + text_width(&label, FONT) + 16.0;
-        if x + width > WIDTH && x > 8.0 {
-            x = 8.0;
+        if x + width > WIDTH && x > LEFT {
+            x = LEFT;
             y += line;
         }
         sample(canvas, e, x, y + 8.0);
@@ -86,20 +91,24 @@ fn sample(canvas: &mut Canvas, e: &Entry, x: f64, y: f64) {
 }
 
 /// The outlines of markers at pixel positions.
-pub(crate) fn markers(at: impl IntoIterator<Item = (f64, f64)>, style: Style) -> String {
+pub(crate) fn markers(at: impl IntoIterator<Item = (f64, f64)>, style: Style, radius: f64) -> String {
     at.into_iter().fold(String::new(), |mut d, (x, y)| {
-        style.marker.append(&mut d, x, y);
+        style.marker.append(&mut d, x, y, radius);
         d
     })
 }
 
 /// Draws markers at pixel positions in the current colour.
 pub(crate) fn points(canvas: &mut Canvas, at: impl IntoIterator<Item = (f64, f64)>, style: Style) {
-    let d = markers(at, style);
+    fill_markers(canvas, &markers(at, style, MARKER), style);
+}
+
+/// Draws outlines of markers in the current colour.
+pub(crate) fn fill_markers(canvas: &mut Canvas, d: &str, style: Style) {
     if style.marker.filled() {
-        canvas.fill(&d, 1.0, None);
+        canvas.fill(d, 1.0, None);
     } else {
-        canvas.stroke(&d, 1.8, "");
+        canvas.stroke(d, 1.8, "");
     }
 }
 
@@ -147,13 +156,16 @@ pub(crate) fn axes(
         }
     }
     canvas.grid(&grid);
+    let mut last = f64::INFINITY;
     for (v, label) in &ticks.major {
-        if let Some(p) = y.at(*v) {
+        if let Some(p) = y.at(*v).filter(|p| (last - p).abs() > FONT + 1.0) {
             canvas.muted(left - 7.0, p + 4.0, Anchor::End, &fit(label, FONT, 150.0));
+            last = p;
         }
     }
+
     canvas.upright(
-        14.0,
+        12.0,
         f64::midpoint(area.top, bottom),
         &fit(&y_axis.caption_with(ticks.exponent), FONT, height + 40.0),
     );
@@ -181,12 +193,15 @@ pub(crate) fn x_ruler(canvas: &mut Canvas, axis: &Axis, scale: Scale, area: Area
     canvas.open(MUTED);
     canvas.stroke(&format!("M{} {}V{}H{}", Px(area.left), Px(area.top), Px(area.bottom), Px(area.right)), 1.0, "");
     canvas.close();
+    let mut end = f64::NEG_INFINITY;
     for (v, label) in &ticks.major {
-        if let Some(p) = scale.at(*v) {
-            let half = text_width(label, FONT) / 2.0;
+        let half = text_width(label, FONT) / 2.0;
+        if let Some(p) = scale.at(*v).filter(|p| p - half > end + 6.0) {
             canvas.muted(p.min(WIDTH - 2.0 - half), area.bottom + 17.0, Anchor::Middle, label);
+            end = p + half;
         }
     }
+
     let caption = fit(&axis.caption_with(ticks.exponent), FONT, WIDTH - 40.0);
     let half = text_width(&caption, FONT) / 2.0 + 4.0;
     let middle = f64::midpoint(area.left, area.right).min(WIDTH - half).max(half);
@@ -217,7 +232,7 @@ pub(crate) fn finish(mut canvas: Canvas, title: &str, description: &str, bottom:
 pub(crate) fn empty(title: &str, description: &str) -> String {
     let mut canvas = Canvas::new();
     let top = header(&mut canvas, title, &[]);
-    let area = Area::new(8.0, top, WIDTH - 8.0, top + 120.0);
+    let area = Area::new(LEFT, top, WIDTH - LEFT, top + 120.0);
     canvas.grid(&super::svg::rectangle(area));
     canvas.muted(WIDTH / 2.0, f64::midpoint(area.top, area.bottom) + 4.0, Anchor::Middle, "no data");
     canvas.finish(title, &format!("{description} No data."), area.bottom + 8.0)

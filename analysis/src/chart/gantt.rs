@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::frame::{self, Entry, Sample, points};
 use super::rows::Rows;
 use super::style::Style;
-use super::svg::{Anchor, Area, Canvas, FONT, text_width};
+use super::svg::{Area, Canvas, FONT, text_width};
 use super::table::{Cell, Table};
 use super::{Chart, describe};
 
@@ -161,7 +161,8 @@ impl Chart for Gantt {
                 let area = Area { right: area.right.max(area.left + 0.5), ..area };
                 canvas.block(area, style.colour, style.hatch, label);
                 if !label.is_empty() && text_width(label, FONT) + 8.0 < area.width() {
-                    canvas.halo(f64::midpoint(area.left, area.right), rows.middle(i) + 4.0, Anchor::Middle, label);
+                    let middle = f64::midpoint(area.left, area.right);
+                    canvas.inside(middle, rows.middle(i) + 4.0, label, style.colour, style.hatch);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! What can lie on a plot area: lines, bands, steps, points, columns and reference lines.
 
 use super::axis::Axis;
-use super::frame::{Entry, Frame, Sample, markers, points};
+use super::frame::{Entry, Frame, MARKER, Sample, fill_markers, markers};
 use super::style::{Colour, INK, PAPER, Style};
 use super::svg::{Anchor, Area, Canvas, FONT, Px, fit, text_width};
 use super::table::{Cell, Table};
@@ -156,47 +156,43 @@ fn reference(canvas: &mut Canvas, d: &str) {
     canvas.close();
 }
 
-/// Writes the words of the reference lines, clear of each other.
+/// Writes the words of the reference lines, clear of each other and of the lines where that is
+/// possible.
 pub(crate) fn label_references(canvas: &mut Canvas, frame: &Frame, layers: &[Layer]) {
     let a = frame.area;
-    let mut used: Vec<Area> = Vec::new();
+    let line = |l: &Layer| match l {
+        Layer::Horizontal { value, .. } => frame.y.at(*value).map(|y| Area::new(a.left, y, a.right, y)),
+        Layer::Vertical { value, .. } => frame.x.at(*value).map(|x| Area::new(x, a.top, x, a.bottom)),
+        _ => None,
+    };
+    let lines: Vec<Area> = layers.iter().filter_map(line).collect();
+    let mut labels: Vec<Area> = Vec::new();
     for layer in layers {
-        let (text, candidates): (String, Vec<(f64, f64)>) = match layer {
-            Layer::Horizontal { value, label } => {
-                let Some(y) = frame.y.at(*value).filter(|y| (a.top - 1.0..=a.bottom + 1.0).contains(y)) else {
-                    continue;
-                };
-                let text = fit(label, FONT, a.width() / 2.0);
-                let w = text_width(&text, FONT);
-                let rows = [y - 5.0, y + 14.0];
-                let columns = [a.right - w - 6.0, a.left + 6.0, f64::midpoint(a.left, a.right) - w / 2.0];
-                let spots = columns.iter().flat_map(|&x| rows.iter().map(move |&y| (x, y)));
-                let inside = |&(_, y): &(f64, f64)| y - FONT > a.top - 2.0 && y < a.bottom;
-                (text, spots.filter(inside).collect())
-            }
-            Layer::Vertical { value, label } => {
-                let Some(x) = frame.x.at(*value).filter(|x| (a.left - 1.0..=a.right + 1.0).contains(x)) else {
-                    continue;
-                };
-                let text = fit(label, FONT, a.width() / 3.0);
-                let w = text_width(&text, FONT);
-                let columns = if x + 6.0 + w < a.right { [x + 6.0, x - 6.0 - w] } else { [x - 6.0 - w, x + 6.0] };
-                let spots =
-                    (0..6).flat_map(|row| columns.iter().map(move |&x| (x, a.top + 14.0 + 16.0 * f64::from(row))));
-                let inside = |&(x, _): &(f64, f64)| x >= a.left && x + w <= a.right;
-                (text, spots.filter(inside).collect())
-            }
-            _ => continue,
-        };
+        let (Layer::Horizontal { label, .. } | Layer::Vertical { label, .. }) = layer else { continue };
+        let Some(at) = line(layer) else { continue };
+        let text = fit(label, FONT, a.width() / 2.5);
         let w = text_width(&text, FONT);
-        let cover = |&(x, y): &(f64, f64)| Area::new(x - 4.0, y - FONT, x + w + 4.0, y + 3.0);
-        let free = |spot: &(f64, f64)| {
-            let c = cover(spot);
-            used.iter().all(|u| c.right < u.left || c.left > u.right || c.bottom < u.top || c.top > u.bottom)
+        let spots: Vec<(f64, f64)> = if matches!(layer, Layer::Horizontal { .. }) {
+            let columns = [a.right - w - 6.0, a.left + 6.0, f64::midpoint(a.left, a.right) - w / 2.0];
+            columns.iter().flat_map(|&x| [(x, at.top - 5.0), (x, at.top + 14.0)]).collect()
+        } else {
+            let rows = (0..6).map(|row| a.top + 14.0 + 16.0 * f64::from(row));
+            rows.flat_map(|y| [(at.left + 6.0, y), (at.left - 6.0 - w, y)]).collect()
         };
-        let Some(&spot) = candidates.iter().find(|s| free(s)).or(candidates.first()) else { continue };
-        used.push(cover(&spot));
-        canvas.halo(spot.0, spot.1, Anchor::Start, &text);
+        let cover = |&(x, y): &(f64, f64)| Area::new(x - 3.0, y - FONT, x + w + 3.0, y + 3.0);
+        let inside = |spot: &&(f64, f64)| {
+            let c = cover(spot);
+            c.left > a.left - 4.0 && c.right < a.right + 4.0 && c.top > a.top - 3.0 && c.bottom < a.bottom + 3.0
+        };
+        let cost = |spot: &&(f64, f64)| {
+            let c = cover(spot);
+            let hits = |list: &[Area]| list.iter().filter(|o| c.touches(o)).count();
+            10 * hits(&labels) + hits(&lines)
+        };
+        if let Some(&(x, y)) = spots.iter().filter(inside).min_by_key(cost) {
+            labels.push(cover(&(x, y)));
+            canvas.halo(x, y, Anchor::Start, &text);
+        }
     }
 }
 
@@ -280,15 +276,16 @@ fn draw_points(canvas: &mut Canvas, frame: &Frame, data: &[(f64, f64)], form: Fo
         marked.dedup_by_key(|p| at(p));
         cell *= 1.5;
     }
+    let outlines = markers(marked, style, if frame.on_colour { 1.5 * MARKER } else { MARKER });
     if frame.on_colour {
         canvas.open(PAPER);
         canvas.stroke(&line, 4.5, " stroke-linejoin=\"round\"");
-        canvas.stroke(&markers(marked.iter().copied(), style), 4.0, "");
+        canvas.stroke(&outlines, 5.0, "");
         canvas.close();
     }
     canvas.open(style.colour.paint());
     canvas.stroke(&line, 2.0, &format!(" stroke-linejoin=\"round\"{}", style.dash.attribute()));
-    points(canvas, marked, style);
+    fill_markers(canvas, &outlines, style);
     canvas.close();
 }
 

@@ -1,6 +1,6 @@
 //! Intervals in rows: paired differences, or the swings of a sensitivity study.
 
-use super::axis::{Axis, number};
+use super::axis::{Axis, alike};
 use super::bars::Estimate;
 use super::frame::{self, Entry, Sample, points};
 use super::rows::Rows;
@@ -86,6 +86,7 @@ impl Chart for Intervals {
         let Some(scale) = scale.filter(|_| !shown.is_empty()) else {
             return frame::empty(&self.title, &self.description);
         };
+        let text = alike(shown.iter().flat_map(|r| [r.1.value, r.1.bounds().0, r.1.bounds().1]));
         let mut canvas = Canvas::new();
         let entries: Vec<Entry> = match &self.tornado {
             Some([low, high]) => vec![
@@ -109,7 +110,7 @@ impl Chart for Intervals {
         for (i, (label, e)) in rows.iter().enumerate() {
             let Some(at) = layout.x.at(e.value) else { continue };
             let (y, (low, high)) = (layout.middle(i), e.bounds());
-            let text = |v| number(v, 3);
+
             if self.tornado.is_some() {
                 for (bound, style) in [(low, LOW), (high, HIGH)] {
                     if let Some(area) = layout.block(i, e.value, bound, 0.66) {

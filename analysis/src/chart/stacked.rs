@@ -4,7 +4,7 @@ use super::axis::{Axis, number};
 use super::frame::{self, Entry, Sample};
 use super::rows::Rows;
 use super::style::Style;
-use super::svg::{Anchor, Canvas, FONT, text_width};
+use super::svg::{Canvas, FONT, text_width};
 use super::table::Table;
 use super::{Chart, describe};
 
@@ -91,7 +91,7 @@ impl Chart for StackedBars {
                     canvas.block(area, style.colour, style.hatch, &format!("{label}, {kind}: {text}"));
                     if text_width(&text, FONT) + 8.0 < area.width() {
                         let middle = f64::midpoint(area.left, area.right);
-                        canvas.halo(middle, rows.middle(i) + 4.0, Anchor::Middle, &text);
+                        canvas.inside(middle, rows.middle(i) + 4.0, &text, style.colour, style.hatch);
                     }
                 }
                 from = to;

@@ -141,16 +141,20 @@ impl Marker {
         !matches!(self, Self::Cross | Self::Plus)
     }
 
-    /// Appends the shape at (`x`, `y`) to a path.
-    pub(crate) fn append(self, d: &mut String, x: f64, y: f64) {
-        let [x, y] = [super::svg::Px(x), super::svg::Px(y)];
+    /// Appends the shape at (`x`, `y`) to a path, `r` pixels from its centre to its rim.
+    pub(crate) fn append(self, d: &mut String, x: f64, y: f64, r: f64) {
+        use super::svg::Px;
+        let [x, y, side, tip] = [x, y, 1.8 * r, 1.3 * r].map(Px);
+        let [half, wide, r2, low] = [0.9 * r, 2.4 * r, 2.0 * r, 2.1 * r].map(Px);
+        let (base, cross, long) = (Px(1.2 * r), Px(1.94 * r), Px(2.4 * r));
+        let (arm, reach, r) = (Px(0.97 * r), Px(1.2 * r), Px(r));
         let _ = match self {
-            Self::Circle => write!(d, "M{x} {y}m-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0-7 0z"),
-            Self::Square => write!(d, "M{x} {y}m-3.2-3.2h6.4v6.4h-6.4z"),
-            Self::Triangle => write!(d, "M{x} {y}m0-4.4l4.2 7.4h-8.4z"),
-            Self::Diamond => write!(d, "M{x} {y}m0-4.6l4.2 4.6l-4.2 4.6l-4.2-4.6z"),
-            Self::Cross => write!(d, "M{x} {y}m-3.4-3.4l6.8 6.8m0-6.8l-6.8 6.8"),
-            Self::Plus => write!(d, "M{x} {y}m-4.2 0h8.4m-4.2-4.2v8.4"),
+            Self::Circle => write!(d, "M{x} {y}m-{r} 0a{r} {r} 0 1 0 {r2} 0a{r} {r} 0 1 0-{r2} 0z"),
+            Self::Square => write!(d, "M{x} {y}m-{half}-{half}h{side}v{side}h-{side}z"),
+            Self::Triangle => write!(d, "M{x} {y}m0-{tip}l{base} {low}h-{wide}z"),
+            Self::Diamond => write!(d, "M{x} {y}m0-{tip}l{tip} {tip}l-{tip} {tip}l-{tip}-{tip}z"),
+            Self::Cross => write!(d, "M{x} {y}m-{arm}-{arm}l{cross} {cross}m0-{cross}l-{cross} {cross}"),
+            Self::Plus => write!(d, "M{x} {y}m-{reach} 0h{long}m-{reach}-{reach}v{long}"),
         };
     }
 }

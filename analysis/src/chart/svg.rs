@@ -120,6 +120,10 @@ impl Area {
     pub const fn new(left: f64, top: f64, right: f64, bottom: f64) -> Self {
         Self { left, top, right, bottom }
     }
+    /// True when the two have a point in common; either may be a line.
+    pub fn touches(&self, o: &Self) -> bool {
+        self.left <= o.right && o.left <= self.right && self.top <= o.bottom && o.top <= self.bottom
+    }
     pub fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -254,10 +258,23 @@ impl Canvas {
             y,
             anchor,
             text,
-            " stroke=\"currentColor\" stroke-width=\"4\" stroke-linejoin=\"round\" aria-hidden=\"true\"",
+            " stroke=\"currentColor\" stroke-width=\"3\" stroke-linejoin=\"round\" aria-hidden=\"true\"",
         );
         self.close();
         self.write_text(x, y, anchor, text, "");
+    }
+
+    /// Text inside a block of a style, in whatever colour is readable there.
+    pub fn inside(&mut self, x: f64, y: f64, text: &str, colour: Colour, hatch: Hatch) {
+        match (colour, hatch) {
+            (Colour::Blue | Colour::Ink, Hatch::Solid) => {
+                self.open(PAPER);
+                self.text(x, y, Anchor::Middle, text);
+                self.close();
+            }
+            (Colour::Grey, Hatch::Solid) => self.text(x, y, Anchor::Middle, text),
+            _ => self.halo(x, y, Anchor::Middle, text),
+        }
     }
 
     pub fn heading(&mut self, x: f64, y: f64, text: &str) {

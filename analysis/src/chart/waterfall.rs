@@ -1,6 +1,6 @@
 //! From one total to another, step by step.
 
-use super::axis::{Axis, number};
+use super::axis::{Axis, alike};
 use super::bars::Estimate;
 use super::frame::{self, Entry, Sample};
 use super::rows::Rows;
@@ -110,6 +110,7 @@ impl Chart for Waterfall {
         let any = (0..levels.len()).any(shown);
         let scale = self.axis.scale(values.chain(self.reference.iter().map(|r| r.0)));
         let Some(scale) = scale.filter(|_| any) else { return frame::empty(&self.title, &self.description) };
+        let text = alike(self.steps.iter().map(|s| s.amount.value));
         let mut canvas = Canvas::new();
         let entries = [("level", TOTAL), ("decrease", LESS), ("increase", MORE)];
         let entries = entries.map(|(label, style)| Entry { label, style, sample: Sample::Block });
@@ -143,8 +144,8 @@ impl Chart for Waterfall {
                 right = right.max(a).max(b);
             }
             let sign = if !step.total && step.amount.value > 0.0 { "+" } else { "" };
-            let text = format!("{sign}{}", number(step.amount.value, 3));
-            canvas.halo(right + 6.0, rows.middle(i) + 4.0, Anchor::Start, &text);
+            let words = format!("{sign}{}", text(step.amount.value));
+            canvas.halo(right + 6.0, rows.middle(i) + 4.0, Anchor::Start, &words);
             if i + 1 < self.steps.len()
                 && let Some(x) = rows.x.at(to)
             {

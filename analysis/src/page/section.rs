@@ -39,7 +39,7 @@ impl Figure {
         let total = self.data.rows().len();
         if total > 0 {
             out.push_str("<details><summary>Data</summary>");
-            write_table(out, &self.data, None, ROWS);
+            write_table(out, &self.data, None, ROWS, plain);
             if total > ROWS {
                 let rest = self.file.as_ref().map_or_else(
                     || "the others are in the result files of the run".to_owned(),
@@ -147,7 +147,7 @@ impl Section {
                 Item::Warning(text) => {
                     let _ = write!(out, "<p class=\"remark warning\"><b>Warning.</b> {}</p>", escape(text));
                 }
-                Item::Table(caption, table) => write_table(out, table, Some(caption), usize::MAX),
+                Item::Table(caption, table) => write_table(out, table, Some(caption), usize::MAX, readable),
                 Item::Figure(figure) => {
                     *figures += 1;
                     figure.write(out, *figures);
@@ -158,7 +158,7 @@ impl Section {
     }
 }
 
-fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usize) {
+fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usize, print: impl Fn(f64) -> String) {
     // A column is aligned like its first number.
     let numeric: Vec<bool> =
         (0..table.columns().len()).map(|i| table.rows().iter().any(|row| matches!(row[i], Cell::Number(_)))).collect();
@@ -177,13 +177,18 @@ fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usi
         for (i, cell) in row.iter().enumerate() {
             let text = match cell {
                 Cell::Text(text) => escape(text),
-                Cell::Number(value) => plain(*value),
+                Cell::Number(value) => print(*value),
             };
             let _ = write!(out, "<td{}>{text}</td>", class(i));
         }
         out.push_str("</tr>");
     }
     out.push_str("</tbody></table></div>");
+}
+
+/// A number in a table of results: six significant digits, the typographic minus.
+fn readable(value: f64) -> String {
+    crate::chart::number(value, 6)
 }
 
 /// A number that a spreadsheet understands when the table is copied: six significant digits.

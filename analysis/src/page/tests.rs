@@ -102,8 +102,9 @@ fn long_data_is_shortened_and_names_the_file() {
 #[test]
 fn numbers_in_data_tables_can_be_pasted_into_a_spreadsheet() {
     let values = [-0.5, 1.0 / 3.0, 1e-7, 123_456.7, f64::NAN, 0.0];
-    let table = values.iter().fold(Table::new(["v"]), |t, &v| t.row([v.into()]));
-    let html = Report::new("r").section(Section::new("s").table("", table)).html();
+    let points = values.iter().map(|&v| (v, 1.0));
+    let chart = Plot::new("t", Axis::linear("x", ""), Axis::linear("y", "")).scatter("s", points, Style::nth(0));
+    let html = Report::new("r").section(Section::new("s").figure(Figure::new(&chart, "c"))).html();
     for cell in ["-0.5", "0.333333", "1e-7", "123457", "–", "0"] {
         assert!(html.contains(&format!("<td class=\"num\">{cell}</td>")), "{cell}");
     }
