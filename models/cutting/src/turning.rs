@@ -56,6 +56,19 @@ impl Turning {
         Ok(Self { pair: Pair::named(set)?, ..Self::default() })
     }
 
+    /// The event that keeps an edge in this state from cutting at all. A worn edge may go on
+    /// past its wear limit; a collapsed or chipped one may not.
+    fn lost_at_once(&self, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
+        let mut indicators = [0.0; WEAR_EVENTS.len()];
+        self.event_indicators(x, u, &mut indicators);
+        let ends_cut = |event: ProcessEvent| event != ProcessEvent::WearLimit && u.engaged > 0.0;
+        WEAR_EVENTS
+            .into_iter()
+            .zip(indicators)
+            .find(|(event, at)| ends_cut(*event) && *at >= 0.0)
+            .map(|(event, _)| event)
+    }
+
     /// Error of a state that counts as one, with `relative` accuracy: scales of this pair.
     fn scales(&self, relative: f64) -> [f64; STATES] {
         let body = self.pair.temperature.body_time_constant;
@@ -111,6 +124,9 @@ impl Process for Turning {
             return Err(ModelError::Step { seconds: dt });
         }
         TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
+        if let Some(event) = self.lost_at_once(x, u) {
+            return Ok(Advance { elapsed: 0.0, event: Some(event) });
+        }
         let mut start = [0.0; STATES];
         x.write_to(&mut start);
         let rhs = |time: f64, y: &[f64; STATES]| {

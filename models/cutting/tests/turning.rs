@@ -89,12 +89,17 @@ fn an_edge_chips_when_its_hazard_is_used_up() {
 }
 
 #[test]
-fn a_collapse_is_an_event() {
-    // Worn past the limit, so that the limit is no event any more.
-    let mut x = TurningState { flank_wear: 0.65e-3, ..TurningState::default() };
-    let fast = TurningInput { cutting_speed: 2.0, ..TurningInput::default() };
-    let end = process().advance(&mut x, &fast, 60.0).expect("a pass");
-    assert_eq!(end.event, Some(ProcessEvent::ThermalCollapse));
+fn a_collapse_is_an_event_also_at_the_first_instant() {
+    let end = |flank_wear: f64, cutting_speed: f64| {
+        let mut x = TurningState { flank_wear, tool_body_temperature_rise: 800.0, ..TurningState::default() };
+        process().advance(&mut x, &TurningInput { cutting_speed, ..TurningInput::default() }, 600.0).expect("a pass")
+    };
+    // Past the wear limit the edge cuts on, until it collapses.
+    let worn = end(0.61e-3, 0.8);
+    assert_eq!(worn.event, Some(ProcessEvent::ThermalCollapse));
+    assert!(worn.elapsed > 1.0);
+    let hopeless = end(0.65e-3, 2.0);
+    assert_eq!((hopeless.event, hopeless.elapsed), (Some(ProcessEvent::ThermalCollapse), 0.0));
 }
 
 #[test]

@@ -221,8 +221,8 @@ impl<const D: usize> Step<D> {
     /// Root mean square of the error in units of the tolerance; at most 1 is accepted.
     fn error_norm(&self, y: &[f64; D], tolerance: &Tolerance<D>) -> f64 {
         let mut sum = 0.0;
-        for i in 0..D {
-            let scale = tolerance.absolute[i] + tolerance.relative * y[i].abs().max(self.end[i].abs());
+        for (i, start) in y.iter().enumerate() {
+            let scale = tolerance.absolute[i] + tolerance.relative * start.abs().max(self.end[i].abs());
             sum += (self.error[i] / scale).powi(2);
         }
         (sum / D as f64).sqrt()
