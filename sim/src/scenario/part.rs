@@ -50,6 +50,16 @@ pub enum Work {
     },
 }
 
+impl Work {
+    /// Number of passes or phases.
+    pub fn passes(&self) -> usize {
+        match self {
+            Self::Cutting(cuts) => cuts.len(),
+            Self::Grinding { phases, .. } => phases.len(),
+        }
+    }
+}
+
 /// One pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
 use toolroom_process::MachineProcess;
-use toolroom_wear::Scatter;
+use toolroom_wear::{Pair, Scatter};
 
 /// A machine tool.
 #[derive(Clone, Debug)]
@@ -63,6 +63,19 @@ impl ProcessModel {
     /// Name in files: `turning`, `milling`, `infeed`.
     pub fn name(&self) -> &str {
         self.machine_process().name()
+    }
+
+    /// Tool and work material of turning.
+    pub fn pair(&self) -> Option<&Pair> {
+        match self {
+            Self::Turning(process) => Some(&process.pair),
+            _ => None,
+        }
+    }
+
+    /// Flank wear at which an edge is spent, m; infinite where the process has no such limit.
+    pub fn wear_limit(&self) -> f64 {
+        self.pair().map_or(f64::INFINITY, |pair| pair.limits.wear_limit)
     }
 
     /// The process as the shop drives it, by element index.

@@ -20,10 +20,10 @@ pub struct Job {
     pub waiting: bool,
     /// When it came to the queue.
     pub queued: SimTime,
-    /// Hardness of its lot, standard normal.
-    pub lot_hardness: f64,
-    /// Its own hardness within the lot, standard normal.
-    pub piece_hardness: f64,
+    /// Who draws for its lot: the source.
+    pub origin: Entity,
+    /// Hardness lot within the source.
+    pub lot: u64,
 }
 
 /// Jobs in the shop; a place is used again when its job has left.

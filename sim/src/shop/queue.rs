@@ -35,17 +35,21 @@ impl Queue {
 
     /// Takes out the first of the waiting jobs with the least `key`; `None` for the key means
     /// that the job is gone.
-    pub fn take_least(&mut self, mut key: impl FnMut(&Waiting) -> Option<f64>) -> Option<Waiting> {
-        self.drop_gone(&mut key);
+    pub fn take_least(&mut self, key: impl Fn(&Waiting) -> Option<f64>) -> Option<Waiting> {
         let mut best: Option<(usize, f64)> = None;
+        let mut gone = false;
         for (i, waiting) in self.0.iter().enumerate() {
-            if let Some(value) = key(waiting)
-                && best.is_none_or(|(_, least)| value < least)
-            {
-                best = Some((i, value));
+            match key(waiting) {
+                None => gone = true,
+                Some(value) if best.is_none_or(|(_, least)| value < least) => best = Some((i, value)),
+                Some(_) => {}
             }
         }
-        self.0.remove(best?.0)
+        let taken = best.and_then(|(i, _)| self.0.remove(i));
+        if gone {
+            self.0.retain(|waiting| key(waiting).is_some());
+        }
+        taken
     }
 
     /// Takes out the first of the waiting jobs; `here` tells whether it is still to be had.
@@ -66,13 +70,6 @@ impl Queue {
     /// Whether nobody ever came or everybody is known to be gone.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
-    }
-
-    /// Jobs that another machine took must not pile up.
-    fn drop_gone(&mut self, key: &mut impl FnMut(&Waiting) -> Option<f64>) {
-        if self.0.iter().any(|waiting| key(waiting).is_none()) {
-            self.0.retain(|waiting| key(waiting).is_some());
-        }
     }
 }
 

@@ -1,0 +1,189 @@
+//! Who chooses the cutting speed and when an edge is changed.
+//!
+//! A [`ResolvedPolicy`] is a [`PolicyRule`](crate::scenario::PolicyRule) worked out for one scenario: a [`Controller`] for
+//! every pass on every machine that may cut it, immutable and shared. What a controller learns
+//! about one edge is in the edge's [`Observer`].
+//!
+//! | file | rule |
+//! |---|---|
+//! | `constant.rs` | one speed for each nominal cut, best for path, life, rate or cost on the believed model, or Makarov's |
+//! | `schedule.rs` | speed against cumulative path |
+//! | `planned.rs` | minimum wear (mode 1), literal balance, productivity, oracle |
+//! | `set_increment.rs` | set wear increment (mode 2) |
+//! | `tool_change.rs` | when an edge is changed |
+//! | `observer.rs` | what the sensors say about the edge |
+//!
+//! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
+//! the observer's estimate from noisy channels. Only [`SpeedRule::Oracle`](crate::scenario::SpeedRule::Oracle) is shown the true wear.
+//!
+//! # What is not modelled
+//! Speeds are planned for continuous cut: a controller does not know that the tool cools in a
+//! pause. It does not learn from one edge for the next.
+
+mod constant;
+mod observer;
+mod planned;
+mod resolve;
+mod schedule;
+mod set_increment;
+mod tool_change;
+
+pub use observer::Observer;
+pub use resolve::ResolvedPolicy;
+pub use tool_change::ChangeRule;
+
+use crate::Stream;
+use crate::scenario::SensorSheet;
+use planned::Planned;
+use rand_distr::{Distribution as _, StandardNormal};
+use set_increment::SetIncrement;
+use std::sync::Arc;
+use toolroom_wear::{Pair, PairError, SpeedSchedule};
+
+/// Why a policy could not be worked out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolicyError {
+    /// The believed model is not a shipped parameter set.
+    #[error("believed model: {0}")]
+    BelievedModel(#[from] PairError),
+}
+
+/// What a controller is shown at the start of a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Observation<'a> {
+    /// Path still to be cut in this pass, m.
+    pub path: f64,
+    /// Path that the edge has cut, m.
+    pub edge_path: f64,
+    /// Time that the edge has cut, s.
+    pub edge_time: f64,
+    /// Parts that the edge has finished.
+    pub edge_parts: u32,
+    /// Speed at the end of the edge's last pass, m/s.
+    pub last_speed: Option<f64>,
+    /// What the sensors said so far, where the controller has some.
+    pub observer: Option<&'a Observer>,
+    /// True flank wear, m; `None` but for [`SpeedRule::Oracle`](crate::scenario::SpeedRule::Oracle).
+    pub true_wear: Option<f64>,
+}
+
+impl Observation<'_> {
+    /// Flank wear as far as the controller knows it, m.
+    pub fn flank_wear(&self) -> Option<f64> {
+        self.true_wear.or_else(|| self.observer.map(Observer::flank_wear))
+    }
+}
+
+/// What a controller commands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// Cutting speed at the start of the pass, m/s.
+    pub start_speed: f64,
+    /// At its end, m/s; linear in time between them.
+    pub end_speed: f64,
+}
+
+impl Conditions {
+    /// One speed from start to end.
+    pub fn constant(speed: f64) -> Self {
+        Self { start_speed: speed, end_speed: speed }
+    }
+
+    /// Time for `path` metres, s.
+    pub fn duration(&self, path: f64) -> f64 {
+        2.0 * path / (self.start_speed + self.end_speed)
+    }
+}
+
+/// Speed and tool change for one nominal cut on one machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Controller {
+    speed: Speed,
+    change: ChangeRule,
+    /// Limits that no command leaves, m/s.
+    range: (f64, f64),
+    sensors: SensorSheet,
+    /// What the controller believes about tool and work, and the cut as programmed.
+    believed: Option<Believed>,
+    /// Whether the rule needs an estimate of wear.
+    observes: bool,
+    /// Whether it is shown the true wear.
+    oracle: bool,
+}
+
+/// A believed model at a nominal cut.
+#[derive(Clone, Debug, PartialEq)]
+struct Believed {
+    /// Pair, its speed limits narrowed to the machine's.
+    pair: Arc<Pair>,
+    /// Feed and depth as programmed.
+    cut: toolroom_wear::Cut,
+    /// Scatter of the allowance that the observer reckons with, m.
+    allowance: f64,
+}
+
+/// How the speed is found.
+#[derive(Clone, Debug, PartialEq)]
+enum Speed {
+    Fixed(f64),
+    Schedule(Arc<SpeedSchedule>),
+    Planned(Planned),
+    SetIncrement(SetIncrement),
+}
+
+impl Controller {
+    /// The command for a pass, always within the limits of the machine.
+    pub fn choose(&self, seen: &Observation<'_>) -> Conditions {
+        let conditions = match (&self.speed, &self.believed) {
+            (Speed::Fixed(speed), _) => Conditions::constant(*speed),
+            (Speed::Schedule(schedule), _) => schedule::conditions(schedule, seen),
+            (Speed::Planned(planned), Some(believed)) => planned.conditions(believed, seen),
+            (Speed::SetIncrement(set), Some(believed)) => set.conditions(believed, seen),
+            (_, None) => Conditions::constant(self.range.1), // only made with a believed model
+        };
+        let limited = |speed: f64| speed.max(self.range.0).min(self.range.1);
+        Conditions { start_speed: limited(conditions.start_speed), end_speed: limited(conditions.end_speed) }
+    }
+
+    /// Whether this controller is shown the true wear.
+    pub fn sees_true_wear(&self) -> bool {
+        self.oracle
+    }
+
+    /// Time between sensor samples, s.
+    pub fn sampling_period(&self) -> f64 {
+        self.sensors.sampling_period
+    }
+
+    /// The controller's sensors.
+    pub fn sensors(&self) -> &SensorSheet {
+        &self.sensors
+    }
+
+    /// An observer for an edge, where this controller needs one: of a new edge, or of one whose
+    /// flank wear [m] was read just now.
+    pub fn observer(&self, reading: Option<f64>) -> Option<Observer> {
+        let believed = self.believed.as_ref().filter(|_| self.observes)?;
+        Some(Observer::new(believed, &self.sensors, reading))
+    }
+
+    /// The nominal cut of a pass, for the observer.
+    pub fn nominal_cut(&self) -> Option<&toolroom_wear::Cut> {
+        self.believed.as_ref().map(|believed| &believed.cut)
+    }
+
+    /// Draws the error of a flank wear reading, m.
+    pub fn reading_error(&self, stream: &mut Stream) -> f64 {
+        let z: f64 = StandardNormal.sample(stream);
+        self.sensors.flank_wear * z
+    }
+
+    /// Flank wear at whose reading an edge is changed, m; `None` where nobody reads.
+    pub fn reading_limit(&self) -> Option<f64> {
+        match self.change {
+            ChangeRule::WearLimit(limit) => Some(limit),
+            _ => None,
+        }
+    }
+}

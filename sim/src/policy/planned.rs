@@ -1,0 +1,37 @@
+//! Rules that plan each pass on the believed model at the wear known: the paper's mode 1 and its
+//! literal form, the productivity rule, and the oracle.
+
+use super::{Believed, Conditions, Observation};
+use toolroom_wear::{Pair, RampLimits, SpeedMode};
+
+/// Greatest change of speed from pass to pass, share of the pair's reference speed.
+/// Postnov & Shafikov restrict it; the size is an assumption.
+const LARGEST_STEP: f64 = 0.15;
+/// Greatest acceleration within a pass, share of the pair's reference speed per second:
+/// 20 m/min per minute at 40 m/min (assumption).
+const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
+
+/// One mode for all passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Planned {
+    pub mode: SpeedMode,
+}
+
+impl Planned {
+    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
+        plan(believed, seen, self.mode)
+    }
+}
+
+/// Plans one pass at the wear known; an edge of which nothing is known counts as new.
+pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, mode: SpeedMode) -> Conditions {
+    let Believed { pair, cut, .. } = believed;
+    let flank_wear = seen.flank_wear().unwrap_or(0.0);
+    let plan = pair.plan_pass(cut, flank_wear, seen.path, mode, &ramp_limits(pair), seen.last_speed);
+    Conditions { start_speed: plan.start_speed, end_speed: plan.end_speed }
+}
+
+fn ramp_limits(pair: &Pair) -> RampLimits {
+    let reference = pair.limits.reference_speed;
+    RampLimits { largest_acceleration: LARGEST_ACCELERATION * reference, largest_step: LARGEST_STEP * reference }
+}

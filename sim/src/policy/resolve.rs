@@ -1,0 +1,176 @@
+//! From a policy of the scenario to a controller for every pass.
+
+use super::constant::{self, ChangeCost};
+use super::planned::Planned;
+use super::set_increment::SetIncrement;
+use super::{Believed, ChangeRule, Controller, PolicyError, Speed, schedule};
+use crate::scenario::{Cut, MachineType, PolicyRule, Scenario, SpeedRule, ToolChangeRule, ToolType, Work};
+use crate::shop::ShopError;
+use std::sync::Arc;
+use toolroom_wear::{Pair, SpeedMode};
+
+/// A policy worked out for a scenario: resolve once, share over all replications.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedPolicy {
+    controllers: Vec<Controller>,
+    /// Controller of every pass (of all operations of all parts) on every machine.
+    of_pass: Vec<Vec<u32>>,
+}
+
+impl ResolvedPolicy {
+    /// Works out policy number `policy` of `scenario`.
+    ///
+    /// # Errors
+    /// [`ShopError::UnknownPolicy`], [`ShopError::UnknownIndex`] for an operation without tool
+    /// or machine, [`ShopError::Policy`] where the believed model is not known.
+    pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ShopError> {
+        let count = scenario.policies.len();
+        let rule = scenario.policies.get(policy).ok_or(ShopError::UnknownPolicy { index: policy, count })?;
+        let mut resolved = Self { controllers: Vec::new(), of_pass: vec![Vec::new(); scenario.machines.len()] };
+        let mut known: Vec<(Key, u32)> = Vec::new();
+        for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+            let tool = scenario.tools.get(operation.tool).ok_or(ShopError::UnknownIndex {
+                kind: "tool",
+                index: operation.tool,
+                count: scenario.tools.len(),
+            })?;
+            for pass in 0..operation.work.passes() {
+                let cut = match &operation.work {
+                    Work::Cutting(cuts) => Some(cuts[pass]),
+                    Work::Grinding { .. } => None,
+                };
+                for (index, machine) in scenario.machines.iter().enumerate() {
+                    if !operation.machines.contains(&index) {
+                        resolved.of_pass[index].push(u32::MAX);
+                        continue;
+                    }
+                    let key = Key { tool: operation.tool, cut, machine: MachineKey::of(machine) };
+                    let same = known.iter().find(|(each, _)| *each == key).map(|(_, controller)| *controller);
+                    let controller = match same {
+                        Some(controller) => controller,
+                        None => {
+                            let made = controller(rule, tool, cut.as_ref(), machine).map_err(|source| {
+                                ShopError::Policy { policy: rule.name.clone(), tool: tool.name.clone(), source }
+                            })?;
+                            resolved.controllers.push(made);
+                            let number = (resolved.controllers.len() - 1) as u32;
+                            known.push((key, number));
+                            number
+                        }
+                    };
+                    resolved.of_pass[index].push(controller);
+                }
+            }
+        }
+        Ok(resolved)
+    }
+
+    /// Controller of a pass, counted over all operations of all parts, on a machine that may
+    /// cut it.
+    pub(crate) fn of_pass(&self, machine: usize, pass: u32) -> &Controller {
+        &self.controllers[self.of_pass[machine][pass as usize] as usize]
+    }
+}
+
+/// Everything that a controller depends on.
+#[derive(PartialEq)]
+struct Key {
+    tool: usize,
+    cut: Option<Cut>,
+    machine: MachineKey,
+}
+
+#[derive(PartialEq)]
+struct MachineKey {
+    rate: f64,
+    tool_change_time: f64,
+    magazine: u32,
+    refill_time: f64,
+    speed_range: (f64, f64),
+}
+
+impl MachineKey {
+    fn of(machine: &MachineType) -> Self {
+        let &MachineType { rate, tool_change_time, magazine, refill_time, speed_range, .. } = machine;
+        Self { rate, tool_change_time, magazine, refill_time, speed_range }
+    }
+}
+
+fn controller(
+    rule: &PolicyRule,
+    tool: &ToolType,
+    cut: Option<&Cut>,
+    machine: &MachineType,
+) -> Result<Controller, PolicyError> {
+    let believed = match (tool.process.pair(), cut) {
+        (Some(own), Some(cut)) => Some(believe(rule, tool, own, cut, machine)?),
+        _ => None,
+    };
+    let cost = ChangeCost {
+        time: machine.tool_change_time + machine.refill_time / f64::from(machine.magazine.max(1)),
+        edge: tool.edge_cost,
+        machine: machine.rate,
+    };
+    let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
+    let speed = match (&believed, rule.speed) {
+        (None, _) | (_, SpeedRule::Programmed) => Speed::Fixed(programmed),
+        (believed, SpeedRule::Constant(choice)) => {
+            Speed::Fixed(constant::speed(choice, believed.as_ref(), &cost).unwrap_or(programmed))
+        }
+        (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
+        (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
+        (Some(believed), rule) => Speed::Planned(Planned { mode: mode(rule, believed, &cost) }),
+    };
+    let own_limit = tool.process.wear_limit();
+    let change = match rule.tool_change {
+        ToolChangeRule::WearLimit { limit } => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
+        ToolChangeRule::PartCount { parts } => ChangeRule::PartCount(parts),
+        ToolChangeRule::CuttingTime { time } => ChangeRule::CuttingTime(time),
+        // Nothing to predict with: the edge is read instead.
+        ToolChangeRule::Predicted { limit } if believed.is_none() => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
+        ToolChangeRule::Predicted { limit } => ChangeRule::Predicted(limit.unwrap_or(own_limit)),
+    };
+    let oracle = rule.speed == SpeedRule::Oracle && believed.is_some();
+    let adaptive = matches!(speed, Speed::Planned(_) | Speed::SetIncrement(_));
+    Ok(Controller {
+        observes: (adaptive || matches!(change, ChangeRule::Predicted(_))) && !oracle,
+        oracle,
+        speed,
+        change,
+        range: machine.speed_range,
+        sensors: rule.sensors,
+        believed,
+    })
+}
+
+/// The mode by which passes are planned.
+fn mode(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedMode {
+    match rule {
+        SpeedRule::MinimumWear { literal: true } => SpeedMode::LiteralBalance,
+        SpeedRule::Productivity { price } => {
+            let optimum = || believed.pair.rate_optimum(&believed.cut, cost.worth()).shadow_price;
+            SpeedMode::ShadowPrice { shadow_price: price.unwrap_or_else(optimum) }
+        }
+        _ => SpeedMode::MinimumWear,
+    }
+}
+
+/// The believed pair at a nominal cut, its speed range narrowed to the machine's.
+fn believe(
+    rule: &PolicyRule,
+    tool: &ToolType,
+    own: &Pair,
+    cut: &Cut,
+    machine: &MachineType,
+) -> Result<Believed, PolicyError> {
+    let mut pair = match &rule.believed_model {
+        Some(name) => Pair::named(name)?,
+        None => own.clone(),
+    };
+    let (slowest, fastest) = machine.speed_range;
+    let limits = &mut pair.limits;
+    limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
+    limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
+    let cut = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
+    Ok(Believed { pair: Arc::new(pair), cut, allowance: tool.scatter.allowance })
+}

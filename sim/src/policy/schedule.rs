@@ -1,0 +1,22 @@
+//! Speed against the path that the edge has cut: adaptive without sensors.
+
+use super::{Believed, Conditions, Observation};
+use toolroom_wear::SpeedSchedule;
+
+/// Entries of a table.
+const ENTRIES: usize = 60;
+
+/// Tabulates the speed of least wear on the believed model.
+pub(super) fn tabulate(believed: &Believed) -> SpeedSchedule {
+    let pair = &believed.pair;
+    let speed = |flank_wear: f64| pair.limits.clip(pair.minimum_wear_speed(&believed.cut, flank_wear));
+    SpeedSchedule::tabulate(pair, speed, &believed.cut, ENTRIES)
+}
+
+/// Speed at the path of the edge now and after the pass.
+pub(super) fn conditions(schedule: &SpeedSchedule, seen: &Observation<'_>) -> Conditions {
+    Conditions {
+        start_speed: schedule.speed_at(seen.edge_path),
+        end_speed: schedule.speed_at(seen.edge_path + seen.path),
+    }
+}

@@ -1,0 +1,21 @@
+//! The paper's mode 2: the edge is to last for a set path.
+
+use super::planned::plan;
+use super::{Believed, Conditions, Observation};
+use toolroom_wear::SpeedMode;
+
+/// The wear left is shared out evenly over the path left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SetIncrement {
+    /// Cutting path over the life of an edge, m.
+    pub path_per_edge: f64,
+}
+
+impl SetIncrement {
+    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
+        let wear_left = (believed.pair.limits.wear_limit - seen.flank_wear().unwrap_or(0.0)).max(0.0);
+        let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
+        let wear_increment = wear_left * (seen.path / path_left);
+        plan(believed, seen, SpeedMode::SetIncrement { wear_increment })
+    }
+}

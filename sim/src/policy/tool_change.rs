@@ -1,0 +1,49 @@
+//! When an edge is changed between passes.
+
+use super::{Believed, Conditions, Controller, Observation, Observer};
+
+/// A tool change rule with its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ChangeRule {
+    /// When the flank wear read after a pass reaches this, m.
+    WearLimit(f64),
+    /// After so many parts.
+    PartCount(u32),
+    /// Before the cutting time passes this, s.
+    CuttingTime(f64),
+    /// Before the next pass brings the estimated wear past this, m.
+    Predicted(f64),
+}
+
+/// Midpoint steps over a pass of the predicted growth of wear.
+const STEPS: u32 = 8;
+
+impl Controller {
+    /// Whether the edge is changed before the pass that was just planned. [`ChangeRule::WearLimit`]
+    /// is decided by the reading after a pass.
+    pub fn change_due(&self, seen: &Observation<'_>, planned: &Conditions) -> bool {
+        match self.change {
+            ChangeRule::WearLimit(_) => false,
+            ChangeRule::PartCount(parts) => seen.edge_parts >= parts,
+            ChangeRule::CuttingTime(time) => seen.edge_time + planned.duration(seen.path) > time,
+            ChangeRule::Predicted(limit) => {
+                let (Some(believed), Some(flank_wear)) = (&self.believed, seen.flank_wear()) else { return false };
+                let factor = seen.observer.map_or(1.0, Observer::wear_factor);
+                wear_after(believed, flank_wear, factor, seen.path, planned) > limit
+            }
+        }
+    }
+}
+
+/// Flank wear after a planned pass on the believed model, m; `factor` is that of the edge.
+fn wear_after(believed: &Believed, flank_wear: f64, factor: f64, path: f64, planned: &Conditions) -> f64 {
+    let duration = planned.duration(path);
+    let step = duration / f64::from(STEPS);
+    let acceleration = (planned.end_speed - planned.start_speed) / duration;
+    (0..STEPS).fold(flank_wear, |worn, i| {
+        let speed = planned.start_speed + acceleration * (f64::from(i) + 0.5) * step;
+        let contact = believed.pair.contact(&believed.cut.at_speed(speed));
+        let rate = |wear: f64| factor * contact.steady_wear(wear).rate(speed);
+        worn + rate(worn + 0.5 * step * rate(worn)) * step
+    })
+}

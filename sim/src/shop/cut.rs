@@ -1,0 +1,180 @@
+//! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
+//! when it ends, planned again for a shorter time when it is interrupted.
+
+use super::ports::{Ports, elements, read};
+use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
+
+/// What sensors would show at one instant of a pass, without their errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Time since the start of the segment, s.
+    pub elapsed: f64,
+    /// Cutting speed, m/s.
+    pub cutting_speed: f64,
+    /// Spindle power, W.
+    pub spindle_power: f64,
+    /// Feed force, N.
+    pub feed_force: f64,
+    /// Thermo-EMF, V.
+    pub thermo_emf: f64,
+}
+
+/// A stretch of cutting under one command: where it starts, where it ends, what happens.
+#[derive(Clone, Debug, Default)]
+pub struct Segment {
+    /// Input at the start.
+    pub start_input: Vec<f64>,
+    /// Input at the end (a ramp has moved the speed).
+    pub input: Vec<f64>,
+    /// State at the end.
+    pub state: Vec<f64>,
+    /// Output at the end.
+    pub output: Vec<f64>,
+    /// Duration asked for, s.
+    pub asked: f64,
+    /// Time between samples, s; `None` where nobody watches.
+    pub sampling_period: Option<f64>,
+    /// Duration, s; shorter than asked for where the edge is lost.
+    pub elapsed: f64,
+    /// What the edge was lost by.
+    pub lost: Option<ProcessEvent>,
+    /// Events that do not stop the cut, with their time since the start, s.
+    pub passed: Vec<(f64, ProcessEvent)>,
+    /// Mechanical energy, J.
+    pub energy: f64,
+    /// Sensor samples.
+    pub samples: Vec<Sample>,
+}
+
+/// Why a segment could not be planned.
+#[derive(Debug)]
+pub(super) enum CutFault {
+    /// The model refused.
+    Model(ModelError),
+    /// The model raises events and does not move.
+    Stuck,
+}
+
+/// Events in a row without progress after which a process counts as stuck.
+const STUCK: u32 = 64;
+
+impl Segment {
+    /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample
+    /// every `sampling_period`.
+    pub(super) fn plan(
+        &mut self,
+        process: &dyn MachineProcess,
+        ports: &Ports,
+        state: &[f64],
+        duration: f64,
+        sampling_period: Option<f64>,
+    ) -> Result<(), CutFault> {
+        self.input.clone_from(&self.start_input);
+        self.state.clear();
+        self.state.extend_from_slice(state);
+        self.output.resize(elements(process.outputs()), 0.0);
+        self.passed.clear();
+        self.samples.clear();
+        self.lost = None;
+        self.energy = 0.0;
+        self.asked = duration;
+        self.sampling_period = sampling_period;
+        // A process that counts its energy does so better than samples of its power.
+        let counted = ports.energy_state.map(|i| self.state[i]);
+        process.output(&self.state, &self.input, &mut self.output);
+        let mut power = read(&self.output, ports.spindle_power, 0.0);
+        let (mut time, mut stuck) = (0.0, 0);
+        while time < duration {
+            let next = self.samples.len() as f64 + 1.0;
+            let goal = sampling_period.map_or(duration, |period| (next * period).min(duration));
+            let advance =
+                process.advance(&mut self.state, &mut self.input, goal - time).map_err(CutFault::Model)?;
+            let before = power;
+            process.output(&self.state, &self.input, &mut self.output);
+            power = read(&self.output, ports.spindle_power, 0.0);
+            self.energy += 0.5 * (before + power) * advance.elapsed;
+            let Some(event) = advance.event else {
+                time = goal;
+                if sampling_period.is_some() {
+                    self.samples.push(self.sample(ports, time));
+                }
+                continue;
+            };
+            time += advance.elapsed;
+            if matches!(event, ProcessEvent::Chipping | ProcessEvent::ThermalCollapse) {
+                self.lost = Some(event);
+                break;
+            }
+            self.passed.push((time, event));
+            stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+            if stuck > STUCK {
+                return Err(CutFault::Stuck);
+            }
+        }
+        if let (Some(before), Some(i)) = (counted, ports.energy_state) {
+            self.energy = self.state[i] - before;
+        }
+        self.elapsed = time;
+        Ok(())
+    }
+
+    /// Whether `event` happened without stopping the cut.
+    pub fn has(&self, event: ProcessEvent) -> bool {
+        self.passed.iter().any(|(_, each)| *each == event)
+    }
+
+    /// Share of the path of the whole segment as asked for that is behind after `elapsed`
+    /// seconds, the speed going linearly from that of the start input.
+    pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
+        let whole = self.asked;
+        let speed = read(&self.start_input, ports.cutting_speed, 0.0);
+        let acceleration = read(&self.start_input, ports.cutting_acceleration, 0.0);
+        let path = |t: f64| speed * t + 0.5 * acceleration * t * t;
+        if elapsed >= whole {
+            1.0
+        } else if path(whole) > 0.0 {
+            path(elapsed) / path(whole)
+        } else {
+            elapsed / whole
+        }
+    }
+
+    fn sample(&self, ports: &Ports, elapsed: f64) -> Sample {
+        Sample {
+            elapsed,
+            cutting_speed: read(&self.input, ports.cutting_speed, 0.0),
+            spindle_power: read(&self.output, ports.spindle_power, 0.0),
+            feed_force: read(&self.output, ports.feed_force, 0.0),
+            thermo_emf: read(&self.output, ports.thermo_emf, 0.0),
+        }
+    }
+}
+
+/// Moves an edge that is out of cut: it cools, nothing else.
+pub(super) fn rest(
+    process: &dyn MachineProcess,
+    ports: &Ports,
+    state: &mut [f64],
+    input: &mut [f64],
+    duration: f64,
+) -> Result<(), CutFault> {
+    let Some(engaged) = ports.engaged else { return Ok(()) };
+    let (mut left, mut stuck) = (duration, 0);
+    input[engaged] = 0.0;
+    if let Some(acceleration) = ports.cutting_acceleration {
+        input[acceleration] = 0.0;
+    }
+    while left > 0.0 {
+        let advance = process.advance(state, input, left).map_err(CutFault::Model)?;
+        if advance.event.is_none() {
+            break;
+        }
+        left -= advance.elapsed;
+        stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+        if stuck > STUCK {
+            return Err(CutFault::Stuck);
+        }
+    }
+    input[engaged] = 1.0;
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! What chance decides about edges and work, keyed so that it is the same under every policy.
+
+use super::edge::Edge;
+use super::job::Job;
+use super::ports::{Ports, write};
+use crate::{Entity, Purpose, Streams};
+use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
+
+/// Owners of what an edge draws, parts of its own name.
+pub(super) mod owner {
+    /// Sensor noise, numbered by sample.
+    pub const SENSORS: u64 = 0;
+    /// Wear readings, numbered by pass.
+    pub const READINGS: u64 = 1;
+    /// Wear noise within the life, numbered by pass.
+    pub const WEAR_NOISE: u64 = 2;
+}
+
+/// An edge as it comes out of the box.
+pub(super) fn edge(scatter: &Scatter, streams: &Streams, entity: Entity) -> EdgeScatter {
+    scatter.sample_edge(&mut streams.open(entity, Purpose::Tool))
+}
+
+/// How the land's stresses of a tool differ from its parameter set.
+pub(super) fn pair(scatter: &Scatter, streams: &Streams, tool: &str) -> PairScatter {
+    scatter.sample_pair(&mut streams.open(Entity::named(tool), Purpose::Tool))
+}
+
+/// Hardness of a workpiece against nominal: that of its lot and its own.
+pub(super) fn hardness(scatter: &Scatter, streams: &Streams, job: &Job) -> f64 {
+    let lot = scatter.sample_batch_hardness(&mut streams.at(job.origin, Purpose::Workpiece, job.lot));
+    scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece))
+}
+
+/// Depth of cut of a pass with its allowance; `operation` is a part of the job's name.
+pub(super) fn depth(scatter: &Scatter, streams: &Streams, operation: Entity, pass: u32, nominal: f64) -> f64 {
+    if scatter.allowance == 0.0 {
+        return nominal;
+    }
+    scatter.sample_depth(nominal, &mut streams.at(operation, Purpose::Workpiece, u64::from(pass)))
+}
+
+impl Edge {
+    /// Moves the wear noise of the edge to its next pass.
+    pub(super) fn draw_noise(&mut self, scatter: &Scatter, streams: &Streams) {
+        let pass = u64::from(self.row.passes);
+        let mut stream = streams.at(self.entity.part(owner::WEAR_NOISE), Purpose::Tool, pass);
+        self.noise = if pass == 0 {
+            scatter.sample_noise(&mut stream)
+        } else {
+            scatter.next_noise(self.noise, self.row.cutting_time - self.noise_time, &mut stream)
+        };
+        self.noise_time = self.row.cutting_time;
+    }
+
+    /// Writes what is special about edge and work into the input of the process. A process that
+    /// does not tell mechanical from thermal wear gets the common factor.
+    pub(super) fn write_scatter(&self, scatter: &Scatter, pair: &PairScatter, hardness: f64, ports: &Ports, input: &mut [f64]) {
+        let EdgeScatter { wear_factor, mechanical_factor, thermal_factor, chipping_resistance, .. } = self.scatter;
+        let noise = scatter.noise_factor(self.noise);
+        let common = if ports.mechanical_wear_factor.is_some() { noise } else { noise * wear_factor };
+        write(input, ports.mechanical_wear_factor, wear_factor * mechanical_factor);
+        write(input, ports.thermal_wear_factor, wear_factor * thermal_factor);
+        write(input, ports.wear_rate_factor, common);
+        write(input, ports.chipping_resistance, chipping_resistance);
+        write(input, ports.flank_shear_factor, pair.flank_shear_factor);
+        write(input, ports.flank_pressure_factor, pair.flank_pressure_factor);
+        write(input, ports.hardness_ratio, hardness);
+        write(input, ports.process_stiffness_factor, hardness);
+    }
+}

@@ -1,0 +1,176 @@
+//! What the engine looks up again and again, resolved once for a scenario.
+
+use super::error::ShopError;
+use super::ports::{Ports, read, start_values, write};
+use crate::Entity;
+use crate::scenario::{ArrivalPattern, Cut, GrindingPhase, Interruption, Operation, ProcessModel, Scenario, Work};
+
+/// Tables that follow from the scenario alone.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// By tool.
+    pub tools: Vec<ToolPlan>,
+    /// By part, by operation.
+    pub operations: Vec<Vec<OperationPlan>>,
+    /// Failure modes of every machine.
+    pub modes_of: Vec<Vec<u32>>,
+    /// Name of every machine as an owner of random streams.
+    pub machines: Vec<Entity>,
+    /// Rows of the schedule of every source in the order of time.
+    pub schedules: Vec<Vec<usize>>,
+}
+
+/// A tool as the engine sees it.
+#[derive(Clone, Debug)]
+pub(super) struct ToolPlan {
+    pub ports: Ports,
+    /// Input elements at their start values.
+    pub input: Vec<f64>,
+}
+
+/// An operation as the engine sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OperationPlan {
+    pub tool: u32,
+    pub passes: u32,
+    pub setup_group: u32,
+    /// Expected time on its first machine, s: loading, passes as programmed, unloading.
+    pub nominal_time: f64,
+    /// The same for this and all later operations, s.
+    pub work_left: f64,
+    /// Index of its first pass among all passes of the scenario.
+    pub first_pass: u32,
+}
+
+impl Layout {
+    pub fn of(scenario: &Scenario) -> Result<Self, ShopError> {
+        check(scenario)?;
+        let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+        let mut groups: Vec<&str> = Vec::new();
+        let mut first_pass = 0;
+        let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
+        for part in &scenario.parts {
+            let mut plans: Vec<OperationPlan> = Vec::new();
+            for operation in &part.operations {
+                let group = operation.setup_group.as_str();
+                let setup_group = groups.iter().position(|each| *each == group).unwrap_or_else(|| {
+                    groups.push(group);
+                    groups.len() - 1
+                });
+                let machine = &scenario.machines[operation.machines[0]];
+                let process = &scenario.tools[operation.tool].process;
+                let cutting: f64 = durations(operation, process, &tools[operation.tool]).iter().sum();
+                let passes = operation.work.passes() as u32;
+                plans.push(OperationPlan {
+                    tool: operation.tool as u32,
+                    passes,
+                    setup_group: setup_group as u32,
+                    nominal_time: machine.load_time.mean() + cutting + machine.unload_time.mean(),
+                    work_left: 0.0,
+                    first_pass,
+                });
+                first_pass += passes;
+            }
+            let mut left = 0.0;
+            for plan in plans.iter_mut().rev() {
+                left += plan.nominal_time;
+                plan.work_left = left;
+            }
+            operations.push(plans);
+        }
+        let mut modes_of = vec![Vec::new(); scenario.machines.len()];
+        for (mode, failure) in scenario.failures.iter().enumerate() {
+            modes_of[failure.machine].push(mode as u32);
+        }
+        let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
+        let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
+        Ok(Self { tools, operations, modes_of, machines, schedules })
+    }
+}
+
+impl ToolPlan {
+    fn of(process: &ProcessModel) -> Self {
+        let process = process.machine_process();
+        let ports = Ports::of(process);
+        let mut input: Vec<f64> = start_values(process.inputs()).collect();
+        write(&mut input, ports.engaged, 1.0);
+        Self { ports, input }
+    }
+
+    /// The input of a cut at its programmed speed, without scatter.
+    pub fn cut_input(&self, cut: &Cut) -> Vec<f64> {
+        let mut input = self.input.clone();
+        write(&mut input, self.ports.cutting_speed, cut.cutting_speed);
+        write(&mut input, self.ports.feed, cut.feed);
+        write(&mut input, self.ports.depth_of_cut, cut.depth_of_cut);
+        write(&mut input, self.ports.width_of_cut, cut.width_of_cut);
+        input
+    }
+}
+
+/// Rows of a schedule by time; equal times keep the order of the file.
+fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
+    let ArrivalPattern::Schedule(rows) = pattern else { return Vec::new() };
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|&a, &b| rows[a].0.total_cmp(&rows[b].0));
+    order
+}
+
+/// Duration of every pass as programmed, s.
+fn durations(operation: &Operation, process: &ProcessModel, tool: &ToolPlan) -> Vec<f64> {
+    match &operation.work {
+        Work::Cutting(cuts) => cuts.iter().map(|cut| cut_duration(cut, process, tool, &tool.cut_input(cut))).collect(),
+        Work::Grinding { work_rotation_speed, phases } => {
+            phases.iter().map(|phase| phase_duration(phase, *work_rotation_speed)).collect()
+        }
+    }
+}
+
+/// Duration of a whole pass at the constant speed in `input`, s: path over table feed for
+/// processes that have one (milling), else path over cutting speed.
+pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, input: &[f64]) -> f64 {
+    let process = process.machine_process();
+    let Some(table_feed) = tool.ports.table_feed else { return cut.path_length / cut.cutting_speed };
+    let mut output: Vec<f64> = start_values(process.outputs()).collect();
+    process.output(&process.initial(), input, &mut output);
+    cut.path_length / read(&output, Some(table_feed), f64::NAN)
+}
+
+/// Duration of a grinding phase, s.
+pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) -> f64 {
+    f64::from(phase.revolutions) * std::f64::consts::TAU / work_rotation_speed
+}
+
+/// Every index points somewhere, every operation has a machine.
+fn check(scenario: &Scenario) -> Result<(), ShopError> {
+    let inside = |kind, index: usize, count: usize| {
+        if index < count { Ok(()) } else { Err(ShopError::UnknownIndex { kind, index, count }) }
+    };
+    for machine in &scenario.machines {
+        if let Some(calendar) = machine.calendar {
+            inside("calendar", calendar, scenario.calendars.len())?;
+        }
+    }
+    for part in &scenario.parts {
+        for operation in &part.operations {
+            inside("tool", operation.tool, scenario.tools.len())?;
+            for &machine in &operation.machines {
+                inside("machine", machine, scenario.machines.len())?;
+            }
+            if operation.machines.is_empty() {
+                return Err(ShopError::NoMachine { part: part.name.clone(), operation: operation.name.clone() });
+            }
+        }
+    }
+    for arrival in &scenario.arrivals {
+        inside("part", arrival.part, scenario.parts.len())?;
+    }
+    for (mode, failure) in scenario.failures.iter().enumerate() {
+        inside("machine", failure.machine, scenario.machines.len())?;
+        if failure.part == Interruption::Finish {
+            let machine = scenario.machines[failure.machine].name.clone();
+            return Err(ShopError::FailureFinishesPart { mode, machine });
+        }
+    }
+    Ok(())
+}

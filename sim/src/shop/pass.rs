@@ -1,0 +1,418 @@
+//! Passes: command, plan, interruption, end.
+
+use super::cut::{CutFault, rest};
+use super::draws::{self, owner};
+use super::layout::{cut_duration, phase_duration};
+use super::machine::Step;
+use super::ports::{read, write};
+use super::recorder::Recorder;
+use super::{Shop, ShopError};
+use crate::Purpose;
+use crate::policy::Observation;
+use crate::runlog::{ChangeReason, EventRow, PassRow};
+use crate::scenario::{Cut, GrindingPhase, ProcessModel, Work};
+use rand::RngExt;
+use toolroom_process::{Process, ProcessEvent, Record};
+
+/// What a pass asks for.
+#[derive(Clone, Copy, Debug)]
+enum Command {
+    Cut(Cut),
+    Grind { phase: GrindingPhase, work_rotation_speed: f64 },
+}
+
+/// What identifies the pass in a machine.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    slot: u32,
+    job: u32,
+    part: usize,
+    operation: usize,
+    pass: usize,
+    tool: usize,
+}
+
+impl<R: Recorder> Shop<'_, R> {
+    fn place(&self, machine: usize) -> Place {
+        let task = self.world.machines[machine].task.as_ref().expect("a pass belongs to an operation");
+        let job = self.world.jobs.at(task.slot);
+        Place {
+            slot: task.slot,
+            job: job.number,
+            part: job.row.part as usize,
+            operation: job.operation as usize,
+            pass: task.pass as usize,
+            tool: task.tool as usize,
+        }
+    }
+
+    /// Decides what comes after loading, a pass or an edge change: an edge change, the next
+    /// pass, or the end of cutting.
+    pub(super) fn next_pass(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let plan = self.layout.operations[place.part][place.operation];
+        let edge = self.world.machines[machine].edges[place.tool].as_ref();
+        if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
+            self.begin_change(machine);
+            return Ok(());
+        }
+        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.spoiled);
+        if spoiled || place.pass >= plan.passes as usize {
+            self.finish_cutting(machine);
+            return Ok(());
+        }
+        if edge.is_none() {
+            self.mount(machine, place.tool);
+        }
+        if place.pass == 0 {
+            self.clamp_new_part(machine, place);
+        }
+        let scenario = self.scenario;
+        let command = match &scenario.parts[place.part].operations[place.operation].work {
+            Work::Cutting(cuts) => Command::Cut(cuts[place.pass]),
+            Work::Grinding { work_rotation_speed, phases } => {
+                Command::Grind { phase: phases[place.pass], work_rotation_speed: *work_rotation_speed }
+            }
+        };
+        self.watch(machine, place, plan.first_pass);
+        match command {
+            Command::Cut(cut) => self.begin_cut(machine, place, plan.first_pass, &cut),
+            Command::Grind { phase, work_rotation_speed } => {
+                self.begin_phase(machine, place, &phase, work_rotation_speed)
+            }
+        }
+    }
+
+    /// A part comes before the edge: its hardness shows, a wheel finds it untouched.
+    fn clamp_new_part(&mut self, machine: usize, place: Place) {
+        let tool = &self.scenario.tools[place.tool];
+        let hardness = draws::hardness(&tool.scatter, &self.streams, self.world.jobs.at(place.slot));
+        let state = &mut self.world.machines[machine];
+        if let Some(task) = &mut state.task {
+            task.hardness = hardness;
+        }
+        if let (ProcessModel::Infeed(infeed), Some(edge)) = (&tool.process, &mut state.edges[place.tool]) {
+            infeed.new_part(&Record::from_slice(&edge.state)).write_to(&mut edge.state);
+        }
+    }
+
+    /// Gives the edge an observer where the policy needs one.
+    fn watch(&mut self, machine: usize, place: Place, first_pass: u32) {
+        let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
+        let flank_wear = self.layout.tools[place.tool].ports.flank_wear_state;
+        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        if edge.observer.is_none() {
+            // An edge that has cut before the policy came is measured once.
+            let worn = read(&edge.state, flank_wear, 0.0);
+            let reading = (edge.row.passes > 0).then(|| {
+                let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, u64::MAX);
+                worn + controller.reading_error(&mut stream)
+            });
+            edge.observer = controller.observer(reading);
+        }
+    }
+
+    fn begin_cut(&mut self, machine: usize, place: Place, first_pass: u32, cut: &Cut) -> Result<(), ShopError> {
+        let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
+        let ports = &self.layout.tools[place.tool].ports;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let seen = Observation {
+            path: cut.path_length * task.share_left,
+            edge_path: edge.row.path,
+            edge_time: edge.row.cutting_time,
+            edge_parts: edge.row.parts,
+            last_speed: edge.last_speed,
+            observer: edge.observer.as_ref(),
+            true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
+        };
+        let conditions = controller.choose(&seen);
+        let mut duration = conditions.duration(seen.path);
+        if edge.row.passes > 0 && controller.change_due(&seen, &conditions) {
+            edge.spent = Some(ChangeReason::Rule);
+            self.begin_change(machine);
+            return Ok(());
+        }
+        if let (Some(observer), Some(cut)) = (&mut edge.observer, controller.nominal_cut()) {
+            observer.begin_pass(cut);
+        }
+        let tool = &self.scenario.tools[place.tool];
+        let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
+        let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut);
+        let mut input = self.layout.tools[place.tool].cut_input(cut);
+        write(&mut input, ports.cutting_speed, conditions.start_speed);
+        write(&mut input, ports.depth_of_cut, depth);
+        edge.draw_noise(&tool.scatter, &self.streams);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        if ports.table_feed.is_some() {
+            duration = cut_duration(cut, &tool.process, &self.layout.tools[place.tool], &input) * task.share_left;
+        } else {
+            let change = conditions.end_speed - conditions.start_speed;
+            let acceleration = if change == 0.0 { 0.0 } else { change / duration };
+            write(&mut input, ports.cutting_acceleration, acceleration);
+        }
+        task.step = Step::Pass;
+        task.left = duration;
+        state.segment.start_input = input;
+        self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
+        self.plan_segment(machine)
+    }
+
+    fn begin_phase(
+        &mut self,
+        machine: usize,
+        place: Place,
+        phase: &GrindingPhase,
+        work_rotation_speed: f64,
+    ) -> Result<(), ShopError> {
+        let ports = &self.layout.tools[place.tool].ports;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
+        let mut input = self.layout.tools[place.tool].input.clone();
+        write(&mut input, ports.feed, phase.infeed_per_rev);
+        write(&mut input, ports.work_rotation_speed, work_rotation_speed);
+        let tool = &self.scenario.tools[place.tool];
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        task.step = Step::Pass;
+        task.left = phase_duration(phase, work_rotation_speed) * task.share_left;
+        state.segment.start_input = input;
+        self.open_pass(machine, place, phase.infeed_per_rev, 0.0, 0.0);
+        self.plan_segment(machine)
+    }
+
+    fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
+        let now = self.now().seconds();
+        let ports = &self.layout.tools[place.tool].ports;
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        edge.row.passes += 1;
+        let output = &mut state.segment.output;
+        output.resize(super::ports::elements(process.outputs()), 0.0);
+        process.output(&edge.state, &state.segment.start_input, output);
+        let worn = read(output, ports.flank_wear, 0.0);
+        task.row = Some(PassRow {
+            job: place.job,
+            part: place.part as u32,
+            operation: place.operation as u32,
+            pass: place.pass as u32,
+            machine: machine as u32,
+            edge: edge.number,
+            start: now,
+            end: now,
+            cutting_time: 0.0,
+            speed_start: speed,
+            speed_end: speed,
+            feed,
+            depth_of_cut,
+            path: 0.0,
+            edge_time: edge.row.cutting_time,
+            flank_wear_start: worn,
+            flank_wear_end: worn,
+            flank_wear_estimate: f64::NAN,
+            cutting_force: 0.0,
+            spindle_power: 0.0,
+            temperature: 0.0,
+            energy: 0.0,
+            size_error: 0.0,
+        });
+    }
+
+    /// Plans the rest of the pass in work from now on, on a copy of the edge's state.
+    pub(super) fn plan_segment(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let now = self.now();
+        let plan = self.layout.operations[place.part][place.operation];
+        let ports = &self.layout.tools[place.tool].ports;
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let segment = &mut state.segment;
+        write(&mut segment.start_input, ports.coolant_age, now.seconds());
+        let idle = now - edge.clock;
+        let result = if idle > 0.0 { rest(process, ports, &mut edge.state, &mut segment.start_input, idle) } else { Ok(()) };
+        edge.clock = now;
+        let sampling = edge.observer.as_ref().map(|_| controller.sampling_period());
+        let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
+        match result {
+            Ok(()) => {
+                task.left = segment.elapsed;
+                Ok(())
+            }
+            Err(fault) => Err(self.cut_error(machine, place, fault)),
+        }
+    }
+
+    /// The pass in work stops after `elapsed` seconds of its segment, to be gone on with later.
+    pub(super) fn halt_pass(&mut self, machine: usize, elapsed: f64) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let tool = &self.layout.tools[place.tool];
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
+        let segment = &mut state.segment;
+        let asked = segment.asked;
+        let share = segment.share(&tool.ports, elapsed);
+        task.left = (asked - elapsed).max(0.0);
+        let sampling = segment.sampling_period;
+        let planned = segment.plan(process, &tool.ports, &edge.state, elapsed, sampling);
+        if let Err(fault) = planned {
+            return Err(self.cut_error(machine, place, fault));
+        }
+        self.take_over(machine, place, share);
+        let segment = &mut self.world.machines[machine].segment;
+        std::mem::swap(&mut segment.start_input, &mut segment.input);
+        Ok(())
+    }
+
+    /// A pass ends, because it is cut or because the edge is lost.
+    pub(super) fn end_pass(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let segment = &self.world.machines[machine].segment;
+        let share = segment.share(&self.layout.tools[place.tool].ports, segment.elapsed);
+        let lost = segment.lost;
+        self.take_over(machine, place, share);
+        self.close_pass(machine);
+        match lost {
+            Some(event) => self.lose_edge(machine, place, event),
+            None => {
+                if let Some(task) = &mut self.world.machines[machine].task {
+                    task.pass += 1;
+                    task.share_left = 1.0;
+                }
+                self.read_wear(machine, place);
+            }
+        }
+        self.next_pass(machine)
+    }
+
+    /// The planned segment has happened: edge, pass, observer and log take it over.
+    fn take_over(&mut self, machine: usize, place: Place, share: f64) {
+        let clock = self.now();
+        let now = clock.seconds();
+        let plan = self.layout.operations[place.part][place.operation];
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let ports = &self.layout.tools[place.tool].ports;
+        let path = match &self.scenario.parts[place.part].operations[place.operation].work {
+            Work::Cutting(cuts) => cuts[place.pass].path_length,
+            Work::Grinding { .. } => 0.0,
+        };
+        let streams = self.streams;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (segment, Some(row)) = (&state.segment, task.row.as_mut()) else { return };
+        let cut = share * task.share_left;
+        task.share_left -= cut;
+        edge.state.copy_from_slice(&segment.state);
+        edge.clock = clock;
+        edge.row.cutting_time += segment.elapsed;
+        edge.row.path += cut * path;
+        edge.last_speed = ports.cutting_speed.map(|i| segment.input[i]);
+        if let Some(observer) = &mut edge.observer {
+            for sample in &segment.samples {
+                let mut noise = streams.at(edge.entity.part(owner::SENSORS), Purpose::Measurement, edge.samples);
+                edge.samples += 1;
+                observer.see(sample, controller.sensors(), edge.scatter.emf_gain, &mut noise);
+            }
+            observer.segment_ends();
+            row.flank_wear_estimate = observer.flank_wear();
+        }
+        let output = &segment.output;
+        row.end = now;
+        row.cutting_time += segment.elapsed;
+        row.path += cut * path;
+        if row.speed_start > 0.0 {
+            row.speed_end = read(&segment.input, ports.cutting_speed, row.speed_end);
+        }
+        row.flank_wear_end = read(output, ports.flank_wear, 0.0);
+        row.cutting_force = read(output, ports.cutting_force, 0.0);
+        row.spindle_power = read(output, ports.spindle_power, 0.0);
+        row.temperature = read(output, ports.temperature, 0.0);
+        row.energy += segment.energy;
+        row.size_error = read(output, ports.size_error, 0.0);
+        edge.row.flank_wear = row.flank_wear_end;
+        task.size_error = row.size_error;
+        for &(after, event) in &segment.passed {
+            match event {
+                ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
+                ProcessEvent::Burn => task.burnt = true,
+                _ => {}
+            }
+            self.recorder.event(EventRow {
+                time: now - segment.elapsed + after,
+                event: event.name(),
+                machine: Some(machine as u32),
+                job: Some(place.job),
+                edge: Some(edge.number),
+            });
+        }
+        if let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process {
+            // Read from the state: the event is hidden where the part burns in the same revolution.
+            let mut indicators = [0.0; 2];
+            infeed.event_indicators(&Record::from_slice(&edge.state), &Record::from_slice(&segment.input), &mut indicators);
+            if indicators[1] >= 0.0 {
+                edge.spent = Some(ChangeReason::Dressing);
+            }
+        }
+    }
+
+    /// Writes the row of the pass in work, if there is one.
+    pub(super) fn close_pass(&mut self, machine: usize) {
+        if let Some(row) = self.world.machines[machine].task.as_mut().and_then(|task| task.row.take()) {
+            self.recorder.pass(row);
+        }
+    }
+
+    /// The edge is gone; chance decides whether the part is gone with it.
+    fn lose_edge(&mut self, machine: usize, place: Place, event: ProcessEvent) {
+        let job = self.world.jobs.at(place.slot);
+        let owner = job.entity.part(place.operation as u64).part(place.pass as u64);
+        let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        edge.spent = Some(match event {
+            ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
+            _ => ChangeReason::Chipping,
+        });
+        let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(task.lost_edges)).random();
+        task.lost_edges += 1;
+        task.spoiled |= chance < risk;
+        let number = edge.number;
+        self.log_event(event.name(), Some(machine), Some(place.job), Some(number));
+    }
+
+    /// The wear limit rule reads the edge after every pass.
+    fn read_wear(&mut self, machine: usize, place: Place) {
+        let plan = self.layout.operations[place.part][place.operation];
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        let Some(limit) = controller.reading_limit() else { return };
+        let reading = u64::from(edge.row.passes);
+        let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, reading);
+        if edge.spent.is_none() && edge.row.flank_wear + controller.reading_error(&mut stream) >= limit {
+            edge.spent = Some(ChangeReason::Rule);
+        }
+    }
+
+    fn cut_error(&self, machine: usize, place: Place, fault: CutFault) -> ShopError {
+        let time = self.now().seconds();
+        let source = match fault {
+            CutFault::Model(source) => source,
+            CutFault::Stuck => return ShopError::NoProgress { time, events: super::STUCK_EVENTS },
+        };
+        let part = &self.scenario.parts[place.part];
+        let fields = self.scenario.tools[place.tool].process.machine_process().inputs();
+        let names = fields.iter().flat_map(|field| std::iter::repeat_n(field.name, field.len));
+        let values = self.world.machines[machine].segment.start_input.iter().copied();
+        ShopError::Model {
+            time,
+            machine: self.scenario.machines[machine].name.clone(),
+            part: part.name.clone(),
+            operation: part.operations[place.operation].name.clone(),
+            pass: place.pass as u32,
+            inputs: names.zip(values).collect(),
+            source,
+        }
+    }
+}
