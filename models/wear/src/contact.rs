@@ -97,10 +97,15 @@ impl<N: Number> Contact<'_, N> {
         self.wear(flank_wear, self.steady_temperature(flank_wear), N::from(0.0))
     }
 
+    /// `∂ ln theta / ∂ ln v` at a quasi-steady contact temperature, χ.
+    pub fn speed_sensitivity(&self, flank_wear: N, temperature: N) -> N {
+        let flank = self.heating.flank(flank_wear);
+        (self.pair.temperature.speed_exponent * self.heating.chip + flank * 0.5) / temperature
+    }
+
     /// `w_M·A` and `w_T·B/v`, whose difference is `-∂J/∂ln v`, quasi-steady.
     pub(crate) fn balance(&self, flank_wear: N, temperature: N, wear: Wear<N>) -> (N, N) {
-        let flank = self.heating.flank(flank_wear);
-        let chi = self.heating.speed_sensitivity(self.pair.temperature.speed_exponent, flank, temperature);
+        let chi = self.speed_sensitivity(flank_wear, temperature);
         let (mechanical, thermal) = self.pair.law.weights(temperature, chi);
         (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.cut.cutting_speed)
     }

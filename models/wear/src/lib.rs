@@ -1,6 +1,8 @@
 //! Tool wear in turning.
 
+mod calibrate;
 mod chipping;
+mod claims;
 mod contact;
 mod cut;
 mod emf;
@@ -22,7 +24,9 @@ mod takeyama_murata;
 mod taylor;
 mod temperature;
 
+pub use calibrate::WearTarget;
 pub use chipping::Chipping;
+pub use claims::{ClaimError, claims};
 pub use contact::{Contact, Point};
 pub use cut::Cut;
 pub use emf::Emf;

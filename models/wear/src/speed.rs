@@ -2,6 +2,7 @@
 
 use crate::search::{bisect, greatest, grid};
 use crate::{ConstantSpeed, Cut, Life, Objective, Pair};
+use toolroom_process::ModelError;
 
 /// Range of the searches over speed, shares of the reference speed.
 const RANGE: (f64, f64) = (0.1, 6.0);
@@ -146,10 +147,7 @@ impl Pair {
         let ConstantSpeed { mut life, .. } = self.best_constant_speed(cut, Objective::Rate { change_time });
         let mut shadow_price = life.production_rate(change_time).recip();
         for iterations in 1.. {
-            let policy = |flank_wear: f64| {
-                cut.at_speed(self.limits.clip(self.shadow_price_speed(cut, flank_wear, shadow_price)))
-            };
-            life = self.life_along(policy);
+            life = self.life_at_price(cut, shadow_price);
             let next = life.production_rate(change_time).recip();
             if (next / shadow_price - 1.0).abs() < 1e-8 || iterations == 40 {
                 return RateOptimum { shadow_price, life, iterations };
@@ -157,5 +155,46 @@ impl Pair {
             shadow_price = next;
         }
         unreachable!("the loop returns")
+    }
+
+    /// Life under mode 1 within the speed limits: the variable speed with most path per edge.
+    pub fn minimum_wear_life(&self, cut: &Cut) -> Life {
+        self.life_along(|flank_wear| cut.at_speed(self.limits.clip(self.minimum_wear_speed(cut, flank_wear))))
+    }
+
+    /// Life under [`Pair::shadow_price_speed`] within the speed limits.
+    pub fn life_at_price(&self, cut: &Cut, shadow_price: f64) -> Life {
+        self.life_along(|flank_wear| {
+            cut.at_speed(self.limits.clip(self.shadow_price_speed(cut, flank_wear, shadow_price)))
+        })
+    }
+
+    /// The variable speed with most path per edge among those that last `cutting_time` [s].
+    ///
+    /// # Errors
+    /// [`ModelError::NoSolution`] where the edge lasts less under mode 1 already, or more at
+    /// the highest admissible speed.
+    pub fn equal_life_optimum(&self, cut: &Cut, cutting_time: f64) -> Result<RateOptimum, ModelError> {
+        let quantity = "variable speed of given tool life";
+        let longest = self.minimum_wear_life(cut);
+        if cutting_time > longest.cutting_time {
+            return Err(ModelError::NoSolution { quantity, reason: "the edge lasts less even at the least wear" });
+        }
+        // Life grows with the price of path, from highest speed throughout to mode 1.
+        let (mut low, mut high) = (self.limits.highest_speed.recip(), 1e3 * self.limits.lowest_speed.recip());
+        if self.life_at_price(cut, low).cutting_time > cutting_time {
+            return Err(ModelError::NoSolution { quantity, reason: "the edge lasts more even at the highest speed" });
+        }
+        let mut iterations = 0;
+        while high / low > 1.0 + 1e-10 {
+            iterations += 1;
+            let middle = (low * high).sqrt();
+            if self.life_at_price(cut, middle).cutting_time < cutting_time {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(RateOptimum { shadow_price: high, life: self.life_at_price(cut, high), iterations })
     }
 }

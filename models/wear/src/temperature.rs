@@ -95,11 +95,6 @@ impl<N: Number> Heating<N> {
     pub fn flank(&self, flank_wear: N) -> N {
         self.flank_at_reference * root((flank_wear + self.land_offset) / self.reference_land)
     }
-
-    /// `∂ ln theta / ∂ ln v` at contact temperature `theta`, quasi-steady.
-    pub(crate) fn speed_sensitivity(&self, speed_exponent: N, flank: N, theta: N) -> N {
-        (speed_exponent * self.chip + flank * 0.5) / theta
-    }
 }
 
 /// `base^exponent`, zero at zero base also for dual numbers (their slope there is infinite).

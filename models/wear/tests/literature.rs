@@ -2,6 +2,7 @@
 
 mod literature {
     mod control;
+    mod gains;
     mod life;
     mod static_algebra;
 }
