@@ -1,0 +1,183 @@
+//! The command line as clap reads it.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Constant against adaptive cutting speed in a simulated machining shop.
+#[derive(Parser, Debug)]
+#[command(
+    version,
+    before_help = "Examples:
+  toolroom demo                                   the shipped shop, every policy, in seconds
+  toolroom new myshop                             a commented scenario to edit
+  toolroom check myshop/scenario.toml             every problem at once, units echoed
+  toolroom compare myshop/scenario.toml           policies on common random numbers
+  toolroom compare myshop/scenario.toml --set machine.L.tool_change_time=\"1 min\"
+  toolroom point turning --tool ni_vk6om --set cutting_speed=\"40 m/min\"",
+    arg_required_else_help = true,
+    disable_help_subcommand = true
+)]
+pub struct Toolroom {
+    #[command(subcommand)]
+    pub command: Command,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Flags of every verb.
+#[derive(Args, Clone, Debug)]
+pub struct Common {
+    /// Result as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say nothing but results and errors
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more
+    #[arg(long, short, global = true)]
+    pub verbose: bool,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Write a commented scenario to edit
+    #[command(before_help = "Examples:
+  toolroom new myshop            writes myshop/scenario.toml and its schema for editors
+  toolroom compare myshop/scenario.toml")]
+    New(NewArgs),
+    /// Validate a scenario: every problem at once, quantities echoed with units
+    #[command(before_help = "Examples:
+  toolroom check myshop/scenario.toml
+  toolroom check myshop/scenario.toml --set machine.L.rate=\"70 EUR/h\" --json")]
+    Check(CheckArgs),
+    /// Calculate every output of a process at one operating point
+    #[command(before_help = "Examples:
+  toolroom point turning --tool ni_vk6om --set cutting_speed=\"40 m/min\" --set flank_wear=\"0.2 mm\"
+  toolroom point turning --tool c45_t15k6 --effect wear_force=0.2 --json
+  toolroom point infeed --set infeed_per_rev=\"4.43 um/rev\" --advance \"3 s\"")]
+    Point(PointArgs),
+    /// Published numbers beside computed ones, for every model
+    #[command(before_help = "Examples:
+  toolroom validate
+  toolroom validate --json")]
+    Validate,
+    /// List the effects that a nominal model leaves out
+    #[command(before_help = "Examples:
+  toolroom effects
+  toolroom effects --json")]
+    Effects,
+    /// Print the JSON schema of scenario files
+    #[command(before_help = "Examples:
+  toolroom schema > scenario.schema.json")]
+    Schema,
+    /// Explain the code of an error
+    #[command(before_help = "Examples:
+  toolroom explain quantity
+  toolroom explain               every code")]
+    Explain(ExplainArgs),
+    /// Completions for a shell
+    #[command(before_help = "Examples:
+  toolroom completions bash > /etc/bash_completion.d/toolroom
+  toolroom completions zsh  > ~/.zfunc/_toolroom")]
+    Completions(CompletionsArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct NewArgs {
+    /// Directory to create
+    pub dir: PathBuf,
+}
+
+/// A scenario and changes to it.
+#[derive(Args, Clone, Debug)]
+pub struct ScenarioArgs {
+    /// Scenario file
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub changes: Changes,
+}
+
+/// Changes to the values of a scenario.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Changes {
+    /// Replace a value of the scenario: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Seed of every random stream
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Independent repetitions
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub replications: Option<u32>,
+}
+
+impl Changes {
+    /// All changes as `path=value`, the flags last so that they win.
+    pub fn overrides(&self) -> Vec<String> {
+        let mut overrides = self.set.clone();
+        overrides.extend(self.seed.map(|seed| format!("shop.seed={seed}")));
+        overrides.extend(self.replications.map(|count| format!("shop.replications={count}")));
+        overrides
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct ExplainArgs {
+    /// Code in the message, such as `quantity`; every code, if left out
+    pub code: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct CompletionsArgs {
+    /// Shell
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Args, Debug)]
+pub struct PointArgs {
+    /// Process
+    pub process: PointProcess,
+    /// Parameter set of tool and work material; the process's default, if left out
+    #[arg(long, value_name = "SET")]
+    pub tool: Option<String>,
+    /// Input, state or group.parameter with its unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Effect switched on, id=size, repeatable
+    #[arg(long, value_name = "ID=SIZE")]
+    pub effect: Vec<String>,
+    /// Hold the input for this time first
+    #[arg(long, value_name = "TIME")]
+    pub advance: Option<String>,
+    /// Tool body in the life of turning: warm at once, or warming up
+    #[arg(long, value_enum, default_value_t = PointLife::QuasiSteady)]
+    pub life_model: PointLife,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum PointProcess {
+    Turning,
+    Infeed,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+#[value(rename_all = "snake_case")]
+pub enum PointLife {
+    QuasiSteady,
+    Ode,
+}
+
+impl From<PointLife> for toolroom_cutting::LifeModel {
+    fn from(life: PointLife) -> Self {
+        match life {
+            PointLife::QuasiSteady => Self::QuasiSteady,
+            PointLife::Ode => Self::Ode,
+        }
+    }
+}

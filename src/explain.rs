@@ -1,0 +1,26 @@
+//! `toolroom explain CODE`.
+
+use crate::args::ExplainArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::json;
+use toolroom_sim::scenario::file::{CODES, explain};
+
+pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
+    let wanted: Vec<(&str, &str)> = match &args.code {
+        None => CODES.to_vec(),
+        Some(code) => {
+            let text = explain(code).ok_or_else(|| {
+                let known = CODES.iter().map(|(code, _)| *code).collect::<Vec<_>>().join(", ");
+                Failure::argument(format_args!("there is no error code `{code}`"), format_args!("codes: {known}"))
+            })?;
+            vec![(code, text)]
+        }
+    };
+    if voice.json {
+        let codes: Vec<_> = wanted.iter().map(|(code, text)| json!({ "code": code, "explanation": text })).collect();
+        return voice.json(&json!({ "schema": 1, "codes": codes }));
+    }
+    let texts: Vec<String> = wanted.iter().map(|(code, text)| format!("{code}\n  {text}")).collect();
+    voice.data(texts.join("\n\n"))
+}
