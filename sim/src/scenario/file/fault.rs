@@ -299,7 +299,12 @@ impl Fault {
 }
 
 /// The text nearest to `read` among `known`, where it is near enough to be a slip.
-pub(super) fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+///
+/// ```
+/// use toolroom_sim::scenario::file::nearest;
+/// assert_eq!(nearest("cuting_speed", ["cutting_speed", "depth_of_cut"]), Some("cutting_speed"));
+/// ```
+pub fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let read = read.to_lowercase();
     let limit = 1 + read.chars().count() / 3;
     known

@@ -29,9 +29,9 @@ mod walk;
 
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
-pub use fault::Fault;
+pub use fault::{Fault, nearest};
 pub use schema::schema;
-pub use walk::{Echo, Problem};
+pub use walk::{Echo, Problem, significant};
 
 use super::Scenario;
 use std::path::Path;

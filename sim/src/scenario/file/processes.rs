@@ -20,7 +20,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>) -> Option<ProcessMode
     match process {
         "turning" => {
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
-            let mut turning = Turning::new(pair, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
+            let mut turning = Turning { pair, effects, ..Turning::default() };
             deviations(walk, tool, turning.parameters_mut());
             Some(ProcessModel::Turning(Arc::new(turning)))
         }

@@ -408,13 +408,17 @@ pub(super) fn display(quantity: &Quantity, si: f64) -> String {
 }
 
 /// Six significant digits without trailing zeros.
-pub(super) fn significant(value: f64) -> String {
+///
+/// ```
+/// assert_eq!(toolroom_sim::scenario::file::significant(0.12e-3 * 1e3), "0.12");
+/// ```
+pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    // Through the exponent form, so that 0.12e-3·1e3 prints as 0.12.
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    rounded.to_string()
+    let scientific = format!("{value:.5e}");
+    let rounded: f64 = scientific.parse().unwrap_or(value);
+    if (1e-4..1e9).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 fn range(quantity: &Quantity) -> String {
