@@ -1,0 +1,265 @@
+//! The process.
+
+use crate::{Input, Output, Parameters, State, revolutions_to};
+use toolroom_effects::{Context, EffectError, Effects, Terms};
+use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
+
+/// Least missing share of a revolution that still counts as missing: keeps a revolution whole
+/// when its time has been cut into steps.
+const WHOLE: f64 = 1e-9;
+
+/// Plunge grinding, revolution by revolution.
+///
+/// At the end of each work revolution the wheel has cut
+/// `h = max(0, (u − w − F0/J − r)/(1 + c + g))` with `c = Cp/J` and `g = (1/G) d_w/d_s`; then
+/// `r += h`, `w += g h`, `V' += π d_w h` and `F_n = F0 + Cp h`. With `g = F0 = 0` this is
+/// `h_i = (1 − K) S + K h_{i−1}`.
+///
+/// Between the ends of revolutions only the commanded infeed and the phase run on: forces,
+/// stock and temperature are staircases. Infeed that changes within a revolution counts for
+/// the part of the revolution that it lasted.
+///
+/// # Validity
+/// Contact all around; depth of cut far below wheel and work diameter.
+///
+/// # Source
+/// Sizyi, Fesenko & Lyubimyi, eqs. (1)–(4); wheel wear, threshold force and dulling as in King &
+/// Hahn (recalled).
+///
+/// ```
+/// use toolroom_infeed::{Infeed, Input};
+/// use toolroom_process::Process;
+/// let (grinding, input) = (Infeed::default(), Input::default());
+/// let mut part = grinding.initial();
+/// grinding.advance(&mut part, &input, 16.0 * 60.0 / 292.0).unwrap();
+/// assert!((part.stock_removed - 65.4e-6).abs() < 1e-9);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Infeed<N: Copy = f64> {
+    /// Machine, wheel and work.
+    pub parameters: Parameters<N>,
+    /// Effects that are switched on.
+    pub effects: Effects<N>,
+}
+
+impl Default for Infeed {
+    /// The set `zb153u_40kh` without effects.
+    fn default() -> Self {
+        Self { parameters: Parameters::default(), effects: Effects::default() }
+    }
+}
+
+impl Infeed {
+    /// A grinding process.
+    ///
+    /// # Errors
+    /// [`EffectError::NotOfProcess`] for an effect that does not act on plunge grinding.
+    pub fn new(parameters: Parameters, effects: Effects) -> Result<Self, EffectError> {
+        effects.check(Self::NAME)?;
+        Ok(Self { parameters, effects })
+    }
+
+    /// The same wheel, dressed: sharp, true and set back to its size.
+    pub fn dress(&self, state: &State) -> State {
+        State { wheel_wear: 0.0, removed_volume: 0.0, ..*state }
+    }
+
+    /// The next part on the same wheel, positioned by command: what the wheel has worn since
+    /// dressing is missing from the infeed. Where the machine finds contact anew on each part,
+    /// set `commanded_infeed` to `wheel_wear`.
+    pub fn new_part(&self, state: &State) -> State {
+        State { wheel_wear: state.wheel_wear, removed_volume: state.removed_volume, ..State::default() }
+    }
+}
+
+impl<N: Number> Infeed<N> {
+    /// The same process over another number type.
+    pub fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Infeed<M> {
+        Infeed { parameters: self.parameters.map(&mut convert), effects: self.effects.map(convert) }
+    }
+
+    fn terms(&self, x: &State<N>, u: &Input<N>) -> Terms<N> {
+        self.effects.terms(&Context {
+            coolant_age: u.coolant_age,
+            coolant_changed: u.coolant_changed,
+            removed_volume: x.removed_volume,
+            ..Context::neutral()
+        })
+    }
+
+    fn process_stiffness(&self, x: &State<N>, u: &Input<N>, terms: &Terms<N>) -> N {
+        let dulling = self.parameters.dulling_rate * x.removed_volume + 1.0;
+        let factors = u.coolant_factor * u.process_stiffness_factor * terms.process_stiffness;
+        self.parameters.process_stiffness * dulling * factors
+    }
+
+    /// State after the end of a work revolution at the commanded infeed of `x`.
+    pub fn revolution(&self, x: &State<N>, u: &Input<N>) -> State<N> {
+        let p = &self.parameters;
+        let terms = self.terms(x, u);
+        let compliance = self.process_stiffness(x, u, &terms) / p.system_stiffness;
+        let wear = p.wheel_wear_ratio * p.work_diameter / p.wheel_diameter;
+        let threshold = (p.threshold_force + terms.threshold_force) / p.system_stiffness;
+        let engagement = x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed;
+        let depth = positive(engagement) / (compliance + wear + 1.0);
+        let mut next = State {
+            stock_removed: x.stock_removed + depth,
+            depth_of_cut: depth,
+            revolutions: x.revolutions + 1.0,
+            wheel_wear: x.wheel_wear + wear * depth,
+            removed_volume: x.removed_volume + p.work_diameter * depth * std::f64::consts::PI,
+            ..*x
+        };
+        let rise = self.output_in_cut(&next, u).temperature_rise;
+        if rise.re() > next.peak_temperature_rise.re() {
+            next.peak_temperature_rise = rise;
+        }
+        next
+    }
+
+    /// Outputs while the wheel touches the part.
+    ///
+    /// Temperature: `rise = (2/√π) ε q √(l_c/(v_w k ρ c))`, `q = F_t v_s/(b l_c)`,
+    /// `l_c = √(h d_e)`, `d_e = d_w d_s/(d_w + d_s)`; `ε = (u − share·u_ch)/u` of the specific
+    /// energy u stays in the work.
+    ///
+    /// # Source
+    /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled).
+    fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
+        let p = &self.parameters;
+        let terms = self.terms(x, u);
+        let process_stiffness = self.process_stiffness(x, u, &terms);
+        let threshold = p.threshold_force + terms.threshold_force;
+        let zero = N::from(0.0);
+        let depth = x.depth_of_cut;
+        let size_error = x.commanded_infeed - x.stock_removed;
+        // Below the threshold the wheel rubs, pressed on by the deflection that is there.
+        let pressed = positive((size_error - x.wheel_wear) * p.system_stiffness);
+        let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
+        let normal_force = if depth.re() > 0.0 { threshold + process_stiffness * depth } else { rubbing };
+        let tangential_force = normal_force * p.friction * u.friction_factor;
+        let spindle_power = tangential_force * p.wheel_speed;
+        let work_speed = u.work_rotation_speed * p.work_diameter * 0.5;
+        let removal_rate = p.width * depth * work_speed;
+        let (mut specific_energy, mut temperature_rise) = (zero, zero);
+        if removal_rate.re() > 0.0 {
+            specific_energy = spindle_power / removal_rate;
+            let into_work = positive(-p.chip_formation_energy * p.chip_heat_share / specific_energy + 1.0);
+            let equivalent_diameter = p.work_diameter * p.wheel_diameter / (p.work_diameter + p.wheel_diameter);
+            let contact_length = (depth * equivalent_diameter).sqrt();
+            let flux = spindle_power / (p.width * contact_length);
+            let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();
+            temperature_rise = into_work * flux * spread * std::f64::consts::FRAC_2_SQRT_PI * terms.temperature_rise;
+        }
+        let lag = crate::lag(process_stiffness, p.system_stiffness);
+        Output {
+            normal_force,
+            tangential_force,
+            spindle_power,
+            depth_of_cut: depth,
+            stock_removed: x.stock_removed,
+            size_error,
+            roundness_error: depth,
+            temperature_rise,
+            temperature: temperature_rise + p.ambient_temperature,
+            specific_energy,
+            burn_margin: -temperature_rise / p.burn_temperature_rise + 1.0,
+            wheel_wear: x.wheel_wear,
+            process_stiffness,
+            lag,
+            rise_revolutions: revolutions_to(N::from(0.95), lag),
+        }
+    }
+
+    /// Outputs, over any number type; a retracted wheel carries no force and no heat.
+    pub fn observe(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
+        let output = self.output_in_cut(x, u);
+        if u.engaged.re() > 0.5 {
+            return output;
+        }
+        let zero = N::from(0.0);
+        Output {
+            normal_force: zero,
+            tangential_force: zero,
+            spindle_power: zero,
+            temperature_rise: zero,
+            temperature: self.parameters.ambient_temperature,
+            specific_energy: zero,
+            burn_margin: N::from(1.0),
+            ..output
+        }
+    }
+}
+
+/// `value` where it is positive, else 0.
+fn positive<N: Number>(value: N) -> N {
+    if value.re() > 0.0 { value } else { N::from(0.0) }
+}
+
+impl Process for Infeed {
+    type Input = Input;
+    type State = State;
+    type Output = Output;
+
+    const NAME: &'static str = "infeed";
+    const EVENTS: &'static [ProcessEvent] = &[ProcessEvent::Burn, ProcessEvent::DressingDue];
+
+    fn initial(&self) -> State {
+        State::default()
+    }
+
+    fn output(&self, x: &State, u: &Input) -> Output {
+        self.observe(x, u)
+    }
+
+    /// Events are raised at the end of the revolution in which their limit is passed; where both
+    /// are passed in one revolution, burn is raised and the other shows in the indicators.
+    fn advance(&self, x: &mut State, u: &Input, dt: f64) -> Result<Advance, ModelError> {
+        u.check()?;
+        if !(dt >= 0.0 && dt.is_finite()) {
+            return Err(ModelError::Step { seconds: dt });
+        }
+        let per_second = u.work_rotation_speed / std::f64::consts::TAU;
+        let whole = Advance { elapsed: dt, event: None };
+        if u.engaged <= 0.5 || per_second == 0.0 {
+            return Ok(whole);
+        }
+        let (mut state, mut left) = (*x, dt * per_second);
+        while state.revolution_phase + left >= 1.0 - WHOLE {
+            let share = 1.0 - state.revolution_phase;
+            state.commanded_infeed += u.infeed_per_rev * share;
+            left -= share;
+            let before = self.indicators(&state);
+            state = State { revolution_phase: 0.0, ..self.revolution(&state, u) };
+            let after = self.indicators(&state);
+            if let Some(i) = (0..2).find(|i| before[*i] < 0.0 && after[*i] >= 0.0) {
+                *x = state;
+                return Ok(Advance { elapsed: dt - left.max(0.0) / per_second, event: Some(Self::EVENTS[i]) });
+            }
+        }
+        state.commanded_infeed += u.infeed_per_rev * left;
+        state.revolution_phase += left;
+        *x = state;
+        Ok(whole)
+    }
+
+    fn event_indicators(&self, x: &State, _u: &Input, indicators: &mut [f64]) {
+        indicators.copy_from_slice(&self.indicators(x));
+    }
+
+    fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
+        let mut groups: Vec<(&'static str, &mut dyn AnyRecord)> = vec![("infeed", &mut self.parameters)];
+        groups.extend(self.effects.parameters_mut());
+        groups
+    }
+}
+
+impl Infeed {
+    /// Distance past the burn limit and past the dressing limit, relative.
+    fn indicators(&self, x: &State) -> [f64; 2] {
+        [
+            x.peak_temperature_rise / self.parameters.burn_temperature_rise - 1.0,
+            x.removed_volume / self.parameters.dressing_limit - 1.0,
+        ]
+    }
+}

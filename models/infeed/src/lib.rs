@@ -1,0 +1,59 @@
+//! Plunge (infeed) grinding: how far the ground stock lags behind the commanded infeed, and
+//! what follows for size, roundness, force, temperature and the wheel.
+//!
+//! The wheel presses on the part; machine and part give way. Of the deflection, each work
+//! revolution grinds off the share 1 − K and leaves the share K = Cp/(J + Cp). Everything here
+//! is a consequence of that recursion, extended by wheel wear, a threshold force, dulling and
+//! the heat of the contact.
+//!
+//! ```text
+//!   infeed per revolution ──►(+)──► deflection ──► 1/(1 + Cp/J + g) ──► depth h ──► Cp h = F_n
+//!                             ▲ −                                        │            │
+//!                             └── stock removed r, wheel wear w ◄── Σ ◄──┤         heat, burn
+//!                                                 dulling, dressing ◄────┘
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Infeed`] | the [`Process`](toolroom_process::Process) |
+//! | [`Parameters`], [`PARAMETER_SETS`] | machine, wheel and work; shipped sets |
+//! | [`Input`], [`State`], [`Output`] | its records |
+//! | [`lag`], [`stiffness_from_k`], [`series_stiffness`], [`remaining_stiffness`] | stiffnesses |
+//! | [`stock_after`], [`revolutions_to`], [`deviation_after`] | the recursion in closed form |
+//! | [`lag_time_constant`], [`decay_time_constant`] | its continuous equivalents |
+//! | [`claims`] | published numbers beside computed ones |
+//!
+//! ```
+//! use toolroom_infeed::{Infeed, Input, Parameters};
+//! use toolroom_process::Process;
+//! let grinding = Infeed { parameters: Parameters::named("zb153u_40kh").unwrap(), ..Infeed::default() };
+//! let mut part = grinding.initial();
+//! let revolution = 60.0 / 292.0;
+//! grinding.advance(&mut part, &Input::default(), 16.0 * revolution).unwrap();
+//! grinding.advance(&mut part, &Input { infeed_per_rev: 0.0, ..Input::default() }, 4.0 * revolution).unwrap();
+//! let output = grinding.output(&part, &Input::default());
+//! assert!((output.roundness_error - 0.4143e-6).abs() < 1e-10); // step left after spark-out
+//! ```
+//!
+//! # What is not modelled
+//! The angle within a revolution: the spiral, waviness with a broken number of lobes and
+//! contact over part of the circumference need the delay equation of which this recursion is
+//! the solution at whole revolutions. Chatter. A contact stiffness that grows with load and a
+//! force exponent below one (both observed). Thermal growth of part and machine, drift of the
+//! stiffness. The half revolution by which the start of contact is uncertain. Heat while the
+//! wheel only rubs; heat at low Péclet number (below 10 the moving band is a few per cent
+//! high); the film boiling of the coolant. Loss of wheel diameter by dressing.
+
+mod claims;
+mod infeed;
+mod parameters;
+mod records;
+mod stiffness;
+mod transient;
+
+pub use claims::claims;
+pub use infeed::Infeed;
+pub use parameters::{PARAMETER_SETS, Parameters, SetError};
+pub use records::{Input, Output, State};
+pub use stiffness::{lag, paper_eq8_contradicts_eq3, remaining_stiffness, series_stiffness, stiffness_from_k};
+pub use transient::{decay_time_constant, deviation_after, lag_time_constant, revolutions_to, stock_after};
