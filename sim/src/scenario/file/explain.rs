@@ -2,29 +2,77 @@
 
 /// Every code that [`Fault::code`](super::Fault::code) returns, with its explanation.
 pub const CODES: &[(&str, &str)] = &[
-    ("syntax", "The file is not TOML. Text stands in quotes, lists in brackets, one `key = value` stands on a line, and `[[machine]]` (two brackets) opens one of several entries. Nothing else is checked until the file is TOML."),
+    (
+        "syntax",
+        "The file is not TOML. Text stands in quotes, lists in brackets, one `key = value` stands on a line, and `[[machine]]` (two brackets) opens one of several entries. Nothing else is checked until the file is TOML.",
+    ),
     ("schema", "`schema` is the version of the file format. This program reads version 1."),
-    ("unknown-key", "The section has no such key. Keys are never ignored, because a mistyped key would silently leave its default in force. `toolroom schema` prints every key; editors use that schema for completion."),
+    (
+        "unknown-key",
+        "The section has no such key. Keys are never ignored, because a mistyped key would silently leave its default in force. `toolroom schema` prints every key; editors use that schema for completion.",
+    ),
     ("missing-key", "The key has no default, because a wrong guess would change the result."),
-    ("not-applicable", "The key belongs to another variant of the section: `interval` says nothing about a Poisson source. It is refused because it would be without effect."),
-    ("wrong-type", "The value is of another kind than the key takes, such as a bare number where a quantity with its unit is due."),
-    ("quantity", "A quantity is a number with its unit in quotes: \"60 m/min\", \"0.12 mm/rev\", \"1.5 min\". Units of the same dimension are converted (\"2.4 in\" is a length); a unit of another dimension is refused. Decimals take a point. Ratios may stand without unit or in \"%\"."),
-    ("out-of-range", "The number is outside the range in which the value makes sense, or is not finite. The usual cause is a slip of the unit: mm for um, m/s for m/min."),
+    (
+        "not-applicable",
+        "The key belongs to another variant of the section: `interval` says nothing about a Poisson source. It is refused because it would be without effect.",
+    ),
+    (
+        "wrong-type",
+        "The value is of another kind than the key takes, such as a bare number where a quantity with its unit is due.",
+    ),
+    (
+        "quantity",
+        "A quantity is a number with its unit in quotes: \"60 m/min\", \"0.12 mm/rev\", \"1.5 min\". Units of the same dimension are converted (\"2.4 in\" is a length); a unit of another dimension is refused. Decimals take a point. Ratios may stand without unit or in \"%\".",
+    ),
+    (
+        "out-of-range",
+        "The number is outside the range in which the value makes sense, or is not finite. The usual cause is a slip of the unit: mm for um, m/s for m/min.",
+    ),
     ("unknown-choice", "The key takes one word of a list, which the message and `toolroom schema` give."),
-    ("unknown-name", "The name refers to an entry (machine, tool, part, calendar, parameter set) that is not there. Names are compared letter by letter, case included."),
-    ("duplicate-name", "Names tell entries apart in references and tables, so each occurs once. `count = 3` makes three machines L1, L2, L3 of one entry."),
+    (
+        "unknown-name",
+        "The name refers to an entry (machine, tool, part, calendar, parameter set) that is not there. Names are compared letter by letter, case included.",
+    ),
+    (
+        "duplicate-name",
+        "Names tell entries apart in references and tables, so each occurs once. `count = 3` makes three machines L1, L2, L3 of one entry.",
+    ),
     ("nothing-there", "A shop needs at least one machine, tool, part, source of arrivals and policy."),
-    ("unused-tool", "No operation uses the tool. That is nearly always a mistyped name in an operation; otherwise remove the tool."),
-    ("wrong-process", "A turning tool runs on turning machines, a milling cutter on milling machines, a wheel on infeed machines."),
-    ("no-machine", "None of the machines listed for the operation exists with the process of its tool, so its jobs would wait for ever."),
+    (
+        "unused-tool",
+        "No operation uses the tool. That is nearly always a mistyped name in an operation; otherwise remove the tool.",
+    ),
+    (
+        "wrong-process",
+        "A turning tool runs on turning machines, a milling cutter on milling machines, a wheel on infeed machines.",
+    ),
+    (
+        "no-machine",
+        "None of the machines listed for the operation exists with the process of its tool, so its jobs would wait for ever.",
+    ),
     ("no-operation", "A part needs at least one [[part.operation]]."),
-    ("mixed-currency", "Amounts of different currencies cannot be added. `shop.currency` says which one the file uses; nothing is converted."),
-    ("shifts-overlap", "The shifts of a calendar are in order, do not overlap and end within its period. A night shift over midnight is written as two."),
+    (
+        "mixed-currency",
+        "Amounts of different currencies cannot be added. `shop.currency` says which one the file uses; nothing is converted.",
+    ),
+    (
+        "shifts-overlap",
+        "The shifts of a calendar are in order, do not overlap and end within its period. A night shift over midnight is written as two.",
+    ),
     ("contradiction", "Each of the two values may stand alone, but not both together."),
-    ("parameter-set", "The constants of a tool and work material come from a named parameter set. `toolroom schema` and the manual list them; `parameters` in a tool changes single constants."),
+    (
+        "parameter-set",
+        "The constants of a tool and work material come from a named parameter set. `toolroom schema` and the manual list them; `parameters` in a tool changes single constants.",
+    ),
     ("model", "The process model refuses the value: it is outside the range for which its equations hold."),
-    ("effect", "Effects are named by their id, with a size in the unit of the catalogue; `toolroom effects` lists them. Each acts on some processes only and is given at most once."),
-    ("override", "`--set` takes a path to a value and the value: `--set machine.L1.tool_change_time=\"1 min\"`. Entries of a list are called by name, or by number from 1."),
+    (
+        "effect",
+        "Effects are named by their id, with a size in the unit of the catalogue; `toolroom effects` lists them. Each acts on some processes only and is given at most once.",
+    ),
+    (
+        "override",
+        "`--set` takes a path to a value and the value: `--set machine.L1.tool_change_time=\"1 min\"`. Entries of a list are called by name, or by number from 1.",
+    ),
 ];
 
 /// The explanation of a code.

@@ -134,7 +134,9 @@ pub enum Fault {
         reason: String,
     },
     /// An operation on a machine of another process than its tool's.
-    #[error("operation \"{operation}\" uses the {tool_process} tool \"{tool}\", but \"{machine}\" is a {machine_process} machine")]
+    #[error(
+        "operation \"{operation}\" uses the {tool_process} tool \"{tool}\", but \"{machine}\" is a {machine_process} machine"
+    )]
     WrongProcess {
         /// Operation.
         operation: String,

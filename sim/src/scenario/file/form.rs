@@ -91,8 +91,10 @@ pub enum Kind {
         /// The record's fields.
         fields: &'static [Field],
     },
-    /// Named values that another catalogue reads.
-    Free(&'static str),
+    /// Groups of parameters of a process, `{ group = { name = value } }`.
+    Parameters,
+    /// Effects of the catalogue, `[{ id = "wear_force", size = 0.2 }]`.
+    Effects,
 }
 
 /// The unit and range of a quantity.

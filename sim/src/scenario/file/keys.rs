@@ -49,7 +49,8 @@ pub(super) static DISTRIBUTION: Form = Form {
             .when("distribution", &["constant", "exponential", "lognormal", "weibull"]),
         Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
             .when("distribution", &["lognormal"]),
-        Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape").when("distribution", &["weibull"]),
+        Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
+            .when("distribution", &["weibull"]),
         Key::required("low", TIME, "Least").when("distribution", &["triangular", "uniform"]),
         Key::required("mode", TIME, "Most likely").when("distribution", &["triangular"]),
         Key::required("high", DURATION, "Greatest").when("distribution", &["triangular", "uniform"]),
@@ -65,10 +66,20 @@ static SHOP: Form = Form {
         Key::required("name", Kind::Name, "Short name, also of the output folder"),
         Key::default("title", Kind::Text, "", "One line for people"),
         Key::default("seed", Kind::Count { min: 0, max: u64::MAX }, "1", "Seed of every random stream"),
-        Key::default("replications", Kind::Count { min: 1, max: 1_000_000 }, "20", "Independent repetitions of the horizon"),
+        Key::default(
+            "replications",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "20",
+            "Independent repetitions of the horizon",
+        ),
         Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
         Key::default("warm_up", TIME, "0 h", "Time at the start that no statistic counts"),
-        Key::default("shift_length", LONG_DURATION, "8 h", "Length of the shift to which rates refer (parts per shift)"),
+        Key::default(
+            "shift_length",
+            LONG_DURATION,
+            "8 h",
+            "Length of the shift to which rates refer (parts per shift)",
+        ),
         Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
     ],
 };
@@ -99,22 +110,36 @@ static MACHINE: Form = Form {
     title: "[[machine]]",
     doc: "A machine tool, or several of one kind",
     keys: &[
-        Key::required("name", Kind::Name, "Unique name; with `count` the prefix of L1, L2, …, and the name of them all"),
-        Key::optional("count", Kind::Count { min: 1, max: 1000 }, "Number of machines of this kind; left out: one, called as it is"),
+        Key::required(
+            "name",
+            Kind::Name,
+            "Unique name; with `count` the prefix of L1, L2, …, and the name of them all",
+        ),
+        Key::optional(
+            "count",
+            Kind::Count { min: 1, max: 1000 },
+            "Number of machines of this kind; left out: one, called as it is",
+        ),
         Key::required("process", Kind::Choice(PROCESSES), "Process that it can run"),
         Key::required("rate", RATE, "Cost of an hour of machine and operator"),
         Key::required("load_time", RANDOM_TIME, "Fastening a part"),
         Key::required("unload_time", RANDOM_TIME, "Taking it off"),
         Key::default("tool_change_time", TIME, "0 min", "Changing a worn edge for a new one"),
-        Key::default("setup_time", TIME, "0 min", "Change over when the setup group changes, unless the operation gives its own"),
-        Key::default("magazine", Kind::Count { min: 1, max: 100_000 }, "100000", "Edges in the magazine before an operator has to refill it"),
+        Key::default(
+            "setup_time",
+            TIME,
+            "0 min",
+            "Change over when the setup group changes, unless the operation gives its own",
+        ),
+        Key::default(
+            "magazine",
+            Kind::Count { min: 1, max: 100_000 },
+            "100000",
+            "Edges in the magazine before an operator has to refill it",
+        ),
         Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
-        Key::required(
-            "speed_range",
-            Kind::List(&SPEED),
-            "Least and greatest cutting speed of spindle and program",
-        )
-        .when("process", &["turning", "milling"]),
+        Key::required("speed_range", Kind::List(&SPEED), "Least and greatest cutting speed of spindle and program")
+            .when("process", &["turning", "milling"]),
         Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
     ],
@@ -127,12 +152,8 @@ static TOOL: Form = Form {
         Key::required("name", Kind::Name, "Unique name"),
         Key::required("process", Kind::Choice(PROCESSES), "Process"),
         Key::required("parameter_set", Kind::Name, "Tool and work material: name of a parameter set of the process"),
-        Key::optional(
-            "parameters",
-            Kind::Free("Deviations from the parameter set, group.parameter = value with unit"),
-            "Deviations from the parameter set",
-        ),
-        Key::optional("effects", Kind::Free("Effects of the catalogue, { id = …, size = … }"), "Effects switched on in the true world"),
+        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
+        Key::optional("effects", Kind::Effects, "Effects switched on in the true world"),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
@@ -163,11 +184,16 @@ static OPERATION: Form = Form {
         Key::required("name", Kind::Name, "Name, unique within the part"),
         Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines that may do it"),
         Key::required("tool", Kind::Reference("tool"), "Tool"),
-        Key::optional("setup_group", Kind::Name, "Fixture and program family; a change of it costs a setup; left out: the part's name"),
+        Key::optional(
+            "setup_group",
+            Kind::Name,
+            "Fixture and program family; a change of it costs a setup; left out: the part's name",
+        ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
         Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part"),
         Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
-        Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one").when("process", &["turning", "milling"]),
+        Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
+            .when("process", &["turning", "milling"]),
         Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", &["turning", "milling"]),
         Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
         Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
@@ -175,13 +201,19 @@ static OPERATION: Form = Form {
         Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
         Key::optional("path_length", PATH, "Cutting path of a turning edge, or path of the cutter axis, in one pass")
             .when("process", &["turning", "milling"]),
-        Key::optional("diameter", LENGTH, "Work diameter; the path of a turning pass is pi * diameter * length / feed_per_rev")
-            .when("process", &["turning"]),
+        Key::optional(
+            "diameter",
+            LENGTH,
+            "Work diameter; the path of a turning pass is pi * diameter * length / feed_per_rev",
+        )
+        .when("process", &["turning"]),
         Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
         Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
             .when("process", &["turning", "milling"]),
-        Key::required("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work").when("process", &["infeed"]),
-        Key::required("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero").when("process", &["infeed"]),
+        Key::required("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
+            .when("process", &["infeed"]),
+        Key::required("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
+            .when("process", &["infeed"]),
     ],
 };
 
@@ -204,7 +236,11 @@ static PHASE: Form = Form {
     title: "[[part.operation.phase]]",
     doc: "Revolutions at one infeed",
     keys: &[
-        Key::required("infeed_per_rev", quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"), "Infeed per revolution of the work"),
+        Key::required(
+            "infeed_per_rev",
+            quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"),
+            "Infeed per revolution of the work",
+        ),
         Key::required("revolutions", Kind::Count { min: 1, max: 100_000 }, "Whole revolutions"),
     ],
 };
@@ -216,10 +252,12 @@ static ARRIVALS: Form = Form {
         Key::required("part", Kind::Reference("part"), "Part"),
         Key::required("pattern", Kind::Choice(&["poisson", "batch", "schedule", "constant_work"]), "When jobs come"),
         Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
-        Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero").when("pattern", &["batch"]),
+        Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
+            .when("pattern", &["batch"]),
         Key::required("size", Kind::Count { min: 1, max: 1_000_000 }, "Jobs in a lot").when("pattern", &["batch"]),
         Key::required("lot", Kind::Tables(&LOT), "Lots in order").when("pattern", &["schedule"]),
-        Key::required("jobs", Kind::Count { min: 1, max: 1_000_000 }, "Jobs kept in the shop").when("pattern", &["constant_work"]),
+        Key::required("jobs", Kind::Count { min: 1, max: 1_000_000 }, "Jobs kept in the shop")
+            .when("pattern", &["constant_work"]),
     ],
 };
 
@@ -250,8 +288,18 @@ static FAILURE: Form = Form {
         Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines; each breaks down by itself"),
         Key::required("time_between", RANDOM_TIME, "Time to failure on its clock"),
         Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),
-        Key::default("clock", Kind::Choice(&["busy", "calendar"]), "busy", "Whether only working time counts towards the failure, or all"),
-        Key::default("part", Kind::Choice(&["resume", "repeat", "scrap"]), "resume", "What becomes of the part in the machine"),
+        Key::default(
+            "clock",
+            Kind::Choice(&["busy", "calendar"]),
+            "busy",
+            "Whether only working time counts towards the failure, or all",
+        ),
+        Key::default(
+            "part",
+            Kind::Choice(&["resume", "repeat", "scrap"]),
+            "resume",
+            "What becomes of the part in the machine",
+        ),
     ],
 };
 
@@ -281,14 +329,23 @@ static POLICY: Form = Form {
         Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
         Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
         Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
-        Key::optional("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges; left out: the rate optimum").when("speed", &["productivity"]),
+        Key::optional(
+            "price",
+            positive("s/m", "s/m", 1e5, "2.4 s/m"),
+            "Shadow price of edges; left out: the rate optimum",
+        )
+        .when("speed", &["productivity"]),
         Key::default(
             "tool_change",
             Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
             "wear_limit",
             "When an edge is changed",
         ),
-        Key::optional("believed_model", Kind::Name, "Parameter set that the controller believes in, where it is not the tool's own"),
+        Key::optional(
+            "believed_model",
+            Kind::Name,
+            "Parameter set that the controller believes in, where it is not the tool's own",
+        ),
         Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
     ],
 };
@@ -299,7 +356,8 @@ pub(super) static TOOL_CHANGE: Form = Form {
     doc: "When an edge is changed; decided between passes",
     keys: &[
         Key::required("rule", Kind::Choice(&["wear_limit", "part_count", "cutting_time", "predicted"]), "Rule"),
-        Key::optional("limit", WEAR, "Flank wear; left out: the tool's wear limit").when("rule", &["wear_limit", "predicted"]),
+        Key::optional("limit", WEAR, "Flank wear; left out: the tool's wear limit")
+            .when("rule", &["wear_limit", "predicted"]),
         Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per edge").when("rule", &["part_count"]),
         Key::required("time", DURATION, "Cutting time per edge").when("rule", &["cutting_time"]),
     ],
@@ -319,7 +377,12 @@ pub(super) static SENSORS: Form = Form {
         Key::default("thermo_emf_bias", BIAS, "0", "Systematic relative error of thermo-EMF"),
         Key::default("feed_force_bias", BIAS, "0", "Systematic relative error of feed force"),
         Key::default("spindle_power_bias", BIAS, "0", "Systematic relative error of spindle power"),
-        Key::default("flank_wear", quantity("m", "mm", 0.0, 1e-3, "0.01 mm"), "0.01 mm", "Standard deviation of a flank wear reading"),
+        Key::default(
+            "flank_wear",
+            quantity("m", "mm", 0.0, 1e-3, "0.01 mm"),
+            "0.01 mm",
+            "Standard deviation of a flank wear reading",
+        ),
     ],
 };
 

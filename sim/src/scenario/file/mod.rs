@@ -26,12 +26,14 @@ mod schema;
 mod tests;
 mod text;
 mod walk;
+mod words;
 
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
 pub use fault::{Fault, nearest};
 pub use schema::schema;
-pub use walk::{Echo, Problem, significant};
+pub use walk::{Echo, Problem};
+pub use words::significant;
 
 use super::Scenario;
 use std::path::Path;

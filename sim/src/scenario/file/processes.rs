@@ -2,7 +2,8 @@
 
 use super::fault::{Fault, nearest};
 use super::form::Quantity;
-use super::walk::{Echo, Section, Value, Walk, display};
+use super::walk::{Echo, Section, Value, Walk};
+use super::words::display;
 use crate::scenario::ProcessModel;
 use std::fmt::Display;
 use std::sync::Arc;
@@ -135,7 +136,9 @@ fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str
                 let title = format!("{}, {}", tool.path, group.get_ref());
                 set_record(walk, &title, values, *record);
             }
-            other => walk.wrong_type(group.get_ref(), other, "a table of parameters", values.span(), example.to_owned()),
+            other => {
+                walk.wrong_type(group.get_ref(), other, "a table of parameters", values.span(), example.to_owned())
+            }
         }
     }
 }

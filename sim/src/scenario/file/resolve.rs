@@ -156,7 +156,8 @@ fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Shif
                 rule,
             };
             if shift.end <= shift.start {
-                let fault = contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
+                let fault =
+                    contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
                 walk.fault(each.span_of("end"), fault);
             } else if shift.end > period {
                 walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
@@ -230,7 +231,9 @@ fn speed_range(walk: &mut Walk, section: &Section<'_>) -> (f64, f64) {
     match (section.list("speed_range").len(), speeds.as_slice()) {
         (2, &[low, high]) if low < high => (low, high),
         (0, _) if !section.given("speed_range") => (0.0, f64::INFINITY), // a grinder has none
-        (2, &[_, _]) | (0 | 1 | 3.., _) if !matches!(section.got("speed_range").map(|got| &got.value), Some(Value::Faulty)) => {
+        (2, &[_, _]) | (0 | 1 | 3.., _)
+            if !matches!(section.got("speed_range").map(|got| &got.value), Some(Value::Faulty)) =>
+        {
             let fault = Fault::WrongType {
                 key: "speed_range".to_owned(),
                 read: format!("{} speeds", section.list("speed_range").len()),

@@ -1,9 +1,10 @@
 //! Parts and their operations.
 
 use super::fault::Fault;
-use super::resolve::{NamedTool, Names, machine_indices, named, reference};
-use super::walk::{Section, Value, Walk, display};
 use super::form::{Kind, Quantity};
+use super::resolve::{NamedTool, Names, machine_indices, named, reference};
+use super::walk::{Section, Value, Walk};
+use super::words::display;
 use crate::scenario::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
 use std::f64::consts::PI;
 
@@ -207,11 +208,8 @@ fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: &s
 /// A value of the pass, or else of its operation; NaN only where a problem is noted.
 fn due(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, key: &'static str, example: &str) -> f64 {
     if pass.got(key).or_else(|| operation.got(key)).is_none() {
-        let fault = Fault::MissingKey {
-            section: operation.form.title.to_owned(),
-            key,
-            example: format!("\"{example}\""),
-        };
+        let fault =
+            Fault::MissingKey { section: operation.form.title.to_owned(), key, example: format!("\"{example}\"") };
         walk.fault(pass.span.clone(), fault);
     }
     pass.si(key).or_else(|| operation.si(key)).unwrap_or(f64::NAN)

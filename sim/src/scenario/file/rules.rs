@@ -6,8 +6,7 @@ use super::keys::SENSORS;
 use super::resolve::{Names, named, reference};
 use super::walk::{Section, Value, Walk};
 use crate::scenario::{
-    Arrival, ArrivalPattern, DispatchRule, MachineType, PolicyRule, SensorSheet, SpeedChoice, SpeedRule,
-    ToolChangeRule,
+    Arrival, ArrivalPattern, DispatchRule, MachineType, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
 
@@ -73,7 +72,7 @@ fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) 
             if speed.is_finite() && lathes.peek().is_some() && !lathes.any(within) {
                 let fault = Fault::OutOfRange {
                     key: "cutting_speed".to_owned(),
-                    read: format!("{} m/min", super::walk::significant(speed * 60.0)),
+                    read: format!("{} m/min", super::words::significant(speed * 60.0)),
                     range: "the speed_range of every turning machine".to_owned(),
                     meant: Vec::new(),
                 };

@@ -3,6 +3,7 @@
 use super::form::{Form, Key, Kind, Need};
 use super::keys::SCENARIO;
 use serde_json::{Map, Value, json};
+use toolroom_effects::Effect;
 use toolroom_process::{Field, unit};
 
 /// JSON schema of scenario files, for editors.
@@ -105,8 +106,22 @@ fn kind(of: &'static Kind) -> Value {
             let table = json!({ "type": "object", "additionalProperties": false, "properties": properties });
             json!({ "anyOf": [kind(word), table] })
         }
-        Kind::Free(doc) => json!({ "description": doc }),
+        Kind::Parameters => json!({
+            "type": "object",
+            "additionalProperties": { "type": "object", "additionalProperties": { "type": ["number", "string"] } },
+        }),
+        Kind::Effects => {
+            json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } })
+        }
     }
+}
+
+/// An effect with its size and shape.
+fn effect(of: Effect) -> Value {
+    let mut properties = Map::new();
+    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
+    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
+    json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
 }
 
 /// A field of a record.

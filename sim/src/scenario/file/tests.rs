@@ -129,7 +129,9 @@ fn a_good_file_is_understood_in_si() {
     let path = std::f64::consts::PI * 0.12 * 0.024 / 0.12e-3;
     assert!((cuts[0].path_length / path - 1.0).abs() < 1e-12, "{}", cuts[0].path_length);
     assert_eq!(scenario.failures.len(), 1);
-    assert!(matches!(scenario.arrivals[0].pattern, ArrivalPattern::Poisson { rate } if (rate * 720.0 - 1.0).abs() < 1e-12));
+    assert!(
+        matches!(scenario.arrivals[0].pattern, ArrivalPattern::Poisson { rate } if (rate * 720.0 - 1.0).abs() < 1e-12)
+    );
     assert_eq!(scenario.policies[0].speed, SpeedRule::Constant(SpeedChoice::Makarov(0.2e-3)));
     assert_eq!(scenario.policies[1].tool_change, ToolChangeRule::CuttingTime { time: 720.0 });
     assert_eq!(scenario.policies[1].sensors.thermo_emf_bias, 0.05);
@@ -140,10 +142,13 @@ fn a_good_file_is_understood_in_si() {
 fn the_echo_tells_values_in_display_units_and_defaults() {
     let file = good();
     let line = |section: &str, key: &str| {
-        file.echo.iter().find(|echo| echo.section == section && echo.key == key).unwrap_or_else(|| panic!("{:#?}", file.echo))
+        file.echo
+            .iter()
+            .find(|echo| echo.section == section && echo.key == key)
+            .unwrap_or_else(|| panic!("{:#?}", file.echo))
     };
     assert_eq!(line("machine L", "tool_change_time").value, "2 min");
-    assert_eq!(line("machine L", "load_time").value, "0.75 min");
+    assert_eq!(line("machine L", "load_time").value, "45 s");
     assert!(line("machine L", "setup_time").default);
     assert_eq!(line("part ring, operation face", "feed_per_rev").value, "0.12 mm");
     assert_eq!(line("tool ring insert, limits", "wear_limit").value, "0.5 mm");
@@ -172,7 +177,10 @@ fn an_unknown_key_names_the_nearest() {
 fn a_bare_number_names_the_accepted_units() {
     let (code, line, text) = only(faults("\"0.75 mm\"", "0.75"));
     assert_eq!((code, line), ("quantity", line_of("depth_of_cut")));
-    assert!(text.contains("accepted: ") && text.contains("um") && text.contains("write for example \"0.75 mm\""), "{text}");
+    assert!(
+        text.contains("accepted: ") && text.contains("um") && text.contains("write for example \"0.75 mm\""),
+        "{text}"
+    );
 }
 
 #[test]
@@ -262,9 +270,10 @@ fn empty_shops_are_refused() {
 
 #[test]
 fn a_wheel_on_a_lathe_is_refused_once() {
-    let text = GOOD
-        .replace("process = \"turning\"\nparameter_set", "process = \"infeed\"\nparameter_set")
-        .replace("parameters = { limits = { wear_limit = \"0.5 mm\" } }\neffects = [{ id = \"wear_force\", size = 0.2 }]\n", "");
+    let text = GOOD.replace("process = \"turning\"\nparameter_set", "process = \"infeed\"\nparameter_set").replace(
+        "parameters = { limits = { wear_limit = \"0.5 mm\" } }\neffects = [{ id = \"wear_force\", size = 0.2 }]\n",
+        "",
+    );
     let found = faults_of(&text, &[]);
     assert!(found.iter().any(|fault| fault.0 == "wrong-process"), "{found:#?}");
     assert!(found.iter().any(|fault| fault.0 == "no-machine"), "{found:#?}");

@@ -52,7 +52,8 @@ mod tests {
     fn utf16_is_named_with_and_without_mark() {
         let text: Vec<u8> = "schema = 1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
         assert!(matches!(decode("f", &text), Err(ReadError::Utf16 { .. })));
-        let marked: Vec<u8> = [0xFE, 0xFF].into_iter().chain("schema".encode_utf16().flat_map(u16::to_be_bytes)).collect();
+        let marked: Vec<u8> =
+            [0xFE, 0xFF].into_iter().chain("schema".encode_utf16().flat_map(u16::to_be_bytes)).collect();
         assert!(matches!(decode("f", &marked), Err(ReadError::Utf16 { .. })));
     }
 

@@ -3,11 +3,12 @@
 use super::fault::{Fault, nearest};
 use super::form::{Form, Key, Kind, Need, Quantity};
 use super::keys::CURRENCIES;
+use super::words::{described, example, expected, fix, meant, quoted, range, understood};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use toolroom_process::unit::{self, UnitError};
+use toolroom_process::unit;
 
 /// Bytes of the file, or of a `--set` past its end.
 pub(super) type Span = Range<usize>;
@@ -192,9 +193,9 @@ impl Walk {
                     self.fault(span.clone(), fault);
                 }
                 (None, Need::Default(text)) if applies != Some(false) => {
-                    let parsed = DeValue::parse(text)
-                        .ok()
-                        .filter(|_| !matches!(key.kind, Kind::Name | Kind::Text | Kind::Choice(_) | Kind::Fields { .. }));
+                    let parsed = DeValue::parse(text).ok().filter(|_| {
+                        !matches!(key.kind, Kind::Name | Kind::Text | Kind::Choice(_) | Kind::Fields { .. })
+                    });
                     let raw = parsed.unwrap_or_else(|| Spanned::new(span.clone(), DeValue::String(text.into())));
                     let amounts = self.currencies.len();
                     let value = self.value(key.name, &key.kind, &raw);
@@ -223,7 +224,9 @@ impl Walk {
                     let path = if table.contains_key("name") { base } else { format!("{base} {}", i + 1) };
                     sections.push(self.section(form, &path, table, entry.span(), case));
                 }
-                other => self.wrong_type(key, other, &format!("a table {}", form.title), entry.span(), form.title.to_owned()),
+                other => {
+                    self.wrong_type(key, other, &format!("a table {}", form.title), entry.span(), form.title.to_owned())
+                }
             }
         }
         sections
@@ -286,7 +289,10 @@ impl Walk {
                 Value::Faulty
             }
             (Kind::Count { min, max }, DeValue::Integer(integer)) => {
-                match u64::from_str_radix(integer.as_str(), integer.radix()).ok().filter(|count| (min..=max).contains(&count)) {
+                match u64::from_str_radix(integer.as_str(), integer.radix())
+                    .ok()
+                    .filter(|count| (min..=max).contains(&count))
+                {
                     Some(count) => Value::Count(count),
                     None => {
                         let upper = if *max == u64::MAX { "up".to_owned() } else { format!("to {max}") };
@@ -303,19 +309,23 @@ impl Walk {
             }
             (Kind::Flag, DeValue::Boolean(flag)) => Value::Flag(*flag),
             (Kind::List(item), DeValue::Array(items)) => {
-                let read = |raw: &Spanned<DeValue<'d>>| Got { span: raw.span(), given: true, value: self.value(key, item, raw) };
+                let read = |raw: &Spanned<DeValue<'d>>| Got {
+                    span: raw.span(),
+                    given: true,
+                    value: self.value(key, item, raw),
+                };
                 Value::List(items.iter().map(read).collect())
             }
             (Kind::List(item), DeValue::String(_)) => {
                 let value = self.value(key, item, raw);
                 Value::List(vec![Got { span, given: true, value }])
             }
-            (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, other) if !other.is_table() => self.value(key, word, raw),
+            (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, other) if !other.is_table() => {
+                self.value(key, word, raw)
+            }
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
-            | (Kind::Free(_), _) => {
-                Value::Raw(raw.get_ref().clone())
-            }
+            | (Kind::Parameters | Kind::Effects, _) => Value::Raw(raw.get_ref().clone()),
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty
@@ -330,11 +340,18 @@ impl Walk {
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
             DeValue::Float(float) => float.as_str().to_owned(),
             other => {
-                self.wrong_type(key, other, &expected(&Kind::Quantity(*quantity)), raw.span(), quoted(quantity.example));
+                self.wrong_type(
+                    key,
+                    other,
+                    &expected(&Kind::Quantity(*quantity)),
+                    raw.span(),
+                    quoted(quantity.example),
+                );
                 return Value::Faulty;
             }
         };
-        let not_finite = matches!(number.trim().trim_start_matches(['+', '-']).to_lowercase().as_str(), "inf" | "nan" | "infinity");
+        let not_finite =
+            matches!(number.trim().trim_start_matches(['+', '-']).to_lowercase().as_str(), "inf" | "nan" | "infinity");
         let value = match unit::quantity(&number, quantity.unit) {
             Ok(value) => value,
             Err(_) if not_finite => f64::NAN,
@@ -343,7 +360,10 @@ impl Walk {
                 let quote = usize::from(raw.span().len() > number.len());
                 let at = raw.span().start + quote + reason.at();
                 let span = if reason.at() > 0 && at < raw.span().end { at..raw.span().end - quote } else { raw.span() };
-                self.fault(span, Fault::Quantity { key: key.to_owned(), example: fix(quantity, &number, &reason), reason });
+                self.fault(
+                    span,
+                    Fault::Quantity { key: key.to_owned(), example: fix(quantity, &number, &reason), reason },
+                );
                 return Value::Faulty;
             }
         };
@@ -366,13 +386,16 @@ impl Walk {
     }
 
     pub fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
-        let fault = Fault::WrongType { key: key.to_owned(), read: described(read), expected: expected.to_owned(), example };
+        let fault =
+            Fault::WrongType { key: key.to_owned(), read: described(read), expected: expected.to_owned(), example };
         self.fault(span, fault);
     }
 
     fn note(&mut self, path: &str, key: &Key, got: &Got<'_>) {
         let Some(mut value) = understood(&key.kind, &got.value) else { return };
-        if matches!(key.kind, Kind::Quantity(quantity) if quantity.display.starts_with("EUR")) && !self.currency.is_empty() {
+        if matches!(key.kind, Kind::Quantity(quantity) if quantity.display.starts_with("EUR"))
+            && !self.currency.is_empty()
+        {
             value = value.replace("EUR", &self.currency);
         }
         self.echo.push(Echo { section: path.to_owned(), key: key.name.to_owned(), value, default: !got.given });
@@ -383,129 +406,5 @@ fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
     match of.key(key)?.kind {
         Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
         _ => None,
-    }
-}
-
-/// A value in words, in the display unit of its key; `None` for sections, which speak themselves.
-fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
-    Some(match (kind, value) {
-        (Kind::Quantity(quantity), Value::Si(si)) => display(quantity, *si),
-        (_, Value::Count(count)) => count.to_string(),
-        (_, Value::Text(text)) => text.clone(),
-        (_, Value::Flag(flag)) => flag.to_string(),
-        (Kind::Shorthand { word, .. } | Kind::Fields { word, .. }, value) => return understood(word, value),
-        (Kind::List(item), Value::List(list)) => {
-            list.iter().filter_map(|got| understood(item, &got.value)).collect::<Vec<_>>().join(", ")
-        }
-        _ => return None,
-    })
-}
-
-/// An SI value in a quantity's display unit.
-pub(super) fn display(quantity: &Quantity, si: f64) -> String {
-    let number = significant(unit::convert(si, quantity.unit, quantity.display));
-    if quantity.display == "1" { number } else { format!("{number} {}", quantity.display) }
-}
-
-/// Six significant digits without trailing zeros.
-///
-/// ```
-/// assert_eq!(toolroom_sim::scenario::file::significant(0.12e-3 * 1e3), "0.12");
-/// ```
-pub fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let scientific = format!("{value:.5e}");
-    let rounded: f64 = scientific.parse().unwrap_or(value);
-    if (1e-4..1e9).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
-}
-
-fn range(quantity: &Quantity) -> String {
-    let shown = |si| display(quantity, si);
-    if quantity.above && quantity.min == 0.0 {
-        format!("the range above 0 up to {}", shown(quantity.max))
-    } else {
-        format!("{} to {}", shown(quantity.min), shown(quantity.max))
-    }
-}
-
-/// The same number in units in which it would be in range.
-fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
-    let digits = number.trim().trim_end_matches(|c: char| !c.is_ascii_digit());
-    let Some(digits) = digits.split_whitespace().next() else { return Vec::new() };
-    unit::accepted(quantity.unit)
-        .split(", ")
-        .map(|unit| format!("{digits} {unit}"))
-        .filter(|text| unit::quantity(text, quantity.unit).is_ok_and(|value| quantity.admits(value)))
-        .take(2)
-        .map(|text| quoted(&text))
-        .collect()
-}
-
-/// A value that would do in place of one that could not be read.
-fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
-    match reason {
-        UnitError::DecimalComma { fix, .. } => fix.clone(),
-        UnitError::MissingUnit { .. } => {
-            let text = format!("{} {}", number.trim(), quantity.display);
-            let good = unit::quantity(&text, quantity.unit).is_ok_and(|value| quantity.admits(value));
-            quoted(if good { &text } else { quantity.example })
-        }
-        _ if quantity.example.is_empty() => quoted(&format!("… {}", quantity.display)),
-        _ => quoted(quantity.example),
-    }
-}
-
-fn quoted(text: &str) -> String {
-    format!("\"{text}\"")
-}
-
-/// What a key takes, in words.
-fn expected(kind: &Kind) -> String {
-    match kind {
-        Kind::Name | Kind::Text => "text in quotes".to_owned(),
-        Kind::Quantity(quantity) if quantity.unit == "1" => "a number".to_owned(),
-        Kind::Quantity(quantity) => format!("a number with its unit in quotes ({})", unit::accepted(quantity.unit)),
-        Kind::Count { .. } => "a whole number".to_owned(),
-        Kind::Flag => "true or false".to_owned(),
-        Kind::Choice(choices) => format!("one of {}", choices.join(", ")),
-        Kind::Reference(kind) => format!("the name of a {kind} in quotes"),
-        Kind::List(_) => "a list in brackets".to_owned(),
-        Kind::Table(form) => format!("a section {}", form.title),
-        Kind::Tables(form) => format!("sections {}", form.title),
-        Kind::Shorthand { word, form } => format!("{}, or a table ({})", expected(word), form.doc),
-        Kind::Fields { word, fields } => {
-            let names: Vec<&str> = fields.iter().map(|field| field.name).collect();
-            format!("{}, or a table of {}", expected(word), names.join(", "))
-        }
-        Kind::Free(doc) => (*doc).to_owned(),
-    }
-}
-
-/// A value that would do, as written in a file.
-pub(super) fn example(kind: &Kind) -> String {
-    match kind {
-        Kind::Name | Kind::Text | Kind::Reference(_) => "\"…\"".to_owned(),
-        Kind::Quantity(quantity) => quoted(quantity.example),
-        Kind::Count { min, .. } => min.to_string(),
-        Kind::Flag => "true".to_owned(),
-        Kind::Choice(choices) => quoted(choices.first().copied().unwrap_or_default()),
-        Kind::List(item) => format!("[{}]", example(item)),
-        Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
-        Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
-        Kind::Free(_) => "{ … }".to_owned(),
-    }
-}
-
-fn described(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(text) => format!("the text {text:?}"),
-        DeValue::Integer(number) => format!("the bare number {number}"),
-        DeValue::Float(number) => format!("the bare number {number}"),
-        DeValue::Boolean(flag) => format!("`{flag}`"),
-        DeValue::Datetime(time) => format!("the date or time {time}"),
-        DeValue::Array(_) => "a list".to_owned(),
-        DeValue::Table(_) => "a table".to_owned(),
     }
 }
