@@ -87,7 +87,8 @@ impl Pair {
     /// `T = ∫ dh/(v·A + B)`, `L = v·T`, `F_M = ∫ v·A/(v·A + B) dh`, to 1e-7 relative.
     ///
     /// # Validity
-    /// The tool body follows at once (continuous cut); no thermal damage.
+    /// The tool body follows at once (continuous cut); no thermal damage, no collapse, no
+    /// chipping: [`Pair::run`] knows those.
     ///
     /// # Examples
     /// ```

@@ -44,7 +44,7 @@ pub struct PassPlan {
     pub acceleration: f64,
     /// Time in cut, s.
     pub duration: f64,
-    /// Predicted growth of flank wear, m.
+    /// Predicted growth of flank wear, m; at most ten wear limits.
     pub wear_increment: f64,
     /// Whether a set increment can be met.
     pub feasible: bool,
@@ -55,12 +55,14 @@ pub struct PassPlan {
 const SWEEPS: usize = 3;
 /// Runge–Kutta steps over a pass.
 const STEPS: u32 = 24;
+/// Predicted wear is followed up to this many wear limits; beyond, the edge is lost anyway.
+const LOST: f64 = 10.0;
 
 impl Pair {
     /// Plans a pass of length `path` [m] from an edge with `flank_wear` [m].
     ///
     /// The speeds at both ends follow the mode at the wear there; the wear at the end is a
-    /// fixed point with the end speed. Speeds are clipped to the limits of the pair, the start
+    /// fixed point with the end speed. A step or acceleration of 0 holds the speed. Speeds are clipped to the limits of the pair, the start
     /// to within `largest_step` of `previous_speed`, the end to what `largest_acceleration`
     /// reaches. The speed in `cut` is not used.
     ///
@@ -93,7 +95,8 @@ impl Pair {
         let reach = 2.0 * ramp.largest_acceleration * path;
         let slowest = (start_speed * start_speed - reach).max(0.0).sqrt();
         let fastest = (start_speed * start_speed + reach).sqrt();
-        let mut wear_increment = self.intensity_at(cut, flank_wear, start_speed) * path;
+        let mut wear_increment =
+            (self.intensity_at(cut, flank_wear, start_speed) * path).min(LOST * self.limits.wear_limit);
         let (mut end_speed, mut feasible) = (start_speed, start_feasible);
         for _ in 0..SWEEPS {
             let (end, end_feasible) = self.mode_speed(cut, flank_wear + wear_increment, path, mode);
@@ -130,11 +133,13 @@ impl Pair {
     fn wear_over_ramp(&self, cut: &Cut, flank_wear: f64, path: f64, start: f64, end: f64) -> f64 {
         let duration = 2.0 * path / (start + end);
         let step = duration / f64::from(STEPS);
+        let lost = LOST * self.limits.wear_limit;
         let rate = |time: f64, wear: &[f64; 1]| {
             let speed = start + (end - start) * (time / duration);
-            [speed * self.intensity_at(cut, wear[0], speed)]
+            [speed * self.intensity_at(cut, wear[0].min(lost), speed)]
         };
-        let grown = (0..STEPS).fold([flank_wear], |wear, i| ode::rk4(rate, f64::from(i) * step, &wear, step));
+        let grown = (0..STEPS)
+            .fold([flank_wear], |wear, i| ode::rk4(rate, f64::from(i) * step, &wear, step).map(|wear| wear.min(lost)));
         grown[0] - flank_wear
     }
 

@@ -31,14 +31,13 @@ pub(crate) fn grid(low: f64, high: f64, points: u32, i: u32) -> f64 {
     if i + 1 == points { high } else { low * (high / low).powf(f64::from(i) / f64::from(points - 1)) }
 }
 
-/// Root in `[low, high]` of a function that is positive at `low` and negative at `high`, to the
-/// last bits.
+/// Root in `[low, high]` of a function that is positive at `low` and negative at `high`, to 1e-14.
 pub(crate) fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+        if high - low <= 1e-14 * high {
             break;
         }
+        let middle = 0.5 * (low + high);
         if f(middle) > 0.0 {
             low = middle;
         } else {
