@@ -118,7 +118,7 @@ impl Observer {
         self.covariance.transpose().into()
     }
 
-    /// A new pass begins at a nominal `depth_of_cut` [m]: the allowance may have changed.
+    /// A new pass begins at a nominal `depth_of_cut` (m): the allowance may have changed.
     pub fn begin_pass(&mut self, depth_of_cut: f64) {
         let depth = self.noise.depth_scatter / depth_of_cut;
         let scatter = (self.noise.pass_scatter.powi(2) + depth * depth).sqrt() + self.noise.pass_margin;

@@ -10,12 +10,12 @@ pub enum SpeedMode {
     MinimumWear,
     /// The paper's rule A = B/v.
     LiteralBalance,
-    /// Mode 2: highest speed at which the pass costs `wear_increment` [m].
+    /// Mode 2: highest speed at which the pass costs `wear_increment` (m).
     SetIncrement {
         /// Flank wear that the pass may cost, m.
         wear_increment: f64,
     },
-    /// Path weighed against time at `shadow_price` [s/m].
+    /// Path weighed against time at `shadow_price` (s/m).
     ShadowPrice {
         /// Worth of a metre of path, s/m.
         shadow_price: f64,
@@ -59,7 +59,7 @@ const STEPS: u32 = 24;
 const LOST: f64 = 10.0;
 
 impl Pair {
-    /// Plans a pass of length `path` [m] from an edge with `flank_wear` [m].
+    /// Plans a pass of length `path` (m) from an edge with `flank_wear` (m).
     ///
     /// The speeds at both ends follow the mode at the wear there; the wear at the end is a
     /// fixed point with the end speed. A step or acceleration of 0 holds the speed. Speeds are clipped to the limits of the pair, the start

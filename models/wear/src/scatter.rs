@@ -162,7 +162,7 @@ impl Scatter {
         hardness.clamp(1.0 - self.hardness_clip, 1.0 + self.hardness_clip)
     }
 
-    /// Draws the depth of cut of a pass around a nominal one [m]; never below a tenth of it.
+    /// Draws the depth of cut of a pass around a nominal one (m); never below a tenth of it.
     pub fn sample_depth<R: Rng + ?Sized>(&self, depth_of_cut: f64, rng: &mut R) -> f64 {
         (depth_of_cut + self.allowance * normal(rng)).max(0.1 * depth_of_cut)
     }

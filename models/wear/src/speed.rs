@@ -111,7 +111,7 @@ impl Pair {
     }
 
     /// The speed that maximises `(μ - 1/v)/J`: path weighed against time at the shadow price
-    /// `μ` [s/m]. An infinite price gives [`Pair::minimum_wear_speed`].
+    /// `μ` (s/m). An infinite price gives [`Pair::minimum_wear_speed`].
     ///
     /// # Source
     /// Least time for given path and wear: minimise ∫dl/v at given ∫J dl, whose Hamiltonian is
@@ -146,15 +146,17 @@ impl Pair {
     pub fn rate_optimum(&self, cut: &Cut, change_time: f64) -> RateOptimum {
         let ConstantSpeed { mut life, .. } = self.best_constant_speed(cut, Objective::Rate { change_time });
         let mut shadow_price = life.production_rate(change_time).recip();
-        for iterations in 1.. {
+        let mut iterations = 0;
+        loop {
+            iterations += 1;
             life = self.life_at_price(cut, shadow_price);
             let next = life.production_rate(change_time).recip();
+            // Convergence is quadratic; the bound only guards against rounding at the limit.
             if (next / shadow_price - 1.0).abs() < 1e-8 || iterations == 40 {
                 return RateOptimum { shadow_price, life, iterations };
             }
             shadow_price = next;
         }
-        unreachable!("the loop returns")
     }
 
     /// Life under mode 1 within the speed limits: the variable speed with most path per edge.
@@ -169,7 +171,7 @@ impl Pair {
         })
     }
 
-    /// The variable speed with most path per edge among those that last `cutting_time` [s].
+    /// The variable speed with most path per edge among those that last `cutting_time` (s).
     ///
     /// # Errors
     /// [`ModelError::NoSolution`] where the edge lasts less under mode 1 already, or more at

@@ -244,3 +244,16 @@ fn a_taylor_edge_lasts_its_taylor_life() {
     let cut = Cut::nominal(3.0, 0.3e-3, 1.5e-3);
     assert!((pair.life(&cut).cutting_time / taylor.tool_life(&cut) - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn an_edge_at_rest_neither_wears_nor_breaks_the_equations() {
+    for (name, _) in PARAMETER_SETS {
+        let pair = Pair::named(name).unwrap();
+        let cut = pair.reference_cut().at_speed(0.0);
+        let state = WearState::mounted(0.1e-3);
+        pair.output(&state, &cut).check().unwrap();
+        let dual = pair.map(Dual64::from);
+        let slope = dual.derivative(&state.map(Dual64::from), &cut.map(|x| Dual64::new(x, 1.0)));
+        assert!(slope.flank_wear.re < 1e-20 && slope.flank_wear.eps.is_finite(), "{name}: {slope:?}");
+    }
+}
