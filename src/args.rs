@@ -163,6 +163,7 @@ pub struct PointArgs {
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub enum PointProcess {
     Turning,
+    Milling,
     Infeed,
 }
 

@@ -60,7 +60,7 @@ impl Failure {
                 let message = format!("{} cannot be written: {source}", path.display());
                 // A wrong path is the user's to mend, a full disk is not in the command.
                 let code = if source.kind() == io::ErrorKind::StorageFull { 1 } else { 2 };
-                self.plain(voice, message, Some("choose another directory with --out DIR"), code)
+                self.plain(voice, message, Some("choose another place"), code)
             }
             Self::Json(error) => self.plain(voice, error, None, 1),
         }

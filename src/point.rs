@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
+use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput, TurningState};
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{AnyRecord, Field, Process, ProcessEvent, Record, unit};
@@ -26,11 +26,25 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
     let effects = effects.and_then(Effects::new).map_err(|error| Failure::argument(error, "see toolroom effects"))?;
     let point = match args.process {
         PointProcess::Turning => turning(args, effects)?,
+        PointProcess::Milling => {
+            let set = args.tool.as_deref().unwrap_or("c45_endmill_d12");
+            let milling = Milling::named(set).map_err(|error| Failure::argument(error, "give --tool SET"))?;
+            effects.check(Milling::NAME).map_err(|error| Failure::argument(error, "see toolroom effects"))?;
+            // A set is used at the cut for which it was made, unless --set says otherwise.
+            let start = MillingInput {
+                cutting_speed: milling.life.reference_speed,
+                feed_per_tooth: milling.life.reference_feed,
+                depth_of_cut: milling.life.reference_depth,
+                width_of_cut: milling.life.reference_width,
+                ..MillingInput::default()
+            };
+            evaluate(&mut Milling { effects, ..milling }, start, args)?.0
+        }
         PointProcess::Infeed => {
             let set = args.tool.as_deref().unwrap_or("zb153u_40kh");
             let parameters = Parameters::named(set).map_err(|error| Failure::argument(error, "give --tool SET"))?;
             let mut infeed = Infeed::new(parameters, effects).map_err(|error| Failure::argument(error, "see toolroom effects"))?;
-            evaluate(&mut infeed, args)?.0
+            evaluate(&mut infeed, toolroom_infeed::Input::default(), args)?.0
         }
     };
     if voice.json {
@@ -74,7 +88,7 @@ fn turning(args: &PointArgs, effects: Effects) -> Result<Point, Failure> {
         depth_of_cut: reference.depth_of_cut,
         ..TurningInput::default()
     };
-    let (mut point, input, mut state) = evaluate_from(&mut turning, start, args)?;
+    let (mut point, input, mut state) = evaluate(&mut turning, start, args)?;
     let model = LifeModel::from(args.life_model);
     let given = args.set.iter().any(|text| text.starts_with("tool_body_temperature_rise"));
     if model == LifeModel::QuasiSteady && !given && args.advance.is_none() {
@@ -137,12 +151,8 @@ fn least(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     0.5 * (a + b)
 }
 
-fn evaluate<P: Process>(process: &mut P, args: &PointArgs) -> Result<(Point, P::Input, P::State), Failure> {
-    evaluate_from(process, P::Input::default(), args)
-}
-
 /// Applies every `--set` to input, state or parameters, advances, and reads everything.
-fn evaluate_from<P: Process>(
+fn evaluate<P: Process>(
     process: &mut P,
     mut input: P::Input,
     args: &PointArgs,

@@ -8,7 +8,7 @@ use crate::scenario::ProcessModel;
 use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
-use toolroom_cutting::Turning;
+use toolroom_cutting::{Milling, Turning};
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{AnyRecord, Process};
@@ -25,7 +25,12 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>) -> Option<ProcessMode
             deviations(walk, tool, turning.parameters_mut());
             Some(ProcessModel::Turning(Arc::new(turning)))
         }
-        "milling" => todo!(),
+        "milling" => {
+            let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
+            let mut milling = Milling { effects, ..milling };
+            deviations(walk, tool, milling.parameters_mut());
+            Some(ProcessModel::Milling(Arc::new(milling)))
+        }
         _ => {
             let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
             let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;

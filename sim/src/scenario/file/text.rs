@@ -27,7 +27,7 @@ pub(super) fn decode(file: &str, bytes: &[u8]) -> Result<String, ReadError> {
 fn looks_like_utf16(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(64)];
     let zeros = |offset: usize| head.iter().skip(offset).step_by(2).filter(|byte| **byte == 0).count();
-    head.len() >= 8 && (zeros(0) > head.len() / 3 || zeros(1) > head.len() / 3)
+    head.len() >= 8 && (zeros(0) > head.len() / 3) != (zeros(1) > head.len() / 3)
 }
 
 /// Cyrillic letters take 0xC0 to 0xFF in Windows-1251 and come in runs (words); in Windows-1252
