@@ -3,12 +3,15 @@
 //! ```text
 //!   Pair (wear) ──┐
 //!   Finish ───────┼─► Turning ──► rates, outputs, events ──► impl Process
-//!   Effects ──────┘
+//!   Effects ──────┤
+//!   EdgeForce ────┼─► Milling ──► rates, outputs, events ──► impl Process
+//!   CutterLife ───┘
 //! ```
 //!
 //! | type | what it is |
 //! |---|---|
 //! | [`Turning`] | one edge in one workpiece |
+//! | [`Milling`], [`MILLING_SETS`] | one cutter in one workpiece; shipped sets |
 //!
 //! ```
 //! use toolroom_cutting::{Turning, TurningInput};
@@ -23,7 +26,13 @@
 //! Chatter, built-up edge, thermal growth of workpiece and spindle, notch and crater wear, chip
 //! breaking, nose wear (roughness is that of an ideal edge), interrupted cuts within a
 //! revolution, coolant other than through the effects.
+//!
+//! Milling besides: heat, curved walls, the helix (it lowers the peaks and bends the wall along
+//! the axis), ploughing of thin chips, tilted runout, unequal wear of the teeth, thermal and
+//! mechanical cycling of the edge as a cause of wear of its own.
 
+pub mod milling;
 pub mod turning;
 
+pub use milling::{Cutter, CutterLife, EdgeForce, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
 pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningOutput, TurningState};

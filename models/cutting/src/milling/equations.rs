@@ -1,0 +1,181 @@
+//! The equations of milling, once for `f64` and dual numbers.
+
+use super::runout::{self, Contact};
+use super::{Milling, MillingInput, MillingOutput, MillingState, least};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use toolroom_effects::{Context, Terms};
+use toolroom_process::Number;
+
+/// Life at which a cut is said not to wear the cutter, s.
+const LONGEST_LIFE: f64 = 1e9;
+
+/// Forces on the cutter, mean over a rotation.
+struct MeanForce<N> {
+    tangential: N,
+    feed: N,
+    normal: N,
+}
+
+/// Cutting and edge coefficients of the cutter as it is now.
+struct Coefficients<N> {
+    tangential_cutting: N,
+    tangential_edge: N,
+    radial_cutting: N,
+    radial_edge: N,
+}
+
+impl<N: Number> Milling<N> {
+    /// What the effects make of this instant.
+    pub(super) fn terms(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Terms<N> {
+        self.effects.terms(&Context {
+            flank_wear: x.flank_wear,
+            cutting_time: x.cutting_time,
+            lot_deviation: u.lot_deviation,
+            ..Context::neutral()
+        })
+    }
+
+    /// Engagement angle `ψ = acos(1 − 2 a_e/D)`.
+    pub fn engagement_angle(&self, width_of_cut: N) -> N {
+        let cosine = -width_of_cut / self.cutter.diameter * 2.0 + 1.0;
+        // A slot: the slope of the arc cosine is infinite there.
+        if cosine.re() <= -1.0 { N::from(PI) } else { cosine.acos() }
+    }
+
+    fn coefficients(&self, flank_wear: N, u: &MillingInput<N>, terms: &Terms<N>) -> Coefficients<N> {
+        let f = &self.force;
+        let chip = u.hardness_ratio.powd(f.hardness_exponent) * u.force_factor * terms.specific_cutting_force;
+        Coefficients {
+            tangential_cutting: f.tangential_cutting * chip,
+            tangential_edge: f.tangential_edge * u.force_factor + f.flank_shear_stress * flank_wear,
+            radial_cutting: f.radial_cutting * chip,
+            radial_edge: f.radial_edge * u.force_factor + f.flank_pressure * flank_wear,
+        }
+    }
+
+    /// `a = a_p/2π`; with sign + in down milling and − in up milling:
+    ///
+    /// | force | equation |
+    /// |---|---|
+    /// | F_t | `a [K_tc f_z z (1 − cos ψ) + K_te ∫dφ]` |
+    /// | F_n | `a [K_rc f_z z sin²ψ/2 + K_re ∫cos φ dφ ± (K_tc f_z z (ψ/2 − sin 2ψ/4) + K_te ∫sin φ dφ)]` |
+    /// | F_f | `a [K_rc f_z z (ψ/2 − sin 2ψ/4) + K_re ∫sin φ dφ ∓ (K_tc f_z z sin²ψ/2 + K_te ∫cos φ dφ)]` |
+    ///
+    /// The integrals run over the contact of all teeth: `z ψ`, `z (1 − cos ψ)` and `z sin ψ`
+    /// without runout, less where runout lifts teeth out of the cut.
+    fn mean_force(&self, flank_wear: N, u: &MillingInput<N>, terms: &Terms<N>) -> MeanForce<N> {
+        let k = self.coefficients(flank_wear, u, terms);
+        let psi = self.engagement_angle(u.width_of_cut);
+        let contact = Contact::new(self.teeth(), terms.runout / u.feed_per_tooth, psi);
+        let (sin, cos) = (psi.sin(), psi.cos());
+        let (one_minus_cos, square, area) = (-cos + 1.0, sin * sin * 0.5, psi * 0.5 - sin * cos * 0.5);
+        let feed = u.feed_per_tooth * self.cutter.teeth;
+        let (kt, kr) = (k.tangential_cutting * feed, k.radial_cutting * feed);
+        let (et, er) = (k.tangential_edge, k.radial_edge);
+        let side = u.down_milling * 2.0 - 1.0;
+        let per_angle = u.depth_of_cut * u.engaged / TAU;
+        let tangential = kt * one_minus_cos + et * contact.angle;
+        let normal = kr * square + er * contact.cosine + side * (kt * area + et * contact.sine);
+        let feed = kr * area + er * contact.sine - side * (kt * square + et * contact.cosine);
+        MeanForce {
+            tangential: per_angle * tangential * terms.cutting_force,
+            feed: per_angle * feed * terms.feed_force,
+            normal: per_angle * normal * terms.feed_force,
+        }
+    }
+
+    /// Sine of the angle at which the chip is thickest.
+    fn steepest(&self, u: &MillingInput<N>) -> N {
+        least(self.engagement_angle(u.width_of_cut), N::from(FRAC_PI_2)).sin()
+    }
+
+    /// Thickest chip of the heaviest tooth.
+    fn peak_chip_thickness(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+        runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * self.steepest(u))
+    }
+
+    fn teeth(&self) -> u32 {
+        self.cutter.teeth.re() as u32
+    }
+
+    /// Share of the tool life used up per second in cut at mid wear, 1/T.
+    pub(super) fn damage_rate(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+        let l = &self.life;
+        // The heaviest tooth decides; under runout its chip is that of a higher feed.
+        let feed = self.peak_chip_thickness(u, terms) / self.steepest(u);
+        let speed = u.cutting_speed / l.reference_speed;
+        let speed = if speed.re() > 0.0 { speed.powd(l.speed_exponent) } else { N::from(0.0) };
+        speed
+            * (feed / l.reference_feed).powd(l.feed_exponent)
+            * (u.depth_of_cut / l.reference_depth).powd(l.depth_exponent)
+            * (u.width_of_cut / l.reference_width).powd(l.width_exponent)
+            * u.hardness_ratio.powd(l.hardness_exponent)
+            * u.wear_rate_factor
+            * terms.mechanical_wear
+            / l.reference_life
+    }
+
+    /// Right-hand side: rates per second.
+    pub fn rates(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingState<N> {
+        let terms = self.terms(x, u);
+        let worn = least(x.flank_wear / self.life.wear_limit, N::from(1.0));
+        let stage = self.life.stage_contrast * (worn * (-worn + 1.0) * 6.0 - 1.0) + 1.0;
+        let flank_wear = self.life.wear_limit * self.damage_rate(u, &terms) * terms.wear_rate / stage;
+        let in_material = self.engagement_angle(u.width_of_cut) / TAU;
+        let path = u.cutting_speed * in_material * u.engaged;
+        let hazard = self.chipping.hazard_per_path(u.chipping_rate, x.cutting_path, x.flank_wear);
+        MillingState {
+            flank_wear: flank_wear * u.engaged,
+            cutting_path: path,
+            cutting_time: u.engaged,
+            chipping_hazard: hazard * path,
+            energy: self.mean_force(x.flank_wear, u, &terms).tangential * u.cutting_speed,
+        }
+    }
+
+    /// Everything that can be observed.
+    ///
+    /// | output | equation |
+    /// |---|---|
+    /// | peak_chip_thickness | `f_z sin φ + 2ρ sin(π/z)`, `φ = min(ψ, π/2)`, ρ the runout, at most what the teeth left |
+    /// | peak_tooth_force | `a_p · √((K_tc h + K_te)² + (K_rc h + K_re)²)` at that thickness |
+    /// | roughness_ra | `min(f_z²/(4D) + 2ρ, (z f_z)²/(4D))/4`: each tooth leaves its mark until runout lets only the highest one |
+    /// | form_error | `F_n/static_stiffness` |
+    /// | size_error | `VB·tan α + (F_n − F_n of the new cutter)/static_stiffness` |
+    pub fn observe(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingOutput<N> {
+        let terms = self.terms(x, u);
+        let c = &self.cutter;
+        let force = self.mean_force(x.flank_wear, u, &terms);
+        let fresh = MillingState { flank_wear: N::from(0.0), ..*x };
+        let new = self.mean_force(fresh.flank_wear, u, &self.terms(&fresh, u));
+        let psi = self.engagement_angle(u.width_of_cut);
+        let chip = self.peak_chip_thickness(u, &terms) * u.engaged;
+        let k = self.coefficients(x.flank_wear, u, &terms);
+        let tangential = (k.tangential_cutting * chip + k.tangential_edge) * terms.cutting_force;
+        let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
+        let rotation = u.cutting_speed / c.diameter * 2.0;
+        let feed_rate = u.feed_per_tooth * c.teeth * rotation / TAU * u.engaged;
+        let scallop = |feed: N| feed * feed / c.diameter * 0.25;
+        let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
+        let damage = self.damage_rate(u, &terms);
+        let endless = damage.re() * LONGEST_LIFE <= 1.0;
+        MillingOutput {
+            flank_wear: x.flank_wear,
+            wear_ratio: x.flank_wear / self.life.wear_limit,
+            tool_life: if endless { N::from(LONGEST_LIFE) } else { damage.recip() },
+            cutting_force: force.tangential,
+            feed_force: force.feed,
+            normal_force: force.normal,
+            peak_tooth_force: u.depth_of_cut * (tangential * tangential + radial * radial).sqrt() * u.engaged,
+            spindle_power: force.tangential * u.cutting_speed,
+            spindle_speed: rotation,
+            feed_rate,
+            material_removal_rate: u.depth_of_cut * u.width_of_cut * feed_rate,
+            engagement_angle: psi,
+            peak_chip_thickness: chip,
+            roughness_ra: least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25,
+            form_error: force.normal / c.static_stiffness,
+            size_error: x.flank_wear * c.clearance_angle.tan() + (force.normal - new.normal) / c.static_stiffness,
+        }
+    }
+}
