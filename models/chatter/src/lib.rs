@@ -1,7 +1,23 @@
 //! Stability and vibration of turning and milling.
+mod crossing;
+pub mod discretised;
 mod error;
+mod factor;
 mod gauss;
+mod hessenberg;
+mod krylov;
+mod milling;
 pub mod paper;
+mod period;
+mod plan;
+mod response;
+mod speed_variation;
+mod structure;
+mod turning;
 mod verdict;
 pub use error::ChatterError;
-pub use verdict::{ChatterKind, StabilityVerdict};
+pub use milling::{AtSpeed, Cutter, Direction, Engagement, Milling, MillingForce};
+pub use speed_variation::SpeedVariation;
+pub use structure::Mode;
+pub use turning::{Bar, BoundaryPoint, Support, Turning};
+pub use verdict::{ChatterKind, StabilityLimit, StabilityVerdict};

@@ -1,5 +1,7 @@
 //! The answer to "is this cut stable?".
 
+use crate::krylov::Dominant;
+use crate::structure::Mode;
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 
@@ -62,6 +64,24 @@ impl StabilityVerdict {
         }
     }
 
+    /// Names the line that excites `modes` most as the chatter frequency.
+    pub(crate) fn name_frequency(&mut self, modes: &[Mode]) {
+        // Every mode answers most to the line nearest to it.
+        let base = self.multiplier_angle / (TAU * self.period);
+        let nearest = |mode: &Mode| {
+            [base, -base]
+                .map(|base| (((mode.natural_frequency - base) * self.period).round() / self.period + base).abs())
+        };
+        let answer = |line: f64| modes.iter().map(|mode| mode.compliance(line).norm()).sum::<f64>();
+        let mut most = 0.0;
+        for line in modes.iter().flat_map(nearest) {
+            let compliance = answer(line);
+            if compliance > most {
+                (most, self.chatter_frequency) = (compliance, line);
+            }
+        }
+    }
+
     /// The frequencies that the vibration can show [Hz], ascending up to `greatest`:
     /// `|± angle/(2 pi period) + j/period|` for every whole j.
     ///
@@ -76,7 +96,7 @@ impl StabilityVerdict {
         let base = self.multiplier_angle / (TAU * self.period);
         let mut lines = Vec::new();
         let mut order = 0.0;
-        while order / self.period - base <= greatest {
+        while order / self.period - base <= greatest.min(1e6 / self.period) {
             for line in [order / self.period - base, order / self.period + base] {
                 if (0.0..=greatest).contains(&line) {
                     lines.push(line);
@@ -87,5 +107,27 @@ impl StabilityVerdict {
         lines.sort_by(f64::total_cmp);
         lines.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * b.abs());
         lines
+    }
+}
+
+/// The depth at which a cut becomes unstable.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct StabilityLimit {
+    /// Depth of cut [m].
+    pub depth: f64,
+    /// How the cut becomes unstable there.
+    pub kind: ChatterKind,
+    /// Frequency of the vibration that sets in [Hz].
+    pub chatter_frequency: f64,
+}
+
+impl StabilityLimit {
+    /// From the multiplier of modulus one over `period` at the limit.
+    pub(crate) fn new(depth: f64, modes: &[Mode], dominant: Dominant, period: f64) -> Self {
+        // Just outside the unit circle, to be classified as the instability that it becomes.
+        let multiplier = dominant.value / dominant.value.norm() * (1.0 + 1e-9);
+        let mut verdict = StabilityVerdict::from_multiplier(multiplier, period, dominant.residual);
+        verdict.name_frequency(modes);
+        Self { depth, kind: verdict.kind, chatter_frequency: verdict.chatter_frequency }
     }
 }

@@ -1,0 +1,258 @@
+//! Dominant eigenvalue of a linear map by Arnoldi's method, gated on its residual.
+
+use crate::error::ChatterError;
+use crate::hessenberg;
+use nalgebra::Complex;
+
+/// A real linear map of a space onto itself.
+pub(crate) trait LinearMap {
+    /// Dimension of the space.
+    fn size(&self) -> usize;
+    /// `y = map x`.
+    fn apply(&mut self, x: &[f64], y: &mut [f64]);
+}
+
+/// Greatest dimension of the Krylov space.
+const MAX_STEPS: usize = 240;
+
+/// Eigenvalue of greatest modulus.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dominant {
+    pub value: Complex<f64>,
+    /// `|M v − value v| / (|value| |v|)`.
+    pub residual: f64,
+}
+
+/// Working storage, kept between calls.
+#[derive(Default)]
+pub(crate) struct Krylov {
+    basis: Vec<Vec<f64>>,
+    /// Columns of the projected map, column k with k + 2 entries.
+    projected: Vec<Vec<f64>>,
+    image: Vec<f64>,
+    square: Vec<f64>,
+    values: Vec<Complex<f64>>,
+    ritz: Vec<Complex<f64>>,
+    /// Steps after which the last map had converged, the first guess for the next.
+    expected: usize,
+    /// A vector of the last dominant eigenspace, the bulk of the next start; empty at first.
+    warm: Vec<f64>,
+}
+
+impl Krylov {
+    /// Forgets what earlier maps needed, so that results depend on the following calls only.
+    pub fn forget(&mut self) {
+        self.expected = 0;
+        self.warm.clear();
+    }
+
+    /// Eigenvalue of greatest modulus with a residual of at most `tolerance`.
+    pub fn dominant(&mut self, map: &mut impl LinearMap, tolerance: f64) -> Result<Dominant, ChatterError> {
+        let size = map.size();
+        let greatest = size.min(MAX_STEPS);
+        self.start(size);
+        let mut check = if self.expected > 1 { self.expected.min(greatest) } else { greatest.min(4) };
+        let mut best = f64::INFINITY;
+        let mut step = 0;
+        loop {
+            let next = self.step(map, step);
+            step += 1;
+            let exhausted = step == greatest || next == 0.0;
+            if step < check && !exhausted {
+                continue;
+            }
+            let remainder = if step == size { 0.0 } else { next };
+            if let Some(found) = self.ritz_value(step, remainder, tolerance) {
+                best = best.min(found.residual);
+                if found.residual <= tolerance {
+                    // With digits to spare one step less will do next time.
+                    self.expected = step - usize::from(step > 3 && found.residual < 1e-3 * tolerance);
+                    self.keep_warm(step, found.value);
+                    return Ok(found);
+                }
+            }
+            if exhausted {
+                return Err(ChatterError::NotConverged { residual: best });
+            }
+            check = step + 1 + step / 8;
+        }
+    }
+
+    /// A start vector: the last eigenvector if there is one, and a fixed irrational rotation that
+    /// favours nothing, lest a new dominant vector go unseen.
+    fn start(&mut self, size: usize) {
+        self.image.resize(size, 0.0);
+        if self.basis.is_empty() {
+            self.basis.push(Vec::new());
+        }
+        let first = &mut self.basis[0];
+        first.resize(size, 0.0);
+        let mut phase: f64 = 0.137;
+        for entry in first.iter_mut() {
+            phase = (phase + 0.618_033_988_749_894_9).fract();
+            *entry = phase + 0.2;
+        }
+        let norm = dot(first, first).sqrt();
+        if self.warm.len() == size {
+            for (entry, warm) in first.iter_mut().zip(&self.warm) {
+                *entry = *entry * (0.05 / norm) + warm;
+            }
+        }
+        let norm = dot(first, first).sqrt();
+        first.iter_mut().for_each(|entry| *entry /= norm);
+    }
+
+    /// Keeps a real vector of the eigenspace of `value` for the next start.
+    fn keep_warm(&mut self, m: usize, value: Complex<f64>) {
+        self.last_component(m, value);
+        let norm: f64 = self.ritz.iter().map(|entry| entry.norm_sqr()).sum::<f64>().sqrt();
+        self.warm.clear();
+        self.warm.resize(self.image.len(), 0.0);
+        for (y, v) in self.ritz.iter().zip(&self.basis) {
+            subtract(&mut self.warm, -(y.re + y.im) / norm, v);
+        }
+    }
+
+    /// Extends the space by one vector; returns its length before normalisation.
+    fn step(&mut self, map: &mut impl LinearMap, k: usize) -> f64 {
+        map.apply(&self.basis[k], &mut self.image);
+        if self.projected.len() <= k {
+            self.projected.push(Vec::new());
+            self.basis.push(Vec::new());
+        }
+        let column = &mut self.projected[k];
+        column.clear();
+        let before = dot(&self.image, &self.image);
+        for vector in &self.basis[..=k] {
+            let coefficient = dot(vector, &self.image);
+            subtract(&mut self.image, coefficient, vector);
+            column.push(coefficient);
+        }
+        let mut after = dot(&self.image, &self.image);
+        if after < 1e-10 * before {
+            // Five digits were cancelled: orthogonalise again.
+            for (vector, entry) in self.basis[..=k].iter().zip(column.iter_mut()) {
+                let coefficient = dot(vector, &self.image);
+                subtract(&mut self.image, coefficient, vector);
+                *entry += coefficient;
+            }
+            after = dot(&self.image, &self.image);
+        }
+        let norm = if after <= 1e-30 * before { 0.0 } else { after.sqrt() };
+        column.push(norm);
+        let scale = if norm > 0.0 { 1.0 / norm } else { 0.0 };
+        let next = &mut self.basis[k + 1];
+        next.clear();
+        next.extend(self.image.iter().map(|entry| entry * scale));
+        norm
+    }
+
+    /// Dominant eigenvalue of the projected map of dimension `m` with its residual. A second
+    /// eigenvalue of similar modulus must be known roughly as well, lest it overtake.
+    fn ritz_value(&mut self, m: usize, remainder: f64, tolerance: f64) -> Option<Dominant> {
+        self.square.clear();
+        self.square.resize(m * m, 0.0);
+        for (j, column) in self.projected[..m].iter().enumerate() {
+            for (i, entry) in column.iter().enumerate().take(m) {
+                self.square[i * m + j] = *entry;
+            }
+        }
+        let mut values = std::mem::take(&mut self.values);
+        let done = hessenberg::eigenvalues(&mut self.square, m, 1e-3 * tolerance, &mut values);
+        self.values = values;
+        done?;
+        let top = |skip: Option<Complex<f64>>| {
+            let distinct = |v: &&Complex<f64>| v.im >= 0.0 && Some(**v) != skip;
+            self.values.iter().filter(distinct).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr())).copied()
+        };
+        let value = top(None)?;
+        let rival = top(Some(value));
+        let modulus = value.norm_sqr().sqrt();
+        if modulus == 0.0 {
+            return Some(Dominant { value, residual: 0.0 });
+        }
+        let mut residual = remainder * self.last_component(m, value) / modulus;
+        if let Some(rival) = rival.filter(|rival| residual <= tolerance && rival.norm_sqr().sqrt() > 0.6 * modulus) {
+            let spread = remainder * self.last_component(m, rival) / modulus;
+            if rival.norm_sqr().sqrt() + 10.0 * spread * modulus > modulus {
+                residual = residual.max(spread);
+            }
+        }
+        Some(Dominant { value, residual })
+    }
+
+    /// Last entry of the unit eigenvector of the projected map at `value`, by back recurrence.
+    fn last_component(&mut self, m: usize, value: Complex<f64>) -> f64 {
+        let ritz = &mut self.ritz;
+        ritz.clear();
+        ritz.resize(m, Complex::new(0.0, 0.0));
+        ritz[m - 1] = Complex::new(1.0, 0.0);
+        for i in (1..m).rev() {
+            let mut sum = -value * ritz[i];
+            for j in i..m {
+                sum += ritz[j] * self.projected[j][i];
+            }
+            ritz[i - 1] = -sum / self.projected[i - 1][i];
+            let size = ritz[i - 1].norm_sqr();
+            if size > 1e200 {
+                ritz.iter_mut().for_each(|entry| *entry *= 1e-100);
+            }
+        }
+        let norm: f64 = ritz.iter().map(|entry| entry.norm_sqr()).sum();
+        ritz[m - 1].norm() / norm.sqrt()
+    }
+}
+
+/// Scalar product with four sums, which the compiler can keep in vector registers.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (quads_a, quads_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = quads_a.remainder().iter().zip(quads_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in quads_a.zip(quads_b) {
+        for lane in 0..4 {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
+/// `y −= factor x`.
+pub(crate) fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y -= factor * x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    struct Dense(DMatrix<f64>);
+
+    impl LinearMap for Dense {
+        fn size(&self) -> usize {
+            self.0.nrows()
+        }
+        fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+            y.copy_from_slice((&self.0 * DVector::from_column_slice(x)).as_slice());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_dense_eigenvalues(entries in prop::collection::vec(-1.0f64..1.0, 400), n in 2usize..=20) {
+            let matrix = DMatrix::from_column_slice(n, n, &entries[..n * n]);
+            let reference = matrix.complex_eigenvalues().iter().map(|v| v.norm()).fold(0.0, f64::max);
+            let found = Krylov::default().dominant(&mut Dense(matrix), 1e-12).unwrap();
+            prop_assert!((found.value.norm_sqr().sqrt() - reference).abs() < 1e-7 * reference);
+        }
+    }
+
+    #[test]
+    fn invariant_start_space_ends_early() {
+        let found = Krylov::default().dominant(&mut Dense(DMatrix::identity(9, 9) * 3.0), 1e-12).unwrap();
+        assert!((found.value.re - 3.0).abs() < 1e-12 && found.residual < 1e-12);
+    }
+}

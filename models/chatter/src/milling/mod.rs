@@ -1,0 +1,62 @@
+//! Milling: any modes, up and down, helix, unequal pitch, runout, process damping.
+
+mod cutter;
+mod engagement;
+mod forced;
+mod preview;
+mod stability;
+
+pub use cutter::{Cutter, Direction, Engagement, MillingForce};
+pub(crate) use engagement::tooth_period_gain;
+pub use forced::Forced;
+pub use stability::AtSpeed;
+
+use crate::error::{ChatterError, positive, within};
+use crate::structure::{Mode, check_modes};
+
+/// A milling cut as the stability model sees it: everything but speed and depth.
+///
+/// `F = −w H(phi) (u(t) − u(t − tau) + (f_z, 0))` with `u` the relative displacement in
+/// (feed, normal).
+///
+/// # Examples
+/// ```
+/// use std::f64::consts::TAU;
+/// use toolroom_chatter::{Cutter, Direction, Engagement, Milling, MillingForce, Mode};
+/// let cut = Milling {
+///     modes: vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)],
+///     cutter: Cutter::straight(2, 0.02),
+///     engagement: Engagement::new(1.0, Direction::Down).unwrap(),
+///     force: MillingForce::new(6e8, 2e8),
+///     feed_per_tooth: 0.1e-3,
+/// };
+/// let verdict = cut.verdict(5000.0 / 60.0 * TAU, 0.5e-3).unwrap();
+/// assert!((verdict.spectral_radius - 1.073975587).abs() < 1e-7);
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Milling {
+    /// Modes of tool and workpiece in (feed, normal).
+    pub modes: Vec<Mode>,
+    /// The cutter.
+    pub cutter: Cutter,
+    /// Where it is in the work.
+    pub engagement: Engagement,
+    /// Cutting-force coefficients.
+    pub force: MillingForce,
+    /// Feed per tooth [m]; stability depends on it only with runout.
+    pub feed_per_tooth: f64,
+}
+
+impl Milling {
+    pub(crate) fn check(&self) -> Result<(), ChatterError> {
+        check_modes(&self.modes)?;
+        self.cutter.check()?;
+        self.engagement.check()?;
+        self.force.check()?;
+        within("feed_per_tooth", self.feed_per_tooth, 0.0, f64::MAX)?;
+        if self.cutter.runout > 0.0 {
+            positive("feed_per_tooth", self.feed_per_tooth)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,251 @@
+//! Stability of milling at one spindle speed.
+
+use super::Milling;
+use super::engagement::Geometry;
+use crate::crossing::{brackets, root};
+use crate::error::{ChatterError, positive, within};
+use crate::krylov::{Dominant, Krylov, LinearMap};
+use crate::period::{MapStorage, Period, PeriodMap};
+use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, assemble};
+use crate::speed_variation::SpeedVariation;
+use crate::verdict::{StabilityLimit, StabilityVerdict};
+use nalgebra::{Complex, DMatrix};
+
+/// How much effort a spectral radius is worth.
+#[derive(Clone, Copy)]
+enum Effort {
+    /// A point of a chart: five digits.
+    Screening,
+    /// A verdict that is asked for: eight digits.
+    Verdict,
+    /// On the boundary, and to find it.
+    Boundary,
+}
+
+impl Effort {
+    /// Nodes added to each stretch and residual of the eigenvalue.
+    fn settings(self) -> (usize, f64) {
+        match self {
+            Self::Screening => (0, 1e-5),
+            Self::Verdict => (4, 1e-9),
+            Self::Boundary => (12, 1e-12),
+        }
+    }
+}
+
+/// Distance of the spectral radius from one below which the boundary's effort is spent.
+const NEAR: f64 = 1e-4;
+
+/// A milling cut at one speed, ready for verdicts at many depths.
+///
+/// Straight teeth are prepared once; with a helix the geometry depends on the depth and is
+/// prepared for each verdict.
+pub struct AtSpeed<'a> {
+    cut: &'a Milling,
+    motion: Motion,
+    frame: Frame,
+    /// The period and its length [s] by effort.
+    prepared: [Option<(Period, f64)>; 3],
+    storage: MapStorage,
+    krylov: Krylov,
+}
+
+/// The teeth of a milling cut over its geometry.
+struct Teeth<'a> {
+    cut: &'a Milling,
+    geometry: &'a Geometry,
+}
+
+impl Cut for Teeth<'_> {
+    type Tooth = (usize, usize, f64);
+
+    fn gain(&self, tooth: &Self::Tooth, angle: f64) -> [f64; 4] {
+        self.geometry.directional(self.cut, *tooth, angle)
+    }
+
+    fn damping(&self, tooth: &Self::Tooth, angle: f64, speed: f64) -> Option<[f64; 4]> {
+        let coefficient = self.cut.force.process_damping;
+        if coefficient == 0.0 {
+            return None;
+        }
+        let scale = coefficient / (speed * self.cut.cutter.diameter / 2.0);
+        Some(self.geometry.radial_dyad(*tooth, angle).map(|entry| entry * scale))
+    }
+}
+
+impl Milling {
+    /// The cut at `spindle_speed` [rad/s].
+    ///
+    /// # Errors
+    /// A structure, cutter or engagement that is none; a speed that is not positive; no tooth in
+    /// cut.
+    pub fn at_speed(&self, spindle_speed: f64) -> Result<AtSpeed<'_>, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        AtSpeed::new(self, Motion::Constant(spindle_speed))
+    }
+
+    /// The cut at a speed that varies about `spindle_speed` [rad/s].
+    ///
+    /// # Errors
+    /// As [`Milling::at_speed`]; a variation out of range.
+    pub fn at_varying_speed(&self, spindle_speed: f64, variation: SpeedVariation) -> Result<AtSpeed<'_>, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        variation.check()?;
+        AtSpeed::new(self, Motion::Varying(spindle_speed, variation))
+    }
+
+    /// Verdict at `spindle_speed` [rad/s] and `depth` [m], without the margin, which costs a
+    /// search for the limit.
+    ///
+    /// # Errors
+    /// As [`Milling::at_speed`]; a depth that is negative or not finite; an eigenvalue that did
+    /// not converge.
+    pub fn verdict(&self, spindle_speed: f64, depth: f64) -> Result<StabilityVerdict, ChatterError> {
+        self.at_speed(spindle_speed)?.verdict(depth)
+    }
+}
+
+impl<'a> AtSpeed<'a> {
+    fn new(cut: &'a Milling, motion: Motion) -> Result<Self, ChatterError> {
+        let frame = Frame::new(&cut.modes);
+        let at_speed = Self {
+            cut,
+            motion,
+            frame,
+            prepared: [None, None, None],
+            storage: MapStorage::default(),
+            krylov: Krylov::default(),
+        };
+        // Refuses an engagement without teeth now.
+        Geometry::new(cut, 0.0, false)?;
+        Ok(at_speed)
+    }
+
+    /// The period at `depth` and its length [s].
+    fn assemble(&self, depth: f64, extra: usize) -> Result<(Period, f64), ChatterError> {
+        let varying = matches!(self.motion, Motion::Varying(..));
+        let geometry = Geometry::new(self.cut, depth, varying)?;
+        let (repeats, speed) = match self.motion {
+            Motion::Constant(speed) => (1, speed),
+            Motion::Varying(speed, variation) => (variation.revolutions, speed),
+        };
+        let mut stretches = Vec::new();
+        for repeat in 0..repeats {
+            let shift = f64::from(repeat) * geometry.span;
+            for pair in geometry.breaks.windows(2) {
+                let mut terms: Vec<PlannedTerm<_>> = Vec::new();
+                for tooth in geometry.cutting(pair[0], pair[1]) {
+                    let delay = geometry.teeth[tooth.0].1[tooth.1].delay;
+                    let tooth = (tooth.0, tooth.1, tooth.2 - shift);
+                    match terms.iter_mut().find(|term| (term.delay - delay).abs() < 1e-12) {
+                        Some(term) => term.teeth.push(tooth),
+                        None => terms.push(PlannedTerm { delay, teeth: vec![tooth] }),
+                    }
+                }
+                stretches.push(PlannedStretch { from: pair[0] + shift, to: pair[1] + shift, terms });
+            }
+        }
+        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let period = assemble(&teeth, &self.frame, self.motion, &stretches, extra);
+        Ok((period, f64::from(repeats) * geometry.span / speed))
+    }
+
+    /// Dominant multiplier at `depth` over one period, and the period [s].
+    fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
+        let (extra, residual) = effort.settings();
+        let level = effort as usize;
+        if self.cut.cutter.helix_angle != 0.0 || self.prepared[level].is_none() {
+            self.prepared[level] = Some(self.assemble(depth, extra)?);
+        }
+        let Some((period, length)) = &self.prepared[level] else {
+            return Err(ChatterError::NoTeethInCut);
+        };
+        let mut map = PeriodMap::new(period, depth, &mut self.storage);
+        Ok((self.krylov.dominant(&mut map, residual)?, *length))
+    }
+
+    /// Verdict at `depth` [m]. Near the boundary it is refined before it is given.
+    ///
+    /// # Errors
+    /// A depth that is negative or not finite; an eigenvalue that did not converge.
+    pub fn verdict(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
+        self.judge(depth, Effort::Verdict)
+    }
+
+    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of five digits, for charts.
+    pub(crate) fn screen(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
+        self.judge(depth, Effort::Screening)
+    }
+
+    fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
+        within("depth", depth, 0.0, f64::MAX)?;
+        let (mut dominant, mut period) = self.dominant(depth, effort)?;
+        if (dominant.value.norm() - 1.0).abs() < NEAR {
+            (dominant, period) = self.dominant(depth, Effort::Boundary)?;
+        }
+        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
+        verdict.name_frequency(&self.cut.modes);
+        Ok(verdict)
+    }
+
+    /// All Floquet multipliers at `depth` [m], the greatest first, by the dense eigenvalues of the
+    /// period map with `extra` more nodes than on the boundary: slow, for cross-checks.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`].
+    pub fn multipliers(&self, depth: f64, extra: usize) -> Result<Vec<Complex<f64>>, ChatterError> {
+        within("depth", depth, 0.0, f64::MAX)?;
+        let (period, _) = self.assemble(depth, Effort::Boundary.settings().0 + extra)?;
+        let mut storage = MapStorage::default();
+        let mut map = PeriodMap::new(&period, depth, &mut storage);
+        let size = map.size();
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut unit = vec![0.0; size];
+        for k in 0..size {
+            unit[k] = 1.0;
+            map.apply(&unit, matrix.column_mut(k).as_mut_slice());
+            unit[k] = 0.0;
+        }
+        let mut multipliers: Vec<_> = matrix.complex_eigenvalues().iter().copied().collect();
+        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+        Ok(multipliers)
+    }
+
+    /// Least depth [m] at which the cut becomes unstable, to a relative 1e-9, and how.
+    ///
+    /// Depths up to `greatest` are sampled in 40 steps and the first step that ends unstable in
+    /// 24 more: an unstable island thinner than `greatest/40` may be missed.
+    ///
+    /// # Errors
+    /// [`ChatterError::NoLimit`] if no sampled depth is unstable; otherwise as
+    /// [`AtSpeed::verdict`].
+    pub fn limit(&mut self, greatest: f64) -> Result<StabilityLimit, ChatterError> {
+        positive("greatest depth", greatest)?;
+        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Boundary)?.0.value.norm().ln());
+        let coarse = brackets(&mut excess, (0.0, -1.0), greatest, 40, true)?;
+        let Some([before, after]) = coarse.first() else {
+            return Err(ChatterError::NoLimit { searched: greatest });
+        };
+        let fine = brackets(&mut excess, *before, after.0, 24, true)?;
+        let [before, after] = fine.first().copied().unwrap_or([*before, *after]);
+        let depth = root(&mut excess, before, after, 1e-10)?;
+        let (dominant, period) = self.dominant(depth, Effort::Boundary)?;
+        Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
+    }
+
+    /// Verdict at `depth` [m] with its margin against the limit below `greatest` [m].
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`]; a cut without limit has no margin but is no error.
+    pub fn verdict_with_margin(&mut self, depth: f64, greatest: f64) -> Result<StabilityVerdict, ChatterError> {
+        let mut verdict = self.verdict(depth)?;
+        verdict.margin = match self.limit(greatest) {
+            Ok(limit) => Some(1.0 - depth / limit.depth),
+            Err(ChatterError::NoLimit { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        Ok(verdict)
+    }
+}

@@ -1,0 +1,298 @@
+//! Turning: exact limits from the frequency response, verdicts from the period map.
+
+mod bar;
+mod stability;
+
+pub use bar::{Bar, Support};
+
+use crate::crossing::root;
+use crate::error::{ChatterError, finite, positive, within};
+use crate::structure::{Mode, check_modes};
+use crate::verdict::{ChatterKind, StabilityLimit};
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+/// A turning cut: modes, cutting force and its direction.
+///
+/// `force = b K_f (u(t − tau) − u(t)) − b (C_i/V) u'` along `force_direction`, with `u` the
+/// relative displacement along `chip_direction` and `V = Omega D/2`.
+///
+/// | symbol | field | unit | range |
+/// |---|---|---|---|
+/// | – | `modes` | | at least one |
+/// | K_f | `cutting_coefficient` | Pa | > 0 |
+/// | beta | `force_angle` | rad | from the chip thickness to the force |
+/// | C_i | `process_damping` | N/m | ≥ 0 |
+/// | D | `diameter` | m | > 0 |
+/// | alpha | `chip_exponent` | 1 | > 0; force ~ h^alpha |
+///
+/// With an exponent other than one, `K_f` is the coefficient of `b K_f h0 (h/h0)^alpha`, so its
+/// slope at the mean chip is `alpha K_f`.
+///
+/// # Source
+/// Altintas, Manufacturing Automation (2012), oriented frequency response; process damping as in
+/// Altintas, Eynian and Onozuka (2008).
+///
+/// # Examples
+/// ```
+/// use toolroom_chatter::{Mode, Turning};
+/// // One mode of 250 Hz at 30 degrees to the chip (Altintas 2012): b_min = 7.319 mm.
+/// let mode = Mode { direction: [1.0, 0.0], natural_frequency: 250.0, damping_ratio: 0.012, stiffness: 3.0133e8 };
+/// let cut = Turning::orthogonal(vec![mode], 1e9, 0.05);
+/// assert!((cut.absolute_limit().unwrap() - 7.319e-3).abs() < 1e-6);
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Turning {
+    /// Modes of tool and workpiece in (chip thickness, cutting speed).
+    pub modes: Vec<Mode>,
+    /// Cutting-force coefficient K_f [Pa].
+    pub cutting_coefficient: f64,
+    /// Angle from the direction of chip thickness to the force [rad].
+    #[serde(default)]
+    pub force_angle: f64,
+    /// Indentation coefficient of process damping [N/m].
+    #[serde(default)]
+    pub process_damping: f64,
+    /// Diameter of the workpiece [m].
+    pub diameter: f64,
+    /// Exponent of the chip thickness in the force.
+    #[serde(default = "one")]
+    pub chip_exponent: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A value at a chatter frequency on the stability boundary.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BoundaryPoint {
+    /// Spindle speed [rad/s].
+    pub spindle_speed: f64,
+    /// Width of cut [m].
+    pub width: f64,
+    /// Frequency of the vibration [Hz].
+    pub chatter_frequency: f64,
+    /// Number of whole waves between two revolutions.
+    pub lobe: u32,
+}
+
+impl Turning {
+    /// Force along the chip thickness, no process damping, linear in the chip.
+    pub fn orthogonal(modes: Vec<Mode>, cutting_coefficient: f64, diameter: f64) -> Self {
+        Self { modes, cutting_coefficient, force_angle: 0.0, process_damping: 0.0, diameter, chip_exponent: 1.0 }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ChatterError> {
+        check_modes(&self.modes)?;
+        positive("cutting_coefficient", self.cutting_coefficient)?;
+        finite("force_angle", self.force_angle)?;
+        within("process_damping", self.process_damping, 0.0, f64::MAX)?;
+        positive("diameter", self.diameter)?;
+        within("chip_exponent", self.chip_exponent, 1e-3, 10.0)?;
+        if self.modes.iter().all(|mode| self.orientation(mode) == 0.0) {
+            return Err(ChatterError::NoModes);
+        }
+        Ok(())
+    }
+
+    /// Slope of the force by chip thickness per width [Pa].
+    pub fn force_slope(&self) -> f64 {
+        self.chip_exponent * self.cutting_coefficient
+    }
+
+    /// Share of a mode's motion in the chip thickness times its share of the force.
+    fn orientation(&self, mode: &Mode) -> f64 {
+        let [x, y] = mode.unit();
+        let (s, c) = self.force_angle.sin_cos();
+        // cos(90°) is no coupling, though it rounds to 6e-17.
+        let product = x * (x * c + y * s);
+        if product.abs() < 1e-15 { 0.0 } else { product }
+    }
+
+    /// Oriented frequency response [m/N] at the complex rate `s` [1/s].
+    fn response(&self, s: Complex<f64>) -> Complex<f64> {
+        self.modes.iter().map(|mode| self.orientation(mode) * modal_response(mode, s)).sum()
+    }
+
+    /// Damping of the cut per width at `spindle_speed` [N s/m²].
+    fn damping_slope(&self, spindle_speed: f64) -> f64 {
+        self.process_damping / (spindle_speed * self.diameter / 2.0)
+    }
+
+    /// Least width that is unstable at some speed, without process damping [m]:
+    /// `−1/(2 K_f min Re G)`; for one mode `2 k zeta (1 + zeta)/K_f`.
+    ///
+    /// # Errors
+    /// A cut that is none; [`ChatterError::NoLimit`] if the oriented response never turns negative.
+    pub fn absolute_limit(&self) -> Result<f64, ChatterError> {
+        self.check()?;
+        let real = |w: f64| self.response(Complex::new(0.0, w)).re;
+        let mut least = (0.0, 0.0);
+        for w in self.frequency_grid() {
+            if real(w) < least.1 {
+                least = (w, real(w));
+            }
+        }
+        // Golden section about the best grid point, whose neighbours are far closer than a peak.
+        let narrowest = self.modes.iter().map(|m| m.angular_frequency() * m.damping_ratio).fold(f64::MAX, f64::min);
+        let (mut a, mut b) = (least.0 - narrowest, least.0 + narrowest);
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        while b - a > 1e-11 * b {
+            let (c, d) = (b - ratio * (b - a), a + ratio * (b - a));
+            if real(c) < real(d) { b = d } else { a = c }
+        }
+        let lowest = real(0.5 * (a + b));
+        if lowest >= 0.0 {
+            return Err(ChatterError::NoLimit { searched: f64::INFINITY });
+        }
+        Ok(-0.5 / (self.force_slope() * lowest))
+    }
+
+    /// Speed below which the cut is stable at any width by process damping [rad/s]:
+    /// `V < w_c C_i/K_f` at the highest mode.
+    ///
+    /// # Source
+    /// Sufficient: the damping force exceeds every regenerative force (Altintas et al. 2008).
+    pub fn always_stable_below(&self) -> f64 {
+        let fastest = self.modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
+        fastest * self.process_damping / self.force_slope() / (self.diameter / 2.0)
+    }
+
+    /// Frequencies [rad/s] that resolve every resonance, ascending.
+    fn frequency_grid(&self) -> Vec<f64> {
+        let fastest = self.modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
+        let mut grid: Vec<f64> = (1..=400).map(|i| 6.0 * fastest * f64::from(i) / 400.0).collect();
+        for mode in &self.modes {
+            let (w, width) = (mode.angular_frequency(), mode.damping_ratio * mode.angular_frequency());
+            // Denser towards the resonance, out to 40 half-widths.
+            for i in -80..=80 {
+                let x = f64::from(i) / 80.0;
+                grid.push(w + 40.0 * width * x * x.abs());
+            }
+        }
+        grid.retain(|w| *w > 0.0);
+        grid.sort_by(f64::total_cmp);
+        grid
+    }
+
+    /// Width and phase at which the vibration of frequency `w` [rad/s] neither grows nor decays at
+    /// `spindle_speed`: from `1/(b G) = −K_f (1 − e^(−i w tau)) − i w C_i/V`, whose real part is
+    /// `−K_f (1 − cos)`. `None` where no positive width does.
+    fn neutral(&self, w: f64, spindle_speed: f64) -> Option<Neutral> {
+        let flexibility = 1.0 / self.response(Complex::new(0.0, w));
+        let (kf, damping) = (self.force_slope(), w * self.damping_slope(spindle_speed));
+        // z = (1 − e^(−i phase)) satisfies 1/G/b + Kf z + i damping = 0 and |1 − z| = 1.
+        // With B = 1/b: (1 + B Re/Kf)² + ((B Im + damping)/Kf)² = 1, quadratic in B.
+        let (re, im) = (flexibility.re / kf, flexibility.im / kf);
+        let d = damping / kf;
+        let (a, half, c) = (re * re + im * im, re + im * d, d * d);
+        let discriminant = half * half - a * c;
+        if discriminant < 0.0 {
+            return None;
+        }
+        // The greater B is the smaller width.
+        let inverse = (-half + discriminant.sqrt()) / a;
+        if inverse <= 0.0 || !inverse.is_finite() {
+            return None;
+        }
+        let z = -(Complex::new(re, im) * inverse + Complex::new(0.0, d));
+        let phase = -(Complex::new(1.0, 0.0) - z).arg();
+        let other = (-half - discriminant.sqrt()) / a;
+        let other = (other > 0.0 && d > 0.0).then(|| {
+            let z = -(Complex::new(re, im) * other + Complex::new(0.0, d));
+            (1.0 / other, (-(Complex::new(1.0, 0.0) - z).arg()).rem_euclid(TAU))
+        });
+        Some(Neutral { width: 1.0 / inverse, phase: phase.rem_euclid(TAU), other })
+    }
+
+    /// The stability boundary without process damping, lobe by lobe (the D-curve):
+    /// `b = −1/(2 K_f Re G(i w))`, `w tau = 2 pi k + phase`.
+    ///
+    /// # Errors
+    /// A cut that is none or one with process damping, whose boundary depends on the speed.
+    pub fn lobes(&self, greatest_lobe: u32) -> Result<Vec<BoundaryPoint>, ChatterError> {
+        self.check()?;
+        within("process_damping", self.process_damping, 0.0, 0.0)?;
+        let mut points = Vec::new();
+        for lobe in 0..=greatest_lobe {
+            for w in self.frequency_grid() {
+                if let Some(neutral) = self.neutral(w, 1.0) {
+                    let spindle_speed = TAU * w / (TAU * f64::from(lobe) + neutral.phase);
+                    points.push(BoundaryPoint {
+                        spindle_speed,
+                        width: neutral.width,
+                        chatter_frequency: w / TAU,
+                        lobe,
+                    });
+                }
+            }
+        }
+        Ok(points)
+    }
+
+    /// Least width that is unstable at `spindle_speed` [rad/s], exact to rounding.
+    ///
+    /// # Errors
+    /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process
+    /// damping keeps every width stable.
+    ///
+    /// # Source
+    /// The D-curve `1/G + b [K_f (1 − e^(−i w tau)) + i w C_i/V] = 0`, solved for the frequency at
+    /// which its phase fits the speed.
+    pub fn limit(&self, spindle_speed: f64) -> Result<StabilityLimit, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        let tau = TAU / spindle_speed;
+        let grid = self.frequency_grid();
+        let mut least: Option<(f64, f64)> = None;
+        for branch in 0..2 {
+            let at = |w: f64| -> Option<(f64, f64)> {
+                let neutral = self.neutral(w, spindle_speed)?;
+                if branch == 0 { Some((neutral.width, neutral.phase)) } else { neutral.other }
+            };
+            // Waves that do not fit: zero where the vibration closes after one revolution.
+            let misfit = |w: f64| at(w).map(|(width, phase)| (width, (w * tau - phase) / TAU));
+            for pair in grid.windows(2) {
+                let steps = ((pair[1] - pair[0]) * tau / TAU * 4.0).ceil().clamp(1.0, 64.0);
+                let mut last = (pair[0], misfit(pair[0]));
+                for step in 1..=steps as usize {
+                    let w = pair[0] + (pair[1] - pair[0]) * step as f64 / steps;
+                    let here = (w, misfit(w));
+                    if let (Some((_, m0)), Some((_, m1))) = (last.1, here.1) {
+                        let whole = m0.max(m1).floor();
+                        // A jump of the phase by a turn is no crossing.
+                        if m0.min(m1) < whole && (m1 - m0).abs() < 0.75 {
+                            let f = |w: f64| Ok(misfit(w).map_or(f64::NAN, |(_, m)| m - whole));
+                            let w = root(f, (last.0, m0 - whole), (w, m1 - whole), 1e-15)?;
+                            if let Some((width, _)) = misfit(w).filter(|m| least.is_none_or(|(b, _)| m.0 < b)) {
+                                least = Some((width, w));
+                            }
+                        }
+                    }
+                    last = here;
+                }
+            }
+        }
+        let Some((depth, w)) = least else {
+            return Err(ChatterError::NoLimit { searched: f64::INFINITY });
+        };
+        let kind = ChatterKind::Hopf;
+        Ok(StabilityLimit { depth, kind, chatter_frequency: w / TAU })
+    }
+}
+
+/// A vibration that neither grows nor decays.
+struct Neutral {
+    width: f64,
+    /// Angle by which it advances over a revolution, less whole turns.
+    phase: f64,
+    /// The greater width at which it becomes neutral again, and its phase.
+    other: Option<(f64, f64)>,
+}
+
+/// Compliance of one modal coordinate at the complex rate `s`.
+fn modal_response(mode: &Mode, s: Complex<f64>) -> Complex<f64> {
+    let w = mode.angular_frequency();
+    w * w / mode.stiffness / (s * s + 2.0 * mode.damping_ratio * w * s + w * w)
+}

@@ -1,0 +1,101 @@
+//! Verdicts of turning at constant and varying speed, by collocation of a revolution.
+
+use super::Turning;
+use crate::SpeedVariation;
+use crate::error::{ChatterError, positive, within};
+use crate::krylov::Krylov;
+use crate::period::{MapStorage, Period, PeriodMap};
+use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, assemble};
+use crate::response::Modes;
+use crate::verdict::StabilityVerdict;
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+impl Cut for Turning {
+    type Tooth = ();
+
+    fn gain(&self, (): &(), _: f64) -> [f64; 4] {
+        [self.force_slope(), 0.0, 0.0, 0.0]
+    }
+
+    fn damping(&self, (): &(), _: f64, speed: f64) -> Option<[f64; 4]> {
+        (self.process_damping != 0.0).then(|| [self.damping_slope(speed), 0.0, 0.0, 0.0])
+    }
+}
+
+impl Turning {
+    /// One revolution, or one period of the speed's variation.
+    fn period(&self, motion: Motion, revolutions: u32) -> Period {
+        let (s, c) = self.force_angle.sin_cos();
+        let modal = self.modes.iter().filter(|mode| self.orientation(mode) != 0.0).map(|mode| {
+            let [x, y] = mode.unit();
+            mode.modal([x * c + y * s, 0.0], [x, 0.0])
+        });
+        let frame = Frame::resolved(Modes { modal: modal.collect(), channels: 1 });
+        let terms = vec![PlannedTerm { delay: TAU, teeth: vec![()] }];
+        let stretch = PlannedStretch { from: 0.0, to: TAU * f64::from(revolutions), terms };
+        assemble(self, &frame, motion, &[stretch], 6)
+    }
+
+    /// Verdict at `spindle_speed` [rad/s] and `width` of cut [m], with its margin; the spectral
+    /// radius is that of one revolution.
+    ///
+    /// # Errors
+    /// A cut that is none; a speed that is not positive; a width that is negative or not finite;
+    /// an eigenvalue that did not converge.
+    pub fn verdict(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        within("width", width, 0.0, f64::MAX)?;
+        let period = self.period(Motion::Constant(spindle_speed), 1);
+        let mut storage = MapStorage::default();
+        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
+        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, TAU / spindle_speed, dominant.residual);
+        verdict.name_frequency(&self.modes);
+        verdict.margin = match self.limit(spindle_speed) {
+            Ok(limit) => Some(1.0 - width / limit.depth),
+            Err(ChatterError::NoLimit { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        Ok(verdict)
+    }
+
+    /// Verdict at a speed that varies about `spindle_speed` [rad/s]; the spectral radius is that of
+    /// a mean revolution, `rho_T^RVF`.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`]; a variation out of range.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::f64::consts::TAU;
+    /// use toolroom_chatter::{Mode, SpeedVariation, Turning};
+    /// let mode = Mode { direction: [1.0, 0.0], natural_frequency: 540.9, damping_ratio: 0.038, stiffness: 6.48e6 };
+    /// let cut = Turning::orthogonal(vec![mode], 1384e6, 0.035);
+    /// let speed = 1500.0 / 60.0 * TAU;
+    /// let width = 1.5 * cut.limit(speed).unwrap().depth;
+    /// let variation = SpeedVariation { amplitude: 0.2, revolutions: 5 };
+    /// assert!(!cut.verdict(speed, width).unwrap().stable);
+    /// assert!(cut.verdict_at_varying_speed(speed, variation, width).unwrap().stable);
+    /// ```
+    pub fn verdict_at_varying_speed(
+        &self,
+        spindle_speed: f64,
+        variation: SpeedVariation,
+        width: f64,
+    ) -> Result<StabilityVerdict, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        variation.check()?;
+        within("width", width, 0.0, f64::MAX)?;
+        let revolutions = variation.revolutions;
+        let period = self.period(Motion::Varying(spindle_speed, variation), revolutions);
+        let mut storage = MapStorage::default();
+        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
+        let per_revolution = dominant.value.norm().powf(1.0 / f64::from(revolutions));
+        let multiplier = Complex::from_polar(per_revolution, dominant.value.arg() / f64::from(revolutions));
+        let mut verdict = StabilityVerdict::from_multiplier(multiplier, TAU / spindle_speed, dominant.residual);
+        verdict.name_frequency(&self.modes);
+        Ok(verdict)
+    }
+}
