@@ -72,5 +72,13 @@
 //! side.
 
 pub mod kernel;
+pub mod policy;
+pub mod runlog;
+pub mod scenario;
+pub mod shop;
 
 pub use kernel::{Calendar, Class, Digest, Entity, EventKey, KernelError, Purpose, SimTime, Stream, Streams};
+pub use policy::{Controller, ResolvedPolicy};
+pub use runlog::RunLog;
+pub use scenario::Scenario;
+pub use shop::{Shop, ShopError};

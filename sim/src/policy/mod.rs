@@ -187,3 +187,83 @@ impl Controller {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Cut, PolicyRule, SpeedChoice, SpeedRule, ToolChangeRule};
+    use proptest::prelude::*;
+
+    fn rules() -> Vec<SpeedRule> {
+        let choices = [
+            SpeedChoice::Given(0.7),
+            SpeedChoice::BestPath,
+            SpeedChoice::BestLife,
+            SpeedChoice::BestRate,
+            SpeedChoice::BestCost,
+            SpeedChoice::Makarov(0.2e-3),
+        ];
+        let mut rules: Vec<SpeedRule> = choices.into_iter().map(SpeedRule::Constant).collect();
+        rules.extend([
+            SpeedRule::Programmed,
+            SpeedRule::Schedule,
+            SpeedRule::MinimumWear { literal: false },
+            SpeedRule::MinimumWear { literal: true },
+            SpeedRule::SetIncrement { path_per_edge: 500.0 },
+            SpeedRule::Productivity { price: Some(2.0) },
+            SpeedRule::Productivity { price: None },
+            SpeedRule::Oracle,
+        ]);
+        rules
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn no_policy_leaves_the_limits_of_the_machine(
+            rule in 0..rules().len(),
+            set in 0..toolroom_wear::PARAMETER_SETS.len(),
+            low in 0.05..3.0f64,
+            width in 0.0..4.0f64,
+            programmed in 0.05..6.0f64,
+            path in 1e-3..500.0f64,
+            edge_path in 0.0..5000.0f64,
+            last in proptest::option::of(0.05..6.0f64),
+            wear in 0.0..2e-3f64,
+        ) {
+            let pair = Pair::named(toolroom_wear::PARAMETER_SETS[set].0).unwrap();
+            let policy = PolicyRule {
+                name: "test".to_owned(),
+                speed: rules()[rule],
+                tool_change: ToolChangeRule::Predicted { limit: None },
+                believed_model: None,
+                sensors: SensorSheet::default(),
+            };
+            let cut = Cut {
+                cutting_speed: programmed,
+                feed: pair.temperature.reference_feed,
+                depth_of_cut: pair.temperature.reference_depth,
+                width_of_cut: 0.0,
+                path_length: path,
+            };
+            let range = (low, low + width);
+            let controller = resolve::for_turning(&policy, &pair, &cut, range);
+            let observer = controller.observer(Some(wear));
+            let seen = Observation {
+                path,
+                edge_path,
+                edge_time: 60.0,
+                edge_parts: 3,
+                last_speed: last,
+                observer: observer.as_ref(),
+                true_wear: controller.sees_true_wear().then_some(wear),
+            };
+            let conditions = controller.choose(&seen);
+            for speed in [conditions.start_speed, conditions.end_speed] {
+                prop_assert!(range.0 <= speed && speed <= range.1, "{:?}: {speed} outside {range:?}", policy.speed);
+            }
+            prop_assert!(conditions.duration(path) > 0.0);
+            controller.change_due(&seen, &conditions);
+        }
+    }
+}

@@ -23,11 +23,14 @@ impl Planned {
     }
 }
 
-/// Plans one pass at the wear known; an edge of which nothing is known counts as new.
+/// Plans one pass at the wear known; an edge of which nothing is known counts as new. A new edge
+/// starts within one step of the programmed speed: the speed of least wear of a perfectly sharp
+/// edge is far above it, and an edge of more than average wear would not survive it.
 pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, mode: SpeedMode) -> Conditions {
     let Believed { pair, cut, .. } = believed;
     let flank_wear = seen.flank_wear().unwrap_or(0.0);
-    let plan = pair.plan_pass(cut, flank_wear, seen.path, mode, &ramp_limits(pair), seen.last_speed);
+    let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
+    let plan = pair.plan_pass(cut, flank_wear, seen.path, mode, &ramp_limits(pair), last_speed);
     Conditions { start_speed: plan.start_speed, end_speed: plan.end_speed }
 }
 

@@ -49,9 +49,12 @@ impl ResolvedPolicy {
                     let controller = match same {
                         Some(controller) => controller,
                         None => {
-                            let made = controller(rule, tool, cut.as_ref(), machine).map_err(|source| {
-                                ShopError::Policy { policy: rule.name.clone(), tool: tool.name.clone(), source }
-                            })?;
+                            let made =
+                                controller(rule, tool, cut.as_ref(), machine).map_err(|source| ShopError::Policy {
+                                    policy: rule.name.clone(),
+                                    tool: tool.name.clone(),
+                                    source: Box::new(source),
+                                })?;
                             resolved.controllers.push(made);
                             let number = (resolved.controllers.len() - 1) as u32;
                             known.push((key, number));
@@ -67,7 +70,7 @@ impl ResolvedPolicy {
 
     /// Controller of a pass, counted over all operations of all parts, on a machine that may
     /// cut it.
-    pub(crate) fn of_pass(&self, machine: usize, pass: u32) -> &Controller {
+    pub fn of_pass(&self, machine: usize, pass: u32) -> &Controller {
         &self.controllers[self.of_pass[machine][pass as usize] as usize]
     }
 }
@@ -113,11 +116,13 @@ fn controller(
     };
     let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
     let speed = match (&believed, rule.speed) {
-        (None, _) | (_, SpeedRule::Programmed) => Speed::Fixed(programmed),
+        _ if !tool.process.takes_speed_commands() => Speed::Fixed(programmed),
+        (_, SpeedRule::Programmed) => Speed::Fixed(programmed),
         (believed, SpeedRule::Constant(choice)) => {
             Speed::Fixed(constant::speed(choice, believed.as_ref(), &cost).unwrap_or(programmed))
         }
         (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
+        (None, _) => Speed::Fixed(programmed),
         (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
         (Some(believed), rule) => Speed::Planned(Planned { mode: mode(rule, believed, &cost) }),
     };
@@ -141,6 +146,36 @@ fn controller(
         sensors: rule.sensors,
         believed,
     })
+}
+
+/// A controller for one pass with a tool of `pair` on a machine of this speed range.
+#[cfg(test)]
+pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range: (f64, f64)) -> Controller {
+    use crate::scenario::{Distribution, ProcessModel};
+    let turning = toolroom_cutting::Turning { pair: pair.clone(), ..toolroom_cutting::Turning::default() };
+    let tool = ToolType {
+        name: "insert".to_owned(),
+        process: ProcessModel::Turning(Arc::new(turning)),
+        parameter_set: pair.name.clone(),
+        edge_cost: 8.0,
+        dressing_time: 0.0,
+        scatter: toolroom_wear::Scatter::shop(),
+    };
+    let machine = MachineType {
+        name: "lathe".to_owned(),
+        process: "turning".to_owned(),
+        rate: 0.02,
+        load_time: Distribution::Constant(0.0),
+        unload_time: Distribution::Constant(0.0),
+        tool_change_time: 90.0,
+        setup_time: 0.0,
+        magazine: 10,
+        refill_time: 300.0,
+        speed_range,
+        idle_power: 0.0,
+        calendar: None,
+    };
+    controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
 }
 
 /// The mode by which passes are planned.

@@ -14,7 +14,9 @@ mod station;
 pub use distribution::Distribution;
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
-pub use station::{DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType};
+pub use station::{
+    DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
+};
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@ pub struct PolicyRule {
     pub speed: SpeedRule,
     /// When an edge is changed.
     pub tool_change: ToolChangeRule,
-    /// Parameter set that the controller believes in, where it is not the tool's own.
+    /// Shipped parameter set that the controller believes in, where it is not the tool's own.
     pub believed_model: Option<String>,
     /// Sensors of adaptive rules.
     pub sensors: SensorSheet,
@@ -21,11 +21,13 @@ pub struct PolicyRule {
 pub enum SpeedRule {
     /// As programmed in the operation.
     Programmed,
-    /// One speed for all passes.
+    /// One speed over the life of an edge, worked out once for every nominal cut (feed, depth)
+    /// and machine.
     Constant(SpeedChoice),
     /// Speed against cumulative path, tabulated once on the believed model.
     Schedule,
-    /// Paper's mode 1: minimum wear per path at the estimated wear.
+    /// Paper's mode 1: minimum wear per path at the estimated wear. A new edge starts within one
+    /// step (15 % of the pair's reference speed) of the programmed speed.
     MinimumWear {
         /// Paper's literal rule (both functionals equal) instead of the exact balance.
         literal: bool,
@@ -81,7 +83,8 @@ pub enum ToolChangeRule {
         /// Cutting time per edge, s.
         time: f64,
     },
-    /// Before the next pass would bring the estimated wear past the limit.
+    /// Before the next pass would bring the estimated wear past the limit. Where nothing can be
+    /// estimated (milling) the edge is read after every pass instead.
     Predicted {
         /// Flank wear, m; `None`: the tool's wear limit.
         limit: Option<f64>,

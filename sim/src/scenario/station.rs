@@ -73,9 +73,18 @@ impl ProcessModel {
         }
     }
 
+    /// Whether policies choose its cutting speed; milling and grinding run as programmed.
+    pub fn takes_speed_commands(&self) -> bool {
+        matches!(self, Self::Turning(_) | Self::Other(_))
+    }
+
     /// Flank wear at which an edge is spent, m; infinite where the process has no such limit.
     pub fn wear_limit(&self) -> f64 {
-        self.pair().map_or(f64::INFINITY, |pair| pair.limits.wear_limit)
+        match self {
+            Self::Turning(process) => process.pair.limits.wear_limit,
+            Self::Milling(process) => process.life.wear_limit,
+            Self::Infeed(_) | Self::Other(_) => f64::INFINITY,
+        }
     }
 
     /// The process as the shop drives it, by element index.

@@ -85,17 +85,8 @@ impl<R: Recorder> Shop<'_, R> {
             due: now.seconds() + self.scenario.parts[part].flow_allowance,
             outcome: JobOutcome::InProcess,
         };
-        let job = Job {
-            number,
-            entity,
-            source: source as u32,
-            row,
-            operation: 0,
-            waiting: false,
-            queued: now,
-            origin,
-            lot,
-        };
+        let job =
+            Job { number, entity, source: source as u32, row, operation: 0, waiting: false, queued: now, origin, lot };
         let slot = self.world.jobs.insert(job);
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);

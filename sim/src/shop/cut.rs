@@ -1,7 +1,7 @@
 //! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
 //! when it ends, planned again for a shorter time when it is interrupted.
 
-use super::ports::{Ports, elements, read};
+use super::ports::{Ports, elements, read, write};
 use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
 
 /// What sensors would show at one instant of a pass, without their errors.
@@ -87,8 +87,7 @@ impl Segment {
         while time < duration {
             let next = self.samples.len() as f64 + 1.0;
             let goal = sampling_period.map_or(duration, |period| (next * period).min(duration));
-            let advance =
-                process.advance(&mut self.state, &mut self.input, goal - time).map_err(CutFault::Model)?;
+            let advance = process.advance(&mut self.state, &mut self.input, goal - time).map_err(CutFault::Model)?;
             let before = power;
             process.output(&self.state, &self.input, &mut self.output);
             power = read(&self.output, ports.spindle_power, 0.0);
@@ -150,22 +149,21 @@ impl Segment {
     }
 }
 
-/// Moves an edge that is out of cut: it cools, nothing else.
+/// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.
 pub(super) fn rest(
     process: &dyn MachineProcess,
     ports: &Ports,
     state: &mut [f64],
-    input: &mut [f64],
+    command: &[f64],
     duration: f64,
 ) -> Result<(), CutFault> {
     let Some(engaged) = ports.engaged else { return Ok(()) };
     let (mut left, mut stuck) = (duration, 0);
+    let mut input = command.to_vec();
     input[engaged] = 0.0;
-    if let Some(acceleration) = ports.cutting_acceleration {
-        input[acceleration] = 0.0;
-    }
+    write(&mut input, ports.cutting_acceleration, 0.0);
     while left > 0.0 {
-        let advance = process.advance(state, input, left).map_err(CutFault::Model)?;
+        let advance = process.advance(state, &mut input, left).map_err(CutFault::Model)?;
         if advance.event.is_none() {
             break;
         }
@@ -175,6 +173,5 @@ pub(super) fn rest(
             return Err(CutFault::Stuck);
         }
     }
-    input[engaged] = 1.0;
     Ok(())
 }

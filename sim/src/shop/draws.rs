@@ -55,7 +55,14 @@ impl Edge {
 
     /// Writes what is special about edge and work into the input of the process. A process that
     /// does not tell mechanical from thermal wear gets the common factor.
-    pub(super) fn write_scatter(&self, scatter: &Scatter, pair: &PairScatter, hardness: f64, ports: &Ports, input: &mut [f64]) {
+    pub(super) fn write_scatter(
+        &self,
+        scatter: &Scatter,
+        pair: &PairScatter,
+        hardness: f64,
+        ports: &Ports,
+        input: &mut [f64],
+    ) {
         let EdgeScatter { wear_factor, mechanical_factor, thermal_factor, chipping_resistance, .. } = self.scatter;
         let noise = scatter.noise_factor(self.noise);
         let common = if ports.mechanical_wear_factor.is_some() { noise } else { noise * wear_factor };

@@ -9,23 +9,8 @@ use toolroom_process::ModelError;
 #[non_exhaustive]
 pub enum ShopError {
     /// A process model refused an operation.
-    #[error("at {time:.3} s on machine `{machine}`, part `{part}`, operation `{operation}`, pass {pass}: {source}")]
-    Model {
-        /// Simulated time, s.
-        time: f64,
-        /// Machine name.
-        machine: String,
-        /// Part name.
-        part: String,
-        /// Operation name.
-        operation: String,
-        /// Pass within the operation, from 0.
-        pass: u32,
-        /// Name and SI value of every input element of the process.
-        inputs: Vec<(&'static str, f64)>,
-        /// What it refused.
-        source: ModelError,
-    },
+    #[error(transparent)]
+    Model(#[from] Box<Refusal>),
     /// A policy could not be resolved for a tool.
     #[error("policy `{policy}` with tool `{tool}`: {source}")]
     Policy {
@@ -34,7 +19,7 @@ pub enum ShopError {
         /// Tool name.
         tool: String,
         /// Why.
-        source: PolicyError,
+        source: Box<PolicyError>,
     },
     /// An event in the past or a time that is no number.
     #[error(transparent)]
@@ -81,4 +66,24 @@ pub enum ShopError {
         /// Events at that instant.
         events: u64,
     },
+}
+
+/// Where and on what a process model refused to go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("at {time:.3} s on machine `{machine}`, part `{part}`, operation `{operation}`, pass {pass}: {source}")]
+pub struct Refusal {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Machine name.
+    pub machine: String,
+    /// Part name.
+    pub part: String,
+    /// Operation name.
+    pub operation: String,
+    /// Pass within the operation, from 0.
+    pub pass: u32,
+    /// Name and SI value of every input element of the process.
+    pub inputs: Vec<(&'static str, f64)>,
+    /// What it refused.
+    pub source: ModelError,
 }

@@ -45,7 +45,8 @@ impl<R: Recorder> Shop<'_, R> {
         for i in 0..self.layout.modes_of[machine].len() {
             let mode = self.layout.modes_of[machine][i];
             let clock = &self.world.modes[mode as usize];
-            if self.scenario.failures[mode as usize].clock != FailureClock::Busy || clock.failed || clock.due.is_some() {
+            if self.scenario.failures[mode as usize].clock != FailureClock::Busy || clock.failed || clock.due.is_some()
+            {
                 continue;
             }
             let at = self.now().after(clock.left)?;
@@ -95,8 +96,8 @@ impl<R: Recorder> Shop<'_, R> {
         clock.failed = false;
         clock.count += 1;
         self.world.machines[machine].failures -= 1;
-        self.go_on(machine)?;
-        self.wind_up(mode)
+        self.wind_up(mode)?; // first: the clock must not run on with the time of the last failure
+        self.go_on(machine)
     }
 
     /// Stops what a machine is doing and settles what becomes of the part.

@@ -126,14 +126,14 @@ fn durations(operation: &Operation, process: &ProcessModel, tool: &ToolPlan) -> 
     }
 }
 
-/// Duration of a whole pass at the constant speed in `input`, s: path over table feed for
+/// Duration of a whole pass at the constant speed in `input`, s: path over feed rate for
 /// processes that have one (milling), else path over cutting speed.
 pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, input: &[f64]) -> f64 {
     let process = process.machine_process();
-    let Some(table_feed) = tool.ports.table_feed else { return cut.path_length / cut.cutting_speed };
+    let Some(feed_rate) = tool.ports.feed_rate else { return cut.path_length / cut.cutting_speed };
     let mut output: Vec<f64> = start_values(process.outputs()).collect();
     process.output(&process.initial(), input, &mut output);
-    cut.path_length / read(&output, Some(table_feed), f64::NAN)
+    cut.path_length / read(&output, Some(feed_rate), f64::NAN)
 }
 
 /// Duration of a grinding phase, s.

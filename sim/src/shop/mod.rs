@@ -51,7 +51,7 @@ mod world;
 
 pub use cut::{Sample, Segment};
 pub use edge::Edge;
-pub use error::ShopError;
+pub use error::{Refusal, ShopError};
 pub use event::Event;
 pub use job::{Job, Jobs};
 pub use machine::{Machine, Step, Task};
@@ -206,6 +206,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.log_state(machine);
         }
         self.retire_all();
+        for job in self.world.jobs.iter() {
+            self.recorder.job(job.number, job.row);
+        }
         let closing = Closing {
             horizon: horizon.seconds(),
             warm_up: self.scenario.warm_up,

@@ -172,12 +172,6 @@ impl<R: Recorder> Shop<'_, R> {
             None
         };
         job.operation += 1;
-        if task.pass > 0
-            && !task.spoiled
-            && let Some(edge) = &mut self.world.machines[machine].edges[task.tool as usize]
-        {
-            edge.row.parts += 1;
-        }
         self.show_state(machine);
         self.may_choose(machine);
         match bad {

@@ -2,6 +2,7 @@
 
 use super::cut::{CutFault, rest};
 use super::draws::{self, owner};
+use super::error::Refusal;
 use super::layout::{cut_duration, phase_duration};
 use super::machine::Step;
 use super::ports::{read, write};
@@ -144,7 +145,7 @@ impl<R: Recorder> Shop<'_, R> {
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
         edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
-        if ports.table_feed.is_some() {
+        if ports.feed_rate.is_some() {
             duration = cut_duration(cut, &tool.process, &self.layout.tools[place.tool], &input) * task.share_left;
         } else {
             let change = conditions.end_speed - conditions.start_speed;
@@ -231,7 +232,8 @@ impl<R: Recorder> Shop<'_, R> {
         let segment = &mut state.segment;
         write(&mut segment.start_input, ports.coolant_age, now.seconds());
         let idle = now - edge.clock;
-        let result = if idle > 0.0 { rest(process, ports, &mut edge.state, &mut segment.start_input, idle) } else { Ok(()) };
+        let result =
+            if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };
         edge.clock = now;
         let sampling = edge.observer.as_ref().map(|_| controller.sampling_period());
         let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
@@ -277,9 +279,12 @@ impl<R: Recorder> Shop<'_, R> {
         match lost {
             Some(event) => self.lose_edge(machine, place, event),
             None => {
-                if let Some(task) = &mut self.world.machines[machine].task {
+                let passes = self.layout.operations[place.part][place.operation].passes;
+                let state = &mut self.world.machines[machine];
+                if let (Some(task), Some(edge)) = (&mut state.task, &mut state.edges[place.tool]) {
                     task.pass += 1;
                     task.share_left = 1.0;
+                    edge.row.parts += u32::from(task.pass == passes);
                 }
                 self.read_wear(machine, place);
             }
@@ -350,7 +355,11 @@ impl<R: Recorder> Shop<'_, R> {
         if let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process {
             // Read from the state: the event is hidden where the part burns in the same revolution.
             let mut indicators = [0.0; 2];
-            infeed.event_indicators(&Record::from_slice(&edge.state), &Record::from_slice(&segment.input), &mut indicators);
+            infeed.event_indicators(
+                &Record::from_slice(&edge.state),
+                &Record::from_slice(&segment.input),
+                &mut indicators,
+            );
             if indicators[1] >= 0.0 {
                 edge.spent = Some(ChangeReason::Dressing);
             }
@@ -405,7 +414,7 @@ impl<R: Recorder> Shop<'_, R> {
         let fields = self.scenario.tools[place.tool].process.machine_process().inputs();
         let names = fields.iter().flat_map(|field| std::iter::repeat_n(field.name, field.len));
         let values = self.world.machines[machine].segment.start_input.iter().copied();
-        ShopError::Model {
+        ShopError::Model(Box::new(Refusal {
             time,
             machine: self.scenario.machines[machine].name.clone(),
             part: part.name.clone(),
@@ -413,6 +422,6 @@ impl<R: Recorder> Shop<'_, R> {
             pass: place.pass as u32,
             inputs: names.zip(values).collect(),
             source,
-        }
+        }))
     }
 }

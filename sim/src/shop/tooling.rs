@@ -1,11 +1,11 @@
 //! Edges and wheels: mounted, changed, dressed.
 
+use super::Shop;
 use super::draws;
 use super::edge::Edge;
 use super::machine::Step;
-use super::recorder::Recorder;
-use super::Shop;
 use super::ports::write;
+use super::recorder::Recorder;
 use crate::runlog::{ChangeReason, EdgeRow};
 use crate::scenario::ProcessModel;
 use toolroom_process::Record;

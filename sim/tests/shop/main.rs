@@ -1,0 +1,18 @@
+//! The shop as a whole: exact results of others, conservation, common random numbers, branching,
+//! interruptions.
+
+mod adaptive;
+mod breakdowns;
+mod conservation;
+mod dispatching;
+mod grinding;
+#[path = "../kernel/instances.rs"]
+mod instances;
+mod interruptions;
+mod queues;
+mod replay;
+mod scenarios;
+mod shifts;
+#[path = "../kernel/statistics.rs"]
+mod statistics;
+mod tools;
