@@ -118,21 +118,13 @@ impl Milling {
         let tolerance = self.tolerance(ACCURACY);
         let mut state = [0.0; STATES];
         x.write_to(&mut state);
-        let mut elapsed = 0.0;
-        while elapsed < dt {
-            let rest = dt - elapsed;
-            // The wear curve is as steep at its end as at its start: a step across all of its
-            // stages would take it for a straight line.
-            let stage = STAGE * self.life.wear_limit / self.rates(&MillingState::from_slice(&state), u).flank_wear;
-            let end = ode::integrate(rhs, events, &state, if stage < rest { stage } else { rest }, &tolerance)?;
-            state = end.state;
-            if let Some(index) = end.event {
-                let event = Some(EVENTS[index]);
-                return Ok((MillingState::from_slice(&state), Advance { elapsed: elapsed + end.time, event }));
-            }
-            elapsed = if stage < rest { elapsed + stage } else { dt };
-        }
-        Ok((MillingState::from_slice(&state), Advance { elapsed: dt, event: None }))
+        // The wear curve is as steep at its end as at its start.
+        let stage = |_: f64, y: &[f64; STATES]| {
+            STAGE * self.life.wear_limit / self.rates(&MillingState::from_slice(y), u).flank_wear
+        };
+        let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage)?;
+        let advance = Advance { elapsed: end.time, event: end.event.map(|index| EVENTS[index]) };
+        Ok((MillingState::from_slice(&end.state), advance))
     }
 
     fn indicators(&self, x: &MillingState, u: &MillingInput) -> [f64; 2] {

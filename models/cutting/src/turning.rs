@@ -44,6 +44,9 @@ impl Default for Turning {
 /// Relative accuracy of [`Process::advance`]; the golden lives hold to 1e-6 with a margin of ten.
 const ACCURACY: f64 = 1e-8;
 
+/// Share of the wear limit that one stage of an integration may wear at its initial rate.
+const STAGE: f64 = 0.1;
+
 /// Number of components of [`TurningState`].
 const STATES: usize = <TurningState as Record>::LEN;
 
@@ -139,8 +142,12 @@ impl Process for Turning {
             self.event_indicators(&TurningState::from_slice(y), &self.input_after(u, time), &mut indicators);
             indicators
         };
+        let stage = |time: f64, y: &[f64; STATES]| {
+            let rates = self.rates(&TurningState::from_slice(y), &self.input_after(u, time));
+            STAGE * self.pair.limits.wear_limit / rates.flank_wear
+        };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let end = ode::integrate(rhs, events, &start, dt, &tolerance)?;
+        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage)?;
         *x = TurningState::from_slice(&end.state);
         Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
     }

@@ -5,6 +5,7 @@ use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
 use toolroom_effects::{Effect, Effects};
 use toolroom_process::num_dual::Dual64;
 use toolroom_process::{Process, ProcessEvent, Record, process_contract};
+use toolroom_wear::{ExtendedTaylor, WearLaw};
 
 fn process() -> Turning {
     Turning::named("ni_vk6om").expect("a shipped set")
@@ -58,6 +59,32 @@ fn the_quasi_steady_life_is_that_of_the_quadrature() {
             life.cutting_time / 60.0
         );
     }
+}
+
+/// Taylor's law with its bent wear curve: 60 min at the reference cut, however it is asked.
+#[test]
+fn a_bent_wear_curve_is_not_stepped_over() {
+    let law = ExtendedTaylor::default();
+    let mut turning = process();
+    turning.pair.law = WearLaw::ExtendedTaylor(law);
+    let u = TurningInput {
+        cutting_speed: law.reference_speed,
+        feed_per_rev: law.reference_feed,
+        depth_of_cut: law.reference_depth,
+        ..TurningInput::default()
+    };
+    // Cool enough for the nickel pair's heat model, which this law does not read.
+    turning.pair.temperature.chip_heating = 1.0;
+    turning.pair.temperature.flank_heating = 1.0;
+    turning.pair.limits.wear_limit = law.wear_limit;
+    let expected = law.reference_life;
+    for model in [LifeModel::QuasiSteady, LifeModel::Ode] {
+        let (life, _) = turning.life(&u, model).expect("an edge that wears out");
+        assert!((life.cutting_time / expected - 1.0).abs() < 1e-5, "{model:?}: {} of {expected}", life.cutting_time);
+    }
+    let mut x = turning.initial();
+    let end = turning.advance(&mut x, &u, 1e7).expect("a long step");
+    assert!((end.elapsed / expected - 1.0).abs() < 1e-5, "{end:?} of {expected}");
 }
 
 /// Passes of 1.5 min at 36 m/min with pauses of 0.3 min.

@@ -1,6 +1,6 @@
 //! Life of a new edge under constant conditions.
 
-use super::{ACCURACY, STATES, Turning, TurningInput, TurningState};
+use super::{ACCURACY, STAGE, STATES, Turning, TurningInput, TurningState};
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{ModelError, ProcessEvent, Record};
 use toolroom_wear::{Life, WEAR_EVENTS};
@@ -59,7 +59,10 @@ impl Turning {
             self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held)), held.chipping_resistance)
         };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let end = ode::integrate(rhs, events, &[0.0; STATES], LONGEST, &tolerance)?;
+        let stage = |_: f64, y: &[f64; STATES]| {
+            STAGE * self.pair.limits.wear_limit / self.rates(&self.warm(y, &held, model), &held).flank_wear
+        };
+        let end = ode::integrate_staged(rhs, events, &[0.0; STATES], LONGEST, &tolerance, stage)?;
         let Some(event) = end.event else { return Err(endless("the edge does not wear out")) };
         let state = TurningState::from_slice(&end.state);
         let life = Life {
