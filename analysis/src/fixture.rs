@@ -1,0 +1,220 @@
+//! A small shop and hand-made logs for tests.
+
+use std::sync::Arc;
+use toolroom_cutting::Turning;
+use toolroom_infeed::Infeed;
+use toolroom_sim::runlog::{
+    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, PassRow, RunLog, StateRow,
+};
+use toolroom_sim::scenario::*;
+
+fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
+    MachineType {
+        name: name.to_owned(),
+        process: process.to_owned(),
+        rate,
+        load_time: Distribution::Constant(handling),
+        unload_time: Distribution::Uniform { low: 0.5 * handling, high: 1.5 * handling },
+        tool_change_time: 60.0,
+        setup_time: 0.0,
+        magazine: 10,
+        refill_time: 0.0,
+        speed_range: (0.1, 5.0),
+        idle_power: 100.0,
+        calendar: None,
+    }
+}
+
+fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
+    ToolType {
+        name: name.to_owned(),
+        process,
+        parameter_set: "test".to_owned(),
+        edge_cost,
+        dressing_time: 30.0,
+        scatter: Default::default(),
+    }
+}
+
+fn policy(name: &str, speed: SpeedRule) -> PolicyRule {
+    PolicyRule {
+        name: name.to_owned(),
+        speed,
+        tool_change: ToolChangeRule::WearLimit { limit: None },
+        believed_model: None,
+        sensors: SensorSheet::default(),
+    }
+}
+
+/// Two lathes that share an operation, a grinder after them; an hour.
+pub(crate) fn scenario() -> Scenario {
+    let cut = Cut { cutting_speed: 0.5, feed: 1e-4, depth_of_cut: 1e-3, width_of_cut: 0.0, path_length: 60.0 };
+    let operation = |name: &str, machines: Vec<usize>, tool, work| Operation {
+        name: name.to_owned(),
+        machines,
+        tool,
+        setup_group: name.to_owned(),
+        setup_time: None,
+        work,
+        size_tolerance: 1e-4,
+        scrap_on_tool_failure: 1.0,
+    };
+    let grinding = Work::Grinding {
+        work_rotation_speed: std::f64::consts::TAU,
+        phases: vec![GrindingPhase { infeed_per_rev: 1e-6, revolutions: 100 }],
+    };
+    Scenario {
+        name: "fixture".to_owned(),
+        title: "Two lathes <and> a grinder".to_owned(),
+        seed: 42,
+        replications: 20,
+        horizon: 3600.0,
+        warm_up: 0.0,
+        shift_length: 3600.0,
+        machines: vec![
+            machine("L1", "turning", 0.01, 60.0),
+            machine("L2", "turning", 0.01, 60.0),
+            machine("G1", "infeed", 0.02, 10.0),
+        ],
+        tools: vec![
+            tool("insert", ProcessModel::Turning(turning()), 2.0),
+            tool("wheel", ProcessModel::Infeed(infeed()), 1.0),
+        ],
+        parts: vec![Part {
+            name: "ring".to_owned(),
+            material_cost: 10.0,
+            flow_allowance: 500.0,
+            batch_size: 10,
+            operations: vec![
+                operation("turn", vec![0, 1], 0, Work::Cutting(vec![cut; 2])),
+                operation("grind", vec![2], 1, grinding),
+            ],
+        }],
+        arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]) }],
+        dispatch: DispatchRule::Fifo,
+        calendars: Vec::new(),
+        failures: Vec::new(),
+        policies: vec![
+            policy("constant", SpeedRule::Constant(SpeedChoice::BestCost)),
+            policy("adaptive", SpeedRule::MinimumWear { literal: false }),
+        ],
+        currency: "EUR".to_owned(),
+    }
+}
+
+fn turning() -> Arc<Turning> {
+    Arc::new(Turning::named("ni_vk6om").expect("a shipped set"))
+}
+
+fn infeed() -> Arc<Infeed> {
+    Arc::default()
+}
+
+/// A pass at 0.5 m/s.
+pub(crate) fn pass(job: u32, operation: u32, pass: u32, machine: u32, edge: u32, start: f64, end: f64) -> PassRow {
+    PassRow {
+        job,
+        part: 0,
+        operation,
+        pass,
+        machine,
+        edge,
+        start,
+        end,
+        cutting_time: end - start,
+        speed_start: 0.5,
+        speed_end: 0.5,
+        feed: 1e-4,
+        depth_of_cut: 1e-3,
+        path: 0.5 * (end - start),
+        edge_time: 0.0,
+        flank_wear_start: 1e-4,
+        flank_wear_end: 2e-4,
+        flank_wear_estimate: f64::NAN,
+        cutting_force: 500.0,
+        spindle_power: 250.0,
+        temperature: 1000.0,
+        energy: 1000.0,
+        size_error: 1e-6,
+    }
+}
+
+pub(crate) fn edge(
+    tool: u32,
+    machine: u32,
+    installed: f64,
+    removed: f64,
+    reason: ChangeReason,
+    cutting_time: f64,
+) -> EdgeRow {
+    EdgeRow {
+        tool,
+        machine,
+        installed,
+        removed,
+        reason,
+        cutting_time,
+        path: 0.5 * cutting_time,
+        passes: 2,
+        parts: 1,
+        flank_wear: 3e-4,
+        mechanical_wear_factor: 1.0,
+        thermal_wear_factor: 1.0,
+    }
+}
+
+pub(crate) fn states(machine: u32, steps: &[(MachineState, f64)]) -> Vec<StateRow> {
+    let mut start = 0.0;
+    let row = |&(state, end): &(MachineState, f64)| {
+        let row = StateRow { machine, state, start, end, job: None };
+        start = end;
+        row
+    };
+    steps.iter().map(row).collect()
+}
+
+/// One good part, and one whose edge chipped in its first pass.
+pub(crate) fn log() -> RunLog {
+    use MachineState::{Cutting, Handling, Idle, ToolChange};
+    let lathe = states(
+        0,
+        &[
+            (Handling, 60.0),
+            (Cutting, 360.0),
+            (Handling, 420.0),
+            (ToolChange, 480.0),
+            (Handling, 540.0),
+            (Cutting, 690.0),
+            (Idle, 3600.0),
+        ],
+    );
+    let grinder = states(2, &[(Idle, 420.0), (Handling, 430.0), (Cutting, 530.0), (Handling, 540.0), (Idle, 3600.0)]);
+    let mut rows = [lathe, states(1, &[(Idle, 3600.0)]), grinder].concat();
+    rows.sort_by(|a, b| a.end.total_cmp(&b.end));
+    let job = |finish: f64, outcome| JobRow { part: 0, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
+    let grinding = PassRow { speed_start: 0.0, speed_end: 0.0, path: 0.0, ..pass(0, 1, 0, 2, 2, 430.0, 530.0) };
+    RunLog {
+        passes: vec![
+            pass(0, 0, 0, 0, 0, 60.0, 210.0),
+            pass(0, 0, 1, 0, 0, 210.0, 360.0),
+            grinding,
+            pass(1, 0, 0, 0, 1, 540.0, 690.0),
+        ],
+        edges: vec![
+            edge(0, 0, 0.0, 420.0, ChangeReason::Rule, 300.0),
+            edge(0, 0, 480.0, 690.0, ChangeReason::Chipping, 150.0),
+            edge(1, 2, 0.0, 3600.0, ChangeReason::EndOfRun, 100.0),
+        ],
+        jobs: vec![job(540.0, JobOutcome::Good), job(690.0, JobOutcome::ToolFailure)],
+        states: rows,
+        events: vec![
+            EventRow { time: 0.0, event: "arrival", machine: None, job: Some(0), edge: None },
+            EventRow { time: 420.0, event: "tool_change", machine: Some(0), job: None, edge: Some(0) },
+            EventRow { time: 690.0, event: "scrap", machine: Some(0), job: Some(1), edge: Some(1) },
+        ],
+        horizon: 3600.0,
+        warm_up: 0.0,
+        digest: 0x0123_4567_89ab_cdef,
+        calendar_events: 12,
+    }
+}

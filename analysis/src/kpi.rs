@@ -1,0 +1,78 @@
+//! Key figures of one replication, from its log alone.
+//!
+//! Words and time elements follow ISO 22400-2. Statistics cover the window from the end of the
+//! warm-up to the horizon; what straddles its start counts with its share inside.
+//!
+//! | time element | here | states |
+//! |---|---|---|
+//! | planned busy time PBT | time in shift, paid | all but off-shift |
+//! | actual production time APT | a part is cut or handled | cutting, handling |
+//! | actual unit setup time AUST | change of the setup group | setup |
+//! | actual unit delay time ADET | tool change, dressing, waiting | tool_change, dressing, idle |
+//! | actual unit down time ADOT | broken down | down |
+//! | planned run time per item PRI | programmed cutting time + mean load + mean unload | – |
+//!
+//! availability = APT/PBT, effectiveness = PRI·PQ/APT, quality ratio = GQ/PQ with the produced
+//! and the good quantity of operations, OEE = availability · effectiveness · quality ratio. PRI is
+//! that of the *programmed* speeds under every policy, so a faster policy has an effectiveness
+//! above 1 and the OEE of policies can be compared.
+//!
+//! # Edges are counted as they wear
+//! An edge that left the machine counts 1, spread over its cutting time; one that is still in the
+//! machine at the end counts cutting time over the mean life of the finished edges of its tool, at
+//! most 1 (and 1 if none finished). Counting only finished edges would flatter the policy with the
+//! longer tool life, counting only new ones the other. Dressings are counted alike, on their own.
+//!
+//! # What is not modelled
+//! The cost of the material of good parts, energy prices, and wages outside the machine rate: they
+//! are the same under every policy.
+
+mod definition;
+mod tally;
+
+pub use definition::{Better, Definition, Kpi, kpis};
+
+use definition::{MACHINE, SHOP};
+use tally::Tally;
+use toolroom_sim::runlog::RunLog;
+use toolroom_sim::scenario::{Operation, Scenario, ToolType, Work};
+
+/// Values of [`kpis`] in their order, SI; NaN where a figure is not defined (per part without
+/// parts).
+///
+/// # Examples
+/// See [`run_study`](crate::study::run_study), which calls it for every replication.
+pub fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
+    let tally = Tally::new(scenario, log);
+    let shop = SHOP.iter().map(|(_, value)| value(scenario, &tally));
+    let machines = tally.machines.iter().flat_map(|machine| MACHINE.iter().map(|(_, value)| value(&tally, machine)));
+    shop.chain(machines).map(|value| if value.is_finite() { value } else { f64::NAN }).collect()
+}
+
+/// The machines whose speed the policy sets, by their tools (the lathes); all machines in a shop
+/// without one.
+pub fn cell(scenario: &Scenario) -> Vec<usize> {
+    let operations = || scenario.parts.iter().flat_map(|part| &part.operations);
+    let set = |machine: &usize| {
+        operations().any(|operation| {
+            let takes_commands = |tool: &ToolType| tool.process.takes_speed_commands();
+            operation.machines.contains(machine) && scenario.tools.get(operation.tool).is_some_and(takes_commands)
+        })
+    };
+    let cell: Vec<usize> = (0..scenario.machines.len()).filter(set).collect();
+    if cell.is_empty() { (0..scenario.machines.len()).collect() } else { cell }
+}
+
+/// Time in cut of an operation as programmed, s.
+pub fn programmed_cutting_time(operation: &Operation) -> f64 {
+    match &operation.work {
+        Work::Cutting(cuts) => cuts.iter().map(|cut| cut.path_length / cut.cutting_speed).sum(),
+        Work::Grinding { work_rotation_speed, phases } => {
+            let revolutions: f64 = phases.iter().map(|phase| f64::from(phase.revolutions)).sum();
+            revolutions * std::f64::consts::TAU / work_rotation_speed
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

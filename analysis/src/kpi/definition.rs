@@ -1,0 +1,386 @@
+//! What each key figure is called, measured in, and wanted to be.
+
+use super::tally::{MachineTally, Tally};
+use Better::{Less, More, Neither};
+use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, ToolChange};
+use toolroom_process::unit;
+use toolroom_sim::runlog::MachineState;
+use toolroom_sim::scenario::Scenario;
+
+/// Which way a figure should go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Better {
+    /// More is better.
+    More,
+    /// Less is better.
+    Less,
+    /// Neither is better by itself.
+    Neither,
+}
+
+/// A key figure in words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Definition {
+    /// Stable name in files.
+    pub id: &'static str,
+    /// For people.
+    pub title: &'static str,
+    /// SI unit of the value; `1` for a number, `currency` for money.
+    pub unit: &'static str,
+    /// Unit in tables; `%` only for people, files keep the share.
+    pub display: &'static str,
+    /// Which way is better.
+    pub better: Better,
+    /// What it is, in one sentence.
+    pub doc: &'static str,
+}
+
+/// A key figure of the shop or of one machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kpi {
+    /// What it is.
+    pub definition: Definition,
+    /// The machine; `None` for the shop.
+    pub machine: Option<usize>,
+}
+
+impl Kpi {
+    /// Key in JSON: the id, with its unit where it has one: `tool_life [min]`.
+    pub fn key(&self) -> String {
+        match self.definition.file_unit() {
+            "1" | "currency" => self.definition.id.to_owned(),
+            unit => format!("{} [{unit}]", self.definition.id),
+        }
+    }
+}
+
+impl Definition {
+    /// Unit in files.
+    pub fn file_unit(&self) -> &'static str {
+        if self.display == "%" { "1" } else { self.display }
+    }
+
+    /// Factor from the SI value to the unit of files.
+    pub fn file_scale(&self) -> f64 {
+        if self.unit == self.file_unit() { 1.0 } else { unit::convert(1.0, self.unit, self.file_unit()) }
+    }
+
+    /// Factor from the SI value to the unit of tables for people.
+    pub fn display_scale(&self) -> f64 {
+        if self.unit == self.display { 1.0 } else { unit::convert(1.0, self.unit, self.display) }
+    }
+}
+
+const fn define(
+    id: &'static str,
+    title: &'static str,
+    unit: &'static str,
+    display: &'static str,
+    better: Better,
+    doc: &'static str,
+) -> Definition {
+    Definition { id, title, unit, display, better, doc }
+}
+
+/// A figure of the shop and how it follows from the sums.
+pub(super) type ShopFigure = (Definition, fn(&Scenario, &Tally) -> f64);
+
+/// A figure of a machine.
+pub(super) type MachineFigure = (Definition, fn(&Tally, &MachineTally) -> f64);
+
+/// Figures of the shop, in the order of reports.
+pub(super) const SHOP: &[ShopFigure] = &[
+    (
+        define(
+            "parts_per_shift",
+            "parts / shift",
+            "1",
+            "1",
+            More,
+            "Good parts per shift length of working time (that of the machine longest in shift).",
+        ),
+        |s, t| f64::from(t.good) / t.shifts(s),
+    ),
+    (
+        define(
+            "cost_per_part",
+            "cost / part",
+            "currency",
+            "currency",
+            Less,
+            "Paid machine time at its rate, edges, dressings and the blanks of scrapped parts, per good part.",
+        ),
+        |_, t| (t.machine_cost + t.edge_cost + t.scrap_cost) / f64::from(t.good),
+    ),
+    (
+        define(
+            "machine_cost_per_part",
+            "machine cost / part",
+            "currency",
+            "currency",
+            Less,
+            "Time in shift at the machine's rate, per good part.",
+        ),
+        |_, t| t.machine_cost / f64::from(t.good),
+    ),
+    (
+        define(
+            "edge_cost_per_part",
+            "edge cost / part",
+            "currency",
+            "currency",
+            Less,
+            "Cutting edges and dressings, counted as they wear, per good part.",
+        ),
+        |_, t| t.edge_cost / f64::from(t.good),
+    ),
+    (
+        define(
+            "scrap_cost_per_part",
+            "scrap cost / part",
+            "currency",
+            "currency",
+            Less,
+            "Blanks of scrapped parts, per good part.",
+        ),
+        |_, t| t.scrap_cost / f64::from(t.good),
+    ),
+    (
+        define(
+            "edges_per_100_parts",
+            "edges / 100 parts",
+            "1",
+            "1",
+            Less,
+            "Cutting edges, counted as they wear, per 100 good parts.",
+        ),
+        |_, t| 100.0 * t.edges / f64::from(t.good),
+    ),
+    (
+        define(
+            "dressings_per_100_parts",
+            "dressings / 100 parts",
+            "1",
+            "1",
+            Less,
+            "Dressing cycles, counted as they wear, per 100 good parts.",
+        ),
+        |_, t| 100.0 * t.dressings / f64::from(t.good),
+    ),
+    (define("scrap_rate", "scrap", "1", "%", Less, "Scrapped over finished parts."), |_, t| {
+        f64::from(t.scrapped) / t.finished()
+    }),
+    (
+        define(
+            "scrap_from_tool_failure",
+            "scrap from tool failure",
+            "1",
+            "%",
+            Less,
+            "Parts spoiled by a broken edge over finished parts.",
+        ),
+        |_, t| f64::from(t.scrapped_by_tool) / t.finished(),
+    ),
+    (
+        define(
+            "oee",
+            "OEE",
+            "1",
+            "1",
+            More,
+            "Overall equipment effectiveness: availability · effectiveness · quality ratio over all machines.",
+        ),
+        |_, t| t.sum(|m| m.planned_good) / t.sum(MachineTally::planned_busy_time),
+    ),
+    (
+        define(
+            "availability",
+            "availability",
+            "1",
+            "1",
+            More,
+            "Production time (cutting and handling) over time in shift.",
+        ),
+        |_, t| t.sum(MachineTally::production_time) / t.sum(MachineTally::planned_busy_time),
+    ),
+    (
+        define(
+            "effectiveness",
+            "effectiveness",
+            "1",
+            "1",
+            More,
+            "Programmed time of the operations produced over production time.",
+        ),
+        |_, t| t.sum(|m| m.planned_produced) / t.sum(MachineTally::production_time),
+    ),
+    (
+        define(
+            "quality_ratio",
+            "quality ratio",
+            "1",
+            "1",
+            More,
+            "Programmed time of the good over that of all operations.",
+        ),
+        |_, t| t.sum(|m| m.planned_good) / t.sum(|m| m.planned_produced),
+    ),
+    (
+        define(
+            "utilisation",
+            "utilisation",
+            "1",
+            "%",
+            Neither,
+            "Mean over the machines of the share of the shift in which they work on something (also setup, tool change, dressing).",
+        ),
+        |_, t| t.mean_utilisation(),
+    ),
+    (
+        define("cutting_share", "cutting share", "1", "%", Neither, "Time in cut over time in shift, all machines."),
+        |_, t| t.sum(|m| m.state(Cutting)) / t.sum(MachineTally::planned_busy_time),
+    ),
+    (define("lead_time", "lead time", "s", "min", Less, "Mean time from arrival to finish of good parts."), |_, t| {
+        t.lead_time / f64::from(t.good)
+    }),
+    (define("tardiness", "tardiness", "s", "min", Less, "Mean of max(0, finish − due) of good parts."), |_, t| {
+        t.tardiness / f64::from(t.good)
+    }),
+    (
+        define("tardy_share", "tardy parts", "1", "%", Less, "Share of good parts that finished after they were due."),
+        |_, t| f64::from(t.tardy) / f64::from(t.good),
+    ),
+    (define("wip", "work in process", "1", "1", Less, "Time average of the number of jobs in the shop."), |_, t| {
+        t.job_time / t.window
+    }),
+    (define("tool_life", "tool life", "s", "min", More, "Cutting time per edge used on the lathes."), |_, t| {
+        t.cell_edge_time / t.cell_edges
+    }),
+    (define("path_per_edge", "path / edge", "m", "m", More, "Cutting path per edge used on the lathes."), |_, t| {
+        t.cell_path / t.cell_edges
+    }),
+    (
+        define(
+            "edge_failure_share",
+            "edges lost to failure",
+            "1",
+            "%",
+            Less,
+            "Edges that chipped or collapsed over edges used.",
+        ),
+        |_, t| t.failed_edges / t.edges,
+    ),
+    (
+        define(
+            "mean_cutting_speed",
+            "mean cutting speed",
+            "m/s",
+            "m/min",
+            Neither,
+            "Path over cutting time on the lathes.",
+        ),
+        |_, t| t.cell_path / t.cell_edge_time,
+    ),
+    (
+        define(
+            "energy_per_part",
+            "energy / part",
+            "J",
+            "kW h",
+            Less,
+            "Energy of the cuts and of the idling spindles in shift, per good part.",
+        ),
+        |_, t| t.energy / f64::from(t.good),
+    ),
+    (
+        define(
+            "cell_time_ratio",
+            "cell time / programmed time",
+            "1",
+            "1",
+            Less,
+            "Cutting and tool change time of the lathes over the programmed cutting time of their good operations.",
+        ),
+        |s, t| t.cell_time_ratio(s),
+    ),
+    (
+        define(
+            "parts_offered_per_shift",
+            "parts offered / shift",
+            "1",
+            "1",
+            Neither,
+            "Jobs in the shop at the start of the statistics and arrived since: the most that could be finished; not defined where arrivals follow departures.",
+        ),
+        |s, t| t.offered / t.shifts(s),
+    ),
+];
+
+/// Figures of each machine.
+pub(super) const MACHINE: &[MachineFigure] = &[
+    (
+        define("utilisation", "utilisation", "1", "%", Neither, "Share of the shift in which it works on something."),
+        |_, m| m.utilisation(),
+    ),
+    (
+        define(
+            "load",
+            "load",
+            "1",
+            "%",
+            Neither,
+            "Share of the shift in which it is not idle; breakdowns occupy it too.",
+        ),
+        |_, m| 1.0 - m.state(Idle) / m.planned_busy_time(),
+    ),
+    (define("throughput", "throughput", "1/s", "1/h", More, "Good operations per time in shift."), |_, m| {
+        m.good / m.planned_busy_time()
+    }),
+    (define("oee", "OEE", "1", "1", More, "Overall equipment effectiveness."), |_, m| {
+        m.planned_good / m.planned_busy_time()
+    }),
+    (define("availability", "availability", "1", "1", More, "Production time over time in shift."), |_, m| {
+        m.production_time() / m.planned_busy_time()
+    }),
+    (define("effectiveness", "effectiveness", "1", "1", More, "Programmed over production time."), |_, m| {
+        m.planned_produced / m.production_time()
+    }),
+    (
+        define("quality_ratio", "quality ratio", "1", "1", More, "Good over produced operations, by programmed time."),
+        |_, m| m.planned_good / m.planned_produced,
+    ),
+    (define("cutting_time_share", "cutting", "1", "%", Neither, "Share of all time in cut."), |t, m| {
+        m.state(Cutting) / t.window
+    }),
+    (
+        define("handling_time_share", "handling", "1", "%", Neither, "Share of all time loading and unloading."),
+        |t, m| m.state(Handling) / t.window,
+    ),
+    (define("setup_time_share", "setup", "1", "%", Neither, "Share of all time in setup."), |t, m| {
+        m.state(Setup) / t.window
+    }),
+    (
+        define("tool_change_time_share", "tool change", "1", "%", Neither, "Share of all time changing edges."),
+        |t, m| m.state(ToolChange) / t.window,
+    ),
+    (define("dressing_time_share", "dressing", "1", "%", Neither, "Share of all time dressing."), |t, m| {
+        m.state(Dressing) / t.window
+    }),
+    (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down."), |t, m| {
+        m.state(Down) / t.window
+    }),
+    (define("idle_time_share", "idle", "1", "%", Neither, "Share of all time ready without work."), |t, m| {
+        m.state(Idle) / t.window
+    }),
+    (define("off_shift_time_share", "off shift", "1", "%", Neither, "Share of all time out of shift."), |t, m| {
+        m.state(OffShift) / t.window
+    }),
+];
+
+/// All figures of a scenario: those of the shop, then those of each machine.
+pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
+    let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });
+    let machines = (0..scenario.machines.len())
+        .flat_map(|machine| MACHINE.iter().map(move |&(definition, _)| Kpi { definition, machine: Some(machine) }));
+    shop.chain(machines).collect()
+}

@@ -1,0 +1,119 @@
+use super::*;
+use crate::fixture;
+use polars::prelude::{AnyValue, DataFrame, ParquetReader, SerReader};
+
+/// A directory of its own for each test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("toolroom-logs-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).expect("a folder");
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn write(folder: &Folder, format: Format) {
+    let scenario = fixture::scenario();
+    let mut writer = LogWriter::create(&folder.0, &scenario, format).expect("files");
+    for replication in 0..2 {
+        for policy in 0..2 {
+            writer.write(policy, replication, &fixture::log()).expect("rows");
+        }
+    }
+    writer.finish().expect("a footer");
+}
+
+fn read(folder: &Folder, table: &str) -> DataFrame {
+    let file = File::open(folder.0.join(table).with_extension("parquet")).expect("a file");
+    ParquetReader::new(file).finish().expect("a frame")
+}
+
+#[test]
+fn parquet_is_read_back_in_display_units() {
+    let folder = Folder::new("parquet");
+    write(&folder, Format::Parquet);
+    let operations = read(&folder, "operations");
+    assert_eq!(operations.height(), 4 * 4);
+    let speed = operations.column("cutting_speed_start [m/min]").expect("a column").f64().expect("numbers");
+    assert_eq!((speed.get(0), speed.get(2)), (Some(30.0), Some(0.0)));
+    let feed = operations.column("feed [mm]").expect("a column").f64().expect("numbers");
+    assert!((feed.get(0).expect("a feed") - 0.1).abs() < 1e-15);
+    let estimate = operations.column("flank_wear_estimate [mm]").expect("a column");
+    assert_eq!(estimate.null_count(), 16, "not a number is null");
+    let operation = operations.column("operation").expect("a column").str().expect("text");
+    assert_eq!((operation.get(0), operation.get(2)), (Some("turn"), Some("grind")));
+    let policy = operations.column("policy").expect("a column").str().expect("text");
+    assert_eq!((policy.get(3), policy.get(4)), (Some("constant"), Some("adaptive")));
+    let edges = read(&folder, "tools").column("edge").expect("a column").u32().expect("numbers").clone();
+    assert_eq!(edges.into_no_null_iter().take(4).collect::<Vec<_>>(), [0, 1, 2, 0]);
+    assert_eq!(read(&folder, "states").height(), 4 * fixture::log().states.len());
+    let jobs = read(&folder, "events").column("job").expect("a column").clone();
+    assert_eq!(jobs.null_count(), 4);
+}
+
+#[test]
+fn both_formats_have_the_same_columns_and_cells() {
+    let folder = Folder::new("both");
+    write(&folder, Format::Parquet);
+    write(&folder, Format::Csv);
+    for table in ["operations", "tools", "jobs", "states", "events"] {
+        let frame = read(&folder, table);
+        let mut csv = csv::Reader::from_path(folder.0.join(table).with_extension("csv")).expect("a file");
+        let header: Vec<String> = csv.headers().expect("a header").iter().map(str::to_owned).collect();
+        assert_eq!(frame.get_column_names_owned(), header, "{table}");
+        let records: Vec<_> = csv.records().map(|record| record.expect("a record")).collect();
+        assert_eq!(records.len(), frame.height());
+        for (column, name) in header.iter().enumerate() {
+            let cells = frame.column(name).expect("a column");
+            for (row, record) in records.iter().enumerate() {
+                let parquet = match cells.get(row).expect("a cell") {
+                    AnyValue::Null => String::new(),
+                    AnyValue::Float64(value) => value.to_string(),
+                    AnyValue::UInt32(value) => value.to_string(),
+                    AnyValue::String(value) => value.to_owned(),
+                    other => panic!("{name}: {other}"),
+                };
+                assert_eq!(record[column], parquet, "{table}, {name}, row {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_runs_give_the_same_bytes() {
+    let (first, second) = (Folder::new("first"), Folder::new("second"));
+    write(&first, Format::Parquet);
+    write(&second, Format::Parquet);
+    for table in ["operations", "tools", "jobs", "states", "events"] {
+        let bytes = |folder: &Folder| std::fs::read(folder.0.join(table).with_extension("parquet")).expect("a file");
+        assert_eq!(bytes(&first), bytes(&second), "{table}");
+    }
+}
+
+#[test]
+fn every_column_has_a_unit_that_converts_and_a_name_of_its_own() {
+    let log = fixture::log();
+    let names = Names::of(&fixture::scenario());
+    let headers: Vec<String> = columns::operations().iter().map(Column::header).collect();
+    assert!(headers.iter().all(|name| headers.iter().filter(|other| *other == name).count() == 1));
+    let row = Row { names: &names, policy: 0, replication: 0, index: 0, row: &log.passes[0] };
+    for column in columns::operations().iter().filter(|column| !column.header().contains("estimate")) {
+        assert_ne!(column.value(&row), Value::Real(None), "{}", column.header());
+    }
+}
+
+#[test]
+fn an_unwritable_folder_is_named() {
+    let missing = Path::new("/nonexistent/toolroom");
+    match LogWriter::create(missing, &fixture::scenario(), Format::Csv) {
+        Err(error) => assert!(error.to_string().contains("/nonexistent/toolroom/operations.csv"), "{error}"),
+        Ok(_) => panic!("wrote into a folder that does not exist"),
+    }
+}

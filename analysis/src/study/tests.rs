@@ -1,0 +1,104 @@
+use super::*;
+use crate::fixture;
+use std::sync::Mutex;
+
+/// Logs that differ by policy and replication, made without a shop.
+fn simulate(policy: usize, replication: u32) -> Result<RunLog, ShopError> {
+    let mut log = fixture::log();
+    log.digest = u64::from(replication) * 31 + policy as u64;
+    let shift = f64::from(replication % 7) + 10.0 * policy as f64;
+    log.states[0].end += shift;
+    log.jobs[0].finish += shift;
+    Ok(log)
+}
+
+fn options(replications: u32, threads: usize) -> StudyOptions {
+    StudyOptions { replications, threads, ..StudyOptions::of(&fixture::scenario()) }
+}
+
+fn study(options: &StudyOptions) -> Study {
+    let stop = AtomicBool::new(false);
+    study_with(&fixture::scenario(), options, None, &|_| {}, &stop, &simulate).expect("a study")
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let one = study(&options(37, 1));
+    for threads in [2, 5] {
+        let many = study(&options(37, threads));
+        assert_eq!((one.digest, one.replications), (many.digest, many.replications));
+        assert_eq!(format!("{:?}", one.values), format!("{:?}", many.values));
+        assert_eq!(one.edge_lives, many.edge_lives);
+    }
+    let lead = one.index("lead_time").expect("a figure");
+    assert_eq!(one.values(1, lead)[..3], [550.0, 551.0, 552.0]);
+    assert_eq!(one.first_logs.len(), 2);
+}
+
+#[test]
+fn another_replication_or_policy_changes_the_digest() {
+    let base = study(&options(5, 1)).digest;
+    assert_ne!(base, study(&options(6, 1)).digest);
+    assert_ne!(base, study(&StudyOptions { policies: vec![1, 0], ..options(5, 1) }).digest);
+}
+
+#[test]
+fn a_stop_keeps_the_replications_that_all_policies_finished() {
+    let stop = AtomicBool::new(false);
+    let after_nine = |progress: Progress| {
+        if progress.done >= 9 {
+            stop.store(true, Ordering::Relaxed);
+        }
+    };
+    let study =
+        study_with(&fixture::scenario(), &options(100, 1), None, &after_nine, &stop, &simulate).expect("a study");
+    assert!(!study.complete);
+    assert_eq!(study.replications, 4);
+    assert_eq!(study.values(0, 0).len(), 4);
+    assert_eq!(study.values(1, 0).len(), 4);
+}
+
+#[test]
+fn progress_counts_every_run() {
+    let seen = Mutex::new(Vec::new());
+    let stop = AtomicBool::new(false);
+    let note = |progress: Progress| seen.lock().expect("a lock").push(progress.done);
+    study_with(&fixture::scenario(), &options(6, 2), None, &note, &stop, &simulate).expect("a study");
+    let mut seen = seen.into_inner().expect("a lock");
+    seen.sort_unstable();
+    assert_eq!(seen, (1..=12).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
+    let until = |width| Some(Precision { relative_half_width: width });
+    // Every replication makes the same parts at the same cost.
+    let narrow = study(&StudyOptions { until: until(0.02), ..options(100, 2) });
+    assert_eq!(narrow.replications, 16);
+    assert!(narrow.complete);
+    // Parts that vary from 0 to 1 are never known to a millionth.
+    let stop = AtomicBool::new(false);
+    let noisy = |policy, replication: u32| {
+        simulate(policy, replication).map(|mut log| {
+            log.jobs[0].finish = if replication.is_multiple_of(3) { f64::NAN } else { 540.0 };
+            if replication.is_multiple_of(3) {
+                log.jobs[0].outcome = toolroom_sim::runlog::JobOutcome::InProcess;
+            }
+            log
+        })
+    };
+    let wide = StudyOptions { until: until(1e-6), ..options(50, 2) };
+    let wide = study_with(&fixture::scenario(), &wide, None, &|_| {}, &stop, &noisy).expect("a study");
+    assert_eq!(wide.replications, 50);
+}
+
+#[test]
+fn impossible_requests_are_refused() {
+    let stop = AtomicBool::new(false);
+    let scenario = fixture::scenario();
+    let run = |options: StudyOptions| study_with(&scenario, &options, None, &|_| {}, &stop, &simulate);
+    assert!(matches!(run(options(0, 1)), Err(StudyError::NoReplications)));
+    assert!(matches!(run(StudyOptions { policies: vec![], ..options(1, 1) }), Err(StudyError::NoPolicies)));
+    let missing = run(StudyOptions { policies: vec![0, 7], ..options(1, 1) });
+    assert!(matches!(missing, Err(StudyError::UnknownPolicy { policy: 7, count: 2 })));
+}

@@ -1,0 +1,130 @@
+//! `trace.json`: a run for the Perfetto viewer or Chrome's, in the trace event format: a process a
+//! policy, a track a machine, the machine's states as slices, tool changes and failures as
+//! instants, the number of jobs in the shop as a counter. One second of the shop is one second of
+//! the trace.
+
+use crate::logs::Names;
+use crate::study::Study;
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use toolroom_sim::runlog::{MachineState, RunLog};
+use toolroom_sim::scenario::Scenario;
+
+/// Events that are worth an instant.
+const INSTANTS: [&str; 9] = [
+    "tool_change",
+    "dressing",
+    "failure",
+    "scrap",
+    "wear_limit",
+    "chipping",
+    "thermal_collapse",
+    "dressing_due",
+    "burn",
+];
+
+/// Writes the first replication of every policy.
+///
+/// # Errors
+/// What the writer says.
+pub fn write(scenario: &Scenario, study: &Study, mut out: impl Write) -> io::Result<()> {
+    let names = Names::of(scenario);
+    let mut events = Vec::new();
+    for (position, (&policy, log)) in study.policies.iter().zip(&study.first_logs).enumerate() {
+        let process = position + 1;
+        events.push(metadata("process_name", process, 0, names.policy(policy)));
+        for (machine, named) in (1..).zip(&scenario.machines) {
+            events.push(metadata("thread_name", process, machine, &named.name));
+        }
+        add_log(&names, process, log, &mut events);
+    }
+    // One event a line keeps the file readable and lets it be cut.
+    out.write_all(b"{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n")?;
+    for (index, event) in events.iter().enumerate() {
+        if index > 0 {
+            out.write_all(b",\n")?;
+        }
+        serde_json::to_writer(&mut out, event)?;
+    }
+    out.write_all(b"\n]}\n")
+}
+
+fn metadata(kind: &str, process: usize, track: usize, name: &str) -> Value {
+    json!({ "ph": "M", "name": kind, "pid": process, "tid": track, "args": { "name": name } })
+}
+
+fn micro(seconds: f64) -> f64 {
+    (seconds * 1e6).round()
+}
+
+fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>) {
+    for row in log.states.iter().filter(|row| row.state != MachineState::Idle) {
+        let mut slice = json!({
+            "ph": "X",
+            "name": row.state.name(),
+            "cat": "state",
+            "ts": micro(row.start),
+            "dur": micro(row.end) - micro(row.start),
+            "pid": process,
+            "tid": row.machine + 1,
+        });
+        if let Some(job) = row.job {
+            let part = log.jobs.get(job as usize).map_or("", |row| names.part(row.part));
+            slice["args"] = json!({ "job": job, "part": part });
+        }
+        events.push(slice);
+    }
+    let mut jobs = 0_i64;
+    for row in &log.events {
+        if let Some(machine) = row.machine.filter(|_| INSTANTS.contains(&row.event)) {
+            events.push(json!({
+                "ph": "i",
+                "s": "t",
+                "name": row.event,
+                "cat": "event",
+                "ts": micro(row.time),
+                "pid": process,
+                "tid": machine + 1,
+                "args": { "job": row.job, "edge": row.edge },
+            }));
+        }
+        let step = match row.event {
+            "arrival" => 1,
+            "finish" | "scrap" => -1,
+            _ => continue,
+        };
+        jobs += step;
+        let count = json!({ "jobs": jobs });
+        events.push(json!({ "ph": "C", "name": "jobs in shop", "ts": micro(row.time), "pid": process, "args": count }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use crate::study::{StudyOptions, study_with};
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn machines_are_tracks_and_changes_are_instants() {
+        let scenario = fixture::scenario();
+        let options = StudyOptions { replications: 2, ..StudyOptions::of(&scenario) };
+        let simulate = |_, _| Ok(fixture::log());
+        let study =
+            study_with(&scenario, &options, None, &|_| {}, &AtomicBool::new(false), &simulate).expect("a study");
+        let mut bytes = Vec::new();
+        write(&scenario, &study, &mut bytes).expect("memory");
+        let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+        let events = json["traceEvents"].as_array().expect("a list");
+        let of = |kind: &str| events.iter().filter(|event| event["ph"] == kind).collect::<Vec<_>>();
+        assert_eq!(of("M").len(), 2 * (1 + 3));
+        // All states but idle, of both policies.
+        assert_eq!(of("X").len(), 2 * (6 + 3));
+        let cut = of("X").into_iter().find(|event| event["name"] == "cutting").expect("a cut");
+        assert_eq!((&cut["ts"], &cut["dur"], &cut["tid"]), (&json!(60e6), &json!(300e6), &json!(1)));
+        let instants: Vec<&Value> = of("i").iter().map(|event| &event["name"]).collect();
+        assert_eq!(instants, ["tool_change", "scrap", "tool_change", "scrap"]);
+        assert_eq!(of("C").len(), 4);
+    }
+}
