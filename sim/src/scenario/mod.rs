@@ -3,10 +3,11 @@
 //! ```text
 //!  scenario.toml ──read──► Scenario ──► Shop::new(scenario, policy, replication) ──► RunLog
 //! ```
-//! Everything refers to everything else by index; [`read`](crate::scenario::read) turns names
+//! Everything refers to everything else by index; [`file::read`] turns names
 //! into indices and reports every fault of a file with its place.
 
 mod distribution;
+pub mod file;
 mod part;
 mod policy;
 mod station;

@@ -8,14 +8,14 @@ use crate::scenario::ProcessModel;
 use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
-use toolroom_cutting::{Milling, Turning};
+use toolroom_cutting::{Milling, MillingInput, Turning};
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Parameters};
-use toolroom_process::{AnyRecord, Process};
-use toolroom_wear::{Pair, Scatter};
+use toolroom_process::{AnyRecord, ModelError, Process};
+use toolroom_wear::{Chipping, Pair, Scatter};
 
 /// The process of a tool; `None` where a problem was noted.
-pub(super) fn process(walk: &mut Walk, tool: &Section<'_>) -> Option<ProcessModel> {
+pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
     let effects = effects(walk, tool);
     let (process, set) = (tool.text("process")?, tool.text("parameter_set")?);
     match process {
@@ -23,12 +23,25 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>) -> Option<ProcessMode
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             deviations(walk, tool, turning.parameters_mut());
+            if chips_by_share(tool, scatter) {
+                let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
+                match pair.chipping.for_share(pair, &cut, scatter.chipped_share) {
+                    Ok(chipping) => turning.pair.chipping = chipping,
+                    Err(reason) => refuse_share(walk, tool, reason),
+                }
+            }
             Some(ProcessModel::Turning(Arc::new(turning)))
         }
         "milling" => {
             let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
             let mut milling = Milling { effects, ..milling };
             deviations(walk, tool, milling.parameters_mut());
+            if chips_by_share(tool, scatter) {
+                match milling_chipping(&milling, scatter.chipped_share) {
+                    Ok(chipping) => milling.chipping = chipping,
+                    Err(reason) => refuse_share(walk, tool, reason),
+                }
+            }
             Some(ProcessModel::Milling(Arc::new(milling)))
         }
         _ => {
@@ -38,6 +51,42 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>) -> Option<ProcessMode
             Some(ProcessModel::Infeed(Arc::new(infeed)))
         }
     }
+}
+
+/// Whether the chipping rate follows from the share of chipped edges; a rate that the file gives
+/// stands.
+fn chips_by_share(tool: &Section<'_>, scatter: &Scatter) -> bool {
+    let given = match tool.got("parameters").map(|got| &got.value) {
+        Some(Value::Raw(raw)) => raw.get("chipping").is_some(),
+        _ => false,
+    };
+    scatter.chipped_share > 0.0 && !given
+}
+
+/// The chipping rate at which `share` of nominal cutters chip before the wear limit at the
+/// reference cut: the accumulated hazard grows with the power `shape` of the rate.
+fn milling_chipping(milling: &Milling, share: f64) -> Result<Chipping, ModelError> {
+    let life = &milling.life;
+    let cut = MillingInput {
+        cutting_speed: life.reference_speed,
+        feed_per_tooth: life.reference_feed,
+        depth_of_cut: life.reference_depth,
+        width_of_cut: life.reference_width,
+        ..MillingInput::default()
+    };
+    let unit = Chipping { rate: (life.reference_speed * life.reference_life).recip(), ..milling.chipping };
+    let trial = Milling { chipping: unit, ..milling.clone() };
+    let mut state = trial.initial();
+    // Three lives: the reference cut wears the cutter out in one, but for effects.
+    Process::advance(&trial, &mut state, &cut, 3.0 * life.reference_life)?;
+    if state.chipping_hazard <= 0.0 {
+        return Err(ModelError::NoSolution { quantity: "chipping rate", reason: "the cutter gathers no hazard" });
+    }
+    Ok(Chipping { rate: unit.rate * (-(-share).ln_1p() / state.chipping_hazard).powf(unit.shape.recip()), ..unit })
+}
+
+fn refuse_share(walk: &mut Walk, tool: &Section<'_>, reason: ModelError) {
+    walk.fault(tool.span_of("scatter"), Fault::Model { subject: format!("{}, chipped_share", tool.path), reason });
 }
 
 /// A shipped parameter set by name.

@@ -289,8 +289,8 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
     let example = "[[tool]] with name, process, parameter_set, edge_cost";
     for (name, section) in named(walk, root, "tool", Some(example)) {
         names.tools.push(name.clone());
-        let process = processes::process(walk, &section);
         let scatter = processes::scatter(walk, &section);
+        let process = processes::process(walk, &section, &scatter);
         let tool = process.map(|process| ToolType {
             name,
             process,
