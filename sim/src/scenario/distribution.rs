@@ -2,7 +2,7 @@
 
 use crate::Stream;
 use rand::RngExt;
-use rand_distr::{Distribution as _, StandardNormal};
+use statrs::function::erf::erf_inv;
 use statrs::function::gamma::gamma;
 
 /// A positive random time, s.
@@ -58,19 +58,29 @@ impl Distribution {
         }
     }
 
-    /// The value below which a share `u` of all times lies; lognormal times take `z`, the
-    /// standard normal number of the same rank, instead.
+    /// Whether every draw gives the same time.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
+    /// The time below which a share `u` (0 to below 1) of all times lies.
     ///
-    /// One number of a stream a draw, so that two policies that draw the same rank get the same
-    /// or a proportional time.
-    fn quantile(&self, u: f64, z: impl FnOnce() -> f64) -> f64 {
+    /// # Examples
+    /// ```
+    /// use toolroom_sim::scenario::Distribution;
+    /// let repair = Distribution::Uniform { low: 10.0, high: 20.0 };
+    /// assert_eq!(repair.quantile(0.25), 12.5);
+    /// ```
+    pub fn quantile(&self, u: f64) -> f64 {
         let exponential = || -(-u).ln_1p();
         match *self {
             Self::Constant(value) => value,
             Self::Exponential { mean } => mean * exponential(),
             Self::Lognormal { mean, cv } => {
                 let variance = (cv * cv).ln_1p();
-                mean * (variance.sqrt() * z() - 0.5 * variance).exp()
+                // Half a step of the generator above zero, whose quantile is finite.
+                let z = std::f64::consts::SQRT_2 * erf_inv(2.0 * u.max(HALF_STEP) - 1.0);
+                mean * (variance.sqrt() * z - 0.5 * variance).exp()
             }
             Self::Weibull { mean, shape } => mean / gamma(1.0 + 1.0 / shape) * exponential().powf(1.0 / shape),
             Self::Triangular { low, mode, high } => {
@@ -85,7 +95,8 @@ impl Distribution {
         }
     }
 
-    /// Draws a time from `stream`.
+    /// Draws a time from `stream`: always one number of it, so that equal ranks meet under
+    /// different distributions and later draws are the same.
     ///
     /// # Examples
     /// ```
@@ -95,13 +106,12 @@ impl Distribution {
     /// assert_eq!(Distribution::Constant(5.0).sample(&mut stream), 5.0);
     /// ```
     pub fn sample(&self, stream: &mut Stream) -> f64 {
-        match self {
-            Self::Constant(value) => *value,
-            Self::Lognormal { .. } => self.quantile(0.5, || StandardNormal.sample(stream)),
-            _ => self.quantile(stream.random(), || 0.0),
-        }
+        self.quantile(stream.random())
     }
 }
+
+/// Half the step of a random number in 0 to 1.
+const HALF_STEP: f64 = 0.5 / (1u64 << 53) as f64;
 
 #[cfg(test)]
 mod tests {

@@ -7,7 +7,7 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow};
 use crate::scenario::ArrivalPattern;
-use crate::{Entity, SimTime};
+use crate::{Entity, Purpose, SimTime};
 use rand::RngExt;
 
 impl<R: Recorder> Shop<'_, R> {
@@ -85,8 +85,9 @@ impl<R: Recorder> Shop<'_, R> {
             due: now.seconds() + self.scenario.parts[part].flow_allowance,
             outcome: JobOutcome::InProcess,
         };
-        let job =
-            Job { number, entity, source: source as u32, row, operation: 0, waiting: false, queued: now, origin, lot };
+        let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
+        let source = source as u32;
+        let job = Job { number, entity, source, row, operation: 0, waiting: false, queued: now, origin, lot, handling };
         let slot = self.world.jobs.insert(job);
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);

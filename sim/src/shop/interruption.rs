@@ -150,16 +150,11 @@ impl<R: Recorder> Shop<'_, R> {
         if task.step == Step::Setup {
             return; // no part in the machine yet
         }
-        let slot = task.slot;
         task.pass = 0;
         task.share_left = 1.0;
-        task.step = Step::Load;
         task.spoiled = false;
         task.burnt = false;
-        let left = self.handling_time(machine, slot, Step::Load);
-        if let Some(task) = self.world.machines[machine].task.as_mut() {
-            task.left = left;
-        }
+        self.handle(machine, Step::Load);
     }
 
     fn scrap_in_machine(&mut self, machine: usize) -> Result<(), ShopError> {

@@ -1,7 +1,7 @@
 //! A job on its way through the shop.
 
 use crate::runlog::JobRow;
-use crate::{Entity, SimTime};
+use crate::{Entity, SimTime, Stream};
 
 /// One workpiece.
 #[derive(Clone, Debug)]
@@ -24,6 +24,8 @@ pub struct Job {
     pub origin: Entity,
     /// Hardness lot within the source.
     pub lot: u64,
+    /// Its times of loading and unloading, where any machine's are random.
+    pub handling: Option<Stream>,
 }
 
 /// Jobs in the shop; a place is used again when its job has left.

@@ -3,7 +3,9 @@
 use super::error::ShopError;
 use super::ports::{Ports, read, start_values, write};
 use crate::Entity;
-use crate::scenario::{ArrivalPattern, Cut, GrindingPhase, Interruption, Operation, ProcessModel, Scenario, Work};
+use crate::scenario::{
+    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, ProcessModel, Scenario, Work,
+};
 
 /// Tables that follow from the scenario alone.
 #[derive(Clone, Debug)]
@@ -16,6 +18,8 @@ pub(super) struct Layout {
     pub modes_of: Vec<Vec<u32>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
+    /// Whether any machine's time of loading or unloading is random.
+    pub random_handling: bool,
     /// Rows of the schedule of every source in the order of time.
     pub schedules: Vec<Vec<usize>>,
 }
@@ -83,8 +87,10 @@ impl Layout {
             modes_of[failure.machine].push(mode as u32);
         }
         let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
+        let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
+        let random_handling = scenario.machines.iter().any(random);
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
-        Ok(Self { tools, operations, modes_of, machines, schedules })
+        Ok(Self { tools, operations, modes_of, machines, random_handling, schedules })
     }
 }
 

@@ -56,6 +56,10 @@ pub struct Task {
     pub since: SimTime,
     /// Its end in the calendar; `None` while nothing moves.
     pub end: Option<EventKey>,
+    /// Time of loading, s.
+    pub load_time: f64,
+    /// Time of unloading, s.
+    pub unload_time: f64,
     /// Row of the pass in work.
     pub row: Option<PassRow>,
     /// Share of the pass that is still to be cut.

@@ -3,7 +3,6 @@
 use super::machine::{Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::Purpose;
 use crate::runlog::{ChangeReason, JobOutcome};
 use crate::scenario::Distribution;
 
@@ -16,11 +15,19 @@ impl<R: Recorder> Shop<'_, R> {
             job.row.start = now.seconds();
         }
         let (number, part, index) = (job.number, job.row.part as usize, job.operation as usize);
+        let kind = &self.scenario.machines[machine];
+        // Drawn here, once: work that is repeated takes the same time, and two draws an
+        // operation keep a job's later times the same under every policy.
+        let mut draw = |time: &Distribution| match &mut job.handling {
+            Some(stream) => time.sample(stream),
+            None => time.mean(),
+        };
+        let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
         let plan = self.layout.operations[part][index];
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
         let setup = self.scenario.parts[part].operations[index].setup_time;
-        let setup = setup.unwrap_or(self.scenario.machines[machine].setup_time);
+        let setup = setup.unwrap_or(kind.setup_time);
         state.task = Some(Task {
             slot,
             tool: plan.tool,
@@ -29,6 +36,8 @@ impl<R: Recorder> Shop<'_, R> {
             left: if change { setup } else { 0.0 },
             since: now,
             end: None,
+            load_time,
+            unload_time,
             row: None,
             share_left: 1.0,
             lost_edges: 0,
@@ -96,7 +105,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let job = self.world.jobs.at(slot);
                 let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
                 self.world.machines[machine].setup_group = Some(plan.setup_group);
-                self.handle(machine, slot, Step::Load);
+                self.handle(machine, Step::Load);
                 Ok(())
             }
             Step::Load => self.next_pass(machine),
@@ -107,7 +116,7 @@ impl<R: Recorder> Shop<'_, R> {
             Step::Pass => self.end_pass(machine),
             Step::Dressing => {
                 self.dress(machine);
-                self.handle(machine, slot, Step::Unload);
+                self.handle(machine, Step::Unload);
                 Ok(())
             }
             Step::Unload => self.end_operation(machine),
@@ -115,41 +124,25 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Begins loading or unloading.
-    pub(super) fn handle(&mut self, machine: usize, slot: u32, step: Step) {
-        let left = self.handling_time(machine, slot, step);
+    pub(super) fn handle(&mut self, machine: usize, step: Step) {
         if let Some(task) = &mut self.world.machines[machine].task {
             task.step = step;
-            task.left = left;
+            task.left = if step == Step::Load { task.load_time } else { task.unload_time };
         }
-    }
-
-    /// Time to fasten or take off the part, the same under every policy.
-    pub(super) fn handling_time(&self, machine: usize, slot: u32, step: Step) -> f64 {
-        let machine = &self.scenario.machines[machine];
-        let (time, index) = match step {
-            Step::Unload => (&machine.unload_time, 1),
-            _ => (&machine.load_time, 0),
-        };
-        if let Distribution::Constant(value) = time {
-            return *value;
-        }
-        let job = self.world.jobs.at(slot);
-        let entity = job.entity.part(u64::from(job.operation));
-        time.sample(&mut self.streams.at(entity, Purpose::Processing, index))
     }
 
     /// All passes are cut, or the part is lost: the wheel is dressed if it has to be, the part
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
         let Some(task) = &mut self.world.machines[machine].task else { return };
-        let (slot, tool) = (task.slot, task.tool as usize);
+        let tool = task.tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()
             .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
         if dull {
             self.begin_dressing(machine);
         } else {
-            self.handle(machine, slot, Step::Unload);
+            self.handle(machine, Step::Unload);
         }
     }
 
