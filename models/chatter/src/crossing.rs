@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn finds_roots_of_hard_functions() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 3] = [
+        type Case = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [Case; 3] = [
             (|x| x.cos() - x, 0.0, 1.0, 0.739_085_133_215_160_6),
             (|x| (x - 1.0).powi(9), 0.0, 3.0, 1.0),
             (|x| (x - 1e-6).signum(), 0.0, 1.0, 1e-6),

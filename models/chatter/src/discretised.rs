@@ -126,7 +126,7 @@ fn full_step(
 }
 
 /// `exp(a t)` and the integrals of `exp(a (t − s)) s^k ds` over `0 … t` for k = 0, 1, 2.
-fn integrals(a: &DMatrix<f64>, t: f64) -> [DMatrix<f64>; 4] {
+pub(crate) fn integrals(a: &DMatrix<f64>, t: f64) -> [DMatrix<f64>; 4] {
     let n = a.nrows();
     let mut block = DMatrix::zeros(4 * n, 4 * n);
     block.view_mut((0, 0), (n, n)).copy_from(&(a * t));

@@ -40,12 +40,6 @@ pub(crate) struct Krylov {
 }
 
 impl Krylov {
-    /// Forgets what earlier maps needed, so that results depend on the following calls only.
-    pub fn forget(&mut self) {
-        self.expected = 0;
-        self.warm.clear();
-    }
-
     /// Eigenvalue of greatest modulus with a residual of at most `tolerance`.
     pub fn dominant(&mut self, map: &mut impl LinearMap, tolerance: f64) -> Result<Dominant, ChatterError> {
         let size = map.size();
@@ -189,8 +183,8 @@ impl Krylov {
         ritz[m - 1] = Complex::new(1.0, 0.0);
         for i in (1..m).rev() {
             let mut sum = -value * ritz[i];
-            for j in i..m {
-                sum += ritz[j] * self.projected[j][i];
+            for (entry, column) in ritz[i..].iter().zip(&self.projected[i..m]) {
+                sum += entry * column[i];
             }
             ritz[i - 1] = -sum / self.projected[i - 1][i];
             let size = ritz[i - 1].norm_sqr();

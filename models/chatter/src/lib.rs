@@ -1,4 +1,83 @@
 //! Stability and vibration of turning and milling.
+//!
+//! A cut meets the surface that it left a tooth or a revolution ago, so its force depends on the
+//! vibration now and then; a chuck of three jaws and an uneven allowance modulate it besides. This
+//! crate says whether a cut is stable, by how much, how it becomes unstable and at what frequency;
+//! how a stable cut vibrates and what surface it leaves; and how far an unstable one swings.
+//!
+//! ```text
+//!  modes ──────────┐                      ┌─► StabilityVerdict ─► onset_time
+//!  (tool, Bar)     ▼                      │   (radius, kind, frequency, margin)
+//!  Cutter ──► Milling ─┬─► period map ────┼─► StabilityLimit, Boundary, Lobes
+//!  Engagement          │   (collocation,  │
+//!  MillingForce        │    Krylov)       └─► Probability, RobustSpeed
+//!             Turning ─┤
+//!                      ├─► forced: Fourier × frequency response ─► Forced
+//!                      └─► simulate: loss of contact ─► Simulation ─► AmplitudeTable ─► LimitCycle
+//!  paper::{Reduced, FiveDegrees} ─► Floquet multipliers (Magnus) ─► StabilityVerdict
+//! ```
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Mode`], [`Bar`] | a vibration mode; the mode of a bar in a chuck at the tool |
+//! | [`Turning`] | exact D-curve limits, process damping, verdicts, speed variation |
+//! | [`Milling`], [`AtSpeed`] | verdicts and limits by spectral collocation; helix, unequal pitch, runout |
+//! | [`StabilityVerdict`], [`StabilityLimit`] | the answers: small, `Copy`, cheap to cache |
+//! | [`Lobes`], [`Boundary`] | charts as plain data |
+//! | [`Forced`], [`Simulation`], [`LimitCycle`] | vibration of stable and unstable cuts |
+//! | [`Scatter`], [`Probability`], [`RobustSpeed`] | stability under uncertain constants |
+//! | [`SpeedVariation`] | sinusoidal spindle speed |
+//! | [`paper`] | parametric stability in a three-jaw chuck |
+//! | [`discretised`] | semi- and full discretisation, for cross-checks only |
+//!
+//! ```
+//! use std::f64::consts::TAU;
+//! use toolroom_chatter::{ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode};
+//! let cut = Milling {
+//!     modes: vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)],
+//!     cutter: Cutter::straight(2, 0.02),
+//!     engagement: Engagement::new(0.05, Direction::Down).unwrap(),
+//!     force: MillingForce::new(6e8, 2e8),
+//!     feed_per_tooth: 0.1e-3,
+//! };
+//! let limit = cut.at_speed(16000.0 / 60.0 * TAU).unwrap().limit(12e-3).unwrap();
+//! assert!((limit.depth - 5.5176757e-3).abs() < 1e-9);
+//! assert_eq!(limit.kind, ChatterKind::Flip);
+//! ```
+//!
+//! # How good the numbers are
+//! The displacement in cut is collocated at Gauss–Legendre nodes, with the exact response of the
+//! modes between them and in free flight. At the nodes that are chosen the radius is good to 2e-7
+//! in a verdict and to 1e-3 in a chart point; whatever comes near 1 is computed again with more
+//! nodes, so that of 10 000 scattered points none is judged wrongly against the dense eigenvalues
+//! of a finer map (`examples/verdicts.rs`). Error of the radius in the standard slot (two teeth,
+//! 922 Hz, 5000 rpm, 0.5 mm; 1.073975587):
+//!
+//! | method | 20 | 24 | 28 | 32 | 40 | 80 | 160 |
+//! |---|---|---|---|---|---|---|---|
+//! | collocation, nodes | 9e-2 | 5e-3 | 3e-5 | 6e-8 | < 1e-9 | | |
+//! | semi-discretisation, steps | 2e-1 | | | | 6e-2 | 1.4e-2 | 3.6e-3 |
+//! | full discretisation, steps | 1e-1 | | | | 4e-2 | 9e-3 | 2.3e-3 |
+//!
+//! Collocation converges faster than any power of the nodes, the discretisations with order 2 of
+//! the step. Chebyshev nodes need about two more nodes for the same error.
+//!
+//! The eigenvalue is found by Arnoldi's method and given only with a residual; an iteration that
+//! does not converge is an error. The zeroth-order approximation is offered as a preview: at low
+//! immersion it is unsafe by a factor of two.
+//!
+//! # What is not modelled
+//! * Modes that change with spindle speed, temperature or place of the cut, other than [`Bar`]'s.
+//! * Force that is not linear in the chip in milling, edge forces, size effect.
+//! * Unequal pitch and process damping in the simulation of [`Milling`]; process damping in the
+//!   amplitude of [`Turning`].
+//! * Frequency responses without a modal fit; cross-coupled modes that are not symmetric.
+//! * Runout in the linear verdict assumes the surfaces of the steady cut.
+//! * A state-dependent delay, torsion of drills, boring bars with dampers.
+//! * Amplitudes of milling chatter from the table: it is filled by turning, where the chip is
+//!   always there; use [`Milling::simulate`].
+
+mod amplitude;
 mod crossing;
 pub mod discretised;
 mod error;
@@ -6,18 +85,26 @@ mod factor;
 mod gauss;
 mod hessenberg;
 mod krylov;
+mod lobes;
 mod milling;
 pub mod paper;
 mod period;
 mod plan;
 mod response;
+mod simulate;
 mod speed_variation;
 mod structure;
 mod turning;
+mod uncertainty;
 mod verdict;
+
+pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
 pub use error::ChatterError;
-pub use milling::{AtSpeed, Cutter, Direction, Engagement, Milling, MillingForce};
+pub use lobes::{Axis, Boundary, BoundaryColumn, Crossing, Lobes};
+pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
+pub use simulate::{Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
 pub use structure::Mode;
 pub use turning::{Bar, BoundaryPoint, Support, Turning};
+pub use uncertainty::{Probability, RobustSpeed, Scatter};
 pub use verdict::{ChatterKind, StabilityLimit, StabilityVerdict};

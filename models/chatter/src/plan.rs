@@ -119,14 +119,23 @@ struct Slot {
     nodes: usize,
 }
 
+/// How finely a stretch in cut is resolved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Resolution {
+    /// Nodes on top of what the oscillations need.
+    pub extra: usize,
+    /// Factor by which the cut quickens the oscillations.
+    pub stiffening: f64,
+}
+
 /// Builds the period that the stretches describe; they follow each other without gaps and the
-/// cut repeats after the last. `extra` nodes are added to each stretch in cut.
+/// cut repeats after the last. `resolution` is how finely each stretch in cut is resolved.
 pub(crate) fn assemble<C: Cut>(
     cut: &C,
     frame: &Frame,
     motion: Motion,
     stretches: &[PlannedStretch<C::Tooth>],
-    extra: usize,
+    resolution: Resolution,
 ) -> Period {
     let modes = &frame.modes;
     let origin = stretches.first().map_or(0.0, |s| s.from);
@@ -140,7 +149,7 @@ pub(crate) fn assemble<C: Cut>(
             plan.push(Stretch::Free(modes.modal.iter().map(|m| m.transition(end - start)).collect()));
             continue;
         }
-        let cycles = modes.fastest() * (end - start) / TAU;
+        let cycles = modes.fastest() * resolution.stiffening * (end - start) / TAU;
         // An earlier surface must lie in an earlier stretch.
         let shortest = stretch.terms.iter().map(|t| t.delay).fold(f64::INFINITY, f64::min);
         let delays = (end - start) * motion.greatest() / shortest;
@@ -152,7 +161,7 @@ pub(crate) fn assemble<C: Cut>(
                 start,
                 end: start + length,
                 stretch: index,
-                nodes: nodes_for(cycles / parts as f64, extra),
+                nodes: nodes_for(cycles / parts as f64, resolution.extra),
             });
             plan.push(Stretch::Cut);
         }

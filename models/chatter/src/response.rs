@@ -75,12 +75,12 @@ pub(crate) struct Response {
 /// Nodes for a stretch that holds `cycles` of the fastest mode; more than [`MAX_NODES`] means that
 /// it must be split.
 pub(crate) fn nodes_for(cycles: f64, extra: usize) -> usize {
-    (3.8 + 4.9 * cycles).ceil() as usize + extra
+    (2.6 + 5.3 * cycles).ceil() as usize + extra
 }
 
 /// Into how many parts a stretch with `cycles` of the fastest mode is split.
 pub(crate) fn parts_for(cycles: f64) -> usize {
-    (cycles / ((MAX_NODES - 24) as f64 / 4.9)).ceil().max(1.0) as usize
+    (cycles / ((MAX_NODES - 20) as f64 / 5.3)).ceil().max(1.0) as usize
 }
 
 impl Response {
@@ -133,9 +133,9 @@ impl Response {
                 }
             }
             // End of the stretch: weightsᵀ S a and weightsᵀ a.
-            for k in 0..n {
+            for (k, entry) in column.iter_mut().enumerate() {
                 let ends = (0..n).map(|j| rule.weights[j] * rule.integration[j * n + k]);
-                column[k] = duration * duration * inverse_mass * ends.sum::<f64>();
+                *entry = duration * duration * inverse_mass * ends.sum::<f64>();
             }
             factors.solve_transposed(&mut column);
             response.end(2 * index, &column, modal);

@@ -5,16 +5,18 @@ use super::engagement::Geometry;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
 use crate::krylov::{Dominant, Krylov, LinearMap};
+use crate::lobes::Crossing;
 use crate::period::{MapStorage, Period, PeriodMap};
-use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, assemble};
+use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::speed_variation::SpeedVariation;
 use crate::verdict::{StabilityLimit, StabilityVerdict};
 use nalgebra::{Complex, DMatrix};
+use std::f64::consts::TAU;
 
 /// How much effort a spectral radius is worth.
 #[derive(Clone, Copy)]
 enum Effort {
-    /// A point of a chart: five digits.
+    /// A point of a chart: four digits.
     Screening,
     /// A verdict that is asked for: eight digits.
     Verdict,
@@ -23,18 +25,16 @@ enum Effort {
 }
 
 impl Effort {
-    /// Nodes added to each stretch and residual of the eigenvalue.
-    fn settings(self) -> (usize, f64) {
+    /// Nodes added to each stretch, residual of the eigenvalue, and the distance of the spectral
+    /// radius from one below which the boundary's effort is spent instead.
+    fn settings(self) -> (usize, f64, f64) {
         match self {
-            Self::Screening => (0, 1e-5),
-            Self::Verdict => (4, 1e-9),
-            Self::Boundary => (12, 1e-12),
+            Self::Screening => (0, 1e-4, 4e-3),
+            Self::Verdict => (5, 1e-9, 1e-4),
+            Self::Boundary => (13, 1e-12, 0.0),
         }
     }
 }
-
-/// Distance of the spectral radius from one below which the boundary's effort is spent.
-const NEAR: f64 = 1e-4;
 
 /// A milling cut at one speed, ready for verdicts at many depths.
 ///
@@ -44,10 +44,19 @@ pub struct AtSpeed<'a> {
     cut: &'a Milling,
     motion: Motion,
     frame: Frame,
-    /// The period and its length [s] by effort.
-    prepared: [Option<(Period, f64)>; 3],
+    /// By effort.
+    prepared: [Option<Prepared>; 3],
     storage: MapStorage,
     krylov: Krylov,
+}
+
+/// A period ready for depths up to some depth.
+struct Prepared {
+    period: Period,
+    /// Duration of the period [s].
+    length: f64,
+    /// Greatest depth that it resolves [m].
+    greatest: f64,
 }
 
 /// The teeth of a milling cut over its geometry.
@@ -123,8 +132,23 @@ impl<'a> AtSpeed<'a> {
         Ok(at_speed)
     }
 
-    /// The period at `depth` and its length [s].
-    fn assemble(&self, depth: f64, extra: usize) -> Result<(Period, f64), ChatterError> {
+    /// Steps of `sqrt(1 + depth K/k)`, by which the cut can quicken the oscillations, and the depth
+    /// at which the next step begins.
+    fn stiffening(&self, depth: f64) -> (f64, f64) {
+        const STEP: f64 = 1.2;
+        let force = &self.cut.force;
+        let pitch = TAU / self.cut.cutter.teeth as f64;
+        let together = ((self.cut.engagement.exit - self.cut.engagement.entry) / pitch).max(1.0);
+        // Greatest entry of the directional matrix, about (K_t + K_n)/2 for one tooth.
+        let gain = 0.5 * (force.tangential + force.radial.abs()) * together;
+        let softest = self.cut.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min);
+        let steps = ((1.0 + depth * gain / softest).sqrt().ln() / STEP.ln()).floor() + 1.0;
+        let stiffening = STEP.powf(steps);
+        (stiffening, (stiffening * stiffening - 1.0) * softest / gain)
+    }
+
+    /// The period at `depth`.
+    fn assemble(&self, depth: f64, extra: usize) -> Result<Prepared, ChatterError> {
         let varying = matches!(self.motion, Motion::Varying(..));
         let geometry = Geometry::new(self.cut, depth, varying)?;
         let (repeats, speed) = match self.motion {
@@ -148,18 +172,20 @@ impl<'a> AtSpeed<'a> {
             }
         }
         let teeth = Teeth { cut: self.cut, geometry: &geometry };
-        let period = assemble(&teeth, &self.frame, self.motion, &stretches, extra);
-        Ok((period, f64::from(repeats) * geometry.span / speed))
+        let (stiffening, greatest) = self.stiffening(depth);
+        let period = assemble(&teeth, &self.frame, self.motion, &stretches, Resolution { extra, stiffening });
+        Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
 
     /// Dominant multiplier at `depth` over one period, and the period [s].
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
-        let (extra, residual) = effort.settings();
+        let (extra, residual, _) = effort.settings();
         let level = effort as usize;
-        if self.cut.cutter.helix_angle != 0.0 || self.prepared[level].is_none() {
+        let fits = |prepared: &Prepared| self.cut.cutter.helix_angle == 0.0 && depth <= prepared.greatest;
+        if !self.prepared[level].as_ref().is_some_and(fits) {
             self.prepared[level] = Some(self.assemble(depth, extra)?);
         }
-        let Some((period, length)) = &self.prepared[level] else {
+        let Some(Prepared { period, length, .. }) = &self.prepared[level] else {
             return Err(ChatterError::NoTeethInCut);
         };
         let mut map = PeriodMap::new(period, depth, &mut self.storage);
@@ -174,7 +200,7 @@ impl<'a> AtSpeed<'a> {
         self.judge(depth, Effort::Verdict)
     }
 
-    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of five digits, for charts.
+    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of four digits, for charts.
     pub(crate) fn screen(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
         self.judge(depth, Effort::Screening)
     }
@@ -182,7 +208,7 @@ impl<'a> AtSpeed<'a> {
     fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
         within("depth", depth, 0.0, f64::MAX)?;
         let (mut dominant, mut period) = self.dominant(depth, effort)?;
-        if (dominant.value.norm() - 1.0).abs() < NEAR {
+        if (dominant.value.norm() - 1.0).abs() < effort.settings().2 {
             (dominant, period) = self.dominant(depth, Effort::Boundary)?;
         }
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
@@ -197,7 +223,7 @@ impl<'a> AtSpeed<'a> {
     /// As [`AtSpeed::verdict`].
     pub fn multipliers(&self, depth: f64, extra: usize) -> Result<Vec<Complex<f64>>, ChatterError> {
         within("depth", depth, 0.0, f64::MAX)?;
-        let (period, _) = self.assemble(depth, Effort::Boundary.settings().0 + extra)?;
+        let period = self.assemble(depth, Effort::Boundary.settings().0 + extra)?.period;
         let mut storage = MapStorage::default();
         let mut map = PeriodMap::new(&period, depth, &mut storage);
         let size = map.size();
@@ -235,6 +261,27 @@ impl<'a> AtSpeed<'a> {
         Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
     }
 
+    /// All crossings of the boundary below `greatest` depth that `steps` equal steps show, to a
+    /// thousandth of a step.
+    pub(crate) fn crossings(&mut self, greatest: f64, steps: usize) -> Result<Vec<Crossing>, ChatterError> {
+        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
+        let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, false)?;
+        let mut crossings = Vec::with_capacity(found.len());
+        for [before, after] in found {
+            // Without cutting the structure decays; its true radius is not needed for the bracket.
+            let depth = root(&mut excess, before, after, 1e-3 / steps as f64)?;
+            crossings.push((depth, after.1 > 0.0));
+        }
+        crossings
+            .into_iter()
+            .map(|(depth, becomes_unstable)| {
+                let (dominant, period) = self.dominant(depth, Effort::Screening)?;
+                let limit = StabilityLimit::new(depth, &self.cut.modes, dominant, period);
+                Ok(Crossing { limit, becomes_unstable })
+            })
+            .collect()
+    }
+
     /// Verdict at `depth` [m] with its margin against the limit below `greatest` [m].
     ///
     /// # Errors
@@ -247,5 +294,43 @@ impl<'a> AtSpeed<'a> {
             Err(error) => return Err(error),
         };
         Ok(verdict)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cutter, Direction, Engagement, MillingForce, Mode};
+
+    /// Radius of the standard slot at 5000 rpm and 0.5 mm with a given number of nodes.
+    fn radius(nodes: usize) -> f64 {
+        let cut = Milling {
+            modes: vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)],
+            cutter: Cutter::straight(2, 0.02),
+            engagement: Engagement::new(1.0, Direction::Down).unwrap(),
+            force: MillingForce::new(6e8, 2e8),
+            feed_per_tooth: 0.1e-3,
+        };
+        let geometry = Geometry::new(&cut, 0.0, false).unwrap();
+        let terms = vec![PlannedTerm { delay: geometry.span, teeth: geometry.cutting(0.0, geometry.span) }];
+        let stretch = PlannedStretch { from: 0.0, to: geometry.span, terms };
+        let teeth = Teeth { cut: &cut, geometry: &geometry };
+        let motion = Motion::Constant(5000.0 / 60.0 * TAU);
+        // Without oscillations to resolve the rule gives three nodes, and `extra` the rest.
+        let resolution = Resolution { extra: nodes - 3, stiffening: 0.0 };
+        let period = assemble(&teeth, &Frame::new(&cut.modes), motion, &[stretch], resolution);
+        assert_eq!(period.elements[0].response.nodes, nodes);
+        let mut storage = MapStorage::default();
+        let mut map = PeriodMap::new(&period, 0.5e-3, &mut storage);
+        Krylov::default().dominant(&mut map, 1e-12).unwrap().value.norm()
+    }
+
+    #[test]
+    fn collocation_converges_faster_than_any_power() {
+        let error = |nodes| (radius(nodes) / 1.073975587 - 1.0).abs();
+        for (nodes, greatest) in [(20, 1e-1), (24, 5e-3), (28, 4e-5), (32, 1e-7), (40, 1e-9), (60, 1e-9)] {
+            assert!(error(nodes) < greatest, "{nodes}: {}", error(nodes));
+        }
+        assert!(error(24) / error(28) > 100.0 && error(28) / error(32) > 500.0);
     }
 }

@@ -84,7 +84,7 @@ impl Bar {
         let bending = self.youngs_modulus * inertia;
         let w = (root / self.length).powi(2) * (bending / (self.density * area)).sqrt();
         let bar = mass * w * w / (shape * shape);
-        if !(shape.abs() > 1e-6) {
+        if shape.abs() < 1e-6 {
             return Err(ChatterError::NoModes);
         }
         let stiffness = 1.0 / (1.0 / bar + 1.0 / self.chuck_stiffness);

@@ -5,8 +5,8 @@ use crate::SpeedVariation;
 use crate::error::{ChatterError, positive, within};
 use crate::krylov::Krylov;
 use crate::period::{MapStorage, Period, PeriodMap};
-use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, assemble};
-use crate::response::Modes;
+use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
+use crate::response::{Modal, Modes};
 use crate::verdict::StabilityVerdict;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -24,17 +24,23 @@ impl Cut for Turning {
 }
 
 impl Turning {
-    /// One revolution, or one period of the speed's variation.
-    fn period(&self, motion: Motion, revolutions: u32) -> Period {
+    /// The modes that the cut moves: the force's share in, the chip's out.
+    pub(crate) fn oriented(&self) -> impl Iterator<Item = Modal> {
         let (s, c) = self.force_angle.sin_cos();
-        let modal = self.modes.iter().filter(|mode| self.orientation(mode) != 0.0).map(|mode| {
+        self.modes.iter().filter(|mode| self.orientation(mode) != 0.0).map(move |mode| {
             let [x, y] = mode.unit();
             mode.modal([x * c + y * s, 0.0], [x, 0.0])
-        });
-        let frame = Frame::resolved(Modes { modal: modal.collect(), channels: 1 });
+        })
+    }
+
+    /// One revolution, or one period of the speed's variation.
+    fn period(&self, motion: Motion, revolutions: u32, width: f64) -> Period {
+        let frame = Frame::resolved(Modes { modal: self.oriented().collect(), channels: 1 });
         let terms = vec![PlannedTerm { delay: TAU, teeth: vec![()] }];
         let stretch = PlannedStretch { from: 0.0, to: TAU * f64::from(revolutions), terms };
-        assemble(self, &frame, motion, &[stretch], 6)
+        let softest = self.modes.iter().map(|mode| mode.stiffness).fold(f64::INFINITY, f64::min);
+        let stiffening = (1.0 + width * self.force_slope() / softest).sqrt();
+        assemble(self, &frame, motion, &[stretch], Resolution { extra: 6, stiffening })
     }
 
     /// Verdict at `spindle_speed` [rad/s] and `width` of cut [m], with its margin; the spectral
@@ -47,7 +53,7 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         within("width", width, 0.0, f64::MAX)?;
-        let period = self.period(Motion::Constant(spindle_speed), 1);
+        let period = self.period(Motion::Constant(spindle_speed), 1, width);
         let mut storage = MapStorage::default();
         let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, TAU / spindle_speed, dominant.residual);
@@ -89,7 +95,7 @@ impl Turning {
         variation.check()?;
         within("width", width, 0.0, f64::MAX)?;
         let revolutions = variation.revolutions;
-        let period = self.period(Motion::Varying(spindle_speed, variation), revolutions);
+        let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
         let mut storage = MapStorage::default();
         let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
         let per_revolution = dominant.value.norm().powf(1.0 / f64::from(revolutions));

@@ -177,8 +177,8 @@ fn discretisations_of_second_order() {
         assert!((radius(Discretisation::Full) - full).abs() < 6e-5, "{}", radius(Discretisation::Full));
         errors.push([radius(Discretisation::Semi), radius(Discretisation::Full)].map(|r| 1.073975587 - r));
     }
-    for method in 0..2 {
-        let order = (errors[2][method] / errors[3][method]).log2();
+    for (coarse, fine) in errors[2].iter().zip(errors[3]) {
+        let order = (coarse / fine).log2();
         assert!((order - 2.0).abs() < 0.1, "{order}");
     }
 }

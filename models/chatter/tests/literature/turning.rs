@@ -4,7 +4,7 @@ use super::milling::rpm;
 use std::f64::consts::TAU;
 use toolroom_chatter::{ChatterError, Mode, SpeedVariation, Turning};
 
-fn standard(process_damping: f64) -> Turning {
+pub fn standard(process_damping: f64) -> Turning {
     let (mass, damping, stiffness) = (0.561, 145.0, 6.48e6f64);
     let w = (stiffness / mass).sqrt();
     let mode = Mode {

@@ -1,0 +1,232 @@
+//! Charts: verdicts over a grid, in parallel, and the boundary alone.
+
+use crate::error::{ChatterError, finite};
+use crate::verdict::{ChatterKind, StabilityVerdict};
+use crate::{Milling, StabilityLimit, Turning, paper::Reduced};
+use rayon::prelude::*;
+
+/// Evenly spaced values from `start` to `end`, both included.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Axis {
+    /// First value.
+    pub start: f64,
+    /// Last value.
+    pub end: f64,
+    /// How many.
+    pub points: usize,
+}
+
+impl Axis {
+    /// The values.
+    ///
+    /// # Errors
+    /// Fewer than two points; ends that are no numbers or do not ascend.
+    ///
+    /// ```
+    /// use toolroom_chatter::Axis;
+    /// assert_eq!(Axis { start: 0.0, end: 1.0, points: 3 }.values("depth").unwrap(), [0.0, 0.5, 1.0]);
+    /// assert!(Axis { start: 0.0, end: 1.0, points: 1 }.values("depth").is_err());
+    /// ```
+    pub fn values(&self, quantity: &'static str) -> Result<Vec<f64>, ChatterError> {
+        let (start, end) = (finite(quantity, self.start)?, finite(quantity, self.end)?);
+        if self.points < 2 {
+            return Err(ChatterError::TooFewPoints { quantity, points: self.points });
+        }
+        if start >= end {
+            return Err(ChatterError::EmptyRange { quantity, start, end });
+        }
+        let last = (self.points - 1) as f64;
+        Ok((0..self.points).map(|i| start + (end - start) * i as f64 / last).collect())
+    }
+}
+
+/// A stability chart as plain data.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Lobes {
+    /// Spindle speeds [rad/s], or speed ratios in the chart of a chuck.
+    pub speed: Vec<f64>,
+    /// Depths or widths of cut [m], or modulations in the chart of a chuck.
+    pub depth: Vec<f64>,
+    /// One verdict a point, all depths of the first speed first.
+    pub verdicts: Vec<StabilityVerdict>,
+}
+
+impl Lobes {
+    /// The verdict at speed number `i` and depth number `j`.
+    pub fn at(&self, i: usize, j: usize) -> Option<&StabilityVerdict> {
+        if j < self.depth.len() { self.verdicts.get(i * self.depth.len() + j) } else { None }
+    }
+
+    /// Fills a chart column by column in parallel; the result does not depend on the threads.
+    fn fill<F, C>(speed: &Axis, depth: &Axis, column: F) -> Result<Self, ChatterError>
+    where
+        F: Fn(f64) -> Result<C, ChatterError> + Sync,
+        C: FnMut(f64) -> Result<StabilityVerdict, ChatterError>,
+    {
+        let (speed, depth) = (speed.values("speed")?, depth.values("depth")?);
+        let columns: Result<Vec<Vec<_>>, _> = speed
+            .par_iter()
+            .map(|speed| {
+                let mut verdict = column(*speed)?;
+                depth.iter().map(|depth| verdict(*depth)).collect()
+            })
+            .collect();
+        Ok(Self { speed, depth, verdicts: columns?.concat() })
+    }
+}
+
+impl Milling {
+    /// Verdicts over spindle speeds [rad/s] and depths [m], in parallel.
+    ///
+    /// # Errors
+    /// As [`Milling::verdict`]; axes that are none.
+    pub fn lobes(&self, speed: &Axis, depth: &Axis) -> Result<Lobes, ChatterError> {
+        Lobes::fill(speed, depth, |speed| {
+            let mut at_speed = self.at_speed(speed)?;
+            Ok(move |depth| at_speed.screen(depth))
+        })
+    }
+
+    /// The boundary below `greatest` depth [m], traced instead of filled in: far fewer verdicts
+    /// than [`Milling::lobes`] for a finer curve.
+    ///
+    /// Every fourth speed of the axis is searched in `steps` equal depths; the speeds between are
+    /// added where crossings appear or vanish and where the curve bends. An island that is thinner
+    /// than `greatest/steps` and narrower than four speeds may be missed.
+    ///
+    /// # Errors
+    /// As [`Milling::lobes`]; fewer than two steps.
+    pub fn boundary(&self, speed: &Axis, greatest: f64, steps: usize) -> Result<Boundary, ChatterError> {
+        if steps < 2 {
+            return Err(ChatterError::TooFewPoints { quantity: "steps", points: steps });
+        }
+        let speeds = speed.values("speed")?;
+        crate::error::positive("greatest depth", greatest)?;
+        let trace = |i: &usize| -> Result<(usize, BoundaryColumn), ChatterError> {
+            let crossings = self.at_speed(speeds[*i])?.crossings(greatest, steps)?;
+            Ok((*i, BoundaryColumn { speed: speeds[*i], crossings }))
+        };
+        let mut columns = std::collections::BTreeMap::new();
+        let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
+        wanted.dedup();
+        // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
+        let tolerance = greatest / 400.0;
+        while !wanted.is_empty() {
+            let traced: Result<Vec<_>, _> = wanted.par_iter().map(trace).collect();
+            columns.extend(traced?);
+            wanted = bends(&columns, tolerance);
+        }
+        Ok(Boundary { columns: columns.into_values().collect() })
+    }
+}
+
+/// Speeds that are still missing between columns whose crossings do not continue each other.
+fn bends(columns: &std::collections::BTreeMap<usize, BoundaryColumn>, tolerance: f64) -> Vec<usize> {
+    let known: Vec<(&usize, &BoundaryColumn)> = columns.iter().collect();
+    let mut wanted = Vec::new();
+    for (at, pair) in known.windows(2).enumerate() {
+        let (a, b) = (pair[0].1, pair[1].1);
+        let gap = pair[1].0 - pair[0].0;
+        if gap < 2 {
+            continue;
+        }
+        let differs = a.crossings.len() != b.crossings.len()
+            || a.crossings.iter().zip(&b.crossings).any(|(x, y)| x.limit.kind != y.limit.kind);
+        // The chord against its continuation from either side.
+        let outside = [at.checked_sub(1).map(|i| known[i].1), known.get(at + 2).map(|k| k.1)];
+        let bent = outside.into_iter().flatten().any(|c| {
+            let (near, far) = if c.speed < a.speed { (a, b) } else { (b, a) };
+            let share = (far.speed - near.speed) / (near.speed - c.speed);
+            let pairs = near.crossings.iter().zip(&far.crossings).zip(&c.crossings);
+            c.crossings.len() != near.crossings.len()
+                || pairs.into_iter().any(|((n, f), c)| {
+                    let straight = n.limit.depth + (n.limit.depth - c.limit.depth) * share;
+                    0.125 * (f.limit.depth - straight).abs() > tolerance
+                })
+        });
+        if differs || bent {
+            wanted.push(pair[0].0 + gap / 2);
+        }
+    }
+    wanted
+}
+
+/// The boundary of a chart.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Boundary {
+    /// By ascending speed, closer where it bends.
+    pub columns: Vec<BoundaryColumn>,
+}
+
+/// Where the boundary meets one spindle speed.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BoundaryColumn {
+    /// Spindle speed [rad/s].
+    pub speed: f64,
+    /// By ascending depth; stability is lost at the first, third …
+    pub crossings: Vec<Crossing>,
+}
+
+/// One crossing of the boundary with growing depth.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Crossing {
+    /// Depth, kind and frequency.
+    pub limit: StabilityLimit,
+    /// Whether the cut becomes unstable here rather than stable again.
+    pub becomes_unstable: bool,
+}
+
+impl Boundary {
+    /// Whether `depth` [m] at `speed` [rad/s] is stable by linear interpolation; `None` off the
+    /// chart or where the neighbouring speeds have different numbers of crossings.
+    pub fn is_stable(&self, speed: f64, depth: f64) -> Option<bool> {
+        let right = self.columns.partition_point(|column| column.speed < speed);
+        let (a, b) = (self.columns.get(right.saturating_sub(1))?, self.columns.get(right)?);
+        if a.crossings.len() != b.crossings.len() || speed < a.speed {
+            return None;
+        }
+        let share = if b.speed > a.speed { (speed - a.speed) / (b.speed - a.speed) } else { 0.0 };
+        let depths = a.crossings.iter().zip(&b.crossings);
+        let below = depths.filter(|(x, y)| x.limit.depth + (y.limit.depth - x.limit.depth) * share < depth);
+        Some(below.count() % 2 == 0)
+    }
+}
+
+impl Turning {
+    /// Verdicts over spindle speeds [rad/s] and widths [m], in parallel.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`]; axes that are none.
+    pub fn lobe_chart(&self, speed: &Axis, width: &Axis) -> Result<Lobes, ChatterError> {
+        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict(speed, width)))
+    }
+}
+
+impl Reduced {
+    /// Verdicts over speed ratios `eta` and modulations `mu` (the paper's Fig. 3), in parallel.
+    ///
+    /// # Errors
+    /// As [`Reduced::verdict`]; axes that are none.
+    pub fn lobes(&self, speed_ratio: &Axis, modulation: &Axis) -> Result<Lobes, ChatterError> {
+        Lobes::fill(speed_ratio, modulation, |eta| Ok(move |mu| self.verdict(mu, eta)))
+    }
+
+    /// Verdicts without modulation over lags [s] and cutting stiffnesses [N/m] (the paper's
+    /// Fig. 2), in parallel; the boundary is [`Reduced::cutting_stiffness_limit`].
+    ///
+    /// # Errors
+    /// As [`Reduced::verdict`]; axes that are none.
+    pub fn stability_region(&self, lag: &Axis, cutting_stiffness: &Axis) -> Result<Lobes, ChatterError> {
+        Lobes::fill(lag, cutting_stiffness, |lag| {
+            Ok(move |cutting_stiffness| Self { lag, cutting_stiffness, ..*self }.verdict(0.0, 1.0))
+        })
+    }
+}
+
+impl Lobes {
+    /// Share of the points that are stable.
+    pub fn stable_share(&self) -> f64 {
+        let stable = self.verdicts.iter().filter(|v| v.kind == ChatterKind::Stable).count();
+        stable as f64 / self.verdicts.len() as f64
+    }
+}

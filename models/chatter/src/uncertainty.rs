@@ -1,0 +1,163 @@
+//! Stability under uncertain constants: probability and robust speeds.
+
+use crate::error::{ChatterError, within};
+use crate::lobes::Axis;
+use crate::{Milling, Mode};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Relative standard deviations of the constants of a cut; each constant is lognormal about its
+/// nominal value, every mode for itself.
+///
+/// # Source
+/// Independent lognormal scatter is an assumption; 1 to 3 % in frequency, 20 to 30 % in damping and
+/// 10 to 20 % in coefficients are usual for tap tests and force models.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Scatter {
+    /// Of the natural frequencies, at constant modal mass.
+    pub natural_frequency: f64,
+    /// Of the damping ratios.
+    pub damping_ratio: f64,
+    /// Of the cutting-force coefficients.
+    pub coefficients: f64,
+}
+
+/// A probability from samples.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Probability {
+    /// Share of the samples.
+    pub value: f64,
+    /// Standard error of the share.
+    pub standard_error: f64,
+}
+
+/// A spindle speed with the probability that it is stable.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct RobustSpeed {
+    /// Spindle speed [rad/s].
+    pub spindle_speed: f64,
+    /// Probability of stability there.
+    pub probability: Probability,
+}
+
+impl Milling {
+    /// The cut with its constants scattered, the same for the same `seed` and `sample`.
+    ///
+    /// # Errors
+    /// Deviations outside 0 … 1.
+    pub fn scattered(&self, scatter: &Scatter, seed: u64, sample: u64) -> Result<Self, ChatterError> {
+        within("natural_frequency scatter", scatter.natural_frequency, 0.0, 1.0)?;
+        within("damping_ratio scatter", scatter.damping_ratio, 0.0, 1.0)?;
+        within("coefficients scatter", scatter.coefficients, 0.0, 1.0)?;
+        let mut draw = Draw { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 };
+        let mut cut = self.clone();
+        for mode in &mut cut.modes {
+            let frequency = draw.factor(scatter.natural_frequency);
+            let damping = draw.factor(scatter.damping_ratio);
+            *mode = Mode {
+                natural_frequency: mode.natural_frequency * frequency,
+                stiffness: mode.stiffness * frequency * frequency,
+                damping_ratio: (mode.damping_ratio * damping).min(0.99),
+                ..*mode
+            };
+        }
+        cut.force.tangential *= draw.factor(scatter.coefficients);
+        cut.force.radial *= draw.factor(scatter.coefficients);
+        Ok(cut)
+    }
+
+    /// Probability that `depth` [m] at `spindle_speed` [rad/s] is stable.
+    ///
+    /// # Errors
+    /// As [`Milling::verdict`] and [`Milling::scattered`]; no samples.
+    pub fn stability_probability(
+        &self,
+        spindle_speed: f64,
+        depth: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Probability, ChatterError> {
+        within("samples", samples as f64, 1.0, 1e9)?;
+        let stable: Result<Vec<bool>, ChatterError> = (0..samples)
+            .into_par_iter()
+            .map(|sample| {
+                let cut = self.scattered(scatter, seed, sample)?;
+                Ok(cut.at_speed(spindle_speed)?.screen(depth)?.stable)
+            })
+            .collect();
+        let value = stable?.into_iter().filter(|stable| *stable).count() as f64 / samples as f64;
+        Ok(Probability { value, standard_error: (value * (1.0 - value) / samples as f64).sqrt() })
+    }
+
+    /// Speeds of `speed` with the probability that `depth` [m] is stable there, the most probable
+    /// first; of equals the one whose neighbours are the most probable. The same samples judge
+    /// every speed.
+    ///
+    /// # Errors
+    /// As [`Milling::stability_probability`]; an axis that is none.
+    pub fn robust_speeds(
+        &self,
+        speed: &Axis,
+        depth: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Vec<RobustSpeed>, ChatterError> {
+        let speeds = speed.values("speed")?;
+        let mut ranked = Vec::with_capacity(speeds.len());
+        for spindle_speed in speeds {
+            let probability = self.stability_probability(spindle_speed, depth, scatter, samples, seed)?;
+            ranked.push(RobustSpeed { spindle_speed, probability });
+        }
+        let values: Vec<f64> = ranked.iter().map(|r| r.probability.value).collect();
+        let neighbourhood = |i: usize| {
+            let (from, to) = (i.saturating_sub(3), (i + 4).min(values.len()));
+            values[from..to].iter().sum::<f64>() / (to - from) as f64
+        };
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| {
+            values[*b].total_cmp(&values[*a]).then(neighbourhood(*b).total_cmp(&neighbourhood(*a))).then(a.cmp(b))
+        });
+        Ok(order.into_iter().map(|i| ranked[i]).collect())
+    }
+}
+
+/// Normal numbers by counter: the n-th draw of a key is always the same.
+struct Draw {
+    key: u64,
+    counter: u64,
+}
+
+impl Draw {
+    /// Uniform in 0 … 1, zero excluded (SplitMix64, Steele, Lea and Flood 2014).
+    fn uniform(&mut self) -> f64 {
+        self.counter += 1;
+        let mut z = self.key.wrapping_add(self.counter.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + f64::EPSILON / 4.0
+    }
+
+    /// Lognormal factor of mean one with the relative standard deviation `deviation`.
+    fn factor(&mut self, deviation: f64) -> f64 {
+        let (u, v) = (self.uniform(), self.uniform());
+        let normal = (-2.0 * u.ln()).sqrt() * (TAU * v).cos();
+        let sigma = (1.0 + deviation * deviation).ln().sqrt();
+        (sigma * normal - 0.5 * sigma * sigma).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_have_the_stated_mean_and_deviation() {
+        let mut draw = Draw { key: 42, counter: 0 };
+        let factors: Vec<f64> = (0..40_000).map(|_| draw.factor(0.2)).collect();
+        let mean = factors.iter().sum::<f64>() / factors.len() as f64;
+        let variance = factors.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / factors.len() as f64;
+        assert!((mean - 1.0).abs() < 0.005 && (variance.sqrt() - 0.2).abs() < 0.005, "{mean} {}", variance.sqrt());
+    }
+}
