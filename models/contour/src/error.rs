@@ -1,0 +1,199 @@
+//! What a contour, a plan or a contour file is refused for.
+
+use crate::{Constraint, SetError};
+use toolroom_process::ModelError;
+use toolroom_process::unit::UnitError;
+
+/// Names of constraints, for messages.
+fn names(constraints: &[Constraint]) -> String {
+    constraints.iter().map(|constraint| constraint.name()).collect::<Vec<_>>().join(", ")
+}
+
+/// Why there is no contour or no plan. Sections count from 0 in the field, from 1 in the message;
+/// lengths are in m in the field, in mm in the message.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContourError {
+    /// No section.
+    #[error("the contour has no section")]
+    Empty,
+    /// A section of no length.
+    #[error("section {} has no length", section + 1)]
+    NoLength {
+        /// Section.
+        section: usize,
+    },
+    /// A contour that does not come back to its start.
+    #[error("the contour is open: its end is {:.4} mm from its start; close it, or write `closed = false`", gap * 1e3)]
+    Open {
+        /// Distance from end to start, m.
+        gap: f64,
+    },
+    /// An arc whose end does not lie on its circle.
+    #[error("the arc of section {} misses its end by {:.4} mm; check centre, radius and end point", section + 1, gap * 1e3)]
+    ArcMissesEnd {
+        /// Section.
+        section: usize,
+        /// Distance of the end from the circle, m.
+        gap: f64,
+    },
+    /// A joint that turns towards the cutter at once.
+    #[error(
+        "a sharp inside corner of {:.2} deg follows section {}: no cutter reaches it; draw an arc larger than the cutter",
+        angle.to_degrees(), section + 1
+    )]
+    SharpInsideCorner {
+        /// Section that ends there.
+        section: usize,
+        /// Angle of the free side, rad.
+        angle: f64,
+    },
+    /// A path that comes back on itself.
+    #[error("the path comes back on itself after section {}", section + 1)]
+    Reversal {
+        /// Section that ends there.
+        section: usize,
+    },
+    /// A cutter that a concave section does not admit.
+    #[error(
+        "section {} is concave with a radius of {:.4} mm: the cutter radius of {:.4} mm must be smaller",
+        section + 1, radius * 1e3, cutter_radius * 1e3
+    )]
+    CutterTooLarge {
+        /// Section.
+        section: usize,
+        /// Its radius, m.
+        radius: f64,
+        /// Radius of the cutter, m.
+        cutter_radius: f64,
+    },
+    /// A number outside its range.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A gear series without speed.
+    #[error("no preferred number lies between the lowest and the highest spindle speed")]
+    NoSpindleSpeed,
+    /// No spindle speed and feed meet every constraint on a section.
+    #[error(
+        "no spindle speed and feed suit section {}: {} cannot be met together; relax one of them",
+        section + 1, names(conflicting)
+    )]
+    EmptyFeasibleSet {
+        /// Section.
+        section: usize,
+        /// The fewest constraints that already conflict.
+        conflicting: Vec<Constraint>,
+    },
+    /// No one setting suits every section.
+    #[error("no single spindle speed and feed suit every section: {} cannot be met together", names(conflicting))]
+    NoCommonSetting {
+        /// The fewest constraints that already conflict.
+        conflicting: Vec<Constraint>,
+    },
+    /// No step of the feed override makes the handbook regime admissible.
+    #[error("the handbook regime violates {} at every step of the feed override", names(violated))]
+    NoHandbookRegime {
+        /// Constraints violated at the last step.
+        violated: Vec<Constraint>,
+    },
+    /// Feeds whose ramps do not fit into the sections.
+    #[error("no feed of section {} can be reached from the section before it within their lengths", section + 1)]
+    NoRamp {
+        /// Section.
+        section: usize,
+    },
+    /// An edge life that one section uses up.
+    #[error("a fresh edge does not last through section {}", section + 1)]
+    EdgeTooShort {
+        /// Section.
+        section: usize,
+    },
+    /// A number of settings other than that of sections.
+    #[error("{settings} settings for {sections} sections")]
+    SettingCount {
+        /// Settings given.
+        settings: usize,
+        /// Sections of the contour.
+        sections: usize,
+    },
+    /// A parameter set that did not load.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// Not TOML, or not of the form of a contour file.
+    #[error("{message}")]
+    Syntax {
+        /// What the reader says.
+        message: String,
+    },
+    /// A version of the format that is not known.
+    #[error("schema {read} is not known; write schema = 1")]
+    Schema {
+        /// Version read.
+        read: u32,
+    },
+    /// A quantity that cannot be read.
+    #[error("`{key}`: {reason}")]
+    Quantity {
+        /// Key.
+        key: &'static str,
+        /// What is wrong.
+        reason: UnitError,
+    },
+    /// A section that is none of the known forms.
+    #[error(
+        "a section is one of `line`, `line_to`, `arc` with `radius`, `arc_to` with `center` or `radius` and `direction`, `spline_to`, `lobed`; this one has {read}"
+    )]
+    SectionForm {
+        /// Keys read.
+        read: String,
+    },
+    /// A pass that the file does not have.
+    #[error("there is no pass `{name}`; there are {known}")]
+    UnknownPass {
+        /// What was asked for.
+        name: String,
+        /// Names of the passes.
+        known: String,
+    },
+    /// A contour file without passes.
+    #[error("there is no pass; add [[pass]]")]
+    NoPass,
+    /// A G-code word that a contour cannot contain.
+    #[error("{word} is not supported in a contour; there are G0 to G3, G17, G20, G21, G40 to G42, G90, G91, G94")]
+    GcodeUnsupported {
+        /// The word.
+        word: String,
+    },
+    /// An arc without centre and radius.
+    #[error("an arc needs I and J, or R")]
+    GcodeArc,
+    /// A number given by a variable.
+    #[error("{letter} is a variable; only numbers can be read")]
+    GcodeVariable {
+        /// Letter of the word.
+        letter: char,
+    },
+    /// G-code that does not say on which side the cutter runs.
+    #[error("neither G41 nor G42 says on which side the cutter runs")]
+    GcodeSide,
+}
+
+/// A fault and its place in a file, from line and column 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("line {line}, column {column}: {fault}")]
+pub struct FileError {
+    /// Line.
+    pub line: usize,
+    /// Column.
+    pub column: usize,
+    /// What is wrong.
+    pub fault: ContourError,
+}
+
+impl FileError {
+    /// A fault at a byte offset of `text`.
+    pub(crate) fn at(text: &str, offset: usize, fault: ContourError) -> Self {
+        let (line, column) = toolroom_process::parameters::place(text, offset);
+        Self { line, column, fault }
+    }
+}
