@@ -33,13 +33,39 @@ pub struct Common {
     /// Say nothing but results and errors
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say more
+    /// Say more about how the work was done
     #[arg(long, short, global = true)]
     pub verbose: bool,
 }
 
 #[derive(Subcommand, Debug)]
 pub enum Command {
+    /// The shipped shop: three lathes, two mills, a grinder, every policy, in seconds
+    #[command(before_help = "Examples:
+  toolroom demo                  results in out/demo
+  toolroom demo --replications 100 --policy \"v0 at 0.2 mm\" --policy productivity")]
+    Demo(DemoArgs),
+    /// Compare the policies of a scenario on common random numbers
+    #[command(before_help = "Examples:
+  toolroom compare shop.toml
+  toolroom compare shop.toml --until \"half-width 2%\" --replications 1000
+  toolroom compare shop.toml --set machine.L.tool_change_time=\"1 min\" --json
+  toolroom compare shop.toml -P machine.L.tool_change_time \"1 min\" \"5 min\" \"1 min\"")]
+    Compare(CompareArgs),
+    /// Run policies with the full logs of every replication
+    #[command(before_help = "Examples:
+  toolroom run shop.toml --policy adaptive --out out/adaptive
+  toolroom run shop.toml --format csv --replications 3")]
+    Run(RunArgs),
+    /// Find, open or print the report of a finished run
+    #[command(before_help = "Examples:
+  toolroom report out/demo
+  toolroom report --open out/demo")]
+    Report(ReportArgs),
+    /// Compare the key figures of two finished runs
+    #[command(before_help = "Examples:
+  toolroom diff out/monday out/tuesday")]
+    Diff(DiffArgs),
     /// Write a commented scenario to edit
     #[command(before_help = "Examples:
   toolroom new myshop            writes myshop/scenario.toml and its schema for editors
@@ -181,4 +207,77 @@ impl From<PointLife> for toolroom_cutting::LifeModel {
             PointLife::Ode => Self::Ode,
         }
     }
+}
+
+/// How a study is run and where it goes.
+#[derive(Args, Clone, Debug)]
+pub struct StudyArgs {
+    /// Only this policy, repeatable; the first is the baseline
+    #[arg(long, value_name = "NAME")]
+    pub policy: Vec<String>,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads, 0 for one per processor; the results do not depend on it
+    #[arg(long, default_value_t = 0)]
+    pub threads: usize,
+    /// Stop when parts per shift and cost per part are known this well: "half-width 2%"
+    #[arg(long, value_name = "PRECISION", value_parser = crate::study::half_width)]
+    pub until: Option<f64>,
+    /// Format of the log tables, instead of the scenario's
+    #[arg(long, value_enum)]
+    pub format: Option<LogFormat>,
+    /// Replications whose full logs are written
+    #[arg(long, value_name = "COUNT")]
+    pub logged: Option<u32>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LogFormat {
+    Parquet,
+    Csv,
+}
+
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    #[command(flatten)]
+    pub changes: Changes,
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Repeat the comparison at several values of a key; nothing is written
+    #[arg(short = 'P', num_args = 4, value_names = ["KEY", "LO", "HI", "STEP"], allow_negative_numbers = true)]
+    pub sweep: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct ReportArgs {
+    /// Directory of a finished run
+    pub dir: PathBuf,
+    /// Open it in a browser
+    #[arg(long)]
+    pub open: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct DiffArgs {
+    /// Directory of a finished run
+    pub one: PathBuf,
+    /// Directory of another
+    pub two: PathBuf,
 }

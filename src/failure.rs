@@ -25,6 +25,8 @@ pub enum Failure {
         /// Why.
         message: String,
     },
+    /// Stopped by the user; what was complete is written.
+    Interrupted { replications: u32, path: PathBuf },
     /// A path that cannot be written.
     Unwritable { path: PathBuf, source: io::Error },
     /// A result that has no JSON form.
@@ -56,6 +58,12 @@ impl Failure {
             Self::Scenario(error) => self.plain(voice, error, None, 2),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
+            Self::Interrupted { replications, path } => {
+                let plural = if *replications == 1 { " is" } else { "s are" };
+                let message =
+                    format!("interrupted: {replications} replication{plural} complete and written to {}", path.display());
+                self.plain(voice, message, None, 1)
+            }
             Self::Unwritable { path, source } => {
                 let message = format!("{} cannot be written: {source}", path.display());
                 // A wrong path is the user's to mend, a full disk is not in the command.

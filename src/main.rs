@@ -5,14 +5,25 @@
 
 mod args;
 mod check;
+mod compare;
 mod completions;
+mod demo;
+mod diff;
 mod effects;
 mod explain;
 mod failure;
 mod new;
+mod output;
 mod point;
+mod progress;
+mod report;
+mod results;
+mod run;
 mod schema;
 mod speak;
+mod stop;
+mod study;
+mod sweep;
 mod validate;
 
 use args::{Command, Toolroom};
@@ -24,14 +35,19 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
     let voice = Voice::new(&common);
-    match run(command, &voice) {
+    match perform(command, &voice) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),
     }
 }
 
-fn run(command: Command, voice: &Voice) -> Result<(), Failure> {
+fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
     match command {
+        Command::Demo(args) => demo::run(&args, voice),
+        Command::Compare(args) => compare::run(&args, voice),
+        Command::Run(args) => run::run(&args, voice),
+        Command::Report(args) => report::run(&args, voice),
+        Command::Diff(args) => diff::run(&args, voice),
         Command::New(args) => new::run(&args, voice),
         Command::Check(args) => check::run(&args, voice),
         Command::Point(args) => point::run(&args, voice),

@@ -43,9 +43,10 @@ impl OutputDir {
         &self.draft
     }
 
-    /// Where it will be found.
-    pub fn target(&self) -> &Path {
-        &self.target
+    /// Leaves the draft as it is, under its own name.
+    pub fn keep(mut self) -> PathBuf {
+        self.published = true;
+        self.draft.clone()
     }
 
     /// Gives the draft its name; earlier results in its place are removed only then.

@@ -11,13 +11,16 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 pub struct Voice {
     /// Results as JSON.
     pub json: bool,
+    /// Whether data may be coloured.
+    pub colour: bool,
     quiet: bool,
     verbose: bool,
 }
 
 impl Voice {
     pub fn new(common: &Common) -> Self {
-        Self { json: common.json, quiet: common.quiet, verbose: common.verbose }
+        let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+        Self { json: common.json, colour, quiet: common.quiet, verbose: common.verbose }
     }
 
     /// Data to standard output. A reader that has seen enough (`| head`) is no failure.

@@ -1,0 +1,28 @@
+//! `toolroom demo`: the shipped shop, no file needed.
+
+use crate::args::DemoArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use crate::study::{Request, chosen, default_out, perform};
+use toolroom_sim::scenario::file::parse;
+
+/// Three lathes, two mills, a grinder, one shift.
+const SCENARIO: &str = include_str!("../scenarios/demo.toml");
+
+pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
+    let file = parse("demo.toml", SCENARIO, &args.changes.overrides())?;
+    let policies = chosen(&file.scenario, &args.study.policy)?;
+    let request = Request {
+        command: "demo".to_owned(),
+        input: "demo.toml".to_owned(),
+        changes: &args.changes,
+        args: &args.study,
+        policies,
+        logged: 1,
+        out: default_out("demo"),
+        file,
+    };
+    perform(&request, voice)?;
+    voice.say("your own shop: toolroom new myshop");
+    Ok(())
+}

@@ -1,0 +1,24 @@
+//! `toolroom run FILE`: policies with full logs.
+
+use crate::args::RunArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use crate::study::{Request, chosen, default_out, perform};
+use toolroom_sim::scenario::file::read;
+
+pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
+    let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    let policies = chosen(&file.scenario, &args.study.policy)?;
+    let input = args.scenario.file.display().to_string();
+    let request = Request {
+        command: format!("run {input}"),
+        input,
+        changes: &args.scenario.changes,
+        args: &args.study,
+        policies,
+        logged: file.scenario.replications,
+        out: default_out(&file.scenario.name),
+        file,
+    };
+    perform(&request, voice)
+}

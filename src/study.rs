@@ -1,0 +1,185 @@
+//! Running a scenario's policies and writing the results: what run, compare and demo share.
+
+use crate::args::{Changes, LogFormat, StudyArgs};
+use crate::failure::Failure;
+use crate::output::OutputDir;
+use crate::progress::Bar;
+use crate::speak::Voice;
+use crate::stop;
+use std::path::{Path, PathBuf};
+use toolroom_analysis::logs::Format;
+use toolroom_analysis::results::{self, RunInfo, record};
+use toolroom_analysis::statistics;
+use toolroom_analysis::study::{Precision, StudyOptions};
+use toolroom_analysis::summary::summary;
+use toolroom_analysis::terminal::{Style, table};
+use toolroom_sim::Scenario;
+use toolroom_sim::scenario::file::{ScenarioFile, nearest};
+
+/// A study about to be run.
+pub struct Request<'a> {
+    /// Verb and scenario, as typed: `compare shop.toml`.
+    pub command: String,
+    /// Name of the scenario file.
+    pub input: String,
+    pub file: ScenarioFile,
+    pub changes: &'a Changes,
+    pub args: &'a StudyArgs,
+    /// Policies by index.
+    pub policies: Vec<usize>,
+    /// Replications with full logs, unless the arguments say otherwise.
+    pub logged: u32,
+    /// Output directory, unless the arguments say otherwise.
+    pub out: PathBuf,
+}
+
+/// Runs, writes, prints.
+pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
+    let Request { file, args, .. } = request;
+    let scenario = &file.scenario;
+    let options = StudyOptions {
+        policies: request.policies.clone(),
+        threads: args.threads,
+        until: args.until.map(|relative_half_width| Precision { relative_half_width }),
+        logged: args.logged.unwrap_or(request.logged),
+        ..StudyOptions::of(scenario)
+    };
+    let out = OutputDir::create(args.out.as_deref().unwrap_or(&request.out))?;
+    let stop = stop::on_interrupt()?;
+    let bar = Bar::new(voice);
+    let recorded =
+        record(out.draft(), scenario, &options, format(file, args), &information(request), &|at| bar.at(at), &stop);
+    bar.finish();
+    let recorded = match recorded {
+        Ok(recorded) => recorded,
+        Err(error) if error.path().is_some() => {
+            // What is readable stays, under a name that nobody takes for a result.
+            let kept = out.keep();
+            let message = format!("{error}; what was written stays in {} and is not complete", kept.display());
+            return Err(Failure::Work { message });
+        }
+        Err(error) => return Err(Failure::Work { message: error.to_string() }),
+    };
+    let study = &recorded.study;
+    if study.replications == 0 {
+        return Err(Failure::Work { message: "interrupted before the first replication; nothing was written".to_owned() });
+    }
+    let target = out.publish()?;
+    let events: u64 = study.first_logs.iter().map(|log| log.calendar_events).sum();
+    voice.detail(format_args!(
+        "{} replications of {} policies in {:.2} s, {events} calendar events in the first, digest {:016x}",
+        study.replications,
+        study.policies.len(),
+        recorded.wall.as_secs_f64(),
+        study.digest,
+    ));
+    if voice.json {
+        voice.json(&summary(scenario, study, &recorded.comparison))?;
+    } else {
+        let style = Style { colour: voice.colour, wall: Some(recorded.wall) };
+        voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;
+    }
+    let report = target.join("report.html");
+    voice.say(format_args!("wrote {}   next: toolroom report --open {}", report.display(), target.display()));
+    if study.complete { Ok(()) } else { Err(Failure::Interrupted { replications: study.replications, path: target }) }
+}
+
+fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {
+    let csv = args.format.map_or(file.output.csv, |format| format == LogFormat::Csv);
+    let format = if csv { Format::Csv } else { Format::Parquet };
+    (file.output.logs && args.logged != Some(0)).then_some(format)
+}
+
+fn information(request: &Request<'_>) -> RunInfo {
+    let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
+    let mut reproduce = format!("toolroom {}", request.command);
+    for change in request.changes.overrides() {
+        reproduce.push_str(&format!(" --set {}", quoted(&change)));
+    }
+    for name in &request.args.policy {
+        reproduce.push_str(&format!(" --policy {}", quoted(name)));
+    }
+    if let Some(share) = request.args.until {
+        reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
+    }
+    RunInfo {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        command,
+        reproduce,
+        inputs: vec![(request.input.clone(), results::fingerprint(request.file.text.as_bytes()))],
+    }
+}
+
+/// An argument as it has to be typed.
+fn quoted(argument: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:%+,".contains(c);
+    if !argument.is_empty() && argument.chars().all(plain) { argument.to_owned() } else { format!("{argument:?}") }
+}
+
+/// The policies called by name; all of them, if none is.
+pub fn chosen(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, Failure> {
+    if names.is_empty() {
+        return Ok((0..scenario.policies.len()).collect());
+    }
+    let known = || scenario.policies.iter().map(|policy| policy.name.as_str());
+    let mut indices = Vec::new();
+    for name in names {
+        let Some(index) = known().position(|each| each == name) else {
+            let near = nearest(name, known()).map_or(String::new(), |near| format!("did you mean \"{near}\"? "));
+            let help = format!("{near}policies: {}", known().collect::<Vec<_>>().join(", "));
+            return Err(Failure::argument(format_args!("there is no policy \"{name}\""), help));
+        };
+        if !indices.contains(&index) {
+            indices.push(index);
+        }
+    }
+    Ok(indices)
+}
+
+/// `half-width 2%`, `2 %` or `0.02` as a share.
+pub fn half_width(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_start_matches("half-width").trim_start_matches([' ', '=', '<']).trim();
+    let share = match number.strip_suffix('%') {
+        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
+        None => number.parse(),
+    };
+    match share {
+        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
+        _ => Err(format!(
+            "a relative half-width of the {} % interval is due, such as \"half-width 2%\"",
+            100.0 * statistics::CONFIDENCE
+        )),
+    }
+}
+
+/// `out/NAME`, the name of a scenario made fit for a directory.
+pub fn default_out(name: &str) -> PathBuf {
+    let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
+    Path::new("out").join(name.chars().map(fit).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_precision_is_read_as_people_write_it() {
+        for text in ["half-width 2%", "half-width 2 %", "2%", "0.02", "half-width=2%"] {
+            assert_eq!(half_width(text), Ok(0.02), "{text}");
+        }
+        for text in ["", "half-width", "0", "-2%", "100%", "nan", "inf"] {
+            assert!(half_width(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_name_cannot_leave_the_output_directory() {
+        assert_eq!(default_out("../../etc"), Path::new("out/------etc"));
+    }
+
+    #[test]
+    fn arguments_are_quoted_where_the_shell_needs_it() {
+        assert_eq!(quoted("--set"), "--set");
+        assert_eq!(quoted("tool_change_time=1 min"), "\"tool_change_time=1 min\"");
+    }
+}
