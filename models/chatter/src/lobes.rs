@@ -1,8 +1,9 @@
 //! Charts: verdicts over a grid, in parallel, and the boundary alone.
 
 use crate::error::{ChatterError, finite};
+use crate::paper::{FiveDegrees, Reduced};
 use crate::verdict::{ChatterKind, StabilityVerdict};
-use crate::{Milling, StabilityLimit, Turning, paper::Reduced};
+use crate::{Milling, StabilityLimit, Turning};
 use rayon::prelude::*;
 
 /// Evenly spaced values from `start` to `end`, both included.
@@ -198,7 +199,7 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`]; axes that are none.
     pub fn lobe_chart(&self, speed: &Axis, width: &Axis) -> Result<Lobes, ChatterError> {
-        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict(speed, width)))
+        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict_without_margin(speed, width)))
     }
 }
 
@@ -219,6 +220,20 @@ impl Reduced {
     pub fn stability_region(&self, lag: &Axis, cutting_stiffness: &Axis) -> Result<Lobes, ChatterError> {
         Lobes::fill(lag, cutting_stiffness, |lag| {
             Ok(move |cutting_stiffness| Self { lag, cutting_stiffness, ..*self }.verdict(0.0, 1.0))
+        })
+    }
+}
+
+impl FiveDegrees {
+    /// Verdicts over spindle speeds in units of [`FiveDegrees::reference_frequency`] and
+    /// modulations of the chuck (the paper's Fig. 4), in parallel.
+    ///
+    /// # Errors
+    /// As [`FiveDegrees::verdict`]; axes that are none.
+    pub fn lobes(&self, speed_ratio: &Axis, mu_chuck: &Axis) -> Result<Lobes, ChatterError> {
+        let reference = self.reference_frequency();
+        Lobes::fill(speed_ratio, mu_chuck, |ratio| {
+            Ok(move |mu_chuck| Self { mu_chuck, ..self.clone() }.verdict(ratio * reference))
         })
     }
 }

@@ -220,3 +220,34 @@ fn robust_speed_leaves_the_flank() {
     let certain = Scatter { natural_frequency: 0.0, damping_ratio: 0.0, coefficients: 0.0 };
     assert_eq!(cut.stability_probability(rpm(12000.0), 5e-3, &certain, 3, 7).unwrap().value, 1.0);
 }
+
+/// Radii over one revolution from an independent semi-discretisation (720 steps, Richardson), whose
+/// own error is about 1e-4 because teeth enter and leave between its steps; and the collocation's
+/// own convergence, which is far closer.
+#[test]
+fn irregular_cutters_agree_with_semi_discretisation() {
+    let degree = PI / 180.0;
+    let mut pitched = standard(2, 0.3, Direction::Down);
+    pitched.cutter.teeth = 3;
+    pitched.cutter.pitch = vec![100.0 * degree, 120.0 * degree, 140.0 * degree];
+    let mut helical = pitched.clone();
+    helical.cutter.helix_angle = 30.0 * degree;
+    let mut eccentric = standard(2, 0.6, Direction::Up);
+    eccentric.cutter.runout = 30e-6;
+    eccentric.cutter.runout_angle = 0.4;
+    let mut damped = standard(2, 0.5, Direction::Down);
+    damped.force.process_damping = 2e5;
+    let rows = [
+        (pitched, 9000.0, 0.4e-3, 1.115963, 1.0),
+        (helical, 9000.0, 2e-3, 6.97716, 1.0),
+        (eccentric, 7000.0, 0.2e-3, 0.675994, 1.0),
+        (damped, 4000.0, 0.2e-3, 0.447663, 2.0),
+    ];
+    for (cut, speed, depth, reference, periods) in rows {
+        let mut at_speed = cut.at_speed(rpm(speed)).unwrap();
+        let radius = at_speed.verdict(depth).unwrap().spectral_radius;
+        assert!((radius.powf(periods) / reference - 1.0).abs() < 3e-4, "{} {reference}", radius.powf(periods));
+        let finer = at_speed.multipliers(depth, 8).unwrap()[0].norm();
+        assert!((radius / finer - 1.0).abs() < 1e-6, "{radius} {finer}");
+    }
+}

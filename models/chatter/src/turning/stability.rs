@@ -50,6 +50,21 @@ impl Turning {
     /// A cut that is none; a speed that is not positive; a width that is negative or not finite;
     /// an eigenvalue that did not converge.
     pub fn verdict(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
+        let mut verdict = self.verdict_without_margin(spindle_speed, width)?;
+        verdict.margin = match self.limit(spindle_speed) {
+            Ok(limit) => Some(1.0 - width / limit.depth),
+            Err(ChatterError::NoLimit { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        Ok(verdict)
+    }
+
+    /// [`Turning::verdict`] without the search for the limit.
+    pub(crate) fn verdict_without_margin(
+        &self,
+        spindle_speed: f64,
+        width: f64,
+    ) -> Result<StabilityVerdict, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         within("width", width, 0.0, f64::MAX)?;
@@ -58,11 +73,6 @@ impl Turning {
         let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, TAU / spindle_speed, dominant.residual);
         verdict.name_frequency(&self.modes);
-        verdict.margin = match self.limit(spindle_speed) {
-            Ok(limit) => Some(1.0 - width / limit.depth),
-            Err(ChatterError::NoLimit { .. }) => None,
-            Err(error) => return Err(error),
-        };
         Ok(verdict)
     }
 

@@ -1,6 +1,7 @@
 //! Zakovorotny et al.: reduced and five-degree systems.
 
 use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
+use toolroom_chatter::{Axis, ChatterKind};
 
 const KGF_PER_MM: f64 = 9806.65;
 
@@ -155,4 +156,34 @@ fn allowance_hardly_moves_the_chuck_threshold() {
         let threshold = lathe.critical_chuck_modulation(speed, 0.8).unwrap().unwrap();
         assert!((threshold - published).abs() < 2e-4, "{threshold}");
     }
+}
+
+/// Fig. 2 and Fig. 4 as charts: the stars of Fig. 2 lie inside the default reading's region, and
+/// tool dynamics put the principal tongue of Fig. 4 at low spindle speed.
+#[test]
+fn charts_of_figures_2_and_4() {
+    let lag = Axis { start: 0.0, end: 0.8e-4, points: 3 };
+    let stiffness = Axis { start: 200.0 * KGF_PER_MM, end: 700.0 * KGF_PER_MM, points: 6 };
+    let region = Reduced::from_preset(Preset::default(), 0.0).stability_region(&lag, &stiffness).unwrap();
+    for (i, lag) in region.speed.iter().enumerate() {
+        assert!(region.at(i, 0).unwrap().stable);
+        let limit = Reduced::from_preset(Preset::default(), *lag).cutting_stiffness_limit();
+        for (j, cutting_stiffness) in region.depth.iter().enumerate() {
+            assert_eq!(region.at(i, j).unwrap().stable, *cutting_stiffness < limit);
+        }
+    }
+    let lathe = FiveDegrees::from_preset(Preset::Table2Milli, 0.4e-4, 0.1e-3);
+    let speeds = Axis { start: 0.5, end: 0.6, points: 3 };
+    let chart = lathe.lobes(&speeds, &Axis { start: 0.2, end: 0.3, points: 2 }).unwrap();
+    assert!(chart.at(1, 0).unwrap().stable);
+    assert_eq!(chart.at(1, 1).unwrap().kind, ChatterKind::Parametric);
+    // With regeneration, the feed deflection a revolution ago, the radius changes a little.
+    let with = FiveDegrees { regeneration: true, mu_chuck: 0.3, ..lathe.clone() };
+    let speed = 0.55 * lathe.reference_frequency();
+    let radius = with.verdict(speed).unwrap().spectral_radius;
+    assert!((radius / 1.196003135 - 1.0).abs() < 0.05 && (radius - 1.196003135).abs() > 1e-6, "{radius}");
+    // A cut without stiffness in feed has nothing to regenerate: both solvers agree.
+    let none = FiveDegrees { cutting_stiffness: 0.0, ..with };
+    let direct = FiveDegrees { regeneration: false, ..none.clone() };
+    close(none.verdict(speed).unwrap().spectral_radius, direct.verdict(speed).unwrap().spectral_radius, 1e-7);
 }
