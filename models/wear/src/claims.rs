@@ -95,7 +95,7 @@ fn paper() -> Result<Vec<Claim>, ClaimError> {
 /// The speed within the limits at which an edge lasts `minutes`; life falls with speed there.
 fn speed_for_life(pair: &Pair, cut: &Cut, minutes: f64) -> f64 {
     let (low, high) = (pair.limits.lowest_speed, pair.limits.highest_speed);
-    crate::search::bisect(low, high, |speed| pair.life(&cut.at_speed(speed)).cutting_time - minutes * 60.0)
+    crate::search::root(low, high, |speed| pair.life(&cut.at_speed(speed)).cutting_time - minutes * 60.0)
 }
 
 /// Slope of ln T in ln v.

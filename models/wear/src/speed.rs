@@ -1,13 +1,13 @@
 //! Control laws: the cutting speed for a state of wear.
 
-use crate::search::{bisect, greatest, grid};
+use crate::search::{greatest, grid, root};
 use crate::{ConstantSpeed, Cut, Life, Objective, Pair};
 use toolroom_process::ModelError;
 
 /// Range of the searches over speed, shares of the reference speed.
 const RANGE: (f64, f64) = (0.1, 6.0);
 /// Points of the first scan.
-const POINTS: u32 = 96;
+const POINTS: u32 = 48;
 
 /// Answer to a wear rate that was asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl Pair {
         for i in (0..POINTS - 1).rev() {
             let speed = grid(low, high, POINTS, i);
             if excess(speed) > 0.0 {
-                return bisect(speed, above, excess);
+                return root(speed, above, excess);
             }
             above = speed;
         }
@@ -103,7 +103,7 @@ impl Pair {
         for i in (0..POINTS - 1).rev() {
             let speed = grid(least, high, POINTS, i);
             if short(speed) > 0.0 || i == 0 {
-                return SetSpeed { cutting_speed: bisect(speed, above, short), feasible: true };
+                return SetSpeed { cutting_speed: root(speed, above, short), feasible: true };
             }
             above = speed;
         }
