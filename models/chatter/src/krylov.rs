@@ -60,7 +60,7 @@ impl Krylov {
                 best = best.min(found.residual);
                 if found.residual <= tolerance {
                     // With digits to spare one step less will do next time.
-                    self.expected = step - usize::from(step > 3 && found.residual < 1e-3 * tolerance);
+                    self.expected = step - usize::from(step > 3 && found.residual < 3e-2 * tolerance);
                     self.keep_warm(step, found.value);
                     return Ok(found);
                 }
@@ -89,7 +89,7 @@ impl Krylov {
         let norm = dot(first, first).sqrt();
         if self.warm.len() == size {
             for (entry, warm) in first.iter_mut().zip(&self.warm) {
-                *entry = *entry * (0.05 / norm) + warm;
+                *entry = *entry * (0.3 / norm) + warm;
             }
         }
         let norm = dot(first, first).sqrt();

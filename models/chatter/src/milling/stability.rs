@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 /// How much effort a spectral radius is worth.
 #[derive(Clone, Copy)]
 enum Effort {
-    /// A point of a chart: four digits.
+    /// A point of a chart: three digits or so.
     Screening,
     /// A verdict that is asked for: eight digits.
     Verdict,
@@ -26,10 +26,10 @@ enum Effort {
 
 impl Effort {
     /// Nodes added to each stretch, residual of the eigenvalue, and the distance of the spectral
-    /// radius from one below which the boundary's effort is spent instead.
+    /// radius from one below which the next effort is spent instead.
     fn settings(self) -> (usize, f64, f64) {
         match self {
-            Self::Screening => (0, 1e-4, 4e-3),
+            Self::Screening => (0, 1e-4, 2e-2),
             Self::Verdict => (5, 1e-9, 1e-4),
             Self::Boundary => (13, 1e-12, 0.0),
         }
@@ -200,7 +200,7 @@ impl<'a> AtSpeed<'a> {
         self.judge(depth, Effort::Verdict)
     }
 
-    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of four digits, for charts.
+    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of some three digits, for charts.
     pub(crate) fn screen(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
         self.judge(depth, Effort::Screening)
     }
@@ -208,8 +208,13 @@ impl<'a> AtSpeed<'a> {
     fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
         within("depth", depth, 0.0, f64::MAX)?;
         let (mut dominant, mut period) = self.dominant(depth, effort)?;
-        if (dominant.value.norm() - 1.0).abs() < effort.settings().2 {
-            (dominant, period) = self.dominant(depth, Effort::Boundary)?;
+        let mut spent = effort;
+        for next in [Effort::Verdict, Effort::Boundary] {
+            let near = (dominant.value.norm() - 1.0).abs() < spent.settings().2;
+            if near && next as usize > spent as usize {
+                (dominant, period) = self.dominant(depth, next)?;
+                spent = next;
+            }
         }
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
         verdict.name_frequency(&self.cut.modes);
