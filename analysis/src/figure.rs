@@ -4,18 +4,24 @@ use crate::kpi::Kpi;
 use crate::statistics::Interval;
 use toolroom_sim::scenario::Scenario;
 
-/// Decimals that show an uncertainty with one digit, or two if it starts with 1 or 2; without
-/// uncertainty, four digits of the value.
+/// Decimals that show an uncertainty with one digit, or two if it starts below 5. A value that does
+/// not vary gets the decimals that it has, a value of unknown uncertainty four digits; never more
+/// than four decimals.
 pub(crate) fn decimals(value: f64, half_width: f64) -> usize {
-    let (size, digits) = if half_width.is_finite() && half_width > 0.0 {
+    const MOST: f64 = 4.0;
+    let (size, digits) = if half_width > 0.0 && half_width.is_finite() {
         let lead = half_width / 10_f64.powf(half_width.log10().floor());
-        (half_width, if lead < 2.95 { 2.0 } else { 1.0 })
-    } else if value.is_finite() && value != 0.0 {
-        (value.abs(), 4.0)
+        (half_width, if lead < 4.95 { 2.0 } else { 1.0 })
+    } else if half_width == 0.0 || value == 0.0 || !value.is_finite() {
+        let exact = |&digits: &i32| {
+            let scaled = value * 10_f64.powi(digits);
+            (scaled - scaled.round()).abs() <= 1e-9 * scaled.abs()
+        };
+        return (0..MOST as i32).find(exact).unwrap_or(if value.is_finite() { MOST as i32 } else { 0 }) as usize;
     } else {
-        return 0;
+        (value.abs(), 4.0)
     };
-    (digits - 1.0 - size.log10().floor()).clamp(0.0, 4.0) as usize
+    (digits - 1.0 - size.log10().floor()).clamp(0.0, MOST) as usize
 }
 
 /// A number; `–` where it is not defined.
@@ -68,7 +74,16 @@ mod tests {
         assert_eq!(plain(6.4123, decimals(6.4123, 0.08)), "6.41");
         assert_eq!(plain(6.4123, decimals(6.4123, f64::NAN)), "6.412");
         assert_eq!(plain(12345.6, decimals(12345.6, 300.0)), "12346");
-        assert_eq!(plain(0.0, decimals(0.0, 0.0)), "0");
+        assert_eq!(plain(40.93, decimals(40.93, 2.2)), "40.9");
+        assert_eq!(plain(12345.6, decimals(12345.6, 800.0)), "12346");
+        assert_eq!(plain(0.0, decimals(0.0, f64::NAN)), "0");
+    }
+
+    #[test]
+    fn what_does_not_vary_is_printed_as_it_is() {
+        for (value, text) in [(0.0, "0"), (8.0, "8"), (0.25, "0.25"), (1.0 / 3.0, "0.3333"), (-1.5, "−1.5")] {
+            assert_eq!(plain(value, decimals(value, 0.0)), text);
+        }
     }
 
     #[test]

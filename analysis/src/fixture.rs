@@ -210,7 +210,7 @@ pub(crate) fn log() -> RunLog {
         events: vec![
             EventRow { time: 0.0, event: "arrival", machine: None, job: Some(0), edge: None },
             EventRow { time: 420.0, event: "tool_change", machine: Some(0), job: None, edge: Some(0) },
-            EventRow { time: 690.0, event: "scrap", machine: Some(0), job: Some(1), edge: Some(1) },
+            EventRow { time: 690.0, event: "scrap", machine: None, job: Some(1), edge: Some(1) },
         ],
         horizon: 3600.0,
         warm_up: 0.0,

@@ -28,14 +28,16 @@
 //! are the same under every policy.
 
 mod definition;
+mod programmed;
 mod tally;
 
 pub use definition::{Better, Definition, Kpi, kpis};
+pub use programmed::programmed_cutting_times;
 
 use definition::{MACHINE, SHOP};
 use tally::Tally;
 use toolroom_sim::runlog::RunLog;
-use toolroom_sim::scenario::{Operation, Scenario, ToolType, Work};
+use toolroom_sim::scenario::{Scenario, ToolType};
 
 /// Values of [`kpis`] in their order, SI; NaN where a figure is not defined (per part without
 /// parts).
@@ -61,17 +63,6 @@ pub fn cell(scenario: &Scenario) -> Vec<usize> {
     };
     let cell: Vec<usize> = (0..scenario.machines.len()).filter(set).collect();
     if cell.is_empty() { (0..scenario.machines.len()).collect() } else { cell }
-}
-
-/// Time in cut of an operation as programmed, s.
-pub fn programmed_cutting_time(operation: &Operation) -> f64 {
-    match &operation.work {
-        Work::Cutting(cuts) => cuts.iter().map(|cut| cut.path_length / cut.cutting_speed).sum(),
-        Work::Grinding { work_rotation_speed, phases } => {
-            let revolutions: f64 = phases.iter().map(|phase| f64::from(phase.revolutions)).sum();
-            revolutions * std::f64::consts::TAU / work_rotation_speed
-        }
-    }
 }
 
 #[cfg(test)]

@@ -133,7 +133,7 @@ fn notes(source: &Source<'_>) -> Section {
         .paragraph(
             "All policies see the same arrivals, hardness, edges, breakdowns and sensor noise in a replication, so \
              differences are taken replication by replication. Intervals are 95 % t intervals over the replications; \
-             comparing many policies at once, one in twenty differences looks certain by chance.",
+             among many comparisons, about one in twenty differences that are none will look certain.",
         )
         .paragraph(
             "The decision compares the adaptive policy of least cost with the constant or scheduled policy of least \

@@ -265,7 +265,7 @@ mod tests {
         // 10.5 and 12 min; the difference alternates between 1 and 2 min.
         assert!(lead.contains("10.5   ") && lead.contains("12.0   ") && lead.contains("+1.5  (+0.6 … +2.4)"), "{lead}");
         let scrap = lines.iter().find(|line| line.starts_with("scrap from tool failure")).expect("a row");
-        assert!(scrap.contains("50.00 %"), "{scrap}");
+        assert!(scrap.contains("50 %       50 %   0  (0 … 0)"), "{scrap}");
         assert!(text.contains("cell gain ×1.00 → shop gain ×1.00 (bottleneck L1 + L2; cutting is 5 % of the shift"));
         assert!(!text.contains('\u{1b}'));
     }

@@ -7,7 +7,7 @@ use crate::logs::Names;
 use crate::study::Study;
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use toolroom_sim::runlog::{MachineState, RunLog};
+use toolroom_sim::runlog::{EventRow, MachineState, RunLog};
 use toolroom_sim::scenario::Scenario;
 
 /// Events that are worth an instant.
@@ -53,6 +53,20 @@ fn metadata(kind: &str, process: usize, track: usize, name: &str) -> Value {
     json!({ "ph": "M", "name": kind, "pid": process, "tid": track, "args": { "name": name } })
 }
 
+/// The machine of the last pass of every job.
+pub(crate) fn last_machines(log: &RunLog) -> Vec<Option<u32>> {
+    let mut machines = vec![None; log.jobs.len()];
+    for row in &log.passes {
+        machines[row.job as usize] = Some(row.machine);
+    }
+    machines
+}
+
+/// Where an event happened: its machine, or the last one of the job that left the shop.
+pub(crate) fn machine_of(row: &EventRow, last_machines: &[Option<u32>]) -> Option<u32> {
+    row.machine.or_else(|| last_machines.get(row.job? as usize).copied().flatten())
+}
+
 fn micro(seconds: f64) -> f64 {
     (seconds * 1e6).round()
 }
@@ -74,9 +88,10 @@ fn add_log(names: &Names, process: usize, log: &RunLog, events: &mut Vec<Value>)
         }
         events.push(slice);
     }
+    let last_machines = last_machines(log);
     let mut jobs = 0_i64;
     for row in &log.events {
-        if let Some(machine) = row.machine.filter(|_| INSTANTS.contains(&row.event)) {
+        if let Some(machine) = machine_of(row, &last_machines).filter(|_| INSTANTS.contains(&row.event)) {
             events.push(json!({
                 "ph": "i",
                 "s": "t",

@@ -1,6 +1,6 @@
 //! One walk over the tables of a log: everything that the key figures divide.
 
-use super::{cell, programmed_cutting_time};
+use super::{cell, programmed_cutting_times};
 use toolroom_sim::runlog::{ChangeReason, JobOutcome, MachineState, PassRow, RunLog};
 use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Scenario};
 
@@ -135,37 +135,37 @@ impl Tally {
     /// An operation is produced when a pass of a later one of its job follows, when the job left
     /// the shop after it, or when its last pass ended before the horizon.
     fn add_operations(&mut self, scenario: &Scenario, log: &RunLog) {
+        let programmed = programmed_cutting_times(scenario);
         let mut latest: Vec<Option<&PassRow>> = vec![None; log.jobs.len()];
         for row in &log.passes {
             self.energy += row.energy * share_after(scenario.warm_up, row.start, row.end);
             let before = latest[row.job as usize].replace(row);
             if let Some(before) = before.filter(|before| before.operation != row.operation) {
-                self.add_operation(scenario, before, true);
+                self.add_operation(scenario, &programmed, before, true);
             }
         }
         for (job, row) in log.jobs.iter().zip(latest) {
             let Some(row) = row else { continue };
             match job.outcome {
-                JobOutcome::Good => self.add_operation(scenario, row, true),
+                JobOutcome::Good => self.add_operation(scenario, &programmed, row, true),
                 JobOutcome::InProcess => {
                     let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
                     let passes = operation.work.passes();
                     if row.pass as usize + 1 == passes && row.end < log.horizon {
-                        self.add_operation(scenario, row, true);
+                        self.add_operation(scenario, &programmed, row, true);
                     }
                 }
-                _ => self.add_operation(scenario, row, false),
+                _ => self.add_operation(scenario, &programmed, row, false),
             }
         }
     }
 
-    fn add_operation(&mut self, scenario: &Scenario, last: &PassRow, good: bool) {
+    fn add_operation(&mut self, scenario: &Scenario, programmed: &[Vec<f64>], last: &PassRow, good: bool) {
         if last.end < scenario.warm_up {
             return;
         }
         let machine = &scenario.machines[last.machine as usize];
-        let programmed =
-            programmed_cutting_time(&scenario.parts[last.part as usize].operations[last.operation as usize]);
+        let programmed = programmed[last.part as usize][last.operation as usize];
         let planned = programmed + machine.load_time.mean() + machine.unload_time.mean();
         let tally = &mut self.machines[last.machine as usize];
         tally.planned_produced += planned;

@@ -4,17 +4,19 @@ use super::Source;
 use crate::chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
 use crate::figure::plain;
 use crate::page::{Figure, Section};
+use crate::trace::{last_machines, machine_of};
 use toolroom_process::unit::convert;
 use toolroom_sim::runlog::MachineState;
 
-/// Words and style of each state, in the order of [`MachineState::ALL`].
+/// Words and style of each state, in the order of [`MachineState::ALL`]. What fills most of a shift
+/// is plain, so that the rest stands out.
 fn style(state: MachineState) -> (&'static str, Style) {
     match state {
-        MachineState::Cutting => ("cutting", Style::nth(2)),
-        MachineState::Handling => ("loading, unloading", Style::nth(5).hatch(Hatch::Solid)),
+        MachineState::Cutting => ("cutting", Style::nth(2).hatch(Hatch::Solid)),
+        MachineState::Handling => ("loading, unloading", Style::nth(5).hatch(Hatch::Horizontal)),
         MachineState::Setup => ("setup", Style::nth(3)),
         MachineState::ToolChange => ("tool change", Style::nth(4)),
-        MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Horizontal)),
+        MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Backslash)),
         MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
         MachineState::Idle => ("idle", Style::IDLE),
         MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),
@@ -59,10 +61,8 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
         let (label, style) = style(state);
         chart = chart.kind(label, style);
     }
-    let marks: Vec<_> = MARKS
-        .into_iter()
-        .filter(|(_, events, _)| log.events.iter().any(|row| row.machine.is_some() && events.contains(&row.event)))
-        .collect();
+    let marks: Vec<_> =
+        MARKS.into_iter().filter(|(_, events, _)| log.events.iter().any(|row| events.contains(&row.event))).collect();
     for (label, _, marker) in &marks {
         chart = chart.mark_kind(*label, Style::nth(0).colour(Colour::Ink).marker(*marker));
     }
@@ -74,9 +74,10 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
         };
         chart = chart.interval(row.machine as usize, kind, hours(row.start.max(from)), hours(row.end.min(to)), label);
     }
+    let last_machines = last_machines(log);
     for row in log.events.iter().filter(|row| row.time >= from && row.time <= to) {
         let kind = marks.iter().position(|(_, events, _)| events.contains(&row.event));
-        if let (Some(kind), Some(machine)) = (kind, row.machine) {
+        if let (Some(kind), Some(machine)) = (kind, machine_of(row, &last_machines)) {
             chart = chart.mark(machine as usize, kind, hours(row.time));
         }
     }

@@ -1,7 +1,7 @@
 //! What happens to the edges: wear and speed over the time in cut, and how long edges last.
 
 use super::Source;
-use crate::chart::{Axis, Histogram, Marker, Plot, Style};
+use crate::chart::{Axis, Colour, Histogram, Marker, Plot, Style};
 use crate::figure::plain;
 use crate::kpi;
 use crate::page::{Figure, Section};
@@ -22,7 +22,15 @@ pub(super) fn section(source: &Source<'_>) -> Section {
         section = section.figure(figure);
     }
     let policies = 0..source.comparison.policies.len();
-    for figure in policies.filter_map(|position| fan(source, position)) {
+    // All fans on the same axes, so that they can be compared.
+    let ends = policies.clone().filter_map(|position| source.log(position)).flat_map(|log| {
+        let edges = by_edge(source.scenario, log).into_values().take(MOST_EDGES);
+        edges.filter_map(|passes| Quantity::Wear.line(&passes).last().copied()).collect::<Vec<_>>()
+    });
+    let limits = limits(source, &policies.clone().collect::<Vec<_>>()).into_iter().map(|(_, limit)| (0.0, limit));
+    let (longest, deepest) =
+        ends.chain(limits).fold((0.0, 0.0), |most: (f64, f64), end| (most.0.max(end.0), most.1.max(end.1)));
+    for figure in policies.filter_map(|position| fan(source, position, longest, deepest)) {
         section = section.figure(figure);
     }
     match lives(source) {
@@ -97,8 +105,8 @@ fn same_edge(source: &Source<'_>, quantity: Quantity) -> Option<Figure> {
         }
     }
     let caption = format!(
-        "The first edge of {} in the first replication. Under every policy it has the same hardness of work, the \
-         same scatter of wear and the same resistance to chipping, so the lines differ by speed alone.",
+        "The first edge of {} in the first replication. Under every policy it has the same scatter of wear and the \
+         same resistance to chipping; the workpieces are those that reached the machine.",
         source.scenario.machines[lathe].name
     );
     any.then(|| Figure::new(&chart, caption).data_in("the operations table"))
@@ -130,13 +138,14 @@ fn limits(source: &Source<'_>, positions: &[usize]) -> Vec<(String, f64)> {
 }
 
 /// All edges of a policy with the marks of their ends.
-fn fan(source: &Source<'_>, position: usize) -> Option<Figure> {
+fn fan(source: &Source<'_>, position: usize, longest: f64, deepest: f64) -> Option<Figure> {
     let log = source.log(position)?;
     let edges = by_edge(source.scenario, log);
     let name = source.name(position);
-    let mut chart = Plot::new(format!("Wear of every edge: {name}"), time_axis(), Quantity::Wear.axis())
+    let (time, wear) = (time_axis().range(0.0, 1.02 * longest), Quantity::Wear.axis().range(0.0, 1.05 * deepest));
+    let mut chart = Plot::new(format!("Wear of every edge: {name}"), time, wear)
         .describe(format!("Flank wear against cutting time of each edge of the lathes under {name}."))
-        .height(if position == 0 { 260.0 } else { 200.0 });
+        .height(220.0);
     let mut ends: [Vec<(f64, f64)>; 3] = Default::default();
     for (drawn, (&edge, passes)) in edges.iter().take(MOST_EDGES).enumerate() {
         let line = Quantity::Wear.line(passes);
@@ -148,7 +157,7 @@ fn fan(source: &Source<'_>, position: usize) -> Option<Figure> {
                 Some(_) => ends[0].push(end),
             }
         }
-        chart = chart.line(if drawn == 0 { "edge" } else { "" }, line, Style::nth(0));
+        chart = chart.line(if drawn == 0 { "edge" } else { "" }, line, Style::nth(0).colour(Colour::Grey));
     }
     let marks = [
         ("changed by rule", Style::nth(2).marker(Marker::Circle)),
@@ -171,8 +180,15 @@ fn fan(source: &Source<'_>, position: usize) -> Option<Figure> {
     };
     let caption = format!(
         "{name}, first replication, {which}: {} changed by rule, {} past the wear limit within a pass, {} lost to \
-         chipping or collapse; the others were still in use at the end.",
-        counts[0], counts[1], counts[2]
+         chipping or collapse{}.",
+        counts[0],
+        counts[1],
+        counts[2],
+        if edges.len().min(MOST_EDGES) > counts.iter().sum() {
+            "; the others were still in use at the end"
+        } else {
+            ""
+        }
     );
     (!edges.is_empty()).then(|| Figure::new(&chart, caption).data_in("the operations table"))
 }
