@@ -1,26 +1,29 @@
-//! The event kernel of the shop: a clock, a calendar of typed events, reproducible random streams
-//! and a digest that proves a replay.
+//! The machining shop: an event kernel, scenarios, cutting-speed policies and the log of a run.
 //!
 //! ```text
-//!   (seed, replication)                  scenario
-//!          │                                │
-//!     ┌────▼────┐  draws   ┌────────────────▼───────────────┐  schedule, cancel  ┌─────────────┐
-//!     │ Streams ├─────────►│ the world: plain data, Clone   ├───────────────────►│ Calendar<E> │
-//!     └─────────┘          │ settle(event) … dispatch(now)  │◄───────────────────┤ SimTime now │
-//!                          └────────────────┬───────────────┘   pop_before       └─────────────┘
-//!                                           │ (time, event)
-//!                                       ┌───▼────┐
-//!                                       │ Digest │──► 16 hexadecimal digits
-//!                                       └────────┘
+//!   scenario file ──read──► Scenario ──────────────┬──────────────► ResolvedPolicy
+//!                                                  │                 (a Controller a pass)
+//!   (seed, replication)                            │                        │ speed, edge change
+//!          │                                       ▼                        ▼
+//!     ┌────▼────┐  draws   ┌───────────────────────────────────────────────────┐   ┌────────────────┐
+//!     │ Streams ├─────────►│ Shop: World (jobs, machines, edges) + Calendar    │◄─►│ MachineProcess │
+//!     └─────────┘          │ settle every event of an instant, then dispatch   │   │ turning, …     │
+//!                          └───────┬───────────────────────────┬───────────────┘   └────────────────┘
+//!                                  ▼                           ▼
+//!                               RunLog                      Digest
 //! ```
 //!
 //! | item | what it is |
 //! |---|---|
+//! | [`Scenario`], [`scenario`] | what is simulated, in SI and by index; read from a file |
+//! | [`Shop`], [`shop::run`] | one replication under one policy |
+//! | [`RunLog`] | its tables: passes, edges, jobs, machine states, events |
+//! | [`ResolvedPolicy`], [`Controller`], [`policy`] | who chooses the speed and when an edge is changed |
 //! | [`SimTime`] | seconds since the start: finite, not negative, totally ordered |
 //! | [`Calendar`], [`Class`], [`EventKey`] | pending events in the order (time, class, sequence), with cancellation |
 //! | [`Streams`], [`Entity`], [`Purpose`] | the same entity draws the same numbers under every policy and thread count |
 //! | [`Digest`] | two runs with equal digests went through the same events at the same times |
-//! | [`KernelError`] | what the kernel refuses |
+//! | [`ShopError`], [`KernelError`] | why a run stopped, what the kernel refuses |
 //!
 //! # Event order
 //! All events of one instant are settled before anything is decided at that instant, so that a
@@ -67,6 +70,7 @@
 //! ```
 //!
 //! # What is not modelled
+//! What the shop leaves out is listed in [`shop`], what controllers leave out in [`policy`].
 //! Time has no calendar date, no time zone and no leap seconds. Events of one instant have no
 //! finer order than class and order of scheduling. One run is one thread; replications run side by
 //! side.

@@ -1,8 +1,9 @@
 //! One constant speed.
 
-use super::Believed;
+use super::tool_change::wear_after;
+use super::{Believed, Conditions};
 use crate::scenario::SpeedChoice;
-use toolroom_wear::Objective;
+use toolroom_wear::{Objective, Pair};
 
 /// What an edge change costs on a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +32,8 @@ impl ChangeCost {
     }
 }
 
-/// The speed of a choice, worked out on the believed model, m/s. Without one (milling) only a
-/// given speed can be had.
+/// The speed of a choice, worked out on the believed model, m/s; one that an edge survives which
+/// reaches its wear limit in the middle of a pass. Without a model (milling) only a given speed can be had.
 pub(super) fn speed(choice: SpeedChoice, believed: Option<&Believed>, cost: &ChangeCost) -> Option<f64> {
     let objective = match choice {
         SpeedChoice::Given(speed) => return Some(speed),
@@ -46,5 +47,9 @@ pub(super) fn speed(choice: SpeedChoice, believed: Option<&Believed>, cost: &Cha
         SpeedChoice::BestCost => cost.cost(),
     };
     let believed = believed?;
-    Some(believed.pair.best_constant_speed(&believed.cut, objective).cutting_speed)
+    let mut pair = Pair::clone(&believed.pair);
+    let limit = pair.limits.wear_limit;
+    pair.limits.highest_speed = believed
+        .safe_speed(|speed| wear_after(believed, limit, 1.0, 0.5 * believed.path, &Conditions::constant(speed)));
+    Some(pair.best_constant_speed(&believed.cut, objective).cutting_speed)
 }

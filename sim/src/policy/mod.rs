@@ -119,8 +119,40 @@ struct Believed {
     pair: Arc<Pair>,
     /// Feed and depth as programmed.
     cut: toolroom_wear::Cut,
+    /// Path of the pass as programmed, m.
+    path: f64,
     /// Scatter of the allowance that the observer reckons with, m.
     allowance: f64,
+}
+
+/// Share of the temperature rise that a controller keeps between itself and the collapse of the
+/// edge: two and a half standard deviations of what the hardness of the work adds to it, which
+/// goes with the square root of hardness (assumption).
+const COLLAPSE_MARGIN: f64 = 0.05;
+/// Bisections of the speed of collapse: a millionth of the speed range.
+const BISECTIONS: u32 = 20;
+
+impl Believed {
+    /// The highest speed of the pair's range at which an edge keeps clear of thermal collapse,
+    /// m/s; `flank_wear` is that of the edge at a speed, m.
+    fn safe_speed(&self, flank_wear: impl Fn(f64) -> f64) -> f64 {
+        let (pair, limits) = (&self.pair, &self.pair.limits);
+        let (ambient, collapse) = (pair.temperature.ambient_temperature, pair.temperature.collapse_temperature);
+        let hottest = collapse - COLLAPSE_MARGIN * (collapse - ambient);
+        let safe = |speed: f64| {
+            let contact = pair.contact(&self.cut.at_speed(speed));
+            contact.steady_temperature(flank_wear(speed)) <= hottest
+        };
+        let (mut low, mut high) = (limits.lowest_speed, limits.highest_speed);
+        if safe(high) {
+            return high;
+        }
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            *(if safe(middle) { &mut low } else { &mut high }) = middle;
+        }
+        low
+    }
 }
 
 /// How the speed is found.
@@ -162,7 +194,7 @@ impl Controller {
     }
 
     /// An observer for an edge, where this controller needs one: of a new edge, or of one whose
-    /// flank wear [m] was read just now.
+    /// flank wear, m, was read just now.
     pub fn observer(&self, reading: Option<f64>) -> Option<Observer> {
         let believed = self.believed.as_ref().filter(|_| self.observes)?;
         Some(Observer::new(believed, &self.sensors, reading))
@@ -263,7 +295,7 @@ mod tests {
                 prop_assert!(range.0 <= speed && speed <= range.1, "{:?}: {speed} outside {range:?}", policy.speed);
             }
             prop_assert!(conditions.duration(path) > 0.0);
-            controller.change_due(&seen, &conditions);
+            controller.change_due(&seen, &conditions, conditions.duration(path));
         }
     }
 }

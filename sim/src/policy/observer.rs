@@ -27,7 +27,7 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// For a new edge, or for one whose flank wear [m] was read.
+    /// For a new edge, or for one whose flank wear, m, was read.
     pub(super) fn new(believed: &Believed, sensors: &SensorSheet, reading: Option<f64>) -> Self {
         let defaults = ObserverNoise::default();
         let noise = ObserverNoise {

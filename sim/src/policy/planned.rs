@@ -31,7 +31,10 @@ pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, mode: SpeedMode)
     let flank_wear = seen.flank_wear().unwrap_or(0.0);
     let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
     let plan = pair.plan_pass(cut, flank_wear, seen.path, mode, &ramp_limits(pair), last_speed);
-    Conditions { start_speed: plan.start_speed, end_speed: plan.end_speed }
+    Conditions {
+        start_speed: plan.start_speed.min(believed.safe_speed(|_| flank_wear)),
+        end_speed: plan.end_speed.min(believed.safe_speed(|_| flank_wear + plan.wear_increment)),
+    }
 }
 
 fn ramp_limits(pair: &Pair) -> RampLimits {

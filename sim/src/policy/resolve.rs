@@ -206,6 +206,6 @@ fn believe(
     let limits = &mut pair.limits;
     limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
     limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
-    let cut = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
-    Ok(Believed { pair: Arc::new(pair), cut, allowance: tool.scatter.allowance })
+    let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
+    Ok(Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance: tool.scatter.allowance })
 }

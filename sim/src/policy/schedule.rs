@@ -9,7 +9,10 @@ const ENTRIES: usize = 60;
 /// Tabulates the speed of least wear on the believed model.
 pub(super) fn tabulate(believed: &Believed) -> SpeedSchedule {
     let pair = &believed.pair;
-    let speed = |flank_wear: f64| pair.limits.clip(pair.minimum_wear_speed(&believed.cut, flank_wear));
+    let speed = |flank_wear: f64| {
+        let least_wear = pair.minimum_wear_speed(&believed.cut, flank_wear);
+        pair.limits.clip(least_wear).min(believed.safe_speed(|_| flank_wear))
+    };
     SpeedSchedule::tabulate(pair, speed, &believed.cut, ENTRIES)
 }
 

@@ -19,13 +19,13 @@ pub enum ChangeRule {
 const STEPS: u32 = 8;
 
 impl Controller {
-    /// Whether the edge is changed before the pass that was just planned. [`ChangeRule::WearLimit`]
-    /// is decided by the reading after a pass.
-    pub fn change_due(&self, seen: &Observation<'_>, planned: &Conditions) -> bool {
+    /// Whether the edge is changed before the pass that was just planned and takes `duration`
+    /// seconds. [`ChangeRule::WearLimit`] is decided by the reading after a pass.
+    pub fn change_due(&self, seen: &Observation<'_>, planned: &Conditions, duration: f64) -> bool {
         match self.change {
             ChangeRule::WearLimit(_) => false,
             ChangeRule::PartCount(parts) => seen.edge_parts >= parts,
-            ChangeRule::CuttingTime(time) => seen.edge_time + planned.duration(seen.path) > time,
+            ChangeRule::CuttingTime(time) => seen.edge_time + duration > time,
             ChangeRule::Predicted(limit) => {
                 let (Some(believed), Some(flank_wear)) = (&self.believed, seen.flank_wear()) else { return false };
                 let factor = seen.observer.map_or(1.0, Observer::wear_factor);
@@ -36,7 +36,7 @@ impl Controller {
 }
 
 /// Flank wear after a planned pass on the believed model, m; `factor` is that of the edge.
-fn wear_after(believed: &Believed, flank_wear: f64, factor: f64, path: f64, planned: &Conditions) -> f64 {
+pub(super) fn wear_after(believed: &Believed, flank_wear: f64, factor: f64, path: f64, planned: &Conditions) -> f64 {
     let duration = planned.duration(path);
     let step = duration / f64::from(STEPS);
     let acceleration = (planned.end_speed - planned.start_speed) / duration;

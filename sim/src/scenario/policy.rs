@@ -48,7 +48,9 @@ pub enum SpeedRule {
     Oracle,
 }
 
-/// A constant speed and what it is best for.
+/// A constant speed and what it is best for, on the believed model of an edge in continuous cut.
+/// Speeds at which an edge that reaches its wear limit in the middle of a pass would collapse
+/// are left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpeedChoice {
     /// Given, m/s.

@@ -70,7 +70,7 @@ use toolroom_wear::PairScatter;
 
 /// Events at one instant after which the shop counts as stuck. A real shop settles an instant
 /// in a few events a machine and job.
-const STUCK_EVENTS: u64 = 10_000_000;
+const STUCK_EVENTS: u64 = 1_000_000;
 
 /// One replication of a scenario under one policy.
 ///
@@ -96,6 +96,15 @@ pub struct Shop<'a, R = RunLog> {
 ///
 /// # Errors
 /// [`ShopError`], with time, machine and operation where a process model refused.
+///
+/// # Examples
+/// ```
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/demo.toml");
+/// let scenario = toolroom_sim::scenario::file::read(file.as_ref(), &[]).unwrap().scenario;
+/// let log = toolroom_sim::shop::run(&scenario, 0, 0).unwrap();
+/// assert_eq!(log.horizon, scenario.horizon);
+/// assert!(log.passes.len() > 1000);
+/// ```
 pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
     Shop::new(scenario, policy, replication)?.run()
 }

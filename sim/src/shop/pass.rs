@@ -128,8 +128,19 @@ impl<R: Recorder> Shop<'_, R> {
             true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
         };
         let conditions = controller.choose(&seen);
-        let mut duration = conditions.duration(seen.path);
-        if edge.row.passes > 0 && controller.change_due(&seen, &conditions) {
+        let tool = &self.scenario.tools[place.tool];
+        let tool_plan = &self.layout.tools[place.tool];
+        let mut input = tool_plan.cut_input(cut);
+        write(&mut input, ports.cutting_speed, conditions.start_speed);
+        let duration = if ports.feed_rate.is_some() {
+            cut_duration(cut, &tool.process, tool_plan, &input) * task.share_left
+        } else {
+            let duration = conditions.duration(seen.path);
+            let change = conditions.end_speed - conditions.start_speed;
+            write(&mut input, ports.cutting_acceleration, if change == 0.0 { 0.0 } else { change / duration });
+            duration
+        };
+        if edge.row.passes > 0 && controller.change_due(&seen, &conditions, duration) {
             edge.spent = Some(ChangeReason::Rule);
             self.begin_change(machine);
             return Ok(());
@@ -137,21 +148,11 @@ impl<R: Recorder> Shop<'_, R> {
         if let (Some(observer), Some(cut)) = (&mut edge.observer, controller.nominal_cut()) {
             observer.begin_pass(cut);
         }
-        let tool = &self.scenario.tools[place.tool];
         let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
         let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut);
-        let mut input = self.layout.tools[place.tool].cut_input(cut);
-        write(&mut input, ports.cutting_speed, conditions.start_speed);
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
         edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
-        if ports.feed_rate.is_some() {
-            duration = cut_duration(cut, &tool.process, &self.layout.tools[place.tool], &input) * task.share_left;
-        } else {
-            let change = conditions.end_speed - conditions.start_speed;
-            let acceleration = if change == 0.0 { 0.0 } else { change / duration };
-            write(&mut input, ports.cutting_acceleration, acceleration);
-        }
         task.step = Step::Pass;
         task.left = duration;
         state.segment.start_input = input;

@@ -183,6 +183,23 @@ fn productivity_makes_more_parts_than_least_wear() {
 }
 
 #[test]
+fn the_fastest_policies_keep_clear_of_thermal_collapse() {
+    let mut shop = turning(Scatter { batch_hardness: 0.03, piece_hardness: 0.02, ..Scatter::none() }, 1000);
+    let mut collapsed = |speed: SpeedRule| {
+        shop.policies[0].speed = speed;
+        let log = run(&shop, 0, 0).unwrap();
+        let collapsed = log.edges.iter().filter(|edge| edge.reason == ChangeReason::ThermalCollapse).count();
+        assert!(log.edges.len() > 30);
+        collapsed as f64 / log.edges.len() as f64
+    };
+    // 64 m/min has the best rate on paper; long before a pass is over, the worn edge is gone.
+    let fast = collapsed(SpeedRule::Constant(SpeedChoice::Given(64.0 / 60.0)));
+    let constant = collapsed(SpeedRule::Constant(SpeedChoice::BestRate));
+    let adaptive = collapsed(SpeedRule::Productivity { price: None });
+    assert!(fast > 0.8 && constant < 0.25 && adaptive < 0.05, "{fast}, {constant}, {adaptive}");
+}
+
+#[test]
 fn a_wrong_model_costs_path() {
     let mut shop = turning(Scatter::none(), 30);
     let path = |shop: &Scenario| lives(&run(shop, ORACLE, 0).unwrap())[0].1;

@@ -139,6 +139,10 @@ fn a_milling_pass_lasts_its_way_over_the_feed_rate() {
     assert!(log.edges.len() > 1);
     assert_eq!(f64::from(log.edges[0].passes), (life / duration).ceil());
     assert_eq!(log.edges[0].reason, ChangeReason::WearLimit);
+    // A rule on cutting time counts that time.
+    shop.policies[0].tool_change = ToolChangeRule::CuttingTime { time: 3.5 * duration };
+    let log = run(&shop);
+    assert!(log.edges.len() > 3 && log.edges[0].passes == 3 && log.edges[1].passes == 3);
 }
 
 #[test]
