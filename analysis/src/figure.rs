@@ -9,6 +9,7 @@ use toolroom_sim::scenario::Scenario;
 /// than four decimals.
 pub(crate) fn decimals(value: f64, half_width: f64) -> usize {
     const MOST: f64 = 4.0;
+    let half_width = if is_noise(value, half_width) { 0.0 } else { half_width };
     let (size, digits) = if half_width > 0.0 && half_width.is_finite() {
         let lead = half_width / 10_f64.powf(half_width.log10().floor());
         (half_width, if lead < 4.95 { 2.0 } else { 1.0 })
@@ -22,6 +23,11 @@ pub(crate) fn decimals(value: f64, half_width: f64) -> usize {
         (value.abs(), 4.0)
     };
     (digits - 1.0 - size.log10().floor()).clamp(0.0, MOST) as usize
+}
+
+/// Whether an uncertainty is nothing but rounding.
+pub(crate) fn is_noise(value: f64, half_width: f64) -> bool {
+    half_width <= 1e-9 * value.abs()
 }
 
 /// A number; `–` where it is not defined.
@@ -81,6 +87,7 @@ mod tests {
 
     #[test]
     fn what_does_not_vary_is_printed_as_it_is() {
+        assert_eq!(plain(8.000_000_000_1, decimals(8.000_000_000_1, 1e-10)), "8");
         for (value, text) in [(0.0, "0"), (8.0, "8"), (0.25, "0.25"), (1.0 / 3.0, "0.3333"), (-1.5, "−1.5")] {
             assert_eq!(plain(value, decimals(value, 0.0)), text);
         }

@@ -2,7 +2,7 @@
 
 use super::Source;
 use crate::chart::{Cell, Table};
-use crate::figure::{decimals, label, plain, shown};
+use crate::figure::{decimals, is_noise, label, plain, shown};
 use crate::page::Section;
 
 /// Policies side by side in one table; more do not fit the page.
@@ -22,7 +22,8 @@ pub(super) fn section(source: &Source<'_>) -> Section {
                 let value = shown(kpi, &policy.kpis[index]);
                 let digits = decimals(value.mean, value.half_width);
                 let mean = plain(value.mean, digits);
-                let interval = (value.half_width > 0.0).then(|| format!(" ±{}", plain(value.half_width, digits)));
+                let varies = value.half_width.is_finite() && !is_noise(value.mean, value.half_width);
+                let interval = varies.then(|| format!(" ±{}", plain(value.half_width, digits)));
                 Cell::Text(mean + &interval.unwrap_or_default())
             });
             table.push(std::iter::once(Cell::Text(label(source.scenario, kpi))).chain(cells));
