@@ -52,7 +52,8 @@ impl Failure {
                 }
                 let count = list.problems.len();
                 let plural = if count == 1 { "" } else { "s" };
-                voice.error(format_args!("{count} problem{plural} in {}; `toolroom explain CODE` says more", list.file));
+                voice
+                    .error(format_args!("{count} problem{plural} in {}; `toolroom explain CODE` says more", list.file));
                 ExitCode::from(2)
             }
             Self::Scenario(error) => self.plain(voice, error, None, 2),
@@ -60,8 +61,10 @@ impl Failure {
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Interrupted { replications, path } => {
                 let plural = if *replications == 1 { " is" } else { "s are" };
-                let message =
-                    format!("interrupted: {replications} replication{plural} complete and written to {}", path.display());
+                let message = format!(
+                    "interrupted: {replications} replication{plural} complete and written to {}",
+                    path.display()
+                );
                 self.plain(voice, message, None, 1)
             }
             Self::Unwritable { path, source } => {

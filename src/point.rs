@@ -43,7 +43,8 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
         PointProcess::Infeed => {
             let set = args.tool.as_deref().unwrap_or("zb153u_40kh");
             let parameters = Parameters::named(set).map_err(|error| Failure::argument(error, "give --tool SET"))?;
-            let mut infeed = Infeed::new(parameters, effects).map_err(|error| Failure::argument(error, "see toolroom effects"))?;
+            let mut infeed =
+                Infeed::new(parameters, effects).map_err(|error| Failure::argument(error, "see toolroom effects"))?;
             evaluate(&mut infeed, toolroom_infeed::Input::default(), args)?.0
         }
     };
@@ -182,14 +183,16 @@ fn evaluate<P: Process>(
     for (key, value) in changes.iter().filter(|(key, _)| !key.contains('.')) {
         if !assign(&mut input, key, value)? && !assign(&mut state, key, value)? {
             let names = P::Input::FIELDS.iter().chain(P::State::FIELDS).map(|field| field.name).collect::<Vec<_>>();
-            let near = nearest(key, names.iter().copied()).map_or(String::new(), |near| format!("did you mean `{near}`? "));
+            let near =
+                nearest(key, names.iter().copied()).map_or(String::new(), |near| format!("did you mean `{near}`? "));
             let help = format!("{near}inputs and states: {}; parameters as group.name", names.join(", "));
             return Err(Failure::argument(format_args!("{} has no input or state `{key}`", P::NAME), help));
         }
     }
     let mut event = None;
     if let Some(time) = &args.advance {
-        let time = unit::quantity(time, "s").map_err(|error| Failure::argument(format_args!("--advance: {error}"), "--advance \"10 s\""))?;
+        let time = unit::quantity(time, "s")
+            .map_err(|error| Failure::argument(format_args!("--advance: {error}"), "--advance \"10 s\""))?;
         let advance = process
             .advance(&mut state, &input, time)
             .map_err(|error| Failure::argument(format_args!("--advance: {error}"), "see the ranges above"))?;
@@ -197,13 +200,8 @@ fn evaluate<P: Process>(
         event = advance.event;
     }
     let output = process.output(&state, &input);
-    let point = Point {
-        process: P::NAME,
-        inputs: values(&input),
-        state: values(&state),
-        outputs: values(&output),
-        event,
-    };
+    let point =
+        Point { process: P::NAME, inputs: values(&input), state: values(&state), outputs: values(&output), event };
     Ok((point, input, state))
 }
 

@@ -62,7 +62,9 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     };
     let study = &recorded.study;
     if study.replications == 0 {
-        return Err(Failure::Work { message: "interrupted before the first replication; nothing was written".to_owned() });
+        return Err(Failure::Work {
+            message: "interrupted before the first replication; nothing was written".to_owned(),
+        });
     }
     let target = out.publish()?;
     let events: u64 = study.first_logs.iter().map(|log| log.calendar_events).sum();

@@ -19,7 +19,10 @@ const MOST: usize = 1000;
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     let [key, low, high, step] = args.sweep.as_slice() else {
-        return Err(Failure::argument("a sweep takes KEY LO HI STEP", "-P machine.L.tool_change_time \"1 min\" \"5 min\" \"1 min\""));
+        return Err(Failure::argument(
+            "a sweep takes KEY LO HI STEP",
+            "-P machine.L.tool_change_time \"1 min\" \"5 min\" \"1 min\"",
+        ));
     };
     let values = values(low, high, step)?;
     let stop = stop::on_interrupt()?;
@@ -74,7 +77,9 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     }
     match interrupted {
         None => Ok(()),
-        Some(_) => Err(Failure::Work { message: format!("interrupted: {} of {} points are complete", points.len(), values.len()) }),
+        Some(_) => Err(Failure::Work {
+            message: format!("interrupted: {} of {} points are complete", points.len(), values.len()),
+        }),
     }
 }
 

@@ -45,8 +45,11 @@ fn table(claims: &[(&str, Claim)]) -> String {
             let _ = write!(text, "\n{model}");
         }
         last = model;
-        let within =
-            if claim.published == 0.0 { significant(claim.tolerance) } else { format!("{} %", significant(100.0 * claim.tolerance)) };
+        let within = if claim.published == 0.0 {
+            significant(claim.tolerance)
+        } else {
+            format!("{} %", significant(100.0 * claim.tolerance))
+        };
         let mark = if claim.pass() { "" } else { "   DOES NOT HOLD" };
         let _ = write!(
             text,

@@ -45,6 +45,22 @@ fn shipped(name: &str) -> String {
     format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
+/// A study that takes a fraction of a second.
+fn quick(verb: &str, out: &Path, more: &[&str]) -> Output {
+    let (path, out) = (shipped("template"), out.display().to_string());
+    let mut arguments = vec![verb, &path, "--set", "shop.horizon=6 h", "--replications", "3", "--out", &out];
+    arguments.extend(["--policy", "constant", "--policy", "best constant"]);
+    arguments.extend(more);
+    toolroom(&arguments)
+}
+
+fn names(dir: &Path) -> Vec<String> {
+    let entries = fs::read_dir(dir).expect("a directory").map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
 const SHIPPED: [&str; 6] =
     ["template", "demo", "constant-vs-adaptive", "steel-shafts", "adverse", "grinder-bottleneck"];
 
@@ -111,7 +127,11 @@ fn encodings_are_named() {
     assert!(stderr(&wide).contains("UTF-16"), "{}", stderr(&wide));
     let cyrillic = toolroom(&["check", &file("cp1251", b"schema = 1\n# \xD6\xE5\xF5\n")]);
     assert_eq!(cyrillic.status.code(), Some(2));
-    assert!(stderr(&cyrillic).contains(":2:3: ") && stderr(&cyrillic).contains("Windows-1251"), "{}", stderr(&cyrillic));
+    assert!(
+        stderr(&cyrillic).contains(":2:3: ") && stderr(&cyrillic).contains("Windows-1251"),
+        "{}",
+        stderr(&cyrillic)
+    );
 }
 
 #[test]
@@ -146,7 +166,17 @@ fn new_writes_a_valid_scenario_and_never_overwrites() {
 
 #[test]
 fn point_meets_the_reference_numbers_of_turning() {
-    let arguments = ["point", "turning", "--tool", "ni_vk6om", "--set", "cutting_speed=40 m/min", "--set", "flank_wear=0.2 mm", "--json"];
+    let arguments = [
+        "point",
+        "turning",
+        "--tool",
+        "ni_vk6om",
+        "--set",
+        "cutting_speed=40 m/min",
+        "--set",
+        "flank_wear=0.2 mm",
+        "--json",
+    ];
     let result = json(&toolroom(&arguments));
     assert_eq!(result["schema"], 1);
     assert_eq!(result["inputs"]["cutting_speed [m/min]"], 40.0);
@@ -167,9 +197,11 @@ fn point_meets_the_reference_numbers_of_turning() {
 #[test]
 fn point_takes_effects_and_refuses_slips() {
     let plain = json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--json"]));
-    let worn = json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--effect", "wear_force=0.2", "--json"]));
+    let worn =
+        json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--effect", "wear_force=0.2", "--json"]));
     assert!(worn["outputs"]["cutting_force [N]"].as_f64() > plain["outputs"]["cutting_force [N]"].as_f64());
-    let none = json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--effect", "wear_force=0", "--json"]));
+    let none =
+        json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--effect", "wear_force=0", "--json"]));
     let close = |key: &str| {
         let of = |result: &Value| result["outputs"][key].as_f64().expect("a number");
         assert!((of(&none) / of(&plain) - 1.0).abs() < 1e-7, "{key}");
@@ -208,4 +240,175 @@ fn help_leads_with_examples() {
         let help = toolroom(&[verb, "--help"]);
         assert!(stdout(&help).starts_with("Examples:"), "{verb}");
     }
+}
+
+#[test]
+fn compare_prints_the_table_and_leaves_a_complete_directory() {
+    let dir = directory("compare");
+    let out = dir.join("result");
+    let output = quick("compare", &out, &[]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = stdout(&output);
+    for expected in ["parts / shift", "cost / part", "cell gain", "shop gain", "bottleneck"] {
+        assert!(table.contains(expected), "{expected} in\n{table}");
+    }
+    assert!(stderr(&output).contains("toolroom report --open"));
+    assert_eq!(names(&dir), ["result"], "no draft is left");
+    let files = [
+        "events.parquet",
+        "jobs.parquet",
+        "kpi.csv",
+        "operations.parquet",
+        "report.html",
+        "run.json",
+        "states.parquet",
+        "summary.json",
+        "tools.parquet",
+        "trace.json",
+    ];
+    assert_eq!(names(&out), files);
+    let run: Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("run.json")).expect("JSON");
+    assert_eq!((&run["complete"], &run["replications"], &run["schema"]), (&true.into(), &3.into(), &1.into()));
+    let again = quick("compare", &out, &["--json", "--quiet"]);
+    let summary = json(&again);
+    assert!(stderr(&again).is_empty(), "{}", stderr(&again));
+    for key in [
+        "seed",
+        "replications",
+        "policies",
+        "differences",
+        "cell_gain",
+        "shop_gain",
+        "cutting_share",
+        "bottleneck",
+        "digest",
+    ] {
+        assert!(!summary[key].is_null(), "{key}");
+    }
+    for key in ["parts_per_shift", "cost_per_part", "edges_per_100_parts", "oee"] {
+        let value = &summary["policies"][0]["kpi"][key];
+        assert!(value["mean"].is_f64() && value["ci95"][1].is_f64(), "{key}: {value}");
+    }
+    assert_eq!(summary["policies"][1]["name"], "best constant");
+    assert_eq!(names(&dir), ["result"], "the second run took the place of the first");
+}
+
+#[test]
+fn run_writes_csv_and_report_and_diff_read_it_again() {
+    let dir = directory("run");
+    let (one, two) = (dir.join("one"), dir.join("two"));
+    assert_eq!(quick("run", &one, &["--format", "csv"]).status.code(), Some(0));
+    let jobs = fs::read_to_string(one.join("jobs.csv")).expect("a log table");
+    assert!(jobs.lines().next().is_some_and(|header| header.contains("arrival [min]")), "{jobs}");
+    assert!(jobs.lines().any(|line| line.starts_with("best constant,2,")), "all replications are logged");
+    assert_eq!(quick("run", &two, &["--seed", "9", "--logged", "0"]).status.code(), Some(0));
+    assert!(!two.join("jobs.parquet").exists());
+    let (one, two) = (one.display().to_string(), two.display().to_string());
+    let report = toolroom(&["report", &one]);
+    assert!(stdout(&report).trim().ends_with("report.html"), "{}", stderr(&report));
+    assert_eq!(json(&toolroom(&["diff", &one, &one, "--json"]))["identical"], true);
+    let difference = json(&toolroom(&["diff", &one, &two, "--json"]));
+    assert_eq!(difference["identical"], false);
+    assert!(difference["differences"].as_array().is_some_and(|list| !list.is_empty()));
+    assert!(stdout(&toolroom(&["diff", &one, &two])).contains("parts_per_shift"));
+    let missing = toolroom(&["diff", &one, "/nowhere"]);
+    assert_eq!(missing.status.code(), Some(2), "{}", stderr(&missing));
+}
+
+#[test]
+fn what_cannot_be_written_is_told_before_any_work() {
+    let dir = directory("unwritable");
+    fs::write(dir.join("file"), "x").expect("writable");
+    fs::create_dir(dir.join("mine")).expect("writable");
+    fs::write(dir.join("mine/thesis.txt"), "x").expect("writable");
+    for place in ["file", "file/below", "mine"] {
+        let output = quick("compare", &dir.join(place), &[]);
+        assert_eq!(output.status.code(), Some(2), "{place}: {}", stderr(&output));
+        assert!(stdout(&output).is_empty(), "{place}");
+    }
+    assert_eq!(names(&dir), ["file", "mine"]);
+    assert_eq!(names(&dir.join("mine")), ["thesis.txt"]);
+}
+
+#[test]
+fn a_study_of_nothing_is_an_input_error() {
+    let out = directory("nothing").join("out");
+    let path = shipped("template");
+    let out_name = out.display().to_string();
+    let with = |more: &[&str]| toolroom(&[&["compare", &path, "--out", &out_name], more].concat());
+    for (more, told) in [
+        (&["--replications", "0"][..], "--replications"),
+        (&["--set", "shop.replications=0"], "1 to 1000000"),
+        (&["--policy", "adaptvie"], "did you mean \"adaptive\"?"),
+        (&["--policy", "constant"], "only one policy"),
+        (&["--set", "machine.L.tool_change_time=2"], "has no unit"),
+        (&["--set", "machine.M.rate=2 EUR/h"], "is not in the scenario"),
+        (&["--until", "often"], "half-width 2%"),
+        (&["-P", "shop.seed", "1", "3", "0"], "STEP is positive"),
+    ] {
+        let output = with(more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(told), "{more:?}: {}", stderr(&output));
+    }
+    assert!(!out.exists());
+}
+
+#[test]
+fn a_sweep_gives_a_comparison_at_every_value() {
+    let out = directory("sweep").join("out");
+    let sweep = ["-P", "machine.L.tool_change_time", "1 min", "2 min", "1 min"];
+    let result = json(&quick("compare", &out, &[&sweep[..], &["--json"]].concat()));
+    let points = result["points"].as_array().expect("points");
+    assert_eq!(points.iter().map(|point| point["value"].as_str()).collect::<Vec<_>>(), [Some("1 min"), Some("2 min")]);
+    assert!(points[0]["summary"]["digest"] != points[1]["summary"]["digest"]);
+}
+
+#[test]
+fn precision_stops_a_study_early() {
+    let out = directory("until").join("out");
+    let (path, out) = (shipped("template"), out.display().to_string());
+    let until = ["--until", "half-width 90%", "--replications", "400", "--json"];
+    let policies = ["--policy", "constant", "--policy", "best constant", "--set", "shop.horizon=6 h"];
+    let result = json(&toolroom(&[&["compare", &path, "--out", &out][..], &until, &policies].concat()));
+    assert_eq!(result["complete"], true);
+    let replications = result["replications"].as_u64().expect("a count");
+    assert!((8..400).contains(&replications), "{replications}");
+}
+
+/// Ctrl-C as the terminal sends it, `seconds` after the start of an endless study.
+#[cfg(unix)]
+fn interrupted_after(seconds: u64, out: &Path) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["compare", &shipped("template"), "--replications", "100000", "--logged", "0", "--out"])
+        .arg(out)
+        .args(["--policy", "constant", "--policy", "best constant", "--set", "shop.horizon=6 h"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the binary runs");
+    std::thread::sleep(std::time::Duration::from_secs(seconds));
+    let interrupt = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    assert!(interrupt.success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_keeps_what_is_complete() {
+    let dir = directory("interrupt");
+    let out = dir.join("out");
+    // A busy machine may need longer for its first replications; until then nothing is written.
+    for seconds in [1, 4, 16, 64] {
+        interrupted_after(seconds, &out);
+        if out.exists() {
+            break;
+        }
+        assert!(names(&dir).is_empty(), "no draft is left");
+    }
+    let run: Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("run.json")).expect("JSON");
+    assert_eq!(run["complete"], false);
+    let done = run["replications"].as_u64().expect("a count");
+    assert!((1..100_000).contains(&done), "{done}");
+    let report = toolroom(&["report", &out.display().to_string()]);
+    assert!(stderr(&report).contains("interrupted"), "{}", stderr(&report));
 }
