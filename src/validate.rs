@@ -11,6 +11,7 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     let mut claims: Vec<(&str, Claim)> = Vec::new();
     let wear = toolroom_wear::claims().map_err(|error| Failure::Work { message: format!("wear: {error}") })?;
     claims.extend(wear.into_iter().map(|claim| ("wear", claim)));
+    claims.extend(toolroom_cutting::milling::claims().into_iter().map(|claim| ("milling", claim)));
     let infeed = toolroom_infeed::claims().map_err(|error| Failure::Work { message: format!("infeed: {error}") })?;
     claims.extend(infeed.into_iter().map(|claim| ("infeed", claim)));
     let failed = claims.iter().filter(|(_, claim)| !claim.pass()).count();

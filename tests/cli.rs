@@ -223,6 +223,25 @@ fn point_takes_effects_and_refuses_slips() {
 }
 
 #[test]
+fn every_published_number_is_met_or_named() {
+    let output = toolroom(&["validate", "--json"]);
+    let claims: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let claims = claims.as_array().expect("a list");
+    for model in ["wear", "milling", "infeed"] {
+        assert!(claims.iter().any(|claim| claim["model"] == model), "{model}");
+    }
+    for claim in claims {
+        let (published, computed) = (claim["published"].as_f64(), claim["computed"].as_f64());
+        let (Some(published), Some(computed)) = (published, computed) else { panic!("{claim}") };
+        let scale = if published == 0.0 { 1.0 } else { published.abs() };
+        let within = (computed - published).abs() <= claim["tolerance"].as_f64().expect("a number") * scale;
+        assert_eq!(claim["pass"], within, "{claim}");
+    }
+    let failed = claims.iter().any(|claim| claim["pass"] != true);
+    assert_eq!(output.status.code(), Some(i32::from(failed)));
+}
+
+#[test]
 fn explain_knows_its_codes_and_effects_its_catalogue() {
     assert!(stdout(&toolroom(&["explain", "quantity"])).contains("m/min"));
     assert_eq!(toolroom(&["explain", "nonsense"]).status.code(), Some(2));
