@@ -50,20 +50,10 @@ pub trait Record: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
     ///
     /// # Shape
     /// `values` holds [`Record::LEN`] SI numbers; missing ones keep their start value.
-    fn from_slice(values: &[f64]) -> Self {
-        let mut record = Self::default();
-        for (i, value) in values.iter().enumerate().take(Self::LEN) {
-            record.set(i, *value);
-        }
-        record
-    }
+    fn from_slice(values: &[f64]) -> Self;
 
     /// Writes the elements to `values`, as many as fit.
-    fn write_to(&self, values: &mut [f64]) {
-        for (i, slot) in values.iter_mut().enumerate().take(Self::LEN) {
-            *slot = self.get(i).unwrap_or(f64::NAN);
-        }
-    }
+    fn write_to(&self, values: &mut [f64]);
 }
 
 /// The object-safe face of [`Record`], for groups of parameters of different records.
@@ -93,12 +83,32 @@ impl<R: Record> AnyRecord for R {
 pub trait Slots {
     fn slots(&self) -> &[f64];
     fn slots_mut(&mut self) -> &mut [f64];
+
+    /// Takes as many elements from the front of `values` as there are, and hands back the rest.
+    #[inline]
+    fn read<'a>(&mut self, values: &'a [f64]) -> &'a [f64] {
+        let slots = self.slots_mut();
+        let count = slots.len().min(values.len());
+        slots[..count].copy_from_slice(&values[..count]);
+        &values[count..]
+    }
+
+    /// Writes to the front of `values` what fits, and hands back the rest.
+    #[inline]
+    fn write<'a>(&self, values: &'a mut [f64]) -> &'a mut [f64] {
+        let slots = self.slots();
+        let count = slots.len().min(values.len());
+        values[..count].copy_from_slice(&slots[..count]);
+        &mut values[count..]
+    }
 }
 
 impl Slots for f64 {
+    #[inline]
     fn slots(&self) -> &[f64] {
         std::slice::from_ref(self)
     }
+    #[inline]
     fn slots_mut(&mut self) -> &mut [f64] {
         std::slice::from_mut(self)
     }
@@ -209,6 +219,21 @@ macro_rules! record {
                 }
             } ),* ];
             const LEN: usize = 0 $( + $crate::__record_len!($($($len)?)?) )*;
+
+            // One pass over the fields; element by element would look each one up.
+            fn from_slice(values: &[f64]) -> Self {
+                let mut record = Self::default();
+                let mut rest = values;
+                $( rest = $crate::Slots::read(&mut record.$field, rest); )*
+                let _ = rest;
+                record
+            }
+
+            fn write_to(&self, values: &mut [f64]) {
+                let mut rest = values;
+                $( rest = $crate::Slots::write(&self.$field, rest); )*
+                let _ = rest;
+            }
 
             #[allow(unused_assignments)]
             fn get(&self, i: usize) -> Option<f64> {
