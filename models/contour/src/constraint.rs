@@ -86,6 +86,11 @@ pub struct Ratios(pub(crate) [f64; 12]);
 /// Rounding that an admissible ratio may show above 1.
 pub(crate) const FEASIBILITY: f64 = 1.0 + 1e-12;
 
+/// Whether a ratio breaks its constraint; one that is not a number does.
+pub(crate) fn exceeds(ratio: f64) -> bool {
+    ratio.is_nan() || ratio > FEASIBILITY
+}
+
 impl Ratios {
     /// Value over limit of one constraint.
     pub fn of(&self, constraint: Constraint) -> f64 {
@@ -99,7 +104,7 @@ impl Ratios {
 
     /// Constraints that are not met.
     pub fn violated(&self) -> impl Iterator<Item = Constraint> {
-        self.iter().filter(|(_, ratio)| !(*ratio <= FEASIBILITY)).map(|(constraint, _)| constraint)
+        self.iter().filter(|(_, ratio)| exceeds(*ratio)).map(|(constraint, _)| constraint)
     }
 
     /// Whether all are met.

@@ -49,7 +49,7 @@ impl Contour {
     pub fn admits(&self, cutter_radius: f64) -> Result<(), ContourError> {
         for (i, section) in self.sections.iter().enumerate() {
             if let Shape::Concave(radius) = self.shape(section)
-                && !(cutter_radius < radius)
+                && cutter_radius >= radius
             {
                 return Err(ContourError::CutterTooLarge { section: i, radius, cutter_radius });
             }

@@ -61,10 +61,15 @@ impl Planner<'_> {
             changed: false,
             from: 0,
         };
+        // Edges wear in the order of travel.
+        let mut travel: Vec<usize> = (0..self.len()).collect();
+        if self.backwards() {
+            travel.reverse();
+        }
         let mut layers: Vec<Vec<Label>> = vec![vec![start]];
-        for i in 0..self.len() {
+        for (step, i) in travel.iter().copied().enumerate() {
             let length = self.centre_length(i);
-            let before = &layers[i];
+            let before = &layers[step];
             let mut layer = Vec::new();
             for (gear, candidates) in by_wall[self.wall_of(i)].iter().enumerate() {
                 let mut labels = Vec::new();
@@ -109,16 +114,16 @@ impl Planner<'_> {
             }
         }
         let wasted_life = last[at].wasted;
-        let (mut settings, mut edge_changes) = (Vec::with_capacity(self.len()), Vec::new());
-        for (i, layer) in layers.iter().enumerate().skip(1).rev() {
+        let mut settings = vec![self.setting(0, 0); self.len()];
+        let mut edge_changes = Vec::new();
+        for (layer, i) in layers[1..].iter().zip(&travel).rev() {
             let label = layer[at];
-            settings.push(self.setting(label.gear, label.feed));
+            settings[*i] = self.setting(label.gear, label.feed);
             if label.changed {
-                edge_changes.push(i - 1);
+                edge_changes.push(*i);
             }
             at = label.from;
         }
-        settings.reverse();
         edge_changes.reverse();
         Ok(self.assemble(&settings, Extras { edge_changes, wasted_life, ..Extras::default() }))
     }

@@ -139,6 +139,22 @@ pub enum ContourError {
         /// What is wrong.
         reason: UnitError,
     },
+    /// A key that a group does not have.
+    #[error("[{group}] has no `{key}`; it has {known}")]
+    UnknownKey {
+        /// Group.
+        group: &'static str,
+        /// Key read.
+        key: String,
+        /// Keys that exist.
+        known: String,
+    },
+    /// A quantity that must be above zero.
+    #[error("`{key}` must be greater than zero")]
+    NotPositive {
+        /// Key.
+        key: &'static str,
+    },
     /// A section that is none of the known forms.
     #[error(
         "a section is one of `line`, `line_to`, `arc` with `radius`, `arc_to` with `center` or `radius` and `direction`, `spline_to`, `lobed`; this one has {read}"
@@ -159,11 +175,14 @@ pub enum ContourError {
     #[error("there is no pass; add [[pass]]")]
     NoPass,
     /// A G-code word that a contour cannot contain.
-    #[error("{word} is not supported in a contour; there are G0 to G3, G17, G20, G21, G40 to G42, G90, G91, G94")]
+    #[error("{word} is not supported in a contour; there are G0 to G3, G9, G17, G20, G21, G40 to G42, G90, G91, G94")]
     GcodeUnsupported {
         /// The word.
         word: String,
     },
+    /// Two motions in one block.
+    #[error("two of G0 to G3 stand in one block; write one block a motion")]
+    GcodeTwoMotions,
     /// An arc without centre and radius.
     #[error("an arc needs I and J, or R")]
     GcodeArc,
@@ -187,13 +206,13 @@ pub struct FileError {
     /// Column.
     pub column: usize,
     /// What is wrong.
-    pub fault: ContourError,
+    pub fault: Box<ContourError>,
 }
 
 impl FileError {
     /// A fault at a byte offset of `text`.
     pub(crate) fn at(text: &str, offset: usize, fault: ContourError) -> Self {
         let (line, column) = toolroom_process::parameters::place(text, offset);
-        Self { line, column, fault }
+        Self { line, column, fault: Box::new(fault) }
     }
 }

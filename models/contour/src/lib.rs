@@ -1,35 +1,91 @@
 //! Contour milling: what an end mill does along a contour of lines, arcs and splines, and the
 //! spindle speeds and feeds that mill it in the least time or at the least cost.
+//!
+//! The wall's curvature decides how much of the cutter is engaged, hence force, deflection, life
+//! and roughness; the drives add their own error on arcs. A planner turns twelve limits on those
+//! into admissible settings for every section and chooses among them by dynamic programming.
+//!
+//! ```text
+//!  contour file, G-code ──► Contour ──┐
+//!  parameter set ──► Parameters ──────┤          engagement ─► forces ─► deflection, form
+//!  Pass, Models ──────────────────────┴► Planner    │    └──► life, power, strength, roughness
+//!                                          │        └ path error of the drives, corners
+//!              handbook, best constant ◄───┤
+//!              optimal, ramps, edge life ◄─┴──► Plan ──► part program, simulated path
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Contour`], [`Section`], [`Corner`], [`Shape`], [`Trace`] | geometry, drawn or read |
+//! | [`ContourFile`], [`read_gcode`] | contour files in TOML, contours in G-code |
+//! | [`Parameters`], [`Machine`], [`Cutter`], [`EdgeForce`], [`MillLife`], [`Economics`] | constants, in named sets |
+//! | [`Pass`], [`Models`], [`PathError`], [`FormError`], [`CornerPolicy`], [`Milling`] | what is cut and how it is modelled |
+//! | [`Engagement`], [`MeanForces`], [`HelicalCut`], [`HandbookForce`] | cutting mechanics |
+//! | [`Constraint`], [`Ratios`], [`Evaluation`] | limits by name, and what a setting does |
+//! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge, baselines, front of time and cost |
+//! | [`Planner::part_program`], [`Planner::follow`] | G-code with planned feeds; the path the drives make of it |
+//! | [`Sensitivity`] | gains over scattered conditions |
+//! | [`claims`] | published numbers beside computed ones |
+//!
+//! ```
+//! use toolroom_contour::{ContourFile, Objective};
+//! let file = ContourFile::read(include_str!("../../../scenarios/contour/rk3.toml")).unwrap();
+//! let (_, finish) = &file.planners().unwrap()[1];
+//! let (handbook, plan) = (finish.handbook().unwrap(), finish.optimal(Objective::Cost).unwrap());
+//! assert!((plan.productivity_gain(&handbook) - 0.1307).abs() < 1e-4);
+//! assert!((plan.cost_change(&handbook) + 0.1516).abs() < 1e-4);
+//! ```
+//!
+//! # What is not modelled
+//! Chatter and every other vibration: forces are those of a stiff machine or of one that bends
+//! statically. Stock is parallel to the wall on each section: at joints of different curvature
+//! the engagement changes at once, and what an earlier pass left by deflection is not carried
+//! over. The cutter is compared with the radius of the section under it only: narrow slots,
+//! necks and contours that cross themselves are not noticed. Run-out enters the roughness, not
+//! the forces. Heat. Wear of the edge raises the edge forces as a constant of the pass, not
+//! along the contour. The feed in ramps wears the edge as if there were none. Lead-in, lead-out
+//! and the change from the last spindle speed back to the first take no time. The direction of
+//! the feed forces moves the cutter along the wall only. Friction, backlash and jerk of the drives.
 
 mod baseline;
+mod claims;
 mod constraint;
 mod contour;
 mod corner;
 mod edge_life;
 mod engagement;
 mod error;
+mod file;
+mod file_form;
 mod force;
+mod gcode;
 mod geometry;
 mod handbook;
 mod helix;
 mod junction;
 mod life;
 mod parameters;
+mod part_program;
 mod pass;
 mod path_error;
 mod plan;
 mod planner;
 mod search;
+mod sensitivity;
 mod spline;
 mod trace;
+mod trajectory;
 
+pub use claims::claims;
 pub use constraint::{Constraint, Ratios};
 pub use contour::Contour;
 pub use corner::{CornerMove, CornerPolicy, loop_length};
 pub use edge_life::EdgeLife;
 pub use engagement::Engagement;
 pub use error::{ContourError, FileError};
+pub use file::{ContourFile, GcodeFileError};
 pub use force::{EdgeForce, Forces, MeanForces, Milling};
+pub use gcode::read as read_gcode;
 pub use geometry::{Corner, CutterSide, Point, Section, Shape};
 pub use handbook::{Calibration, HandbookForce};
 pub use helix::HelicalCut;
@@ -43,4 +99,6 @@ pub use path_error::{
 pub use plan::{Plan, PlannedSection};
 pub use planner::{Evaluation, Planner, Setting, Warning};
 pub use search::Objective;
+pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};
+pub use trajectory::Deviation;

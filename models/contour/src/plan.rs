@@ -33,7 +33,7 @@ pub struct Plan {
     pub speed_change_time: f64,
     /// Time lost in ramps between feeds, s; 0 where ramps are not planned.
     pub ramp_time: f64,
-    /// Sections before which the edge is changed.
+    /// Sections before which, in the order of travel, the edge is changed.
     pub edge_changes: Vec<usize>,
     /// Time of those changes, s.
     pub edge_change_time: f64,

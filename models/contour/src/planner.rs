@@ -1,10 +1,10 @@
 //! A contour, a pass and a parameter set together: what a setting does on a section.
 
-use crate::constraint::FEASIBILITY;
+use crate::constraint::exceeds;
 use crate::path_error::ArcError;
 use crate::{
-    Constraint, Contour, ContourError, CornerMove, Cutter, Engagement, Forces, FormError, HelicalCut, Machine,
-    MeanForces, Models, Parameters, Pass, PathError, Ratios, Shape,
+    Constraint, Contour, ContourError, CornerMove, Cutter, CutterSide, Engagement, Forces, FormError, HelicalCut,
+    Machine, MeanForces, Milling, Models, Parameters, Pass, PathError, Ratios, Shape,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -344,7 +344,7 @@ impl<'a> Planner<'a> {
             Constraint::LowestSpindleSpeed,
             Constraint::HighestSpindleSpeed,
         ];
-        ORDER.into_iter().all(|constraint| self.ratio(constraint, wall, at) <= FEASIBILITY)
+        ORDER.into_iter().all(|constraint| !exceeds(self.ratio(constraint, wall, at)))
     }
 
     fn ratios(&self, wall: &Wall, at: &Operating) -> Ratios {
@@ -377,7 +377,7 @@ impl<'a> Planner<'a> {
         let wall = &self.walls[self.sections[i].0];
         let more = Setting { feed_per_tooth: setting.feed_per_tooth + self.pass.feed_step, ..setting };
         let (constraint, ratio) = self.ratios(wall, &self.operating(more)).tightest();
-        (!(ratio <= FEASIBILITY)).then_some(constraint)
+        exceeds(ratio).then_some(constraint)
     }
 
     /// Spindle speeds, rad/s, ascending.
@@ -388,6 +388,16 @@ impl<'a> Planner<'a> {
     /// Candidates of the feed per tooth, m, ascending.
     pub fn feeds(&self) -> &[f64] {
         &self.feeds
+    }
+
+    /// Whether the machine travels the contour against the order in which it is drawn: with the
+    /// spindle turning clockwise, a cutter on the left mills down.
+    pub(crate) fn backwards(&self) -> bool {
+        let due = match self.models.milling {
+            Milling::Down => CutterSide::Left,
+            Milling::Up => CutterSide::Right,
+        };
+        self.contour.side != due
     }
 
     /// Length of the cutter-centre path along section `i`, m.

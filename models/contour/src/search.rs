@@ -150,7 +150,7 @@ impl Planner<'_> {
     fn between(&self, fast: &Plan, cheap: &Plan, plans: &mut Vec<Plan>) -> Result<(), ContourError> {
         let rate = self.parameters.economics.machine_rate;
         let (slower, saved) = (cheap.time - fast.time, (fast.cost - cheap.cost) / rate);
-        if !(slower > 0.0 && saved > 0.0) {
+        if slower <= 0.0 || saved <= 0.0 {
             return Ok(());
         }
         let cost_share = slower / (slower + saved);

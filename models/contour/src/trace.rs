@@ -98,7 +98,7 @@ impl Trace {
     pub fn arc_to(&mut self, end: Point, center: Point, left: bool) -> Result<(), ContourError> {
         let radius = center.distance(self.at);
         let gap = (center.distance(end) - radius).abs();
-        if !(gap <= POSITION_TOLERANCE) {
+        if misses(gap) {
             return Err(ContourError::ArcMissesEnd { section: self.sections.len(), gap });
         }
         let side = if left { 1.0 } else { -1.0 };
@@ -119,7 +119,7 @@ impl Trace {
     pub fn arc_by_radius(&mut self, end: Point, radius: f64, left: bool) -> Result<(), ContourError> {
         let half = 0.5 * self.at.distance(end);
         let gap = 2.0 * (half - radius.abs());
-        if !(gap <= POSITION_TOLERANCE) {
+        if misses(gap) {
             return Err(ContourError::ArcMissesEnd { section: self.sections.len(), gap });
         }
         let height = (radius * radius - half * half).max(0.0).sqrt();
@@ -139,7 +139,7 @@ impl Trace {
         let mut through = vec![self.at];
         through.extend_from_slice(points);
         let periodic = self.sections.is_empty() && points.last().is_some_and(|last| last.distance(self.at) <= 1e-9);
-        if through.len() < 2 || through.windows(2).any(|pair| !(pair[0].distance(pair[1]) > 1e-9)) {
+        if through.len() < 2 || through.windows(2).any(|pair| !is_length(pair[0].distance(pair[1]))) {
             return Err(ContourError::NoLength { section: self.sections.len() });
         }
         for mut section in spline::arcs(&through, periodic) {
@@ -172,7 +172,7 @@ impl Trace {
             let (from, to) = (f64::from(i) * step, f64::from(i + 1) * step);
             let mean_cos = ((m * to).sin() - (m * from).sin()) / (m * step);
             let radius = 0.5 * diameter + amplitude * mean_cos;
-            if !(radius > 0.0) {
+            if !is_length(radius) {
                 return Err(ContourError::NoLength { section: self.sections.len() });
             }
             self.arc(radius, step)?;
@@ -184,7 +184,7 @@ impl Trace {
     }
 
     fn push(&mut self, section: Section, end: Point) -> Result<(), ContourError> {
-        if !(section.length > 1e-9 && section.length.is_finite() && section.curvature.is_finite()) {
+        if !is_length(section.length) || !section.curvature.is_finite() {
             return Err(ContourError::NoLength { section: self.sections.len() });
         }
         self.heading = section.end_heading();
@@ -204,7 +204,7 @@ impl Trace {
             return Err(ContourError::Empty);
         };
         let gap = self.at.distance(first.start);
-        if closed && !(gap <= POSITION_TOLERANCE) {
+        if closed && misses(gap) {
             return Err(ContourError::Open { gap });
         }
         let mut joints: Vec<(usize, f64)> = (self.sections.windows(2).enumerate())
@@ -230,6 +230,16 @@ impl Trace {
         merge_arcs(&mut sections, &joints);
         Ok(Contour { sections, corners, side, closed })
     }
+}
+
+/// Whether a gap is one; a gap that is not a number is.
+fn misses(gap: f64) -> bool {
+    gap.is_nan() || gap > POSITION_TOLERANCE
+}
+
+/// Whether a number is a length worth drawing.
+fn is_length(value: f64) -> bool {
+    value > 1e-9 && value.is_finite()
 }
 
 /// Arcs that were drawn in pieces count as one: neighbours that join smoothly with one
