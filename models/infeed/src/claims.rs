@@ -1,16 +1,7 @@
 //! Published numbers that this crate reproduces.
 
-use crate::{Infeed, Input, State};
+use crate::{IdentifyOptions, Infeed, Input, State, identify, paper_trials};
 use toolroom_process::{Claim, ModelError, Process};
-
-/// The five trials: infeed per revolution (m), revolutions, stock removed (m), normal force (N).
-const TRIALS: [(f64, f64, f64, f64); 5] = [
-    (4.43e-6, 16.0, 66e-6, 170.0),
-    (4.42e-6, 16.0, 64e-6, 165.0),
-    (4.46e-6, 18.0, 75e-6, 171.0),
-    (4.44e-6, 17.0, 70e-6, 171.0),
-    (4.30e-6, 17.0, 68e-6, 155.0),
-];
 
 /// Published numbers beside those that the default parameters give.
 ///
@@ -26,14 +17,34 @@ pub fn claims() -> Result<Vec<Claim>, ModelError> {
     let mut claim = |claim: &str, source: &str, published: f64, computed: f64, tolerance: f64| {
         claims.push(Claim { claim: claim.to_owned(), source: source.to_owned(), published, computed, tolerance });
     };
-    for (trial, (infeed_per_rev, revolutions, stock, force)) in (1..).zip(TRIALS) {
-        let input = Input { infeed_per_rev, ..Input::default() };
+    let trials = paper_trials();
+    for trial in &trials {
+        let input = Input { infeed_per_rev: trial.infeed_per_rev, ..Input::default() };
         let mut part = grinding.initial();
-        grinding.advance(&mut part, &input, revolutions * 60.0 / 292.0)?;
+        grinding.advance(&mut part, &input, trial.revolutions * 60.0 / 292.0)?;
         let output = grinding.output(&part, &input);
-        let source = format!("Sizyi, Fesenko & Lyubimyi, table 1, trial {trial}");
-        claim(&format!("grinding stock of trial {trial} [um]"), &source, stock * 1e6, output.stock_removed * 1e6, 0.02);
-        claim(&format!("grinding force of trial {trial} [N]"), &source, force, output.normal_force, 0.084);
+        let id = &trial.trial_id;
+        let source = format!("Sizyi, Fesenko & Lyubimyi, table 1, trial {id}");
+        if let Some(stock) = trial.stock_removed {
+            claim(
+                &format!("grinding stock of trial {id} [um]"),
+                &source,
+                stock * 1e6,
+                output.stock_removed * 1e6,
+                0.02,
+            );
+        }
+        if let Some(force) = trial.normal_force {
+            claim(&format!("grinding force of trial {id} [N]"), &source, force, output.normal_force, 0.084);
+        }
+    }
+    if let Ok(found) = identify(&trials, &IdentifyOptions::default()) {
+        let source = "Sizyi, Fesenko & Lyubimyi, fig. 5";
+        claim("mean lag K identified from the stock of five trials", source, 0.553, found.lag.mean, 1e-3);
+        if let Some(stiffness) = found.trials[0].process_stiffness {
+            let source = "Sizyi, Fesenko & Lyubimyi, eq. (4) for trial 1";
+            claim("process stiffness identified from trial 1 [N/um]", source, 38.37, stiffness * 1e-6, 1e-3);
+        }
     }
     let input = Input::default();
     let cut = State { depth_of_cut: input.infeed_per_rev, ..State::default() };

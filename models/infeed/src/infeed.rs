@@ -93,13 +93,22 @@ impl<N: Number> Infeed<N> {
         self.parameters.process_stiffness * dulling * factors
     }
 
+    /// What a revolution shares out: compliance `c = Cp/J`, wheel wear per depth g, and the
+    /// deflection F0/J that stays uncut.
+    pub(crate) fn shares(&self, x: &State<N>, u: &Input<N>) -> [N; 3] {
+        let p = &self.parameters;
+        let terms = self.terms(x, u);
+        [
+            self.process_stiffness(x, u, &terms) / p.system_stiffness,
+            p.wheel_wear_ratio * p.work_diameter / p.wheel_diameter,
+            (p.threshold_force + terms.threshold_force) / p.system_stiffness,
+        ]
+    }
+
     /// State after the end of a work revolution at the commanded infeed of `x`.
     pub fn revolution(&self, x: &State<N>, u: &Input<N>) -> State<N> {
         let p = &self.parameters;
-        let terms = self.terms(x, u);
-        let compliance = self.process_stiffness(x, u, &terms) / p.system_stiffness;
-        let wear = p.wheel_wear_ratio * p.work_diameter / p.wheel_diameter;
-        let threshold = (p.threshold_force + terms.threshold_force) / p.system_stiffness;
+        let [compliance, wear, threshold] = self.shares(x, u);
         let engagement = x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed;
         let depth = positive(engagement) / (compliance + wear + 1.0);
         let mut next = State {
@@ -125,7 +134,7 @@ impl<N: Number> Infeed<N> {
     ///
     /// # Source
     /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled).
-    fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
+    pub(crate) fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
         let p = &self.parameters;
         let terms = self.terms(x, u);
         let process_stiffness = self.process_stiffness(x, u, &terms);

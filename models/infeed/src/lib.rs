@@ -45,15 +45,33 @@
 //! high); the film boiling of the coolant. Loss of wheel diameter by dressing.
 
 mod claims;
+mod cycle;
+mod identify;
 mod infeed;
 mod parameters;
 mod records;
 mod stiffness;
+mod table;
 mod transient;
+mod trial;
+mod trial_table;
 
 pub use claims::claims;
+pub use cycle::{
+    Cycle, CycleError, CycleFault, CycleFile, CycleFileError, CycleLimits, CyclePhase, CyclePoint, CycleReason,
+    DressingInterval, DressingPlan, cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle,
+    grind_cycle,
+};
+pub use identify::{
+    Advice, Basis, BestRevolutions, Bootstrap, Estimate, ForceFit, Identification, IdentifyError, IdentifyOptions,
+    ImpossibleTrial, MeasurementErrors, Pooled, Scatter, Shifted, TrialLag, fit_force_trace, identify, lag_from_rise,
+    lag_from_spark_out, lag_from_stock, lag_sd, paper_trials, revolutions_of_least_error,
+};
 pub use infeed::Infeed;
 pub use parameters::{PARAMETER_SETS, Parameters, SetError};
 pub use records::{Input, Output, State};
 pub use stiffness::{lag, paper_eq8_contradicts_eq3, remaining_stiffness, series_stiffness, stiffness_from_k};
+pub use table::{TableError, TableFault, TableNote, TableReason};
 pub use transient::{decay_time_constant, deviation_after, lag_time_constant, revolutions_to, stock_after};
+pub use trial::{ForceSample, Rounded, Trial, TrialFault};
+pub use trial_table::{TrialTable, read_force_traces, read_trials};
