@@ -129,11 +129,13 @@ impl<N: Number> Infeed<N> {
     /// Outputs while the wheel touches the part.
     ///
     /// Temperature: `rise = (2/√π) ε q √(l_c/(v_w k ρ c))`, `q = F_t v_s/(b l_c)`,
-    /// `l_c = √(h d_e)`, `d_e = d_w d_s/(d_w + d_s)`; `ε = (u − share·u_ch)/u` of the specific
-    /// energy u stays in the work.
+    /// `l_c = √(d_e F_n/Cp)`, `d_e = d_w d_s/(d_w + d_s)`; `ε = (u − share·u_ch)/u` of the specific
+    /// energy u stays in the work, all of it where the wheel only rubs. Without a threshold force
+    /// `F_n/Cp` is the depth h; with one it keeps the contact from shrinking to nothing with h.
     ///
     /// # Source
-    /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled).
+    /// Jaeger's moving band at high Péclet number; energy partition by Malkin (recalled); contact
+    /// length under a threshold force: assumption.
     pub(crate) fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
         let p = &self.parameters;
         let terms = self.terms(x, u);
@@ -151,11 +153,14 @@ impl<N: Number> Infeed<N> {
         let work_speed = u.work_rotation_speed * p.work_diameter * 0.5;
         let removal_rate = p.width * depth * work_speed;
         let (mut specific_energy, mut temperature_rise) = (zero, zero);
+        let mut into_work = N::from(1.0);
         if removal_rate.re() > 0.0 {
             specific_energy = spindle_power / removal_rate;
-            let into_work = positive(-p.chip_formation_energy * p.chip_heat_share / specific_energy + 1.0);
+            into_work = positive(-p.chip_formation_energy * p.chip_heat_share / specific_energy + 1.0);
+        }
+        if normal_force.re() > 0.0 && work_speed.re() > 0.0 {
             let equivalent_diameter = p.work_diameter * p.wheel_diameter / (p.work_diameter + p.wheel_diameter);
-            let contact_length = (depth * equivalent_diameter).sqrt();
+            let contact_length = (normal_force / process_stiffness * equivalent_diameter).sqrt();
             let flux = spindle_power / (p.width * contact_length);
             let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();
             temperature_rise = into_work * flux * spread * std::f64::consts::FRAC_2_SQRT_PI * terms.temperature_rise;
@@ -201,7 +206,7 @@ impl<N: Number> Infeed<N> {
 }
 
 /// `value` where it is positive, else 0.
-fn positive<N: Number>(value: N) -> N {
+pub(crate) fn positive<N: Number>(value: N) -> N {
     if value.re() > 0.0 { value } else { N::from(0.0) }
 }
 
@@ -233,14 +238,15 @@ impl Process for Infeed {
         if u.engaged <= 0.5 || per_second == 0.0 {
             return Ok(whole);
         }
+        let indicators = |x: &State| self.indicators(x.peak_temperature_rise, x.removed_volume);
         let (mut state, mut left) = (*x, dt * per_second);
         while state.revolution_phase + left >= 1.0 - WHOLE {
             let share = 1.0 - state.revolution_phase;
             state.commanded_infeed += u.infeed_per_rev * share;
             left -= share;
-            let before = self.indicators(&state);
+            let before = indicators(&state);
             state = State { revolution_phase: 0.0, ..self.revolution(&state, u) };
-            let after = self.indicators(&state);
+            let after = indicators(&state);
             if let Some(i) = (0..2).find(|i| before[*i] < 0.0 && after[*i] >= 0.0) {
                 *x = state;
                 return Ok(Advance { elapsed: dt - left.max(0.0) / per_second, event: Some(Self::EVENTS[i]) });
@@ -253,7 +259,7 @@ impl Process for Infeed {
     }
 
     fn event_indicators(&self, x: &State, _u: &Input, indicators: &mut [f64]) {
-        indicators.copy_from_slice(&self.indicators(x));
+        indicators.copy_from_slice(&self.indicators(x.peak_temperature_rise, x.removed_volume));
     }
 
     fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {
@@ -265,10 +271,10 @@ impl Process for Infeed {
 
 impl Infeed {
     /// Distance past the burn limit and past the dressing limit, relative.
-    fn indicators(&self, x: &State) -> [f64; 2] {
+    pub(crate) fn indicators(&self, temperature_rise: f64, removed_volume: f64) -> [f64; 2] {
         [
-            x.peak_temperature_rise / self.parameters.burn_temperature_rise - 1.0,
-            x.removed_volume / self.parameters.dressing_limit - 1.0,
+            temperature_rise / self.parameters.burn_temperature_rise - 1.0,
+            removed_volume / self.parameters.dressing_limit - 1.0,
         ]
     }
 }

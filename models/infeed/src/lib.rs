@@ -46,9 +46,11 @@
 
 mod claims;
 mod cycle;
+mod first_order;
 mod identify;
 mod infeed;
 mod parameters;
+mod profile;
 mod records;
 mod stiffness;
 mod table;
@@ -62,6 +64,7 @@ pub use cycle::{
     DressingInterval, DressingPlan, cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle,
     grind_cycle,
 };
+pub use first_order::{FirstOrderState, InfeedFirstOrder, TimeConstant};
 pub use identify::{
     Advice, Basis, BestRevolutions, Bootstrap, Estimate, ForceFit, Identification, IdentifyError, IdentifyOptions,
     ImpossibleTrial, MeasurementErrors, Pooled, Scatter, Shifted, TrialLag, fit_force_trace, identify, lag_from_rise,
@@ -69,6 +72,7 @@ pub use identify::{
 };
 pub use infeed::Infeed;
 pub use parameters::{PARAMETER_SETS, Parameters, SetError};
+pub use profile::{InfeedProfile, ProfileState, STATIONS};
 pub use records::{Input, Output, State};
 pub use stiffness::{lag, paper_eq8_contradicts_eq3, remaining_stiffness, series_stiffness, stiffness_from_k};
 pub use table::{TableError, TableFault, TableNote, TableReason};

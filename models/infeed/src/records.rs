@@ -71,8 +71,9 @@ record! {
         temperature_rise: Real["K" => "K"] = 0.0, 0.0..=1e5;
         /// Temperature of the grinding zone.
         temperature: Real["K" => "K"] = 293.15, 0.0..=1e5;
-        /// Specific grinding energy, F_t v_s over the removal rate; 0 out of cut.
-        specific_energy: Real["J/m3" => "J/mm3"] = 0.0, 0.0..=1e15;
+        /// Specific grinding energy, F_t v_s over the removal rate; 0 out of cut, and without
+        /// bound as the depth tends to nothing above a threshold force.
+        specific_energy: Real["J/m3" => "J/mm3"] = 0.0, 0.0..=1e35;
         /// Distance to burn, 1 − temperature rise / burn limit.
         burn_margin: Real = 1.0, -1e3..=1.0;
         /// Radial wear of the wheel since dressing, w.

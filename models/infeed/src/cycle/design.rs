@@ -134,9 +134,6 @@ const ROUNDING: f64 = 1e-12;
 
 /// The greatest depth at which `grinding` stays below `temperature_rise`, m, at most `greatest`.
 ///
-/// With a threshold force a shallow cut is hot too, for all its heat enters through a short
-/// contact; the depth returned is the greatest, not all below it are cool.
-///
 /// # Errors
 /// The least temperature rise of any depth, where that is too hot.
 pub fn depth_at_temperature(
@@ -153,8 +150,8 @@ pub fn depth_at_temperature(
     if rise(0.0) <= temperature_rise {
         return Ok(greatest);
     }
-    // The rise has one minimum over the logarithm of the depth: far below any real depth without
-    // a threshold force, at Cp h = F0/3 with one.
+    // The rise has one minimum over the logarithm of the depth, as a rule far below any real
+    // depth: where the chips carry off much, a deeper cut may be cooler than a threshold force alone.
     let (mut low, mut high) = (-30.0, 0.0);
     for _ in 0..200 {
         let third = (high - low) / 3.0;
