@@ -8,6 +8,8 @@ use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Scenario};
 #[derive(Clone, Debug, Default)]
 pub(super) struct MachineTally {
     states: [f64; MachineState::ALL.len()],
+    /// Time in shift: what the states leave of the window, exact where no shift ends.
+    planned_busy_time: f64,
     /// Programmed time (cutting and handling) of the operations produced: PRI · PQ.
     pub planned_produced: f64,
     /// The same of the good ones: PRI · GQ.
@@ -24,7 +26,7 @@ impl MachineTally {
     }
 
     pub fn planned_busy_time(&self) -> f64 {
-        self.states.iter().sum::<f64>() - self.state(MachineState::OffShift)
+        self.planned_busy_time
     }
 
     pub fn production_time(&self) -> f64 {
@@ -126,7 +128,10 @@ impl Tally {
             let inside = (row.end - row.start.max(scenario.warm_up)).max(0.0);
             self.machines[row.machine as usize].states[row.state as usize] += inside;
         }
-        for (machine, tally) in scenario.machines.iter().zip(&self.machines) {
+        for (machine, tally) in scenario.machines.iter().zip(&mut self.machines) {
+            if tally.states.iter().any(|&time| time > 0.0) {
+                tally.planned_busy_time = self.window - tally.state(MachineState::OffShift);
+            }
             self.machine_cost += machine.rate * tally.planned_busy_time();
             self.energy += machine.idle_power * tally.planned_busy_time();
         }
