@@ -52,13 +52,19 @@ fn points() -> Vec<(Input, f64)> {
     ]
 }
 
-/// The same with dressing instead of burn: an event that is located leaves a burn margin of
-/// nothing but rounding, which no unit can be expected to keep.
-fn cool_points(long: f64) -> Vec<(Input, f64)> {
+/// Dressing instead of burn: an event that is located leaves a burn margin of nothing but
+/// rounding, which no change of units can be expected to keep.
+fn cool_points() -> Vec<(Input, f64)> {
+    let input = Input::default();
     let mut points = points();
     points.pop();
-    points.push((Input { infeed_per_rev: 0.5e-6, ..Input::default() }, long));
+    points.push((Input { infeed_per_rev: 0.5e-6, ..input }, 3000.0));
     points
+}
+
+fn fireproof(mut grinding: Infeed) -> Infeed {
+    grinding.parameters.burn_temperature_rise = 3000.0;
+    grinding
 }
 
 process_contract!(profile, InfeedProfile { grinding: paper() }, points());
@@ -66,12 +72,12 @@ process_contract!(profile_with_everything, InfeedProfile { grinding: everything(
 process_contract!(
     first_order_lag,
     InfeedFirstOrder { grinding: paper(), ..InfeedFirstOrder::default() },
-    cool_points(100.0)
+    cool_points()
 );
 process_contract!(
     first_order_decay,
-    InfeedFirstOrder { grinding: everything(), time_constant: TimeConstant::Decay },
-    cool_points(100.0)
+    InfeedFirstOrder { grinding: fireproof(everything()), time_constant: TimeConstant::Decay },
+    cool_points()
 );
 
 /// Grinds phases of (infeed per revolution in um, revolutions), burnt or not.
