@@ -5,6 +5,8 @@ mod force;
 mod scatter;
 mod stock;
 
+pub(crate) use force::least;
+
 pub use advice::{Advice, lag_sd, revolutions_of_least_error};
 pub use force::{ForceFit, fit_force_trace, lag_from_rise, lag_from_spark_out};
 pub use scatter::{Bootstrap, Scatter};
