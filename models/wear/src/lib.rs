@@ -24,7 +24,7 @@
 //! | [`Contact`], [`Point`] | algebra at one instant |
 //! | [`WearState`], [`EdgeRun`] | what changes: [`Pair::derivative`], [`Pair::run`] |
 //! | [`Life`], [`Objective`] | life by quadrature, best constant speed |
-//! | [`SpeedMode`], [`PassPlan`], [`SpeedSchedule`] | control laws for a pass or open loop |
+//! | [`SpeedMode`], [`PassPlan`], [`SpeedTable`], [`SpeedSchedule`] | control laws for a pass, tabulated, or open loop |
 //! | [`Observer`] | extended Kalman filter on power, feed force, EMF |
 //! | [`Scatter`], [`LifeMoments`] | how edges differ |
 //! | [`claims`] | published numbers beside computed ones |
@@ -74,6 +74,7 @@ mod scatter;
 mod schedule;
 mod search;
 mod speed;
+mod speed_table;
 mod state;
 mod takeyama_murata;
 mod taylor;
@@ -96,6 +97,7 @@ pub use plan::{PassPlan, RampLimits, SpeedMode};
 pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
 pub use speed::{RateOptimum, SetSpeed};
+pub use speed_table::SpeedTable;
 pub use state::{EdgeRun, WEAR_EVENTS, WearState};
 pub use takeyama_murata::TakeyamaMurata;
 pub use taylor::ExtendedTaylor;

@@ -1,7 +1,8 @@
 //! Planning of one pass: speed at its start and end, and the ramp between them.
 
 use crate::{Cut, Pair};
-use toolroom_process::{ode, record};
+use toolroom_process::ode::{self, Tolerance};
+use toolroom_process::record;
 
 /// What a pass is to be best for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +54,8 @@ pub struct PassPlan {
 /// Sweeps of the fixed point between end speed and growth of wear: least wear has settled to
 /// 1e-7 by then; a set increment, whose speed feels wear more, to 1e-3.
 const SWEEPS: usize = 3;
-/// Runge–Kutta steps over a pass.
-const STEPS: u32 = 24;
+/// Accuracy of the predicted wear, relative.
+const WEAR_ACCURACY: f64 = 1e-9;
 /// Predicted wear is followed up to this many wear limits; beyond, the edge is lost anyway.
 const LOST: f64 = 10.0;
 
@@ -86,7 +87,28 @@ impl Pair {
         ramp: &RampLimits,
         previous_speed: Option<f64>,
     ) -> PassPlan {
-        let (start, start_feasible) = self.mode_speed(cut, flank_wear, path, mode);
+        self.plan_pass_along(cut, flank_wear, path, ramp, previous_speed, |flank_wear| {
+            self.mode_speed(cut, flank_wear, path, mode)
+        })
+    }
+
+    /// [`Pair::plan_pass`] along any law `speed_at(flank_wear)`, which gives the speed (m/s) and
+    /// whether it meets the demand; a [`SpeedTable`](crate::SpeedTable) where many passes follow
+    /// the same law.
+    pub fn plan_pass_along(
+        &self,
+        cut: &Cut,
+        flank_wear: f64,
+        path: f64,
+        ramp: &RampLimits,
+        previous_speed: Option<f64>,
+        speed_at: impl Fn(f64) -> (f64, bool),
+    ) -> PassPlan {
+        let speed_at = |flank_wear: f64| {
+            let (speed, feasible) = speed_at(flank_wear);
+            (self.limits.clip(speed), feasible)
+        };
+        let (start, start_feasible) = speed_at(flank_wear);
         let start_speed = match previous_speed {
             Some(last) => self.limits.clip(start.max(last - ramp.largest_step).min(last + ramp.largest_step)),
             None => start,
@@ -99,7 +121,7 @@ impl Pair {
             (self.intensity_at(cut, flank_wear, start_speed) * path).min(LOST * self.limits.wear_limit);
         let (mut end_speed, mut feasible) = (start_speed, start_feasible);
         for _ in 0..SWEEPS {
-            let (end, end_feasible) = self.mode_speed(cut, flank_wear + wear_increment, path, mode);
+            let (end, end_feasible) = speed_at(flank_wear + wear_increment);
             end_speed = end.max(slowest).min(fastest);
             feasible = start_feasible && end_feasible;
             wear_increment = self.wear_over_ramp(cut, flank_wear, path, start_speed, end_speed);
@@ -115,9 +137,9 @@ impl Pair {
         }
     }
 
-    /// Speed of a mode, clipped, and whether it meets the demand.
+    /// Speed of a mode, not clipped, and whether it meets the demand.
     fn mode_speed(&self, cut: &Cut, flank_wear: f64, path: f64, mode: SpeedMode) -> (f64, bool) {
-        let (speed, feasible) = match mode {
+        match mode {
             SpeedMode::MinimumWear => (self.minimum_wear_speed(cut, flank_wear), true),
             SpeedMode::LiteralBalance => (self.literal_balance_speed(cut, flank_wear), true),
             SpeedMode::ShadowPrice { shadow_price } => (self.shadow_price_speed(cut, flank_wear, shadow_price), true),
@@ -125,22 +147,23 @@ impl Pair {
                 let set = self.set_intensity_speed(cut, flank_wear, wear_increment / path);
                 (set.cutting_speed, set.feasible)
             }
-        };
-        (self.limits.clip(speed), feasible)
+        }
     }
 
     /// Growth of quasi-steady flank wear over a ramp, m.
     fn wear_over_ramp(&self, cut: &Cut, flank_wear: f64, path: f64, start: f64, end: f64) -> f64 {
         let duration = 2.0 * path / (start + end);
-        let step = duration / f64::from(STEPS);
         let lost = LOST * self.limits.wear_limit;
         let rate = |time: f64, wear: &[f64; 1]| {
             let speed = start + (end - start) * (time / duration);
             [speed * self.intensity_at(cut, wear[0].min(lost), speed)]
         };
-        let grown = (0..STEPS)
-            .fold([flank_wear], |wear, i| ode::rk4(rate, f64::from(i) * step, &wear, step).map(|wear| wear.min(lost)));
-        grown[0] - flank_wear
+        let spent = |_: f64, wear: &[f64; 1]| [wear[0] - lost];
+        let tolerance = Tolerance { relative: WEAR_ACCURACY, absolute: [WEAR_ACCURACY * self.limits.wear_limit] };
+        // An edge whose wear runs away is lost as well.
+        let grown =
+            ode::integrate(rate, spent, &[flank_wear], duration, &tolerance).map_or(lost, |end| end.state[0].min(lost));
+        grown - flank_wear
     }
 
     /// Quasi-steady wear per path at a speed, 1.

@@ -160,7 +160,7 @@ impl Believed {
 enum Speed {
     Fixed(f64),
     Schedule(Arc<SpeedSchedule>),
-    Planned(Planned),
+    Planned(Arc<Planned>),
     SetIncrement(SetIncrement),
 }
 

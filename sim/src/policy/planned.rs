@@ -2,7 +2,7 @@
 //! literal form, the productivity rule, and the oracle.
 
 use super::{Believed, Conditions, Observation};
-use toolroom_wear::{Pair, RampLimits, SpeedMode};
+use toolroom_wear::{Pair, RampLimits, SpeedTable};
 
 /// Greatest change of speed from pass to pass, share of the pair's reference speed.
 /// Postnov & Shafikov restrict it; the size is an assumption.
@@ -11,30 +11,28 @@ const LARGEST_STEP: f64 = 0.15;
 /// 20 m/min per minute at 40 m/min (assumption).
 const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
 
-/// One mode for all passes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One law for all passes.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Planned {
-    pub mode: SpeedMode,
+    /// Speed against flank wear on the believed model.
+    pub law: SpeedTable,
 }
 
 impl Planned {
     pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
-        plan(believed, seen, self.mode)
+        plan(believed, seen, |flank_wear| (self.law.speed_at(flank_wear), true))
     }
 }
 
 /// Plans one pass at the wear known; an edge of which nothing is known counts as new. A new edge
 /// starts within one step of the programmed speed: the speed of least wear of a perfectly sharp
 /// edge is far above it, and an edge of more than average wear would not survive it.
-pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, mode: SpeedMode) -> Conditions {
+pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, speed_at: impl Fn(f64) -> (f64, bool)) -> Conditions {
     let Believed { pair, cut, .. } = believed;
     let flank_wear = seen.flank_wear().unwrap_or(0.0);
     let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
-    let plan = pair.plan_pass(cut, flank_wear, seen.path, mode, &ramp_limits(pair), last_speed);
-    Conditions {
-        start_speed: plan.start_speed.min(believed.safe_speed(|_| flank_wear)),
-        end_speed: plan.end_speed.min(believed.safe_speed(|_| flank_wear + plan.wear_increment)),
-    }
+    let plan = pair.plan_pass_along(cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, speed_at);
+    Conditions { start_speed: plan.start_speed, end_speed: plan.end_speed }
 }
 
 fn ramp_limits(pair: &Pair) -> RampLimits {

@@ -7,7 +7,7 @@ use super::{Believed, ChangeRule, Controller, PolicyError, Speed, schedule};
 use crate::scenario::{Cut, MachineType, PolicyRule, Scenario, SpeedRule, ToolChangeRule, ToolType, Work};
 use crate::shop::ShopError;
 use std::sync::Arc;
-use toolroom_wear::{Pair, SpeedMode};
+use toolroom_wear::{Pair, SpeedTable};
 
 /// A policy worked out for a scenario: resolve once, share over all replications.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,7 +124,7 @@ fn controller(
         (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
         (None, _) => Speed::Fixed(programmed),
         (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
-        (Some(believed), rule) => Speed::Planned(Planned { mode: mode(rule, believed, &cost) }),
+        (Some(believed), rule) => Speed::Planned(Arc::new(Planned { law: law(rule, believed, &cost) })),
     };
     let own_limit = tool.process.wear_limit();
     let change = match rule.tool_change {
@@ -178,15 +178,19 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
     controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
 }
 
-/// The mode by which passes are planned.
-fn mode(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedMode {
+/// The law by which passes are planned.
+fn law(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedTable {
+    let Believed { pair, cut, .. } = believed;
+    let limit = pair.limits.wear_limit;
     match rule {
-        SpeedRule::MinimumWear { literal: true } => SpeedMode::LiteralBalance,
-        SpeedRule::Productivity { price } => {
-            let optimum = || believed.pair.rate_optimum(&believed.cut, cost.worth()).shadow_price;
-            SpeedMode::ShadowPrice { shadow_price: price.unwrap_or_else(optimum) }
+        SpeedRule::MinimumWear { literal: true } => {
+            SpeedTable::tabulate(limit, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
         }
-        _ => SpeedMode::MinimumWear,
+        SpeedRule::Productivity { price } => {
+            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
+            SpeedTable::tabulate(limit, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        }
+        _ => SpeedTable::tabulate(limit, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::planned::plan;
 use super::{Believed, Conditions, Observation};
-use toolroom_wear::SpeedMode;
+use toolroom_wear::SetSpeed;
 
 /// The wear left is shared out evenly over the path left.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,10 @@ impl SetIncrement {
     pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
         let wear_left = (believed.pair.limits.wear_limit - seen.flank_wear().unwrap_or(0.0)).max(0.0);
         let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
-        let wear_increment = wear_left * (seen.path / path_left);
-        plan(believed, seen, SpeedMode::SetIncrement { wear_increment })
+        let set = |flank_wear| believed.pair.set_intensity_speed(&believed.cut, flank_wear, wear_left / path_left);
+        plan(believed, seen, |flank_wear| {
+            let SetSpeed { cutting_speed, feasible } = set(flank_wear);
+            (cutting_speed, feasible)
+        })
     }
 }
