@@ -58,6 +58,7 @@ mod table;
 mod transient;
 mod trial;
 mod trial_table;
+mod waves;
 
 pub use claims::claims;
 pub use cycle::{
@@ -81,3 +82,4 @@ pub use table::{TableError, TableFault, TableNote, TableReason};
 pub use transient::{decay_time_constant, deviation_after, lag_time_constant, revolutions_to, stock_after};
 pub use trial::{ForceSample, Rounded, Trial, TrialFault};
 pub use trial_table::{TrialTable, read_force_traces, read_trials};
+pub use waves::{Structure, Wave, fastest_growing_wave, wave};
