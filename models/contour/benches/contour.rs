@@ -6,11 +6,13 @@ use toolroom_contour::{
     Contour, CutterSide, EdgeLife, Models, Objective, Parameters, Pass, PathError, Planner, Point, Trace,
 };
 
-/// A hole of three lobes in `sections` sections, no two neighbours of one radius.
-fn hole(sections: u32) -> Contour {
+/// A spiral of arcs, no two of one radius.
+fn spiral(sections: u32) -> Contour {
     let mut trace = Trace::new(Point::default(), 0.0);
-    trace.lobed(1.0, 0.035, 3, sections).expect("radii stay positive");
-    trace.finish(CutterSide::Left, true).expect("a lobed profile closes")
+    for i in 0..sections {
+        trace.arc(0.03 + 1e-5 * f64::from(i), 0.01).expect("an arc of positive radius");
+    }
+    trace.finish(CutterSide::Left, false).expect("a smooth open contour")
 }
 
 fn benches(c: &mut Criterion) {
@@ -19,7 +21,7 @@ fn benches(c: &mut Criterion) {
     let mut group = c.benchmark_group("contour");
     group.sample_size(10);
     for sections in [18, 1000, 10_000] {
-        let contour = hole(sections);
+        let contour = spiral(sections);
         group.bench_function(format!("plan of {sections} sections"), |b| {
             b.iter(|| {
                 let planner = Planner::new(black_box(&contour), &parameters, &pass, &models)?;
@@ -27,7 +29,7 @@ fn benches(c: &mut Criterion) {
             });
         });
     }
-    let contour = hole(180);
+    let contour = spiral(180);
     let planner = Planner::new(&contour, &parameters, &pass, &models).expect("the reference pass is sound");
     group.bench_function("plan with ramps of 180 sections", |b| b.iter(|| planner.optimal_with_ramps(Objective::Time)));
     let edge = EdgeLife { remaining: 0.003, ..EdgeLife::default() };

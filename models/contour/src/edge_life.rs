@@ -21,6 +21,9 @@ impl Default for EdgeLife {
     }
 }
 
+/// Gear before the first section.
+const NO_GEAR: usize = usize::MAX;
+
 /// A partial plan: value so far, life left, and the choice that led here.
 #[derive(Clone, Copy)]
 struct Label {
@@ -37,8 +40,7 @@ impl Planner<'_> {
     /// The best plan that never cuts with an edge beyond its life: before a section the edge may
     /// be changed, which takes the time of a change and throws the life left away.
     ///
-    /// A partial plan is kept while no other of the same gear is better in both value and life
-    /// left.
+    /// The plan is that of complete enumeration while no gear needs more than `edge.levels` states.
     ///
     /// # Errors
     /// As [`Planner::optimal`], and [`ContourError::EdgeTooShort`] where a section uses up more
@@ -56,7 +58,7 @@ impl Planner<'_> {
             value: 0.0,
             left: edge.remaining.clamp(0.0, 1.0),
             wasted: 0.0,
-            gear: usize::MAX,
+            gear: NO_GEAR,
             feed: 0,
             changed: false,
             from: 0,
@@ -69,36 +71,41 @@ impl Planner<'_> {
         let mut layers: Vec<Vec<Label>> = vec![vec![start]];
         for (step, i) in travel.iter().copied().enumerate() {
             let length = self.centre_length(i);
-            let before = &layers[step];
+            let before: Vec<Label> =
+                layers[step].iter().enumerate().map(|(from, label)| Label { from, changed: false, ..*label }).collect();
+            // Coming from another gear costs the same whichever it is.
+            let front = efficient(before.clone(), usize::MAX, weights.edge());
             let mut layer = Vec::new();
             for (gear, candidates) in by_wall[self.wall_of(i)].iter().enumerate() {
-                let mut labels = Vec::new();
-                for (from, prior) in before.iter().enumerate() {
-                    let same = prior.gear == gear || prior.gear == usize::MAX;
-                    let arrived = prior.value + if same { 0.0 } else { switch };
-                    for candidate in candidates {
-                        let used = candidate.life * length;
-                        let value = arrived + weights.value(candidate) * length;
-                        let kept = Label {
-                            value,
-                            left: prior.left - used,
-                            gear,
-                            feed: candidate.feed,
-                            changed: false,
-                            from,
-                            ..*prior
-                        };
-                        let fresh = Label {
-                            value: value + change + weights.edge() * prior.left,
-                            left: 1.0 - used,
-                            wasted: prior.wasted + prior.left,
-                            changed: true,
-                            ..kept
-                        };
-                        labels.extend([kept, fresh].into_iter().filter(|label| label.left >= -1e-12));
-                    }
-                }
-                layer.extend(efficient(labels, edge.levels.max(1)));
+                let stays = |label: &&Label| label.gear == gear || label.gear == NO_GEAR;
+                let mut entered: Vec<Label> = before.iter().filter(stays).copied().collect();
+                entered.extend(
+                    front
+                        .iter()
+                        .filter(|label| !stays(label))
+                        .map(|label| Label { value: label.value + switch, ..*label }),
+                );
+                // Behind a change only what was paid counts, the edge thrown away included.
+                let paid = |label: &Label| label.value + weights.edge() * label.left;
+                let fresh = entered.iter().min_by(|a, b| paid(a).total_cmp(&paid(b))).map(|label| Label {
+                    value: paid(label) + change,
+                    left: 1.0,
+                    wasted: label.wasted + label.left,
+                    changed: true,
+                    ..*label
+                });
+                entered.extend(fresh);
+                let cut = |label: &Label, candidate: &Candidate| Label {
+                    value: label.value + weights.value(candidate) * length,
+                    left: label.left - candidate.life * length,
+                    gear,
+                    feed: candidate.feed,
+                    ..*label
+                };
+                let all =
+                    entered.iter().flat_map(|label| candidates.iter().map(move |candidate| cut(label, candidate)));
+                let within: Vec<Label> = all.filter(|label| label.left >= -1e-12).collect();
+                layer.extend(efficient(within, edge.levels.max(1), weights.edge()));
             }
             if layer.is_empty() {
                 let nothing = by_wall[self.wall_of(i)].iter().all(Vec::is_empty);
@@ -129,20 +136,34 @@ impl Planner<'_> {
     }
 }
 
-/// Labels that no other beats in both value and life left; of more than `levels`, the best of
-/// every share of the life left.
-fn efficient(mut labels: Vec<Label>, levels: usize) -> Vec<Label> {
-    labels.sort_by(|a, b| a.value.total_cmp(&b.value).then(b.left.total_cmp(&a.left)));
-    let mut kept: Vec<Label> = Vec::new();
-    for label in labels {
-        if kept.last().is_none_or(|last| label.left > last.left) {
-            kept.push(label);
+/// Labels that no other beats: in value and life left, for an edge that stays, or in what was
+/// paid for work and edge together and life left, for an edge that will be changed. Of more than
+/// `levels` of either kind, the best of every share of the life left.
+fn efficient(labels: Vec<Label>, levels: usize, edge: f64) -> Vec<Label> {
+    let mut kept = front(&labels, levels, |label| label.value);
+    kept.extend(front(&labels, levels, |label| label.value + edge * label.left));
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| labels[i]).collect()
+}
+
+/// Indices of the labels that no other beats in both `value` and life left.
+fn front(labels: &[Label], levels: usize, value: impl Fn(&Label) -> f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..labels.len()).collect();
+    order.sort_by(|a, b| {
+        let (a, b) = (&labels[*a], &labels[*b]);
+        value(a).total_cmp(&value(b)).then(b.left.total_cmp(&a.left))
+    });
+    let mut kept: Vec<usize> = Vec::new();
+    for i in order {
+        if kept.last().is_none_or(|last| labels[i].left > labels[*last].left) {
+            kept.push(i);
         }
     }
     if kept.len() > levels {
-        let (least, greatest) = (kept[0].left, kept[kept.len() - 1].left);
-        let share = |label: &Label| ((label.left - least) / (greatest - least) * levels as f64).floor();
-        kept.dedup_by(|later, earlier| share(later) == share(earlier));
+        let (least, greatest) = (labels[kept[0]].left, labels[kept[kept.len() - 1]].left);
+        let share = |i: usize| ((labels[i].left - least) / (greatest - least) * levels as f64).floor();
+        kept.dedup_by(|later, earlier| share(*later) == share(*earlier));
     }
     kept
 }

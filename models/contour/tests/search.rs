@@ -127,6 +127,7 @@ proptest! {
     ) {
         let (mut parameters, pass) = coarse();
         parameters.economics.edge_change_time = change;
+        parameters.economics.edge_cost = 300.0;
         let (contour, models) = (wave(a, b, hollow, 0.02), Models { milling: toolroom_contour::Milling::Up, ..Models::default() });
         let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
         let each = [0, 1, 2, 3].map(|i| options(&planner, i));
@@ -142,6 +143,19 @@ proptest! {
         let edge = EdgeLife { remaining, levels: 100_000 };
         let plan = planner.optimal_with_edge(Objective::Time, edge).unwrap();
         prop_assert!((plan.time / least - 1.0).abs() < 1e-9, "{} {least}", plan.time);
+        // In cost, the place of the change decides how much of the edge is thrown away.
+        let (rate, price) = (parameters.economics.machine_rate, parameters.economics.edge_price());
+        let mut cheapest = f64::INFINITY;
+        for combination in combinations(&each) {
+            let used = |sections: std::ops::Range<usize>| combination[sections].iter().map(|option| option.2).sum::<f64>();
+            let time = combination.iter().map(|option| option.1).sum::<f64>() + 2.0 * changes(&combination);
+            let cost = rate * time + price * used(0..4);
+            let kept = if used(0..4) <= remaining + 1e-12 { cost } else { f64::INFINITY };
+            let changed = (0..4).map(|i| remaining - used(0..i)).filter(|wasted| *wasted >= -1e-12);
+            cheapest = changed.fold(cheapest.min(kept), |least, wasted| least.min(cost + price * wasted));
+        }
+        let plan = planner.optimal_with_edge(Objective::Cost, edge).unwrap();
+        prop_assert!((plan.cost / cheapest - 1.0).abs() < 1e-9, "{} {cheapest}", plan.cost);
     }
 }
 
