@@ -98,8 +98,19 @@ impl<N: Number> Heating<N> {
 }
 
 /// `base^exponent`, zero at zero base also for dual numbers (their slope there is infinite).
+///
+/// A ratio of 1 and an exponent of 0 or 1 are common (a cut at its reference, force in
+/// proportion to depth) and cost nothing in plain numbers; the result is the same to the bit.
 pub(crate) fn power<N: Number>(base: N, exponent: N) -> N {
-    if base.re() > 0.0 { base.powd(exponent) } else { N::from(if exponent.re() == 0.0 { 1.0 } else { 0.0 }) }
+    if N::NDERIV == 0 && (base.re() == 1.0 || exponent.re() == 0.0) {
+        N::from(1.0)
+    } else if N::NDERIV == 0 && exponent.re() == 1.0 {
+        base
+    } else if base.re() > 0.0 {
+        base.powd(exponent)
+    } else {
+        N::from(if exponent.re() == 0.0 { 1.0 } else { 0.0 })
+    }
 }
 
 /// Square root, zero at zero also for dual numbers.

@@ -1,0 +1,63 @@
+//! The report opens from disk: one file, no request, no console message, every chart drawn.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn demo(folder: &Path) -> PathBuf {
+    let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["demo", "--quiet", "--replications", "2", "--out"])
+        .arg(folder)
+        .output()
+        .expect("toolroom runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.join("report.html")
+}
+
+/// A browser, where the machine has one.
+fn browser() -> Option<&'static str> {
+    ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success()))
+}
+
+#[test]
+fn the_report_is_one_small_file_that_asks_for_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
+    assert!(html.len() < 2_000_000, "{} bytes", html.len());
+    assert!(html.matches("<svg").count() >= 5, "charts of comparison, VB(t), v(t), Gantt and state times");
+    for request in ["<script", "<link", "<img", "<iframe", "src=", "href=\"http", "url(", "@import"] {
+        assert!(!html.contains(request), "the report contains {request}");
+    }
+}
+
+#[test]
+fn a_browser_draws_every_chart_without_a_word() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium on this machine");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let report = demo(&folder.path().join("demo"));
+    let picture = folder.path().join("report.png");
+    let run = |action: String| {
+        let output = Command::new(browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+            .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+            .args(["--enable-logging=stderr", "--window-size=1200,9000"])
+            .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
+            .arg(action)
+            .arg(format!("file://{}", report.display()))
+            .output()
+            .expect("the browser runs");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!said.contains(":CONSOLE"), "console message: {said}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let dom = run("--dump-dom".to_owned());
+    let html = std::fs::read_to_string(&report).expect("a report");
+    assert_eq!(dom.matches("<svg").count(), html.matches("<svg").count(), "charts kept by the browser");
+    run(format!("--screenshot={}", picture.display()));
+    // A blank page of this size is some 20 kB.
+    assert!(std::fs::metadata(&picture).expect("a picture").len() > 100_000, "the page is nearly blank");
+}
