@@ -68,8 +68,12 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
 /// Cell gain, shop gain and what lies between them, in one line.
 pub fn gains(study: &Study, comparison: &Comparison, difference: &Difference) -> String {
     let bottleneck = comparison.bottleneck().map_or("–", |station| station.name.as_str());
+    let who = match comparison.policies.as_slice() {
+        [_, _] => String::new(),
+        policies => format!("{} against {}; ", policies[difference.policy].name, policies[0].name),
+    };
     format!(
-        "cell gain {} → shop gain {} (bottleneck {bottleneck}; cutting is {} % of the shift; Amdahl allows {})",
+        "cell gain {} → shop gain {} ({who}bottleneck {bottleneck}; cutting is {} % of the shift; Amdahl allows {})",
         factor(difference.cell_gain.mean),
         factor(difference.shop_gain.mean),
         plain(100.0 * cutting_share(study, comparison), 0),
@@ -115,7 +119,7 @@ fn align(rows: &[Vec<Cell>], left: &[usize], style: Style, out: &mut String) {
         let mut line = String::new();
         for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
             let pad = " ".repeat(width - cell.text.chars().count());
-            let gap = if column == 0 { "" } else { "   " };
+            let gap = if column == 0 { "" } else { "  " };
             let text = match cell.news.filter(|_| style.colour) {
                 Some(true) => format!("\u{1b}[32m{}\u{1b}[0m", cell.text),
                 Some(false) => format!("\u{1b}[31m{}\u{1b}[0m", cell.text),
@@ -263,9 +267,9 @@ mod tests {
         );
         let lead = lines.iter().find(|line| line.starts_with("lead time, min")).expect("a row");
         // 10.5 and 12 min; the difference alternates between 1 and 2 min.
-        assert!(lead.contains("10.5   ") && lead.contains("12.0   ") && lead.contains("+1.5  (+0.6 … +2.4)"), "{lead}");
+        assert!(lead.contains("10.5  ") && lead.contains("12.0  ") && lead.contains("+1.5  (+0.6 … +2.4)"), "{lead}");
         let scrap = lines.iter().find(|line| line.starts_with("scrap from tool failure")).expect("a row");
-        assert!(scrap.contains("50 %       50 %   0  (0 … 0)"), "{scrap}");
+        assert!(scrap.contains("50 %      50 %  0  (0 … 0)"), "{scrap}");
         assert!(text.contains("cell gain ×1.00 → shop gain ×1.00 (bottleneck L1 + L2; cutting is 5 % of the shift"));
         assert!(!text.contains('\u{1b}'));
     }
@@ -276,11 +280,12 @@ mod tests {
         let at = text.lines().find_map(|line| line.find("difference (95 %")).expect("a head");
         for line in text.lines().skip(2).take(ROWS.len()) {
             let before: String = line.chars().take(at).collect();
-            assert!(before.ends_with("   ") && line.chars().nth(at).is_some_and(|c| c != ' '), "{line}");
+            assert!(before.ends_with("  ") && line.chars().nth(at).is_some_and(|c| c != ' '), "{line}");
         }
         let text = print(3, 4, Style::default());
         let row = |start: &str| text.lines().find(|line| line.starts_with(start)).expect("a row").chars().count();
         assert_eq!(row("constant  "), row("adaptive  "), "{text}");
+        assert!(text.contains("(adaptive against constant; bottleneck"), "{text}");
         assert!(text.contains("difference to constant (95 % CI)") && text.contains(" ±"), "{text}");
     }
 

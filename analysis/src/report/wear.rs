@@ -13,6 +13,9 @@ use toolroom_sim::scenario::{Scenario, ToolChangeRule};
 /// Edges drawn in one fan.
 const MOST_EDGES: usize = 60;
 
+/// Policies that get a fan; more would make the file too large to be sent around.
+const MOST_FANS: usize = 12;
+
 pub(super) fn section(source: &Source<'_>) -> Section {
     let mut section = Section::new("Speed and wear of the edges");
     if !source.scenario.tools.iter().any(|tool| tool.process.takes_speed_commands()) {
@@ -21,7 +24,7 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     for figure in [same_edge(source, Quantity::Speed), same_edge(source, Quantity::Wear)].into_iter().flatten() {
         section = section.figure(figure);
     }
-    let policies = 0..source.comparison.policies.len();
+    let policies = 0..source.comparison.policies.len().min(MOST_FANS);
     // All fans on the same axes, so that they can be compared.
     let ends = policies.clone().filter_map(|position| source.log(position)).flat_map(|log| {
         let edges = by_edge(source.scenario, log).into_values().take(MOST_EDGES);
