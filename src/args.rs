@@ -82,6 +82,13 @@ pub enum Command {
   toolroom point turning --tool c45_t15k6 --effect wear_force=0.2 --json
   toolroom point infeed --set infeed_per_rev=\"4.43 um/rev\" --advance \"3 s\"")]
     Point(PointArgs),
+    /// Stability chart of milling, turning or a chuck, or the verdict at one point of it
+    #[command(before_help = "Examples:
+  toolroom lobes scenarios/chatter/milling-slot.toml
+  toolroom lobes scenarios/chatter/milling-slot.toml --at \"5000 rpm\" \"0.5 mm\" --json
+  toolroom lobes scenarios/chatter/turning-bar.toml --set bar.position=\"100 mm\"
+  toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation")]
+    Lobes(LobesArgs),
     /// Published numbers beside computed ones, for every model
     #[command(before_help = "Examples:
   toolroom validate
@@ -207,6 +214,21 @@ impl From<PointLife> for toolroom_cutting::LifeModel {
             PointLife::Ode => Self::Ode,
         }
     }
+}
+
+#[derive(Args, Debug)]
+pub struct LobesArgs {
+    /// Lobes file
+    pub file: PathBuf,
+    /// Verdict at this point alone: spindle speed and depth of cut, or speed ratio and modulation
+    #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
+    pub at: Vec<String>,
+    /// Replace a value of the file: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR", conflicts_with = "at")]
+    pub out: Option<PathBuf>,
 }
 
 /// How a study is run and where it goes.

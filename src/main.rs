@@ -12,6 +12,7 @@ mod diff;
 mod effects;
 mod explain;
 mod failure;
+mod lobes;
 mod new;
 mod output;
 mod point;
@@ -51,6 +52,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::New(args) => new::run(&args, voice),
         Command::Check(args) => check::run(&args, voice),
         Command::Point(args) => point::run(&args, voice),
+        Command::Lobes(args) => lobes::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Schema => schema::run(voice),

@@ -255,7 +255,7 @@ fn help_leads_with_examples() {
     let help = toolroom(&["--help"]);
     assert_eq!(help.status.code(), Some(0));
     assert!(stdout(&help).starts_with("Examples:"), "{}", stdout(&help));
-    for verb in ["check", "compare", "run", "point", "new", "demo", "report", "diff", "validate"] {
+    for verb in ["check", "compare", "run", "point", "lobes", "new", "demo", "report", "diff", "validate"] {
         let help = toolroom(&[verb, "--help"]);
         assert!(stdout(&help).starts_with("Examples:"), "{verb}");
     }

@@ -31,15 +31,15 @@ mod words;
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
 pub use fault::{Fault, nearest};
+pub use form::{Form, Key, Kind, Need, Quantity, When};
 pub use schema::schema;
-pub use walk::{Echo, Problem};
+pub use walk::{Echo, Problem, Section, Walk};
 pub use words::significant;
 
 use super::Scenario;
 use std::path::Path;
 use toml::de::DeTable;
 use toolroom_process::parameters::place;
-use walk::Walk;
 
 /// What a scenario file says.
 #[derive(Clone, Debug)]
@@ -68,9 +68,7 @@ pub struct Output {
 /// # Errors
 /// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
 pub fn read(path: &Path, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
-    let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
-    parse(&file, &text::decode(&file, &bytes)?, overrides)
+    read_form(path, overrides, &keys::SCENARIO, resolve::scenario).map(ScenarioFile::new)
 }
 
 /// Reads the text of a scenario; `file` is its name in messages.
@@ -86,6 +84,54 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<ScenarioFile, ReadError
 /// assert!(list.problems.iter().any(|problem| problem.fault.code() == "unknown-key"));
 /// ```
 pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
+    parse_form(file, text, overrides, &keys::SCENARIO, resolve::scenario).map(ScenarioFile::new)
+}
+
+/// A file of some [`Form`], understood.
+#[derive(Clone, Debug)]
+pub struct FormFile<T> {
+    /// What it says.
+    pub content: T,
+    /// Every value as it was understood, defaults included, in the order of the sections.
+    pub echo: Vec<Echo>,
+    /// The text, for records of what was computed.
+    pub text: String,
+}
+
+impl ScenarioFile {
+    fn new(file: FormFile<(Scenario, Output)>) -> Self {
+        let FormFile { content: (scenario, output), echo, text } = file;
+        Self { scenario, echo, output, text }
+    }
+}
+
+/// Reads a TOML file of another kind than a shop by the same rules: `form` describes its top
+/// level, with a key `schema`, and `resolve` turns the sections into what the file means.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_form<T>(
+    path: &Path,
+    overrides: &[String],
+    form: &'static Form,
+    resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
+) -> Result<FormFile<T>, ReadError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+    parse_form(&file, &text::decode(&file, &bytes)?, overrides, form, resolve)
+}
+
+/// [`read_form`] of a text; `file` is its name in messages.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_form<T>(
+    file: &str,
+    text: &str,
+    overrides: &[String],
+    form: &'static Form,
+    resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
+) -> Result<FormFile<T>, ReadError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let mut walk = Walk::default();
     let (mut root, errors) = DeTable::parse_recoverable(text);
@@ -105,12 +151,18 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFil
         overrides::apply(&mut walk, root.get_mut(), each, base);
         base += each.len() + 1;
     }
-    // What follows from a file that is not TOML says nothing about the scenario.
-    let resolved = if broken { None } else { resolve::scenario(&mut walk, root.get_ref()) };
-    match resolved {
-        Some((scenario, output)) if walk.problems.is_empty() => {
-            Ok(ScenarioFile { scenario, echo: walk.echo, output, text: text.to_owned() })
+    // What follows from a file that is not TOML says nothing about its content.
+    let resolved = if broken {
+        None
+    } else {
+        let root = walk.section(form, "", root.get_ref(), 0..0, None);
+        if let Some(read) = root.count("schema").filter(|version| *version != 1) {
+            walk.fault(root.span_of("schema"), Fault::Schema { read });
         }
+        resolve(&mut walk, &root)
+    };
+    match resolved {
+        Some(content) if walk.problems.is_empty() => Ok(FormFile { content, echo: walk.echo, text: text.to_owned() }),
         _ => {
             walk.problems.sort_by_key(|problem| problem.span.start);
             let list = FaultList {

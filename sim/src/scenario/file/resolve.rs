@@ -1,13 +1,11 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
 use super::fault::{Fault, nearest};
-use super::keys::SCENARIO;
 use super::walk::{Got, Section, Value, Walk};
 use super::{Output, processes, routing, rules};
 use crate::scenario::{
     Distribution, FailureClock, FailureMode, Interruption, MachineType, Scenario, Shift, ShiftCalendar, ToolType,
 };
-use toml::de::DeTable;
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -20,24 +18,20 @@ pub(super) struct Names {
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
-pub(super) fn scenario(walk: &mut Walk, root: &DeTable<'_>) -> Option<(Scenario, Output)> {
-    let root = walk.section(&SCENARIO, "", root, 0..0, None);
-    if let Some(read) = root.count("schema").filter(|version| *version != 1) {
-        walk.fault(root.span_of("schema"), Fault::Schema { read });
-    }
-    let shop = walk.table(&root, "shop");
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output)> {
+    let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
     let mut names = Names::default();
-    let calendars = calendars(walk, &root, &mut names);
-    let machines = machines(walk, &root, &mut names);
-    let tools = tools(walk, &root, &mut names);
-    let parts = routing::parts(walk, &root, &mut names, &machines, &tools);
-    let arrivals = rules::arrivals(walk, &root, &names);
-    let dispatch = rules::dispatch(walk, &root);
-    let failures = failures(walk, &root, &names);
-    let policies = rules::policies(walk, &root, &machines);
-    let output = rules::output(walk, &root);
+    let calendars = calendars(walk, root, &mut names);
+    let machines = machines(walk, root, &mut names);
+    let tools = tools(walk, root, &mut names);
+    let parts = routing::parts(walk, root, &mut names, &machines, &tools);
+    let arrivals = rules::arrivals(walk, root, &names);
+    let dispatch = rules::dispatch(walk, root);
+    let failures = failures(walk, root, &names);
+    let policies = rules::policies(walk, root, &machines);
+    let output = rules::output(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon

@@ -58,28 +58,32 @@ pub(super) enum Value<'d> {
 }
 
 /// A section whose keys were read.
+///
+/// A value is missing where the key is left out without a default, and where a problem was noted.
 #[derive(Clone, Debug)]
-pub(super) struct Section<'d> {
-    pub form: &'static Form,
-    pub span: Span,
-    pub path: String,
+pub struct Section<'d> {
+    pub(super) form: &'static Form,
+    pub(super) span: Span,
+    pub(super) path: String,
     values: BTreeMap<&'static str, Got<'d>>,
 }
 
 impl<'d> Section<'d> {
-    pub fn got(&self, key: &str) -> Option<&Got<'d>> {
+    pub(super) fn got(&self, key: &str) -> Option<&Got<'d>> {
         self.values.get(key)
     }
 
     /// Bytes of the value, or of the section where the key is left out.
-    pub fn span_of(&self, key: &str) -> Span {
+    pub fn span_of(&self, key: &str) -> Range<usize> {
         self.got(key).filter(|got| got.given).map_or(self.span.clone(), |got| got.span.clone())
     }
 
+    /// Whether the file gives the key.
     pub fn given(&self, key: &str) -> bool {
         self.got(key).is_some_and(|got| got.given)
     }
 
+    /// A quantity in SI units.
     pub fn si(&self, key: &str) -> Option<f64> {
         match self.got(key)?.value {
             Value::Si(value) => Some(value),
@@ -92,6 +96,7 @@ impl<'d> Section<'d> {
         self.si(key).unwrap_or(f64::NAN)
     }
 
+    /// A whole number.
     pub fn count(&self, key: &str) -> Option<u64> {
         match self.got(key)?.value {
             Value::Count(count) => Some(count),
@@ -100,10 +105,11 @@ impl<'d> Section<'d> {
     }
 
     /// A count within `u32` by its form.
-    pub fn count32(&self, key: &str) -> u32 {
+    pub(super) fn count32(&self, key: &str) -> u32 {
         self.count(key).and_then(|count| u32::try_from(count).ok()).unwrap_or(1)
     }
 
+    /// A name, word or line.
     pub fn text(&self, key: &str) -> Option<&str> {
         match &self.got(key)?.value {
             Value::Text(text) => Some(text),
@@ -111,6 +117,7 @@ impl<'d> Section<'d> {
         }
     }
 
+    /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
         match self.got(key)?.value {
             Value::Flag(flag) => Some(flag),
@@ -118,7 +125,14 @@ impl<'d> Section<'d> {
         }
     }
 
-    pub fn list(&self, key: &str) -> &[Got<'d>] {
+    /// The quantities of a list in SI units; `None` where one of them has a problem.
+    pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
+        let Value::List(list) = &self.got(key)?.value else { return None };
+        let number = |got: &Got<'_>| if let Value::Si(value) = got.value { Some(value) } else { None };
+        list.iter().map(number).collect()
+    }
+
+    pub(super) fn list(&self, key: &str) -> &[Got<'d>] {
         match self.got(key).map(|got| &got.value) {
             Some(Value::List(list)) => list,
             _ => &[],
@@ -128,23 +142,24 @@ impl<'d> Section<'d> {
 
 /// The state of a reading: what was found wrong so far, and what was understood.
 #[derive(Debug, Default)]
-pub(super) struct Walk {
-    pub problems: Vec<Problem>,
-    pub echo: Vec<Echo>,
+pub struct Walk {
+    pub(super) problems: Vec<Problem>,
+    pub(super) echo: Vec<Echo>,
     /// Currency codes used, with their place.
-    pub currencies: Vec<(&'static str, Span)>,
+    pub(super) currencies: Vec<(&'static str, Span)>,
     /// Currency of the shop, in which amounts are echoed.
-    pub currency: String,
+    pub(super) currency: String,
 }
 
 impl Walk {
-    pub fn fault(&mut self, span: Span, fault: Fault) {
+    /// Notes a problem about the text at `span`, as [`Section::span_of`] tells it.
+    pub fn fault(&mut self, span: Range<usize>, fault: Fault) {
         self.problems.push(Problem { fault, span });
     }
 
     /// Reads a section. `case` decides keys that depend on something outside the section, such as
     /// the process of an operation's tool.
-    pub fn section<'d>(
+    pub(super) fn section<'d>(
         &mut self,
         form: &'static Form,
         path: &str,
@@ -211,7 +226,8 @@ impl Walk {
         section
     }
 
-    /// Every entry of the tables under `key`.
+    /// Every entry of the tables under `key`. `case`, a key with its value, decides keys that
+    /// depend on something outside the entry.
     pub fn sections<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
         let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
         let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
@@ -234,11 +250,16 @@ impl Walk {
 
     /// The table under `key`, where it is a table.
     pub fn table<'d>(&mut self, of: &Section<'d>, key: &str) -> Option<Section<'d>> {
+        self.table_in(of, key, None)
+    }
+
+    /// The table under `key` with a `case` as in [`Walk::sections`].
+    pub fn table_in<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Option<Section<'d>> {
         let form = table_form(of.form, key)?;
         let got = of.got(key)?;
         let Value::Raw(DeValue::Table(table)) = &got.value else { return None };
         let path = if of.path.is_empty() { key.to_owned() } else { format!("{}, {key}", of.path) };
-        Some(self.section(form, &path, table, got.span.clone(), None))
+        Some(self.section(form, &path, table, got.span.clone(), case))
     }
 
     fn not_applicable(&mut self, section: &Section<'_>, key: &Key, span: Span, case: Option<(&str, &str)>) {
@@ -334,7 +355,7 @@ impl Walk {
     }
 
     /// A quantity with its unit; ratios may be bare numbers.
-    pub fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
+    pub(super) fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let number = match raw.get_ref() {
             DeValue::String(text) => text.to_string(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
@@ -385,7 +406,7 @@ impl Walk {
         Value::Si(value)
     }
 
-    pub fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
+    pub(super) fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
         let fault =
             Fault::WrongType { key: key.to_owned(), read: described(read), expected: expected.to_owned(), example };
         self.fault(span, fault);

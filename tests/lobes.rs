@@ -1,0 +1,303 @@
+//! `toolroom lobes`: verdicts against published and reference numbers, charts, refusals.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+fn json(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn shipped(name: &str) -> String {
+    format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// An empty directory of this test.
+fn directory(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("lobes-{name}"));
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("the target directory is writable");
+    path
+}
+
+/// The verdict of a shipped file at a point, with changes.
+fn verdict(name: &str, at: [&str; 2], changes: &[&str]) -> Value {
+    let path = shipped(name);
+    let mut arguments = vec!["lobes", &path, "--json", "--at", at[0], at[1]];
+    for change in changes {
+        arguments.extend(["--set", change]);
+    }
+    json(&toolroom(&arguments))
+}
+
+fn close(value: &Value, expected: f64, relative: f64) {
+    let value = value.as_f64().expect("a number");
+    assert!((value / expected - 1.0).abs() < relative, "{value} against {expected}");
+}
+
+const SLOT: &str = "chatter/milling-slot";
+const BAR: &str = "chatter/turning-bar";
+const CHUCK: &str = "chuck-fig3";
+const UP: &str = "engagement.direction=up";
+
+#[test]
+fn milling_limits_are_those_of_the_standard_case() {
+    // Limit [mm] and kind; converged by Chebyshev collocation, the limits over immersion and speed.
+    let half = "engagement.immersion=0.5";
+    let thin = "engagement.immersion=0.05";
+    let cases: [(&str, &[&str], f64, &str); 8] = [
+        ("6000 rpm", &[], 0.35322417, "hopf"),
+        ("12000 rpm", &[], 2.1493095, "flip"),
+        ("24000 rpm", &[], 3.7425451, "hopf"),
+        ("16000 rpm", &[half, UP], 0.20827493, "hopf"),
+        ("20000 rpm", &[half, UP], 1.1853002, "hopf"),
+        ("10000 rpm", &[half], 2.1046897, "flip"),
+        ("8000 rpm", &[thin, UP], 3.4955794, "hopf"),
+        ("10000 rpm", &[thin], 4.0907110, "flip"),
+    ];
+    for (speed, changes, limit, kind) in cases {
+        let below = verdict(SLOT, [speed, &format!("{} mm", 0.99 * limit)], changes);
+        let above = verdict(SLOT, [speed, &format!("{} mm", 1.01 * limit)], changes);
+        close(&below["stability_limit [mm]"], limit, 1e-6);
+        close(&below["margin"], 0.01, 1e-4);
+        assert_eq!((&below["stable"], &below["type"]), (&true.into(), &"stable".into()), "{speed}");
+        assert_eq!((&above["stable"], &above["type"]), (&false.into(), &kind.into()), "{speed} {changes:?}");
+        assert!(above["residual"].as_f64().expect("a number") < 1e-8);
+    }
+}
+
+#[test]
+fn milling_spectral_radii_are_those_of_the_standard_case() {
+    for (depth, radius) in [("0.2 mm", 0.8197427843), ("0.5 mm", 1.073975587), ("1 mm", 1.406473525)] {
+        close(&verdict(SLOT, ["5000 rpm", depth], &[])["spectral_radius"], radius, 1e-7);
+    }
+    // The same in other units.
+    close(&verdict(SLOT, ["523.5987755982989 rad/s", "500 um"], &[])["spectral_radius"], 1.073975587, 1e-7);
+}
+
+#[test]
+fn a_flip_vibrates_at_odd_multiples_of_half_the_tooth_frequency() {
+    let flip = verdict(SLOT, ["12000 rpm", "2.3 mm"], &[]);
+    assert_eq!(flip["type"], "flip");
+    let lines = flip["chatter_frequencies [Hz]"].as_array().expect("a list");
+    // 12000 rpm with two teeth are 400 Hz.
+    let expected = [200.0, 600.0, 1000.0, 1400.0, 1800.0];
+    assert_eq!(lines.len(), expected.len(), "{lines:?}");
+    for (line, expected) in lines.iter().zip(expected) {
+        close(line, expected, 1e-6);
+    }
+    close(&flip["chatter_frequency [Hz]"], 1000.0, 1e-6);
+}
+
+/// A lathe tool of m = 0.561 kg, c = 145 N s/m and k = 6.48 N/um, without a workpiece that bends.
+fn stiff_work(name: &str) -> String {
+    let path = directory(name).join("turning.toml");
+    let (mass, damping, stiffness): (f64, f64, f64) = (0.561, 145.0, 6.48e6);
+    let frequency = (stiffness / mass).sqrt() / std::f64::consts::TAU;
+    let ratio = damping / (2.0 * (stiffness * mass).sqrt());
+    let text = format!(
+        "schema = 1\nname = \"tool\"\nprocess = \"turning\"\n[[mode]]\ndirection = [1, 0]\n\
+         natural_frequency = \"{frequency} Hz\"\ndamping_ratio = {ratio}\nstiffness = \"6.48 N/um\"\n\
+         [cut]\ncutting_coefficient = \"1384 MPa\"\ndiameter = \"35 mm\"\n\
+         [chart]\nspindle_speed = [\"200 rpm\", \"9000 rpm\"]\ndepth_of_cut = [\"0 mm\", \"2 mm\"]\n\
+         boundary_only = true\n[[point]]\nspindle_speed = \"3000 rpm\"\ndepth_of_cut = \"0.4 mm\"\n"
+    );
+    fs::write(&path, text).expect("writable");
+    path.display().to_string()
+}
+
+#[test]
+fn turning_limits_are_those_of_the_reference_with_and_without_process_damping() {
+    let path = stiff_work("limits");
+    for (speed, free, damped) in [("1500 rpm", 0.38491350, 0.97558778), ("8000 rpm", 0.72273448, 0.77227103)] {
+        let at = ["lobes", &path, "--json", "--at", speed, "0.3 mm"];
+        close(&json(&toolroom(&at))["stability_limit [mm]"], free, 1e-7);
+        let with = [&at[..], &["--set", "cut.process_damping=6.11e5 N/m"]].concat();
+        close(&json(&toolroom(&with))["stability_limit [mm]"], damped, 1e-7);
+    }
+    // Slow enough, process damping keeps every depth stable: there is no limit and no margin.
+    let slow = ["lobes", &path, "--json", "--at", "500 rpm", "1 mm", "--set", "cut.process_damping=6.11e5 N/m"];
+    let slow = json(&toolroom(&slow));
+    assert_eq!(slow["stable"], true);
+    assert!(slow["stability_limit [mm]"].is_null() && slow["margin"].is_null());
+}
+
+#[test]
+fn a_bar_is_softer_the_farther_the_tool_is_from_its_supports() {
+    let limit = |position: &str| {
+        let change = format!("bar.position={position}");
+        let verdict = verdict(BAR, ["3000 rpm", "0.2 mm"], &[&change, "mode.tool.stiffness=1000 N/um"]);
+        verdict["stability_limit [mm]"].as_f64().expect("a limit")
+    };
+    let (near, middle) = (limit("100 mm"), limit("200 mm"));
+    assert!(near > 2.0 * middle, "{near} mm against {middle} mm");
+}
+
+#[test]
+fn chuck_thresholds_are_those_of_the_paper_s_reduced_system() {
+    // Speed ratio 1 and 2, lags 0, 40 and 80 us.
+    for (lag, one, two) in
+        [("0 s", 0.541592, 0.0723846), ("40 us", 0.417262, 0.0422591), ("80 us", 0.257592, 0.0128043)]
+    {
+        let lag = format!("chuck.lag={lag}");
+        for (ratio, threshold) in [("1", one), ("2", two)] {
+            let at = verdict(CHUCK, [ratio, "0.7"], &[&lag]);
+            close(&at["critical_modulation"], threshold, 1e-5);
+            assert_eq!(at["type"], "parametric");
+        }
+    }
+    let at = verdict(CHUCK, ["1", "0.3"], &[]);
+    close(&at["spectral_radius"], 1.00647429, 1e-7);
+    // 240.93141 kgf/mm over 300 kgf/mm², against 200.
+    close(&at["stability_limit [mm]"], 240.93141 / 300.0, 1e-6);
+    close(&at["margin"], 1.0 - 200.0 / 240.93141, 1e-6);
+    close(&at["chatter_frequency [Hz]"], 120.0, 1e-9);
+    // 2400 rpm in a chuck of three jaws are 120 Hz.
+    close(&verdict(CHUCK, ["2400 rpm", "0.3"], &[])["spectral_radius"], 1.00647429, 1e-7);
+    let other = verdict(CHUCK, ["1.9", "0.3"], &["chuck.preset=table2_milli", "chuck.lag=40 us"]);
+    close(&other["spectral_radius"], 0.923837325, 1e-7);
+}
+
+#[test]
+fn a_chart_leaves_picture_table_numbers_and_report() {
+    let out = directory("chart").join("out");
+    let (path, place) = (shipped(SLOT), out.display().to_string());
+    let small = ["--set", "chart.columns=24", "--set", "chart.rows=10"];
+    let arguments = [&["lobes", path.as_str(), "--json", "--out", place.as_str()][..], &small].concat();
+    let summary = json(&toolroom(&arguments));
+    let entries = fs::read_dir(&out).expect("results").map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    assert_eq!(names, ["lobes.csv", "lobes.json", "lobes.svg", "report.html", "run.json"]);
+    let written: Value = serde_json::from_slice(&fs::read(out.join("lobes.json")).expect("numbers")).expect("JSON");
+    assert_eq!(written, summary);
+    let table = fs::read_to_string(out.join("lobes.csv")).expect("a table");
+    assert!(table.starts_with("spindle_speed [rpm],depth_of_cut [mm],spectral_radius,stable,type,"), "{table}");
+    assert_eq!(table.lines().count(), 1 + 24 * 10);
+    // The grid, the boundary and the verdicts of the points tell one story.
+    let stable = table.lines().skip(1).filter(|line| line.contains(",true,")).count();
+    close(&summary["stable_share"], stable as f64 / 240.0, 1e-12);
+    assert_eq!(summary["points"][0]["name"], "cautious");
+    assert_eq!(summary["points"][3]["type"], "hopf");
+    let picture = fs::read_to_string(out.join("lobes.svg")).expect("a picture");
+    for expected in ["Spindle speed [rpm]", "Depth of cut [mm]", "stability limit", "margin below 10 %", "unstable"] {
+        assert!(picture.contains(expected), "{expected}");
+    }
+    let report = fs::read_to_string(out.join("report.html")).expect("a report");
+    assert!(report.contains("1 of 4 operating points are unstable") && report.contains("chart.columns=24"));
+    assert!(report.len() < 2_000_000);
+    // A second run takes the place of the first and gives the same bytes.
+    assert_eq!(json(&toolroom(&arguments)), summary);
+    assert_eq!(fs::read_to_string(out.join("lobes.csv")).expect("a table"), table);
+}
+
+#[test]
+fn a_boundary_alone_is_the_exact_limit() {
+    let path = stiff_work("boundary");
+    let out = directory("boundary-out").join("out").display().to_string();
+    let change = ["--set", "chart.spindle_speed=[\"3000 rpm\", \"5000 rpm\"]", "--set", "chart.columns=3"];
+    let summary = json(&toolroom(&[&["lobes", &path, "--json", "--out", &out][..], &change].concat()));
+    let limit = &summary["boundaries"][0]["limit"];
+    close(&limit[0][0], 3000.0, 1e-12);
+    close(&limit[0][1], 0.47242024, 1e-7);
+    close(&limit[8][1], 0.37018611, 1e-7);
+    assert!(summary["stable_share"].is_null());
+    let table = fs::read_to_string(Path::new(&out).join("lobes.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 9, "{table}");
+}
+
+#[test]
+fn the_shipped_bar_and_chuck_are_charts() {
+    for (name, told) in [(BAR, "roughing"), (CHUCK, "limit at lag 40 us: least 0.0423 at speed ratio 2")] {
+        let out = directory(&name.replace('/', "-")).join("out").display().to_string();
+        let output = toolroom(&["lobes", &shipped(name), "--out", &out, "--set", "chart.boundary_only=true"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
+        assert!(text.contains(told), "{text}");
+    }
+}
+
+#[test]
+fn faults_of_a_file_are_told_with_their_place_and_fix() {
+    let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
+    let cases = [
+        ("teeth = 2", "teeth = 0", "1 to 200"),
+        ("teeth = 2", "theeth = 2", "did you mean `teeth`?"),
+        ("immersion = 1 ", "immersion = 1.2 ", "above 0 up to 1"),
+        ("immersion = 1 ", "immersion = nan ", "`immersion` = nan is outside"),
+        ("damping_ratio = 0.011", "damping_ratio = -0.011", "`damping_ratio` = -0.011 is outside"),
+        ("mass = \"0.03993 kg\"", "stiffness = \"0 N/um\"", "`stiffness` = 0 N/um is outside"),
+        ("mass = \"0.03993 kg\"", "", "lacks `stiffness`"),
+        ("mass = \"0.03993 kg\"", "mass = \"0.04 kg\"\nstiffness = \"1 N/um\"", "contradict each other"),
+        ("direction = [1, 0] ", "direction = [0, 0] ", "which have a length"),
+        ("direction = [1, 0] ", "direction = [1, 0, 0] ", "two components"),
+        ("[\"5000 rpm\", \"25000 rpm\"]", "[\"5000 rpm\", \"5000 rpm\"]", "the range of a chart ascends"),
+        ("[\"5000 rpm\", \"25000 rpm\"]", "[\"5000 rpm\"]", "least and greatest"),
+        ("columns = 400", "columns = 1", "2 to 4000"),
+        ("tangential = \"600 MPa\"", "tangential = \"600 mm\"", "`mm` is not a unit of"),
+        ("process = \"milling\"", "process = \"turning\"", "does not apply to process = \"turning\""),
+        ("process = \"milling\"", "process = \"millling\"", "did you mean `milling`?"),
+        ("teeth = 2", "teeth = 2\npitch = [\"180 deg\"]", "every tooth has one pitch angle"),
+        ("teeth = 2", "teeth = 2\npitch = [\"180 deg\", \"170 deg\"]", "360 deg"),
+        ("teeth = 2", "teeth = 2\nrunout = \"10 um\"", "lacks `feed_per_tooth`"),
+        ("schema = 1", "schema = 2", "write schema = 1"),
+    ];
+    for (from, to, told) in cases {
+        assert!(text.contains(from), "{from}");
+        let path = directory("faults").join("faulty.toml");
+        fs::write(&path, text.replacen(from, to, 1)).expect("writable");
+        let output = toolroom(&["lobes", &path.display().to_string(), "--at", "5000 rpm", "0.5 mm"]);
+        let answer = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{to}: {answer}");
+        assert!(output.stdout.is_empty() && answer.contains("faulty.toml:"), "{to}: {answer}");
+        // The message may be broken over lines that start with a bar.
+        let words: Vec<&str> = answer.split_whitespace().filter(|word| *word != "│").collect();
+        assert!(words.join(" ").contains(told), "{told} in\n{answer}");
+    }
+}
+
+#[test]
+fn a_file_without_modes_is_refused() {
+    let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
+    let start = text.find("[[mode]]").expect("a mode");
+    let end = text.find("[cutter]").expect("a cutter");
+    let path = directory("no-modes").join("faulty.toml");
+    fs::write(&path, format!("{}{}", &text[..start], &text[end..])).expect("writable");
+    let output = toolroom(&["lobes", &path.display().to_string(), "--json"]);
+    assert_eq!(output.status.code(), Some(2));
+    let problems: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(problems["problems"][0]["message"], "there is no vibration mode");
+}
+
+#[test]
+fn points_that_are_none_are_input_errors() {
+    let path = shipped(SLOT);
+    for (at, told) in [
+        (["5000", "0.5 mm"], "has no unit"),
+        (["5000 rpm", "0.5 kg"], "is not a unit of"),
+        (["0 rpm", "0.5 mm"], "must be positive"),
+        (["5000 rpm", "-0.5 mm"], "must not be negative"),
+        (["nan rpm", "0.5 mm"], "does not start with a number"),
+    ] {
+        let output = toolroom(&["lobes", &path, "--at", at[0], at[1]]);
+        assert_eq!(output.status.code(), Some(2), "{at:?}: {}", stderr(&output));
+        assert!(stderr(&output).contains(told), "{at:?}: {}", stderr(&output));
+    }
+    let output = toolroom(&["lobes", "/nowhere.toml"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
