@@ -21,16 +21,10 @@ impl Planner<'_> {
         let mut step = 0;
         loop {
             let setting = self.overridden(gear, step);
-            let mut violated: Vec<Constraint> = Vec::new();
-            for i in 0..self.len() {
-                violated.extend(
-                    self.evaluate(i, setting).into_iter().flat_map(|at| at.ratios.violated().collect::<Vec<_>>()),
-                );
-            }
-            violated.sort();
-            violated.dedup();
+            let settings = vec![setting; self.len()];
+            let violated = self.violated(&settings);
             if violated.is_empty() {
-                return Ok(self.assemble(&vec![setting; self.len()], Extras::default()));
+                return Ok(self.assemble(&settings, Extras::default()));
             }
             if violated == [Constraint::ToolLife] && gear > 0 {
                 gear -= 1;

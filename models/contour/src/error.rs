@@ -23,6 +23,14 @@ pub enum ContourError {
         /// Section.
         section: usize,
     },
+    /// A profile cut into too few or too many sections.
+    #[error("a profile is cut into 3 to {greatest} sections, not {sections}")]
+    Division {
+        /// Sections asked for.
+        sections: u32,
+        /// Most sections.
+        greatest: u32,
+    },
     /// A contour that does not come back to its start.
     #[error("the contour is open: its end is {:.4} mm from its start; close it, or write `closed = false`", gap * 1e3)]
     Open {

@@ -305,6 +305,10 @@ fn path_error(text: &str, law: &RawPathError) -> Result<PathError, FileError> {
     Ok(match (law.model.get_ref(), &law.step, &law.velocity_loop_frequency, law.velocity_loop_damping) {
         (PathErrorModel::Servo, None, None, None) => PathError::default(),
         (PathErrorModel::Servo, None, Some(frequency), Some(damping)) => {
+            if damping.is_nan() || damping <= 0.0 {
+                let fault = ContourError::NotPositive { key: "velocity_loop_damping" };
+                return Err(FileError::at(text, law.model.span().start, fault));
+            }
             let frequency = positive(text, "velocity_loop_frequency", frequency, "rad/s")?;
             PathError::Servo { velocity_loop: Some(VelocityLoop { frequency, damping }) }
         }

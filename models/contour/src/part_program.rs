@@ -1,6 +1,8 @@
 //! Part programs with the planned feeds.
 
-use crate::{Contour, CornerMove, CornerPolicy, CutterSide, Plan, PlannedSection, Planner, Point, Section, Shape};
+use crate::{
+    Contour, ContourError, CornerMove, CornerPolicy, CutterSide, Plan, PlannedSection, Planner, Point, Section, Shape,
+};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
 
@@ -15,6 +17,9 @@ impl Planner<'_> {
     /// other way for the chosen milling, the program runs it backwards. Loops, exact stops (G9)
     /// and slow corners are written out; changes of edge stop the program (M0).
     ///
+    /// # Errors
+    /// [`ContourError::SettingCount`] for a plan of another contour.
+    ///
     /// # Examples
     /// ```
     /// use toolroom_contour::{CutterSide, Models, Objective, Parameters, Pass, Planner, Point, Trace};
@@ -23,10 +28,14 @@ impl Planner<'_> {
     /// let bore = trace.finish(CutterSide::Left, true).unwrap();
     /// let (parameters, pass, models) = (Parameters::default(), Pass::default(), Models::default());
     /// let planner = Planner::new(&bore, &parameters, &pass, &models).unwrap();
-    /// let program = planner.part_program(&planner.optimal(Objective::Time).unwrap(), "bore");
+    /// let program = planner.part_program(&planner.optimal(Objective::Time).unwrap(), "bore").unwrap();
     /// assert!(program.contains("G3 X0.0000 Y16.0000 I0.0000 J14.0000 F"));
     /// ```
-    pub fn part_program(&self, plan: &Plan, name: &str) -> String {
+    pub fn part_program(&self, plan: &Plan, name: &str) -> Result<String, ContourError> {
+        let (settings, sections) = (plan.sections.len(), self.contour.sections.len());
+        if settings != sections {
+            return Err(ContourError::SettingCount { settings, sections });
+        }
         let backwards = self.backwards();
         let reversed;
         let contour = if backwards {
@@ -57,7 +66,7 @@ impl Planner<'_> {
             }
         }
         writer.tail();
-        writer.text
+        Ok(writer.text)
     }
 }
 

@@ -371,6 +371,16 @@ impl<'a> Planner<'a> {
         })
     }
 
+    /// Constraints that `settings` break on some section, in the order of system (4).
+    pub fn violated(&self, settings: &[Setting]) -> Vec<Constraint> {
+        let evaluations = settings.iter().enumerate().filter_map(|(i, setting)| self.evaluate(i, *setting));
+        let mut violated: Vec<Constraint> =
+            evaluations.flat_map(|at| at.ratios.violated().collect::<Vec<_>>()).collect();
+        violated.sort();
+        violated.dedup();
+        violated
+    }
+
     /// The constraint that refuses the next higher feed on section `i`, the most violated one
     /// where several do.
     pub(crate) fn refuses_more(&self, i: usize, setting: Setting) -> Option<Constraint> {

@@ -1,10 +1,10 @@
 //! How the gains of a plan move when the conditions scatter.
 
-use crate::{Constraint, Contour, ContourError, Models, Objective, Parameters, Pass, Planner};
+use crate::{Constraint, ContourError, Objective, Pass, Planner, Setting};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, LogNormal, Normal};
-use toolroom_process::record;
+use toolroom_process::{Record, record};
 
 record! {
     /// How conditions scatter, relative to nominal; tolerance is not scattered.
@@ -44,57 +44,46 @@ pub struct Sensitivity {
     pub draws: Vec<Draw>,
 }
 
-impl Sensitivity {
-    /// Plans `draws` times in scattered conditions. Draw k depends on `seed` and k alone.
+impl Planner<'_> {
+    /// Plans `draws` times in scattered conditions, each time against the handbook regime of the
+    /// same conditions, and tries the nominal plan in them. Draw k depends on `seed` and k alone.
     ///
     /// # Errors
     /// Where the nominal plan does not exist, or a scatter is out of range.
     ///
     /// # Examples
     /// ```
-    /// use toolroom_contour::*;
-    /// let mut trace = Trace::new(Point::default(), 0.0);
-    /// trace.lobed(0.1, 0.0035, 3, 18).unwrap();
-    /// let hole = trace.finish(CutterSide::Left, true).unwrap();
-    /// let models = Models { path_error: PathError::Empirical, ..Models::default() };
+    /// use toolroom_contour::{ConditionScatter, ContourFile, Objective};
+    /// let file = ContourFile::read(include_str!("../../../scenarios/contour/rk3.toml")).unwrap();
+    /// let (_, finish) = &file.planners().unwrap()[1];
     /// let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
-    /// let same = Sensitivity::draw(&hole, &Parameters::default(), &Pass::default(), &models, Objective::Time, &none, 2, 1);
-    /// assert!((same.unwrap().productivity_gain(0.5).unwrap() - 0.1464).abs() < 1e-4);
+    /// let same = finish.sensitivity(Objective::Time, &none, 2, 1).unwrap();
+    /// assert!((same.productivity_gain(0.5).unwrap() - 0.1464).abs() < 1e-4);
     /// ```
-    #[allow(clippy::too_many_arguments)] // the planner's four, and what is drawn how often
-    pub fn draw(
-        contour: &Contour,
-        parameters: &Parameters,
-        nominal: &Pass,
-        models: &Models,
+    pub fn sensitivity(
+        &self,
         objective: Objective,
         scatter: &ConditionScatter,
         draws: u32,
         seed: u64,
-    ) -> Result<Self, ContourError> {
-        use toolroom_process::Record;
+    ) -> Result<Sensitivity, ContourError> {
         scatter.check()?;
-        let planned = Planner::new(contour, parameters, nominal, models)?.optimal(objective)?;
-        let settings: Vec<_> = planned.sections.iter().map(|section| section.setting).collect();
+        let nominal = self.optimal(objective)?;
+        let settings: Vec<Setting> = nominal.sections.iter().map(|section| section.setting).collect();
         let one = |k: u32| -> Result<Draw, ContourError> {
-            let pass = scatter.pass(nominal, seed, k);
-            let planner = Planner::new(contour, parameters, &pass, models)?;
+            let pass = scatter.pass(self.pass, seed, k);
+            let planner = Planner::new(self.contour, self.parameters, &pass, self.models)?;
             let plans = planner.handbook().ok().zip(planner.optimal(objective).ok());
-            let mut broken: Vec<Constraint> = Vec::new();
-            for (i, setting) in settings.iter().enumerate() {
-                broken.extend(
-                    planner.evaluate(i, *setting).into_iter().flat_map(|at| at.ratios.violated().collect::<Vec<_>>()),
-                );
-            }
-            broken.sort();
-            broken.dedup();
-            let gain = plans.as_ref().map(|(handbook, plan)| plan.productivity_gain(handbook));
-            let cost = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
-            Ok(Draw { pass, productivity_gain: gain, cost_change: cost, broken })
+            let broken = planner.violated(&settings);
+            let productivity_gain = plans.as_ref().map(|(handbook, plan)| plan.productivity_gain(handbook));
+            let cost_change = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
+            Ok(Draw { pass, productivity_gain, cost_change, broken })
         };
-        Ok(Self { draws: (0..draws).map(one).collect::<Result<_, _>>()? })
+        Ok(Sensitivity { draws: (0..draws).map(one).collect::<Result<_, _>>()? })
     }
+}
 
+impl Sensitivity {
     /// Quantile of the gain in productivity over the draws that have one.
     pub fn productivity_gain(&self, share: f64) -> Option<f64> {
         quantile(self.draws.iter().filter_map(|draw| draw.productivity_gain), share)
@@ -146,4 +135,38 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     let at = share.clamp(0.0, 1.0) * (sorted.len().checked_sub(1)? as f64);
     let (low, high) = (sorted[at.floor() as usize], sorted[at.ceil() as usize]);
     Some(low + (high - low) * at.fract())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CutterSide, Models, Parameters, PathError, Point, Trace};
+
+    #[test]
+    fn draws_depend_on_seed_and_number_alone_and_gains_spread() {
+        let mut trace = Trace::new(Point::default(), 0.0);
+        trace.lobed(0.1, 0.0035, 3, 18).unwrap();
+        let hole = trace.finish(CutterSide::Left, true).unwrap();
+        let models = Models { path_error: PathError::Empirical, ..Models::default() };
+        let (parameters, pass, scatter) = (Parameters::default(), Pass::default(), ConditionScatter::default());
+        let planner = Planner::new(&hole, &parameters, &pass, &models).unwrap();
+        let draw = |draws, seed| planner.sensitivity(Objective::Time, &scatter, draws, seed).unwrap();
+        let many = draw(40, 7);
+        assert_eq!(draw(5, 7).draws, many.draws[..5]);
+        assert_ne!(draw(5, 8).draws, many.draws[..5]);
+        // The override of 10 % makes the gain jump: from a few per cent to several tens.
+        let (low, high) = (many.productivity_gain(0.1).unwrap(), many.productivity_gain(0.9).unwrap());
+        assert!(low > 0.0 && high > low + 0.1, "{low} {high}");
+        assert!(many.cost_change(0.5).unwrap() < 0.0);
+        // A plan at the edge of the tolerance does not hold in half of the conditions.
+        assert!((0.2..0.8).contains(&many.broken(Constraint::Accuracy)), "{}", many.broken(Constraint::Accuracy));
+        assert_eq!(many.without_plan(), 0.0);
+    }
+
+    #[test]
+    fn quantiles_interpolate() {
+        let of = |share| quantile([3.0, 1.0, 2.0].into_iter(), share);
+        assert_eq!((of(0.0), of(0.25), of(1.0)), (Some(1.0), Some(1.5), Some(3.0)));
+        assert_eq!(quantile(std::iter::empty(), 0.5), None);
+    }
 }

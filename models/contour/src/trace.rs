@@ -12,6 +12,9 @@ pub const POSITION_TOLERANCE: f64 = 5e-6;
 /// it, joints are taken as tangent; coordinates rounded to 1 µm stay well below.
 pub const CORNER_ANGLE: f64 = 0.5 * PI / 180.0;
 
+/// Most sections of one profile.
+const GREATEST_DIVISION: u32 = 1_000_000;
+
 /// Greatest turn: beyond it the path comes back on itself.
 const GREATEST_TURN: f64 = PI - 2.0 * CORNER_ANGLE;
 
@@ -160,13 +163,17 @@ impl Trace {
     /// radius. The natural arc is the angle from one extreme of curvature to the next.
     ///
     /// # Errors
-    /// [`ContourError::NoLength`] where the eccentricity is so great that a radius vanishes.
+    /// [`ContourError::NoLength`] where the eccentricity is so great that a radius vanishes,
+    /// [`ContourError::Division`] for fewer than 3 sections or more than a million.
     ///
     /// # Source
     /// Support function of the RK/P3G profile, Lukin's "RK-3 profile hole" (reading of the scan).
     pub fn lobed(&mut self, diameter: f64, eccentricity: f64, lobes: u32, sections: u32) -> Result<(), ContourError> {
+        if !(3..=GREATEST_DIVISION).contains(&sections) {
+            return Err(ContourError::Division { sections, greatest: GREATEST_DIVISION });
+        }
         let m = f64::from(lobes);
-        let step = 2.0 * PI / f64::from(sections.max(1));
+        let step = 2.0 * PI / f64::from(sections);
         let amplitude = (m * m - 1.0) * eccentricity;
         for i in 0..sections {
             let (from, to) = (f64::from(i) * step, f64::from(i + 1) * step);

@@ -100,7 +100,7 @@ fn a_part_program_reads_back_as_the_centre_path() {
         let file = ContourFile::read(text).unwrap();
         let (_, planner) = &file.planners().unwrap()[0];
         let plan = planner.optimal(Objective::Time).unwrap();
-        let program = planner.part_program(&plan, &file.name);
+        let program = planner.part_program(&plan, &file.name).unwrap();
         let centre = read_back(&program);
         let along = centre.length();
         let corners: f64 = plan.corners.iter().map(|corner| corner.length).sum();
@@ -122,7 +122,7 @@ fn part_programs_pass_corners_by_every_policy() {
         let models = Models { corners, ..file.models };
         let planner = Planner::new(&file.contour, &file.parameters, pass, &models).unwrap();
         let plan = planner.optimal(Objective::Time).unwrap();
-        let program = planner.part_program(&plan, "mc1");
+        let program = planner.part_program(&plan, "mc1").unwrap();
         assert!(program.contains(word));
         assert_eq!(plan.corners.len(), 4);
         let along = read_back(&program).length();
@@ -212,4 +212,21 @@ fn a_bore_by_radius_has_the_engagement_of_its_shape() {
     assert_eq!(contour.shape(&contour.sections[0]), Shape::Concave(1.0 / (1.0 / 30e-3)));
     assert!((contour.sections[0].arc_angle - 2.0 * PI).abs() < 1e-12);
     assert!(contour.sections[0].end_heading() > FRAC_PI_2);
+}
+
+proptest::proptest! {
+    #[test]
+    fn a_damaged_file_is_answered_without_panic(at in 0usize..2000, cut in 0usize..40, put in "[-0-9a-z\"\\[\\]{}=. ]{0,6}") {
+        for text in [MC1, RK3, CAM] {
+            let from = at % text.len();
+            let to = (from + cut).min(text.len());
+            let damaged = format!("{}{put}{}", &text[..from], &text[to..]);
+            if let Ok(file) = ContourFile::read(&damaged) {
+                let planned = file.planners().map(|planners| {
+                    planners.iter().map(|(_, planner)| planner.optimal(Objective::Time).is_ok()).collect::<Vec<_>>()
+                });
+                drop(planned);
+            }
+        }
+    }
 }

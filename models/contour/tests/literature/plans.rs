@@ -220,3 +220,44 @@ fn m10c_the_gains_move_with_the_conditions() {
     check_gains("MC-1", &planner, [2.05571, 1.12546], 8.7,
         ([38.69, -26.46], [4.54, -4.10], [80.04, -42.61], [79.67, -46.56], 29.82));
 }
+
+/// Inputs that no table lists, computed with a second Python implementation.
+#[test]
+#[rustfmt::skip]
+fn fresh_inputs_agree_with_a_second_implementation() {
+    let lobed = {
+        let mut trace = toolroom_contour::Trace::new(toolroom_contour::Point::default(), 0.0);
+        trace.lobed(0.096, 3e-3, 3, 24).unwrap();
+        trace.finish(toolroom_contour::CutterSide::Left, true).unwrap()
+    };
+    let thin = Pass { allowance: 0.35e-3, tolerance: 0.04e-3, table_feed: 0.05e-3, ..Pass::default() };
+    let thick =
+        Pass { allowance: 0.8e-3, tolerance: 0.07e-3, roughness: 12e-6, table_feed: 0.07e-3, ..Pass::default() };
+    let servo = Models { path_error: PathError::default(), ..models() };
+    let half = Pass { deflection_compensation: 0.5, ..thick };
+    // Time in min, cost and edge lives, corners aside.
+    type Row = [f64; 3];
+    let table: [(Contour, Pass, Models, [Row; 5]); 3] = [
+        (lobed, thin, models(), [
+            [0.628319, 0.341408, 0.00187921], [0.522915, 0.287316, 0.00178336], [0.571199, 0.312087, 0.00182671],
+            [0.511991, 0.281669, 0.00177059], [0.536777, 0.278565, 0.000701847],
+        ]),
+        (mc1(), thick, servo, [
+            [1.36312, 0.732766, 0.00353142], [0.906057, 0.5246, 0.00493594], [1.15659, 0.627058, 0.00336306],
+            [0.466404, 0.270901, 0.00259997], [0.470313, 0.258244, 0.00159226],
+        ]),
+        (mc1(), half, models(), [
+            [1.36312, 0.732766, 0.00353142], [0.929743, 0.536852, 0.00496418], [1.0905, 0.593167, 0.00330474],
+            [0.645038, 0.362764, 0.00277548], [0.663396, 0.347595, 0.00109633],
+        ]),
+    ];
+    let parameters = with_edge_cost(12.0);
+    for (contour, pass, models, rows) in table {
+        let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
+        for (plan, [time, cost, life]) in five(&planner).iter().zip(rows) {
+            six("time", (plan.time - plan.corner_time) / 60.0, time);
+            six("cost", plan.cost - plan.corner_time * parameters.economics.machine_rate, cost);
+            six("life", plan.life_fraction, life);
+        }
+    }
+}
