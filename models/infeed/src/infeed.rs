@@ -147,7 +147,8 @@ impl<N: Number> Infeed<N> {
         // Below the threshold the wheel rubs, pressed on by the deflection that is there.
         let pressed = positive((size_error - x.wheel_wear) * p.system_stiffness);
         let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
-        let normal_force = if depth.re() > 0.0 { threshold + process_stiffness * depth } else { rubbing };
+        let uncut = if depth.re() > 0.0 { threshold } else { rubbing };
+        let normal_force = uncut + process_stiffness * depth;
         let tangential_force = normal_force * p.friction * u.friction_factor;
         let spindle_power = tangential_force * p.wheel_speed;
         let work_speed = u.work_rotation_speed * p.work_diameter * 0.5;
@@ -160,7 +161,7 @@ impl<N: Number> Infeed<N> {
         }
         if normal_force.re() > 0.0 && work_speed.re() > 0.0 {
             let equivalent_diameter = p.work_diameter * p.wheel_diameter / (p.work_diameter + p.wheel_diameter);
-            let contact_length = (normal_force / process_stiffness * equivalent_diameter).sqrt();
+            let contact_length = ((depth + uncut / process_stiffness) * equivalent_diameter).sqrt();
             let flux = spindle_power / (p.width * contact_length);
             let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();
             temperature_rise = into_work * flux * spread * std::f64::consts::FRAC_2_SQRT_PI * terms.temperature_rise;

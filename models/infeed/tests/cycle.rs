@@ -101,12 +101,17 @@ fn keeps(grinding: &Infeed, input: &Input, limits: &CycleLimits, phases: &[Cycle
 }
 
 /// Fewest revolutions of any cycle, by trying all of them.
-fn brute_force(grinding: &Infeed, input: &Input, limits: &CycleLimits, longest: u32) -> Option<u32> {
+fn brute_force(
+    grinding: &Infeed,
+    input: &Input,
+    limits: &CycleLimits,
+    mut lengths: std::ops::RangeInclusive<u32>,
+) -> Option<u32> {
     let start = State::default();
     let finish_depth =
         depth_at_temperature(grinding, &start, input, limits.finish_temperature_rise, limits.greatest_infeed).ok()?;
     let settings = (finish_depth / limits.infeed_step * 1.1) as u32;
-    (1..=longest).find(|total| {
+    lengths.find(|total| {
         (1..=*total).any(|rough| {
             (0..=total - rough).any(|finish| {
                 (1..=settings.max(1)).any(|setting| {
@@ -140,8 +145,24 @@ fn no_cycle_is_faster_than_the_one_found() {
     ];
     for (grinding, limits) in cases {
         let cycle = designed(&grinding, &Input::default(), &limits).expect("feasible");
-        let fewest = brute_force(&grinding, &Input::default(), &limits, cycle.revolutions + 1);
+        let fewest = brute_force(&grinding, &Input::default(), &limits, 1..=cycle.revolutions + 1);
         assert_eq!(Some(cycle.revolutions), fewest, "{limits:?}");
+    }
+}
+
+/// A longer spark-out keeps every limit that a shorter one keeps, so one length below is enough.
+#[test]
+fn a_long_cycle_cannot_be_a_revolution_shorter() {
+    let limits = CycleLimits { stock: 250e-6, infeed_step: 0.4e-6, size_error: 2e-6, ..CycleLimits::default() };
+    let mut rubbing = paper();
+    rubbing.parameters.system_stiffness = stiffness_from_k(rubbing.parameters.process_stiffness, 0.8);
+    let plain = rubbing.clone();
+    rubbing.parameters.threshold_force = 8.0;
+    for grinding in [plain, rubbing] {
+        let cycle = designed(&grinding, &Input::default(), &limits).expect("feasible");
+        assert!(cycle.phases[0].revolutions > 32);
+        let lengths = cycle.revolutions - 1..=cycle.revolutions;
+        assert_eq!(brute_force(&grinding, &Input::default(), &limits, lengths), Some(cycle.revolutions));
     }
 }
 

@@ -416,22 +416,45 @@ impl<'a> Search<'a> {
             }
             let mut rough = least;
             while rough <= most && rough + finish <= bound(best) {
-                if let Some(found) = self.complete(rough_stock, finish_infeed, rough, finish) {
-                    let better = best.is_none_or(|best| {
-                        let (new, old) = (found.revolutions(), best.revolutions());
-                        new < old || (new == old && found.last_depth < best.last_depth)
-                    });
-                    if better && found.revolutions() <= LONGEST {
-                        *best = Some(found);
+                // A block of lengths at a time: passed over if its shortest cycle is too long.
+                let end = (rough + rough / 32).min(most);
+                if rough + finish + self.least_spark_out(rough_stock, finish_infeed, end, finish) <= bound(best) {
+                    for rough in rough..=end {
+                        self.consider(self.complete(rough_stock, finish_infeed, rough, finish), best);
                     }
                 }
-                rough += 1;
+                rough = end + 1;
             }
             if finish_infeed == 0.0 {
                 return;
             }
             finish += 1;
         }
+    }
+
+    fn consider(&self, found: Option<Candidate>, best: &mut Option<Candidate>) {
+        let better = |found: &Candidate| {
+            best.is_none_or(|best| {
+                let (new, old) = (found.revolutions(), best.revolutions());
+                new < old || (new == old && found.last_depth < best.last_depth)
+            })
+        };
+        if let Some(found) = found.filter(|found| found.revolutions() <= LONGEST && better(found)) {
+            *best = Some(found);
+        }
+    }
+
+    /// A number of spark-out revolutions that no cycle of up to `rough` rough revolutions goes below.
+    fn least_spark_out(&self, rough_stock: f64, finish_infeed: f64, rough: u32, finish: u32) -> u32 {
+        let law = &self.law;
+        // Of one stock, more revolutions leave less depth; a threshold force takes threshold/give
+        // from it at most.
+        let infeed = rough_stock / f64::from(rough);
+        let depth = law.towards(0.0, infeed, rough.into()) - law.threshold / law.give;
+        let finish_depth = law.towards(depth.max(0.0), finish_infeed, finish.into());
+        // One less for rounding.
+        let exact = (self.last_depth / finish_depth).ln() / law.decay.ln() - 1.0;
+        exact.clamp(0.0, f64::from(LONGEST)) as u32
     }
 
     /// Fewest rough revolutions that keep the rough depth below its limit.
