@@ -61,7 +61,7 @@ pub enum Advice {
     SingleTrial,
     /// The definition of n matters more than the scatter.
     #[error(
-        "half a revolution more or less moves the lag by {less} to {more}, the scatter by {scatter} only; find contact \
+        "half a revolution more or less moves the lag by {less} to {more}, scatter by {scatter} only; find contact \
          with the spindle encoder, and gauge at the angle of retraction or after one revolution of spark-out"
     )]
     HalfRevolution {
@@ -69,7 +69,7 @@ pub enum Advice {
         less: Rounded,
         /// Change by half a revolution more.
         more: Rounded,
-        /// Half width of the interval of the mean.
+        /// 95 % half width by scatter or, where that is more, by the errors of the measurement.
         scatter: Rounded,
     },
     /// All trials have about the same length.
@@ -140,11 +140,11 @@ pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
     if trials.len() == 1 {
         advice.push(Advice::SingleTrial);
     }
-    if let (Some([less, more]), Some(scatter)) = (found.half_revolution_range(), by_scatter)
-        && (lag - less).max(more - lag) > scatter
+    if let Some([less, more]) = found.half_revolution_range()
+        && (lag - less).max(more - lag) > half_width
     {
         let (less, more) = (Rounded(less - lag), Rounded(more - lag));
-        advice.push(Advice::HalfRevolution { less, more, scatter: Rounded(scatter) });
+        advice.push(Advice::HalfRevolution { less, more, scatter: Rounded(half_width) });
     }
     let lengths = || trials.iter().map(|trial| trial.revolutions);
     let (least, most) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
