@@ -47,8 +47,10 @@ fn reachable(edges: &BTreeMap<String, BTreeSet<String>>, package: &str) -> BTree
 #[test]
 fn dependencies_point_down_only() {
     let edges = dependencies();
-    let models: Vec<&String> =
-        edges.keys().filter(|name| name.starts_with("toolroom-") && !name.ends_with("sim") && !name.ends_with("analysis")).collect();
+    let models: Vec<&String> = edges
+        .keys()
+        .filter(|name| name.starts_with("toolroom-") && !name.ends_with("sim") && !name.ends_with("analysis"))
+        .collect();
     assert!(models.len() >= 5, "models found: {models:?}");
     for model in models {
         let needs = reachable(&edges, model);
