@@ -109,7 +109,7 @@ fn verdict(file: &LobesFile, speed: &str, depth: &str, voice: &Voice) -> Result<
     voice.data(text.trim_end())
 }
 
-/// A spindle speed [rad/s]; for a chuck a speed ratio, or the spindle speed that gives it.
+/// A spindle speed, rad/s; for a chuck a speed ratio, or the spindle speed that gives it.
 fn speed_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
     let example = example(cut);
     let speed = match cut {
@@ -132,7 +132,7 @@ fn example(cut: &Cut) -> &'static str {
     }
 }
 
-/// A depth of cut [m], or the modulation of a chuck.
+/// A depth of cut, m, or the modulation of a chuck.
 fn depth_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
     let example = example(cut);
     let unit = if matches!(cut, Cut::Chuck(_)) { "1" } else { "m" };

@@ -10,7 +10,7 @@ use toolroom_chatter::{
 };
 use toolroom_process::unit::convert;
 
-/// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm² [Pa].
+/// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
 ///
 /// # Source
 /// Zakovorotny et al., "Parametrical phenomena under on-machine process control": c0 = rho t_p.
@@ -30,7 +30,7 @@ pub struct Judgement {
     pub speed: f64,
     pub depth: f64,
     pub verdict: StabilityVerdict,
-    /// Least unstable depth [m], or modulation of a chuck; `None` if there is none up to
+    /// Least unstable depth, m, or modulation of a chuck; `None` if there is none up to
     /// `searched`.
     pub limit: Option<f64>,
     /// Greatest depth that was searched; infinite where the limit is exact.
@@ -193,7 +193,7 @@ impl Cut {
         object
     }
 
-    /// Frequency of the strongest line of the vibration [Hz]; in a chuck the one that is nearest to
+    /// Frequency of the strongest line of the vibration, Hz; in a chuck the one that is nearest to
     /// the natural frequency.
     pub fn chatter_frequency(&self, verdict: &StabilityVerdict) -> f64 {
         let Self::Chuck(chuck) = self else { return verdict.chatter_frequency };
@@ -203,7 +203,7 @@ impl Cut {
         nearest.unwrap_or(verdict.chatter_frequency)
     }
 
-    /// Twice the highest natural frequency [Hz], up to which the lines of a vibration are listed.
+    /// Twice the highest natural frequency, Hz, up to which the lines of a vibration are listed.
     fn greatest_frequency(&self) -> f64 {
         let modes = match self {
             Self::Milling(cut) => &cut.modes,

@@ -22,13 +22,13 @@ pub struct LobesFile {
 /// Range and resolution of a chart.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Spindle speed [rad/s]; speed ratio of a chuck.
+    /// Spindle speed, rad/s; speed ratio of a chuck.
     pub speed: Axis,
-    /// Depth of cut [m]; modulation of a chuck.
+    /// Depth of cut, m; modulation of a chuck.
     pub depth: Axis,
     /// Whether only the boundary is wanted.
     pub boundary_only: bool,
-    /// Other lags whose boundaries are drawn beside [s].
+    /// Other lags whose boundaries are drawn beside, s.
     pub lags: Vec<f64>,
 }
 

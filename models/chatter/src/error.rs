@@ -65,7 +65,7 @@ pub enum ChatterError {
     /// The stable range has no upper end within the depths that were searched.
     #[error("stable at every depth up to {searched} m")]
     NoLimit {
-        /// Greatest depth that was searched [m].
+        /// Greatest depth that was searched (m).
         searched: f64,
     },
     /// The eigenvalue iteration did not reach its tolerance; nothing is reported instead.

@@ -44,9 +44,9 @@ impl Axis {
 /// A stability chart as plain data.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Lobes {
-    /// Spindle speeds [rad/s], or speed ratios in the chart of a chuck.
+    /// Spindle speeds (rad/s), or speed ratios in the chart of a chuck.
     pub speed: Vec<f64>,
-    /// Depths or widths of cut [m], or modulations in the chart of a chuck.
+    /// Depths or widths of cut (m), or modulations in the chart of a chuck.
     pub depth: Vec<f64>,
     /// One verdict a point, all depths of the first speed first.
     pub verdicts: Vec<StabilityVerdict>,
@@ -77,7 +77,7 @@ impl Lobes {
 }
 
 impl Milling {
-    /// Verdicts over spindle speeds [rad/s] and depths [m], in parallel.
+    /// Verdicts over spindle speeds (rad/s) and depths (m), in parallel.
     ///
     /// # Errors
     /// As [`Milling::verdict`]; axes that are none.
@@ -88,7 +88,7 @@ impl Milling {
         })
     }
 
-    /// The boundary below `greatest` depth [m], traced instead of filled in: far fewer verdicts
+    /// The boundary below `greatest` depth (m), traced instead of filled in: far fewer verdicts
     /// than [`Milling::lobes`] for a finer curve.
     ///
     /// Every fourth speed of the axis is searched in `steps` equal depths; the speeds between are
@@ -162,7 +162,7 @@ pub struct Boundary {
 /// Where the boundary meets one spindle speed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BoundaryColumn {
-    /// Spindle speed [rad/s].
+    /// Spindle speed (rad/s).
     pub speed: f64,
     /// By ascending depth; stability is lost at the first, third …
     pub crossings: Vec<Crossing>,
@@ -178,7 +178,7 @@ pub struct Crossing {
 }
 
 impl Boundary {
-    /// Whether `depth` [m] at `speed` [rad/s] is stable by linear interpolation; `None` off the
+    /// Whether `depth` (m) at `speed` (rad/s) is stable by linear interpolation; `None` off the
     /// chart or where the neighbouring speeds have different numbers of crossings.
     pub fn is_stable(&self, speed: f64, depth: f64) -> Option<bool> {
         let right = self.columns.partition_point(|column| column.speed < speed);
@@ -194,7 +194,7 @@ impl Boundary {
 }
 
 impl Turning {
-    /// Verdicts over spindle speeds [rad/s] and widths [m], in parallel.
+    /// Verdicts over spindle speeds (rad/s) and widths (m), in parallel.
     ///
     /// # Errors
     /// As [`Turning::verdict`]; axes that are none.
@@ -212,7 +212,7 @@ impl Reduced {
         Lobes::fill(speed_ratio, modulation, |eta| Ok(move |mu| self.verdict(mu, eta)))
     }
 
-    /// Verdicts without modulation over lags [s] and cutting stiffnesses [N/m] (the paper's
+    /// Verdicts without modulation over lags (s) and cutting stiffnesses (N/m) (the paper's
     /// Fig. 2), in parallel; the boundary is [`Reduced::cutting_stiffness_limit`].
     ///
     /// # Errors

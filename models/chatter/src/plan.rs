@@ -10,14 +10,14 @@ use std::sync::Arc;
 /// How the spindle turns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Motion {
-    /// At a constant speed [rad/s].
+    /// At a constant speed (rad/s).
     Constant(f64),
-    /// About a mean speed [rad/s].
+    /// About a mean speed (rad/s).
     Varying(f64, SpeedVariation),
 }
 
 impl Motion {
-    /// Time at which the spindle has turned by `angle` [s].
+    /// Time at which the spindle has turned by `angle` (s).
     fn time_at(self, angle: f64) -> f64 {
         match self {
             Self::Constant(speed) => angle / speed,
@@ -25,7 +25,7 @@ impl Motion {
         }
     }
 
-    /// Angle at `time` [rad].
+    /// Angle at `time` (rad).
     fn angle_at(self, time: f64) -> f64 {
         match self {
             Self::Constant(speed) => speed * time,
@@ -33,7 +33,7 @@ impl Motion {
         }
     }
 
-    /// Greatest speed [rad/s].
+    /// Greatest speed (rad/s).
     fn greatest(self) -> f64 {
         match self {
             Self::Constant(speed) => speed,
@@ -41,7 +41,7 @@ impl Motion {
         }
     }
 
-    /// Speed at `time` [rad/s].
+    /// Speed at `time` (rad/s).
     fn speed_at(self, time: f64) -> f64 {
         match self {
             Self::Constant(speed) => speed,
@@ -50,7 +50,7 @@ impl Motion {
     }
 }
 
-/// Teeth that cut the same earlier surface, `delay` [rad] behind it.
+/// Teeth that cut the same earlier surface, `delay` (rad) behind it.
 pub(crate) struct PlannedTerm<K> {
     pub delay: f64,
     pub teeth: Vec<K>,

@@ -7,7 +7,7 @@ use crate::gauss::{MAX_NODES, Rule};
 /// cutting force into modal force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Modal {
-    /// Undamped angular frequency [rad/s].
+    /// Undamped angular frequency (rad/s).
     pub frequency: f64,
     pub damping_ratio: f64,
     pub stiffness: f64,
@@ -37,7 +37,7 @@ pub(crate) struct Modes {
 }
 
 impl Modes {
-    /// Highest natural frequency [rad/s].
+    /// Highest natural frequency (rad/s).
     pub fn fastest(&self) -> f64 {
         self.modal.iter().map(|m| m.frequency).fold(0.0, f64::max)
     }

@@ -29,25 +29,25 @@ impl Default for SimulationSettings {
 /// What a simulation showed over its observed end.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Simulation {
-    /// Time step [s].
+    /// Time step (s).
     pub time_step: f64,
-    /// Relative displacement in both directions [m], one entry a step; in turning the first is
+    /// Relative displacement in both directions (m), one entry a step; in turning the first is
     /// along the chip thickness.
     pub displacement: Vec<[f64; 2]>,
-    /// Cutting force in the same directions [N]; in turning the first is the whole force.
+    /// Cutting force in the same directions (N); in turning the first is the whole force.
     pub force: Vec<[f64; 2]>,
     /// Share of the time in engagement without contact.
     pub air_fraction: f64,
 }
 
 impl Simulation {
-    /// Peak-to-peak displacement in `direction` 0 or 1 [m].
+    /// Peak-to-peak displacement in `direction` 0 or 1 (m).
     pub fn peak_to_peak(&self, direction: usize) -> f64 {
         let values = self.displacement.iter().map(|u| u[direction]);
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     }
 
-    /// Greatest magnitude of the force in `direction` 0 or 1 [N].
+    /// Greatest magnitude of the force in `direction` 0 or 1 (N).
     pub fn greatest_force(&self, direction: usize) -> f64 {
         self.force.iter().map(|f| f[direction].abs()).fold(0.0, f64::max)
     }
@@ -176,7 +176,7 @@ fn check(settings: &SimulationSettings) -> Result<(), ChatterError> {
 }
 
 impl Turning {
-    /// Simulates turning at `spindle_speed` [rad/s] with `width` and mean chip `feed_per_rev` [m].
+    /// Simulates turning at `spindle_speed` (rad/s) with `width` and mean chip `feed_per_rev` (m).
     /// The chip is what lies between the tool and the surface that earlier revolutions have left;
     /// there is no force in the air.
     ///
@@ -226,7 +226,7 @@ impl Turning {
 }
 
 impl Milling {
-    /// Simulates milling at `spindle_speed` [rad/s] and `depth` [m]. Each tooth's chip is what lies
+    /// Simulates milling at `spindle_speed` (rad/s) and `depth` (m). Each tooth's chip is what lies
     /// between it and the surface that earlier teeth have left, runout included; there is no force
     /// in the air. A helix is cut in axial slices.
     ///

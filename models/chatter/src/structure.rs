@@ -21,16 +21,16 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// Direction of the motion in the plane of the cut.
     pub direction: [f64; 2],
-    /// Undamped natural frequency [Hz].
+    /// Undamped natural frequency (Hz).
     pub natural_frequency: f64,
     /// Share of critical damping.
     pub damping_ratio: f64,
-    /// Modal stiffness at the point of cut [N/m].
+    /// Modal stiffness at the point of cut (N/m).
     pub stiffness: f64,
 }
 
 impl Mode {
-    /// The mode with modal `mass` [kg] instead of a stiffness.
+    /// The mode with modal `mass` (kg) instead of a stiffness.
     ///
     /// ```
     /// let mode = toolroom_chatter::Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993);
@@ -41,17 +41,17 @@ impl Mode {
         Self { direction, natural_frequency, damping_ratio, stiffness: mass * w * w }
     }
 
-    /// `w = 2 pi f` [rad/s].
+    /// `w = 2 pi f` (rad/s).
     pub fn angular_frequency(&self) -> f64 {
         TAU * self.natural_frequency
     }
 
-    /// Modal mass `k/w²` [kg].
+    /// Modal mass `k/w²` (kg).
     pub fn mass(&self) -> f64 {
         self.stiffness / self.angular_frequency().powi(2)
     }
 
-    /// Compliance of the modal coordinate at `frequency` [Hz]: `1/(k (1 − r² + 2 i zeta r))` [m/N].
+    /// Compliance of the modal coordinate at `frequency` (Hz): `1/(k (1 − r² + 2 i zeta r))` (m/N).
     pub fn compliance(&self, frequency: f64) -> Complex<f64> {
         let r = frequency / self.natural_frequency;
         1.0 / (Complex::new(1.0 - r * r, 2.0 * self.damping_ratio * r) * self.stiffness)

@@ -34,7 +34,7 @@ pub struct Probability {
 /// A spindle speed with the probability that it is stable.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RobustSpeed {
-    /// Spindle speed [rad/s].
+    /// Spindle speed (rad/s).
     pub spindle_speed: f64,
     /// Probability of stability there.
     pub probability: Probability,
@@ -66,7 +66,7 @@ impl Milling {
         Ok(cut)
     }
 
-    /// Probability that `depth` [m] at `spindle_speed` [rad/s] is stable.
+    /// Probability that `depth` (m) at `spindle_speed` (rad/s) is stable.
     ///
     /// # Errors
     /// As [`Milling::verdict`] and [`Milling::scattered`]; no samples.
@@ -90,7 +90,7 @@ impl Milling {
         Ok(Probability { value, standard_error: (value * (1.0 - value) / samples as f64).sqrt() })
     }
 
-    /// Speeds of `speed` with the probability that `depth` [m] is stable there, the most probable
+    /// Speeds of `speed` with the probability that `depth` (m) is stable there, the most probable
     /// first; of equals the one whose neighbours are the most probable. The same samples judge
     /// every speed.
     ///

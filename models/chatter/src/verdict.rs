@@ -28,11 +28,11 @@ pub struct StabilityVerdict {
     pub stable: bool,
     /// How the dominant multiplier leaves the unit circle.
     pub kind: ChatterKind,
-    /// Argument of the dominant multiplier [rad], 0 … π.
+    /// Argument of the dominant multiplier (rad), 0 … π.
     pub multiplier_angle: f64,
-    /// Time that the multiplier spans [s]: a tooth period in milling, a revolution in turning.
+    /// Time that the multiplier spans (s): a tooth period in milling, a revolution in turning.
     pub period: f64,
-    /// Frequency of the vibration [Hz]: of the line that is nearest to a structural mode.
+    /// Frequency of the vibration (Hz): of the line that is nearest to a structural mode.
     pub chatter_frequency: f64,
     /// `1 − depth/stability_limit`, where the limit was computed.
     pub margin: Option<f64>,
@@ -41,7 +41,7 @@ pub struct StabilityVerdict {
 }
 
 impl StabilityVerdict {
-    /// Verdict of a dominant multiplier over `period` [s].
+    /// Verdict of a dominant multiplier over `period` (s).
     pub(crate) fn from_multiplier(multiplier: Complex<f64>, period: f64, residual: f64) -> Self {
         let spectral_radius = multiplier.norm();
         let angle = multiplier.arg().abs();
@@ -82,7 +82,7 @@ impl StabilityVerdict {
         }
     }
 
-    /// The frequencies that the vibration can show [Hz], ascending up to `greatest`:
+    /// The frequencies that the vibration can show (Hz), ascending up to `greatest`:
     /// `|± angle/(2 pi period) + j/period|` for every whole j.
     ///
     /// # Examples
@@ -113,11 +113,11 @@ impl StabilityVerdict {
 /// The depth at which a cut becomes unstable.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StabilityLimit {
-    /// Depth of cut [m].
+    /// Depth of cut (m).
     pub depth: f64,
     /// How the cut becomes unstable there.
     pub kind: ChatterKind,
-    /// Frequency of the vibration that sets in [Hz].
+    /// Frequency of the vibration that sets in (Hz).
     pub chatter_frequency: f64,
 }
 

@@ -20,7 +20,7 @@
 //! | [`Process`], [`Advance`], [`ProcessEvent`] | the typed contract |
 //! | [`MachineProcess`] | the same by element index, for native models and imported units alike |
 //! | [`Number`] | `f64` or a dual number: equations are written once |
-//! | [`unit`] | `"60 m/min"` to SI and back |
+//! | [`mod@unit`] | `"60 m/min"` to SI and back |
 //! | [`ode`] | Runge–Kutta 4, Dormand–Prince 5(4), event location |
 //! | [`parameters`] | named parameter sets with units and sources |
 //! | [`contract`], [`process_contract!`] | the tests that every process passes |

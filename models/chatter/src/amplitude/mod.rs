@@ -71,7 +71,7 @@ impl LimitCycle {
 }
 
 impl Turning {
-    /// Limit cycle of an unstable width at `spindle_speed` [rad/s] from the standard table, with
+    /// Limit cycle of an unstable width at `spindle_speed` (rad/s) from the standard table, with
     /// the damping and the lobe of the mode that chatters; no vibration below the limit.
     ///
     /// # Validity
@@ -95,7 +95,7 @@ impl Turning {
 }
 
 impl StabilityVerdict {
-    /// Time in which a vibration grows by `growth` [s], `period ln(growth)/ln(spectral_radius)`:
+    /// Time in which a vibration grows by `growth` (s), `period ln(growth)/ln(spectral_radius)`:
     /// the delay between the loss of stability and chatter. Infinite for a stable cut.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl StabilityVerdict {
     }
 }
 
-/// Arithmetic roughness Ra [m] of a turned surface: feed marks `f²/(18 sqrt(3) r)` and a sinusoidal
+/// Arithmetic roughness Ra (m) of a turned surface: feed marks `f²/(18 sqrt(3) r)` and a sinusoidal
 /// vibration `pp/pi`, combined in quadrature.
 ///
 /// # Errors
@@ -130,7 +130,7 @@ pub fn arithmetic_roughness(feed_per_rev: f64, corner_radius: f64, peak_to_peak:
     Ok((feed_per_rev * feed_per_rev / (18.0 * 3f64.sqrt() * corner_radius)).hypot(peak_to_peak / PI))
 }
 
-/// Indentation coefficient of process damping C_i [N/m] of a worn edge: `K_sp VB²/2`, with the
+/// Indentation coefficient of process damping C_i (N/m) of a worn edge: `K_sp VB²/2`, with the
 /// specific indentation force `K_sp` [N/m³] to be calibrated.
 ///
 /// # Errors

@@ -17,18 +17,18 @@ use std::f64::consts::{PI, TAU};
 pub struct Cutter {
     /// Number of teeth.
     pub teeth: usize,
-    /// Diameter [m].
+    /// Diameter (m).
     pub diameter: f64,
-    /// Helix angle [rad].
+    /// Helix angle (rad).
     #[serde(default)]
     pub helix_angle: f64,
-    /// Angle from each tooth to the one that cut before it [rad]; empty for equal pitch.
+    /// Angle from each tooth to the one that cut before it (rad); empty for equal pitch.
     #[serde(default)]
     pub pitch: Vec<f64>,
-    /// Offset of the cutter's axis from the spindle's [m].
+    /// Offset of the cutter's axis from the spindle's (m).
     #[serde(default)]
     pub runout: f64,
-    /// Angle from tooth 0 to the offset [rad].
+    /// Angle from tooth 0 to the offset (rad).
     #[serde(default)]
     pub runout_angle: f64,
 }
@@ -66,7 +66,7 @@ impl Cutter {
         Ok(())
     }
 
-    /// Angle from tooth `j` to the tooth that cut before it [rad].
+    /// Angle from tooth `j` to the tooth that cut before it (rad).
     pub(crate) fn pitch_before(&self, j: usize) -> f64 {
         self.pitch.get(j).copied().unwrap_or(TAU / self.teeth as f64)
     }
@@ -77,7 +77,7 @@ impl Cutter {
         self.runout == 0.0 && self.pitch.iter().all(|pitch| (pitch - equal).abs() < 1e-12)
     }
 
-    /// Angles of the teeth ahead of tooth 0 [rad]: a tooth cuts when tooth 0 has this angle less
+    /// Angles of the teeth ahead of tooth 0 (rad): a tooth cuts when tooth 0 has this angle less
     /// than its own. Tooth j cuts after tooth j − 1.
     pub(crate) fn offsets(&self) -> Vec<f64> {
         let mut offset = 0.0;
@@ -91,12 +91,12 @@ impl Cutter {
             .collect()
     }
 
-    /// Extra radius of tooth `j` by runout [m]: `e cos(lambda − angle of the tooth)`.
+    /// Extra radius of tooth `j` by runout (m): `e cos(lambda − angle of the tooth)`.
     pub(crate) fn extra_radius(&self, j: usize) -> f64 {
         if self.runout == 0.0 { 0.0 } else { self.runout * (self.runout_angle - self.offsets()[j]).cos() }
     }
 
-    /// Angle by which the tooth lags over `depth` [rad]: `2 tan(beta) depth/D`.
+    /// Angle by which the tooth lags over `depth` (rad): `2 tan(beta) depth/D`.
     pub(crate) fn lag_angle(&self, depth: f64) -> f64 {
         2.0 * self.helix_angle.tan() * depth / self.diameter
     }
@@ -122,9 +122,9 @@ pub enum Direction {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Engagement {
-    /// Angle at which a tooth enters [rad].
+    /// Angle at which a tooth enters (rad).
     pub entry: f64,
-    /// Angle at which it leaves [rad].
+    /// Angle at which it leaves (rad).
     pub exit: f64,
 }
 
@@ -168,11 +168,11 @@ impl Engagement {
 /// along the radius only (assumption).
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MillingForce {
-    /// Tangential cutting-force coefficient [Pa].
+    /// Tangential cutting-force coefficient (Pa).
     pub tangential: f64,
-    /// Radial cutting-force coefficient [Pa].
+    /// Radial cutting-force coefficient (Pa).
     pub radial: f64,
-    /// Indentation coefficient of process damping [N/m].
+    /// Indentation coefficient of process damping (N/m).
     #[serde(default)]
     pub process_damping: f64,
 }

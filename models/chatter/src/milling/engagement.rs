@@ -5,7 +5,7 @@ use super::cutter::square_integrals;
 use crate::error::ChatterError;
 use std::f64::consts::TAU;
 
-/// Angles closer than this are one [rad].
+/// Angles closer than this are one (rad).
 const SAME: f64 = 1e-10;
 
 /// A part of a tooth's way through the work in which it cuts the surface of one earlier tooth.
@@ -13,7 +13,7 @@ const SAME: f64 = 1e-10;
 pub(crate) struct Arc {
     pub from: f64,
     pub to: f64,
-    /// Angle by which the earlier tooth is ahead [rad].
+    /// Angle by which the earlier tooth is ahead (rad).
     pub delay: f64,
 }
 

@@ -10,16 +10,16 @@ use std::f64::consts::{PI, TAU};
 /// Periodic vibration of a stable cut.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Forced {
-    /// Peak-to-peak displacement in feed and normal direction [m].
+    /// Peak-to-peak displacement in feed and normal direction (m).
     pub peak_to_peak: [f64; 2],
-    /// Displacement normal to the feed at the moment when the surface is left [m]: positive into
+    /// Displacement normal to the feed at the moment when the surface is left (m): positive into
     /// the work in up milling, its magnitude is the error of the surface location.
     pub surface_location_error: f64,
-    /// Mean cutting force (feed, normal) [N].
+    /// Mean cutting force (feed, normal) (N).
     pub mean_force: [f64; 2],
-    /// Greatest cutting force in feed and normal direction [N].
+    /// Greatest cutting force in feed and normal direction (N).
     pub greatest_force: [f64; 2],
-    /// Displacement (feed, normal) over one period [m], evenly spaced, from entry of tooth 0.
+    /// Displacement (feed, normal) over one period (m), evenly spaced, from entry of tooth 0.
     pub displacement: Vec<[f64; 2]>,
 }
 
@@ -29,7 +29,7 @@ const HARMONICS: usize = 200;
 const SAMPLES: usize = 1000;
 
 impl Milling {
-    /// Forced vibration at `spindle_speed` [rad/s] and `depth` [m], by the Fourier coefficients of
+    /// Forced vibration at `spindle_speed` (rad/s) and `depth` (m), by the Fourier coefficients of
     /// the static force times the frequency response. It is the motion of a stable cut: the same in
     /// every period, so regeneration drops out.
     ///
@@ -89,7 +89,7 @@ impl Milling {
         if (PI - exit).abs() < entry.abs() { Direction::Down } else { Direction::Up }
     }
 
-    /// Force of the static chip at an angle of tooth 0 [N].
+    /// Force of the static chip at an angle of tooth 0 (N).
     fn static_force(&self, geometry: &Geometry, depth: f64, angle: f64) -> [f64; 2] {
         let feed = self.feed_per_tooth * self.cutter.teeth as f64 / TAU;
         let mut force = [0.0; 2];

@@ -43,7 +43,7 @@ pub struct Milling {
     pub engagement: Engagement,
     /// Cutting-force coefficients.
     pub force: MillingForce,
-    /// Feed per tooth [m]; stability depends on it only with runout.
+    /// Feed per tooth (m); stability depends on it only with runout.
     pub feed_per_tooth: f64,
 }
 

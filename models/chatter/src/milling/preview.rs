@@ -7,7 +7,7 @@ use nalgebra::{Complex, Matrix2};
 use std::f64::consts::TAU;
 
 impl Milling {
-    /// Limit of depth [m] at `spindle_speed` [rad/s] with the directional matrix averaged over the
+    /// Limit of depth (m) at `spindle_speed` (rad/s) with the directional matrix averaged over the
     /// tooth period, in closed form; a preview.
     ///
     /// # Validity
@@ -60,7 +60,7 @@ impl Milling {
         if least.is_finite() { Ok(least) } else { Err(ChatterError::NoLimit { searched: f64::INFINITY }) }
     }
 
-    /// Frequency response of the relative displacement at `frequency` [Hz], rows of (x, y).
+    /// Frequency response of the relative displacement at `frequency` (Hz), rows of (x, y).
     pub(crate) fn frequency_response(&self, frequency: f64) -> Matrix2<Complex<f64>> {
         self.modes.iter().fold(Matrix2::zeros(), |sum, mode| {
             let [x, y] = mode.unit();
@@ -70,7 +70,7 @@ impl Milling {
     }
 }
 
-/// Frequencies [rad/s] that resolve the resonances and the waves of one tooth period.
+/// Frequencies (rad/s) that resolve the resonances and the waves of one tooth period.
 fn frequencies(modes: &[Mode], tau: f64) -> Vec<f64> {
     let fastest = modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
     let narrowest = modes.iter().map(|m| m.angular_frequency() * m.damping_ratio).fold(f64::INFINITY, f64::min);

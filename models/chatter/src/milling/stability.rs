@@ -53,9 +53,9 @@ pub struct AtSpeed<'a> {
 /// A period ready for depths up to some depth.
 struct Prepared {
     period: Period,
-    /// Duration of the period [s].
+    /// Duration of the period (s).
     length: f64,
-    /// Greatest depth that it resolves [m].
+    /// Greatest depth that it resolves (m).
     greatest: f64,
 }
 
@@ -83,7 +83,7 @@ impl Cut for Teeth<'_> {
 }
 
 impl Milling {
-    /// The cut at `spindle_speed` [rad/s].
+    /// The cut at `spindle_speed` (rad/s).
     ///
     /// # Errors
     /// A structure, cutter or engagement that is none; a speed that is not positive; no tooth in
@@ -94,7 +94,7 @@ impl Milling {
         AtSpeed::new(self, Motion::Constant(spindle_speed))
     }
 
-    /// The cut at a speed that varies about `spindle_speed` [rad/s].
+    /// The cut at a speed that varies about `spindle_speed` (rad/s).
     ///
     /// # Errors
     /// As [`Milling::at_speed`]; a variation out of range.
@@ -105,7 +105,7 @@ impl Milling {
         AtSpeed::new(self, Motion::Varying(spindle_speed, variation))
     }
 
-    /// Verdict at `spindle_speed` [rad/s] and `depth` [m], without the margin, which costs a
+    /// Verdict at `spindle_speed` (rad/s) and `depth` (m), without the margin, which costs a
     /// search for the limit.
     ///
     /// # Errors
@@ -177,7 +177,7 @@ impl<'a> AtSpeed<'a> {
         Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
 
-    /// Dominant multiplier at `depth` over one period, and the period [s].
+    /// Dominant multiplier at `depth` over one period, and the period (s).
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
         let (extra, residual, _) = effort.settings();
         let level = effort as usize;
@@ -192,7 +192,7 @@ impl<'a> AtSpeed<'a> {
         Ok((self.krylov.dominant(&mut map, residual)?, *length))
     }
 
-    /// Verdict at `depth` [m]. Near the boundary it is refined before it is given.
+    /// Verdict at `depth` (m). Near the boundary it is refined before it is given.
     ///
     /// # Errors
     /// A depth that is negative or not finite; an eigenvalue that did not converge.
@@ -221,7 +221,7 @@ impl<'a> AtSpeed<'a> {
         Ok(verdict)
     }
 
-    /// All Floquet multipliers at `depth` [m], the greatest first, by the dense eigenvalues of the
+    /// All Floquet multipliers at `depth` (m), the greatest first, by the dense eigenvalues of the
     /// period map with `extra` more nodes than on the boundary: slow, for cross-checks.
     ///
     /// # Errors
@@ -244,7 +244,7 @@ impl<'a> AtSpeed<'a> {
         Ok(multipliers)
     }
 
-    /// Least depth [m] at which the cut becomes unstable, to a relative 1e-9, and how.
+    /// Least depth (m) at which the cut becomes unstable, to a relative 1e-9, and how.
     ///
     /// Depths up to `greatest` are sampled in 40 steps and the first step that ends unstable in
     /// 24 more: an unstable island thinner than `greatest/40` may be missed.
@@ -287,7 +287,7 @@ impl<'a> AtSpeed<'a> {
             .collect()
     }
 
-    /// Verdict at `depth` [m] with its margin against the limit below `greatest` [m].
+    /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).
     ///
     /// # Errors
     /// As [`AtSpeed::verdict`]; a cut without limit has no margin but is no error.

@@ -34,25 +34,25 @@ type Matrix10 = SMatrix<f64, 10, 10>;
 /// 1, 3 and 4, the phase 3 pi/2 from the geometry of three jaws.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FiveDegrees {
-    /// Mass of the tool in each direction [kg].
+    /// Mass of the tool in each direction (kg).
     pub tool_mass: f64,
     /// Damping matrix of the tool [N·s/m].
     pub tool_damping: [[f64; 3]; 3],
-    /// Stiffness matrix of the tool [N/m].
+    /// Stiffness matrix of the tool (N/m).
     pub tool_stiffness: [[f64; 3]; 3],
-    /// Mass of the workpiece [kg].
+    /// Mass of the workpiece (kg).
     pub workpiece_mass: f64,
     /// Damping matrix of the workpiece [N·s/m].
     pub workpiece_damping: [[f64; 2]; 2],
-    /// Mean stiffness of the clamped workpiece [N/m].
+    /// Mean stiffness of the clamped workpiece (N/m).
     pub workpiece_stiffness: f64,
-    /// Stiffness of the cutting process [N/m].
+    /// Stiffness of the cutting process (N/m).
     pub cutting_stiffness: f64,
-    /// Chip pressure times feed, the stiffness of the cut against approach [N/m].
+    /// Chip pressure times feed, the stiffness of the cut against approach (N/m).
     pub pressure_feed: f64,
     /// Direction cosines of the cutting force.
     pub force_direction: [f64; 3],
-    /// Chip-formation lag of each force component [s].
+    /// Chip-formation lag of each force component (s).
     pub lag: [f64; 3],
     /// Amplitudes of the odd harmonics 1, 3, 5 … of the allowance.
     pub mu_allowance: Vec<f64>,
@@ -67,8 +67,8 @@ pub struct FiveDegrees {
 }
 
 impl FiveDegrees {
-    /// Tables 1 and 2 with the workpiece mass of `preset`, one `lag` [s] for all components and
-    /// `feed_per_rev` [m].
+    /// Tables 1 and 2 with the workpiece mass of `preset`, one `lag` (s) for all components and
+    /// `feed_per_rev` (m).
     ///
     /// # Source
     /// The paper gives neither feed nor lags for Fig. 4; 0.1 mm and 0.4·10⁻⁴ s are assumptions
@@ -94,7 +94,7 @@ impl FiveDegrees {
         }
     }
 
-    /// `w0 = sqrt((c + c0)/m)` [rad/s], the scale of the spindle speed in the paper's Fig. 4.
+    /// `w0 = sqrt((c + c0)/m)` (rad/s), the scale of the spindle speed in the paper's Fig. 4.
     pub fn reference_frequency(&self) -> f64 {
         ((self.workpiece_stiffness + self.cutting_stiffness) / self.workpiece_mass).sqrt()
     }
@@ -131,7 +131,7 @@ impl FiveDegrees {
         1.0 + harmonics.map(|(mu, k)| mu * (f64::from(2 * k + 1) * angle).cos()).sum::<f64>()
     }
 
-    /// Stiffness and damping at spindle `angle` [rad].
+    /// Stiffness and damping at spindle `angle` (rad).
     fn matrices(&self, angle: f64) -> (Matrix5, Matrix5) {
         let (chi, lag) = self.rows();
         let jaws = [0.0, 3.0 * FRAC_PI_2].map(|phase| 1.0 + self.mu_chuck * (3.0 * angle + phase).cos());
@@ -207,7 +207,7 @@ impl FiveDegrees {
         Ok(eigenvalues)
     }
 
-    /// Floquet multipliers over one revolution at `spindle_speed` [rad/s], the greatest first.
+    /// Floquet multipliers over one revolution at `spindle_speed` (rad/s), the greatest first.
     ///
     /// # Errors
     /// Constants that are no structure; a spindle speed that is not positive.
@@ -244,7 +244,7 @@ impl FiveDegrees {
         Ok(multipliers)
     }
 
-    /// Verdict at `spindle_speed` [rad/s], with the spectral radius over one revolution.
+    /// Verdict at `spindle_speed` (rad/s), with the spectral radius over one revolution.
     ///
     /// # Errors
     /// As [`FiveDegrees::multipliers`].
@@ -261,7 +261,7 @@ impl FiveDegrees {
         Ok(verdict)
     }
 
-    /// Least chuck modulation that is unstable at `spindle_speed` [rad/s], up to `greatest`.
+    /// Least chuck modulation that is unstable at `spindle_speed` (rad/s), up to `greatest`.
     ///
     /// # Errors
     /// As [`FiveDegrees::multipliers`].

@@ -29,20 +29,20 @@ use std::f64::consts::TAU;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reduced {
-    /// Modal mass [kg].
+    /// Modal mass (kg).
     pub mass: f64,
     /// Damping coefficient [N·s/m].
     pub damping: f64,
-    /// Mean stiffness of the clamping [N/m].
+    /// Mean stiffness of the clamping (N/m).
     pub stiffness: f64,
-    /// Stiffness of the cutting process [N/m].
+    /// Stiffness of the cutting process (N/m).
     pub cutting_stiffness: f64,
-    /// Chip-formation lag [s].
+    /// Chip-formation lag (s).
     pub lag: f64,
 }
 
 impl Reduced {
-    /// The paper's constants in one of their readings (c = 400 and c_p = 200 kgf/mm) with `lag` [s].
+    /// The paper's constants in one of their readings (c = 400 and c_p = 200 kgf/mm) with `lag` (s).
     pub fn from_preset(preset: Preset, lag: f64) -> Self {
         let (mass, damping) = preset.mass_and_damping();
         Self {
@@ -63,7 +63,7 @@ impl Reduced {
         Ok(())
     }
 
-    /// `w0 = sqrt((c + c_p)/m)` [rad/s], the scale of the speed ratio.
+    /// `w0 = sqrt((c + c_p)/m)` (rad/s), the scale of the speed ratio.
     pub fn natural_frequency(&self) -> f64 {
         ((self.stiffness + self.cutting_stiffness) / self.mass).sqrt()
     }
@@ -77,7 +77,7 @@ impl Reduced {
             / (2.0 * (self.mass * (self.stiffness + self.cutting_stiffness)).sqrt())
     }
 
-    /// Greatest cutting stiffness that is stable without modulation [N/m], by Routh's criterion:
+    /// Greatest cutting stiffness that is stable without modulation (N/m), by Routh's criterion:
     /// `c_p < h/T + h²/m + h c T/m`; infinite without lag.
     ///
     /// # Source
@@ -98,14 +98,14 @@ impl Reduced {
         damping / lag + damping * damping / mass + damping * stiffness * lag / mass
     }
 
-    /// The lag with the least limit, `sqrt(m/c)` [s], and that limit,
-    /// `2 h sqrt(c/m) + h²/m` [N/m].
+    /// The lag with the least limit, `sqrt(m/c)` (s), and that limit,
+    /// `2 h sqrt(c/m) + h²/m` (N/m).
     pub fn least_limit(&self) -> (f64, f64) {
         let w = (self.stiffness / self.mass).sqrt();
         (1.0 / w, 2.0 * self.damping * w + self.damping * self.damping / self.mass)
     }
 
-    /// Frequency of the vibration at the Routh limit, `sqrt((h + c T)/(m T))` [rad/s].
+    /// Frequency of the vibration at the Routh limit, `sqrt((h + c T)/(m T))` (rad/s).
     pub fn limit_frequency(&self) -> f64 {
         ((self.damping + self.stiffness * self.lag) / (self.mass * self.lag)).sqrt()
     }
@@ -209,7 +209,7 @@ impl Reduced {
         super::first_unstable(greatest, 60, |mu| Ok(self.multipliers(mu, speed_ratio)?[0].norm() - 1.0))
     }
 
-    /// Spindle speed [rad/s] at speed ratio `eta` in a chuck of three jaws: `eta w0/3`.
+    /// Spindle speed (rad/s) at speed ratio `eta` in a chuck of three jaws: `eta w0/3`.
     ///
     /// # Errors
     /// A speed ratio that is no number.

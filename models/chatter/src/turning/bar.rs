@@ -43,24 +43,24 @@ pub enum Support {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bar {
-    /// Length out of the chuck [m].
+    /// Length out of the chuck (m).
     pub length: f64,
-    /// Diameter [m].
+    /// Diameter (m).
     pub diameter: f64,
-    /// Young's modulus [Pa].
+    /// Young's modulus (Pa).
     pub youngs_modulus: f64,
     /// Density [kg/m³].
     pub density: f64,
     /// Share of critical damping.
     pub damping_ratio: f64,
-    /// Stiffness of the chuck against a radial force [N/m].
+    /// Stiffness of the chuck against a radial force (N/m).
     pub chuck_stiffness: f64,
     /// How the far end is held.
     pub support: Support,
 }
 
 impl Bar {
-    /// The mode that the tool meets at `position` from the jaws [m], along the chip thickness.
+    /// The mode that the tool meets at `position` from the jaws (m), along the chip thickness.
     ///
     /// # Errors
     /// A bar that is none; a position off the bar or at a support, where nothing moves.

@@ -45,15 +45,15 @@ use std::f64::consts::TAU;
 pub struct Turning {
     /// Modes of tool and workpiece in (chip thickness, cutting speed).
     pub modes: Vec<Mode>,
-    /// Cutting-force coefficient K_f [Pa].
+    /// Cutting-force coefficient K_f (Pa).
     pub cutting_coefficient: f64,
-    /// Angle from the direction of chip thickness to the force [rad].
+    /// Angle from the direction of chip thickness to the force (rad).
     #[serde(default)]
     pub force_angle: f64,
-    /// Indentation coefficient of process damping [N/m].
+    /// Indentation coefficient of process damping (N/m).
     #[serde(default)]
     pub process_damping: f64,
-    /// Diameter of the workpiece [m].
+    /// Diameter of the workpiece (m).
     pub diameter: f64,
     /// Exponent of the chip thickness in the force.
     #[serde(default = "one")]
@@ -67,11 +67,11 @@ fn one() -> f64 {
 /// A value at a chatter frequency on the stability boundary.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BoundaryPoint {
-    /// Spindle speed [rad/s].
+    /// Spindle speed (rad/s).
     pub spindle_speed: f64,
-    /// Width of cut [m].
+    /// Width of cut (m).
     pub width: f64,
-    /// Frequency of the vibration [Hz].
+    /// Frequency of the vibration (Hz).
     pub chatter_frequency: f64,
     /// Number of whole waves between two revolutions.
     pub lobe: u32,
@@ -96,7 +96,7 @@ impl Turning {
         Ok(())
     }
 
-    /// Slope of the force by chip thickness per width [Pa].
+    /// Slope of the force by chip thickness per width (Pa).
     pub fn force_slope(&self) -> f64 {
         self.chip_exponent * self.cutting_coefficient
     }
@@ -110,7 +110,7 @@ impl Turning {
         if product.abs() < 1e-15 { 0.0 } else { product }
     }
 
-    /// Oriented frequency response [m/N] at the complex rate `s` [1/s].
+    /// Oriented frequency response (m/N) at the complex rate `s` [1/s].
     fn response(&self, s: Complex<f64>) -> Complex<f64> {
         self.modes.iter().map(|mode| self.orientation(mode) * modal_response(mode, s)).sum()
     }
@@ -120,7 +120,7 @@ impl Turning {
         self.process_damping / (spindle_speed * self.diameter / 2.0)
     }
 
-    /// Least width that is unstable at some speed, without process damping [m]:
+    /// Least width that is unstable at some speed, without process damping (m):
     /// `−1/(2 K_f min Re G)`; for one mode `2 k zeta (1 + zeta)/K_f`.
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl Turning {
         Ok(-0.5 / (self.force_slope() * lowest))
     }
 
-    /// Speed below which the cut is stable at any width by process damping [rad/s]:
+    /// Speed below which the cut is stable at any width by process damping (rad/s):
     /// `V < w_c C_i/K_f` at the highest mode.
     ///
     /// # Source
@@ -159,7 +159,7 @@ impl Turning {
         fastest * self.process_damping / self.force_slope() / (self.diameter / 2.0)
     }
 
-    /// Frequencies [rad/s] that resolve every resonance, ascending.
+    /// Frequencies (rad/s) that resolve every resonance, ascending.
     fn frequency_grid(&self) -> Vec<f64> {
         let fastest = self.modes.iter().map(Mode::angular_frequency).fold(0.0, f64::max);
         let mut grid: Vec<f64> = (1..=400).map(|i| 6.0 * fastest * f64::from(i) / 400.0).collect();
@@ -176,7 +176,7 @@ impl Turning {
         grid
     }
 
-    /// Width and phase at which the vibration of frequency `w` [rad/s] neither grows nor decays at
+    /// Width and phase at which the vibration of frequency `w` (rad/s) neither grows nor decays at
     /// `spindle_speed`: from `1/(b G) = −K_f (1 − e^(−i w tau)) − i w C_i/V`, whose real part is
     /// `−K_f (1 − cos)`. `None` where no positive width does.
     fn neutral(&self, w: f64, spindle_speed: f64) -> Option<Neutral> {
@@ -231,7 +231,7 @@ impl Turning {
         Ok(points)
     }
 
-    /// Least width that is unstable at `spindle_speed` [rad/s], exact to rounding.
+    /// Least width that is unstable at `spindle_speed` (rad/s), exact to rounding.
     ///
     /// # Errors
     /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process

@@ -43,7 +43,7 @@ impl Turning {
         assemble(self, &frame, motion, &[stretch], Resolution { extra: 6, stiffening })
     }
 
-    /// Verdict at `spindle_speed` [rad/s] and `width` of cut [m], with its margin; the spectral
+    /// Verdict at `spindle_speed` (rad/s) and `width` of cut (m), with its margin; the spectral
     /// radius is that of one revolution.
     ///
     /// # Errors
@@ -76,7 +76,7 @@ impl Turning {
         Ok(verdict)
     }
 
-    /// Verdict at a speed that varies about `spindle_speed` [rad/s]; the spectral radius is that of
+    /// Verdict at a speed that varies about `spindle_speed` (rad/s); the spectral radius is that of
     /// a mean revolution, `rho_T^RVF`.
     ///
     /// # Errors
