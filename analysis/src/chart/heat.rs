@@ -105,35 +105,24 @@ impl HeatMap {
 
     /// Adds a line on top, for example a stability limit.
     #[must_use]
-    pub fn line(
-        mut self,
-        label: impl Into<String>,
-        points: impl IntoIterator<Item = (f64, f64)>,
-        style: Style,
-    ) -> Self {
-        self.layers.push(Layer::Points {
-            label: label.into(),
-            points: points.into_iter().collect(),
-            form: Form::Line,
-            style,
-        });
-        self
+    pub fn line(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, style: Style) -> Self {
+        self.on_top(label, points, Form::Line, style)
     }
 
     /// Adds points on top, for example operating points.
     #[must_use]
-    pub fn scatter(
+    pub fn scatter(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, style: Style) -> Self {
+        self.on_top(label, points, Form::Scatter, style)
+    }
+
+    fn on_top(
         mut self,
         label: impl Into<String>,
         points: impl IntoIterator<Item = (f64, f64)>,
+        form: Form,
         style: Style,
     ) -> Self {
-        self.layers.push(Layer::Points {
-            label: label.into(),
-            points: points.into_iter().collect(),
-            form: Form::Scatter,
-            style,
-        });
+        self.layers.push(Layer::Points { label: label.into(), points: points.into_iter().collect(), form, style });
         self
     }
 

@@ -164,15 +164,15 @@ impl Marker {
 pub enum Hatch {
     /// Filled without a hatch.
     Solid,
-    /// /////
+    /// Lines rising to the right.
     Slash,
-    /// \\\\\
+    /// Lines falling to the right.
     Backslash,
-    /// XXXXX
+    /// Lines rising and falling.
     Crosshatch,
-    /// ≡
+    /// Horizontal lines.
     Horizontal,
-    /// ||||
+    /// Vertical lines.
     Vertical,
 }
 
