@@ -5,14 +5,15 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
 use toolroom_effects::{CatalogueEntry, Effect, Sign, Touched};
+use toolroom_sim::effects::SHOP_EFFECTS;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {
     if voice.json {
-        let effects: Vec<_> = Effect::CATALOGUE.iter().map(as_json).collect();
+        let effects: Vec<_> = catalogue().map(as_json).collect();
         return voice.json(&json!({ "schema": 1, "effects": effects }));
     }
     let mut text = String::new();
-    for entry in Effect::CATALOGUE {
+    for entry in catalogue() {
         let unit = if entry.size.display == "1" { String::new() } else { format!(" [{}]", entry.size.display) };
         let _ = writeln!(text, "{}  {}", entry.id, entry.title);
         let _ = writeln!(text, "  size{unit}: {}", entry.size.doc.trim());
@@ -24,6 +25,11 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     voice.data(text.trim_end())?;
     voice.say("\nswitch one on in a tool: effects = [{ id = \"wear_force\", size = 0.2 }]");
     Ok(())
+}
+
+/// Effects of the processes, then those of the shop.
+fn catalogue() -> impl Iterator<Item = &'static CatalogueEntry> {
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS)
 }
 
 fn channels(touched: &[Touched]) -> String {

@@ -23,6 +23,7 @@
 //! | [`Calendar`], [`Class`], [`EventKey`] | pending events in the order (time, class, sequence), with cancellation |
 //! | [`Streams`], [`Entity`], [`Purpose`] | the same entity draws the same numbers under every policy and thread count |
 //! | [`Digest`] | two runs with equal digests went through the same events at the same times |
+//! | [`effects::SHOP_EFFECTS`] | catalogue rows of what a shop does beside its nominal simulation |
 //! | [`ShopError`], [`KernelError`] | why a run stopped, what the kernel refuses |
 //!
 //! # Event order
@@ -75,6 +76,7 @@
 //! finer order than class and order of scheduling. One run is one thread; replications run side by
 //! side.
 
+pub mod effects;
 pub mod kernel;
 pub mod policy;
 pub mod runlog;

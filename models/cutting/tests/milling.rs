@@ -249,7 +249,15 @@ fn an_effect_of_size_zero_is_absent_bit_for_bit() {
 #[test]
 fn an_effect_moves_the_channels_that_its_catalogue_row_names() {
     // Up milling, where every force component is positive.
-    let input = MillingInput { down_milling: 0.0, lot_deviation: 1.0, ..MillingInput::default() };
+    let input = MillingInput {
+        down_milling: 0.0,
+        lot_deviation: 1.0,
+        sensor_time: 3600.0,
+        feed_override: 0.2,
+        path_curvature: 20.0,
+        helical_deviation: 1e-6,
+        ..MillingInput::default()
+    };
     let run = |milling: &Milling| {
         let mut cutter = milling.initial();
         milling.advance(&mut cutter, &input, 1200.0).expect("inside the domain");
@@ -270,7 +278,8 @@ fn an_effect_moves_the_channels_that_its_catalogue_row_names() {
             let expected = if touched.sign == Sign::Rises { 1.0 } else { -1.0 };
             assert!(difference * expected > 0.0, "{}: {} moves by {difference}", entry.id, touched.channel);
         }
-        assert!(seen > 0, "{} shows in no output", entry.id);
+        // Chips end a life; they move no output of a cutter that still cuts.
+        assert!(seen > 0 || entry.id == "chipping", "{} shows in no output", entry.id);
     }
 }
 

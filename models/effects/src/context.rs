@@ -26,6 +26,24 @@ record! {
         coolant_changed: Real = 0.0, 0.0..=1.0;
         /// Material removed per wheel width since dressing, V'.
         removed_volume: Real["m2" => "mm3/mm"] = 0.0, 0.0..=1e3;
+        /// Cutting speed v_c.
+        cutting_speed: Real["m/s" => "m/min"] = 0.0, 0.0..=50.0;
+        /// Time since this pass began.
+        pass_time: Real["s" => "s"] = 0.0, 0.0..=1e6;
+        /// Time since the force sensor was zeroed.
+        sensor_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Time since the machine was switched on.
+        machine_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Feed override in force, 1 as programmed.
+        feed_override: Real = 1.0, 0.0..=3.0;
+        /// Time between the end of grinding and gauging.
+        wait_time: Real["s" => "s"] = 0.0, 0.0..=1e6;
+        /// Speed of the cutter axis along the path.
+        feed_rate: Real["m/s" => "mm/min"] = 0.0, 0.0..=100.0;
+        /// Curvature of the path.
+        path_curvature: Real["1/m" => "1/m"] = 0.0, 0.0..=1e5;
+        /// Deviation of the helical profile of the wall from its mean, where it is gauged.
+        helical_deviation: Real["m" => "um"] = 0.0, -1e-2..=1e-2;
     }
 }
 

@@ -100,6 +100,36 @@ catalogue! {
     WheelDulling in wheel_dulling;
     /// The grinding wheel rubs before it cuts.
     ThresholdForce in threshold_force;
+    /// A built-up edge in a window of speeds.
+    BuiltUpEdge in built_up_edge;
+    /// Hot work material cuts more easily.
+    ThermalSoftening in thermal_softening;
+    /// The force reading drifts.
+    ForceDrift in force_drift;
+    /// The force reading has a zero error.
+    ForceBias in force_bias;
+    /// The temperature reading lags behind in short cuts.
+    TemperatureLag in temperature_lag;
+    /// The spindle drive loses power.
+    SpindleLoss in spindle_loss;
+    /// An edge that crawls rubs and wears.
+    CrawlWear in crawl_wear;
+    /// Edges chip.
+    ChippingHazard in chipping;
+    /// The helix bends the wall along the axis.
+    HelixFormError in helix_form_error;
+    /// The drives cut corners.
+    ServoLag in servo_lag;
+    /// There is more stock than planned.
+    StockOffset in stock_offset;
+    /// The grinding wheel wears.
+    WheelWear in wheel_wear;
+    /// The part is gauged warm.
+    ThermalGrowth in thermal_growth;
+    /// Contact begins late.
+    StartOffset in start_offset;
+    /// The machine grows softer.
+    StiffnessDrift in stiffness_drift;
 }
 
 impl Effect {

@@ -35,36 +35,50 @@
 //! line in the list in `effect.rs`. The tests of this crate and of every process pick it up.
 //!
 //! # What is not modelled
-//! Effects of the sensors (drift and bias of the force reading, lag of the temperature reading),
-//! of the machine (spindle loss, chuck stiffness modulation, servo lag) and of the shop (feed
-//! override, stops, delays) change no term of a cutting process and have no place here. Built-up
-//! edge, thermal softening of the work material, chipping, process damping, thermal growth of
-//! the part and drift of the machine's stiffness act on a process and are not there yet. Effects
-//! act independently: none raises the size of another.
+//! Effects of the shop (feed override, stops, delays) change no term of a cutting process; the
+//! shop simulator lists them. Effects act independently: none raises the size of another. Sensor
+//! effects are those of the readings named in [`Terms`]; vibration has none.
 
+mod built_up_edge;
 mod catalogue;
+mod chipping;
 mod context;
 mod coolant_ageing;
 mod coolant_change;
+mod crawl_wear;
 mod effect;
 mod effects;
 mod error;
+mod force_bias;
+mod force_drift;
+mod helix_form_error;
 mod lot_hardness;
 mod run_in;
 mod runout;
+mod servo_lag;
+mod spindle_loss;
+mod start_offset;
+mod stiffness_drift;
+mod stock_offset;
+mod temperature_lag;
 mod terms;
+mod thermal_growth;
 mod thermal_heredity;
+mod thermal_softening;
 mod threshold_force;
 mod wear_acceleration;
 mod wear_force;
 mod wear_temperature;
 mod wheel_dulling;
+mod wheel_wear;
 
 pub use catalogue::{CatalogueEntry, Sign, Touched};
 pub use context::Context;
 pub use effect::{
-    CoolantAgeing, CoolantChange, Effect, LotHardness, RunIn, Runout, ThermalHeredity, ThresholdForce,
-    WearAcceleration, WearForce, WearTemperature, WheelDulling,
+    BuiltUpEdge, ChippingHazard, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias, ForceDrift,
+    HelixFormError, LotHardness, RunIn, Runout, ServoLag, SpindleLoss, StartOffset, StiffnessDrift, StockOffset,
+    TemperatureLag, ThermalGrowth, ThermalHeredity, ThermalSoftening, ThresholdForce, WearAcceleration, WearForce,
+    WearTemperature, WheelDulling, WheelWear,
 };
 pub use effects::Effects;
 pub use error::EffectError;

@@ -28,6 +28,32 @@ record! {
         process_stiffness: Real = 1.0, 0.0..=1e6;
         /// Summand of the normal force below which a grinding wheel rubs without cutting, F0.
         threshold_force: Real["N" => "N"] = 0.0, 0.0..=1e5;
+        /// Summand of the fall of the specific cutting force per kelvin of contact temperature
+        /// rise: force of the sharp edge × (1 − thermal_softening · rise).
+        thermal_softening: Real["1/K" => "1/K"] = 0.0, 0.0..=1.0;
+        /// Summand of the chipping rate per path.
+        chipping_rate: Real["1/m" => "1/km"] = 0.0, 0.0..=10.0;
+        /// Factor on the reading of both force channels.
+        force_reading: Real = 1.0, 0.0..=1e6;
+        /// Summand of the reading of the cutting force.
+        force_offset: Real["N" => "N"] = 0.0, -1e6..=1e6;
+        /// Summand of the reading of the contact temperature.
+        temperature_offset: Real["K" => "K"] = 0.0, -1e4..=1e4;
+        /// Summand of the reading of spindle power: what the drive loses beside the cut.
+        spindle_loss: Real["W" => "kW"] = 0.0, 0.0..=1e8;
+        /// Summand of the form error of a milled wall.
+        form_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
+        /// Summand of the radial width of cut.
+        width_of_cut: Real["m" => "mm"] = 0.0, 0.0..=1.0;
+        /// Summand of the wheel volume worn per work volume ground.
+        wheel_wear_ratio: Real = 0.0, 0.0..=100.0;
+        /// Summand of the infeed that is commanded before contact.
+        start_offset: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        /// Factor on the system stiffness of a grinding machine.
+        system_stiffness: Real = 1.0, -1e6..=1e6;
+        /// Summand of the growth of a part by grinding heat, per normal force and revolution, as
+        /// it is when the part is gauged.
+        thermal_growth: Real["m/N" => "um/N"] = 0.0, 0.0..=1.0;
     }
 }
 

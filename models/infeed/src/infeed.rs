@@ -83,6 +83,8 @@ impl<N: Number> Infeed<N> {
             coolant_age: u.coolant_age,
             coolant_changed: u.coolant_changed,
             removed_volume: x.removed_volume,
+            machine_time: u.machine_time,
+            wait_time: u.wait_time,
             ..Context::neutral()
         })
     }
@@ -94,15 +96,21 @@ impl<N: Number> Infeed<N> {
     }
 
     /// What a revolution shares out: compliance `c = Cp/J`, wheel wear per depth g, and the
-    /// deflection F0/J that stays uncut.
+    /// infeed that stays uncut, the deflection F0/J and what is commanded before contact.
     pub(crate) fn shares(&self, x: &State<N>, u: &Input<N>) -> [N; 3] {
         let p = &self.parameters;
         let terms = self.terms(x, u);
+        let system_stiffness = p.system_stiffness * terms.system_stiffness;
         [
-            self.process_stiffness(x, u, &terms) / p.system_stiffness,
-            p.wheel_wear_ratio * p.work_diameter / p.wheel_diameter,
-            (p.threshold_force + terms.threshold_force) / p.system_stiffness,
+            self.process_stiffness(x, u, &terms) / system_stiffness,
+            (p.wheel_wear_ratio + terms.wheel_wear_ratio) * p.work_diameter / p.wheel_diameter,
+            (p.threshold_force + terms.threshold_force) / system_stiffness + terms.start_offset,
         ]
+    }
+
+    /// Infeed that is commanded before contact.
+    pub(crate) fn start_offset(&self, x: &State<N>, u: &Input<N>) -> N {
+        self.terms(x, u).start_offset
     }
 
     /// State after the end of a work revolution at the commanded infeed of `x`.
@@ -145,7 +153,8 @@ impl<N: Number> Infeed<N> {
         let depth = x.depth_of_cut;
         let size_error = x.commanded_infeed - x.stock_removed;
         // Below the threshold the wheel rubs, pressed on by the deflection that is there.
-        let pressed = positive((size_error - x.wheel_wear) * p.system_stiffness);
+        let system_stiffness = p.system_stiffness * terms.system_stiffness;
+        let pressed = positive((size_error - x.wheel_wear - terms.start_offset) * system_stiffness);
         let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
         let uncut = if depth.re() > 0.0 { threshold } else { rubbing };
         let normal_force = uncut + process_stiffness * depth;
@@ -166,14 +175,18 @@ impl<N: Number> Infeed<N> {
             let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();
             temperature_rise = into_work * flux * spread * std::f64::consts::FRAC_2_SQRT_PI * terms.temperature_rise;
         }
-        let lag = crate::lag(process_stiffness, p.system_stiffness);
+        let lag = crate::lag(process_stiffness, system_stiffness);
+        // Revolutions from the commanded start to contact.
+        let feeds = u.infeed_per_rev.re() > 0.0;
+        let late = if feeds { terms.start_offset / u.infeed_per_rev } else { zero };
+        let warm = terms.thermal_growth * normal_force * x.revolutions;
         Output {
             normal_force,
             tangential_force,
             spindle_power,
             depth_of_cut: depth,
-            stock_removed: x.stock_removed,
-            size_error,
+            stock_removed: x.stock_removed - warm,
+            size_error: size_error + warm,
             roundness_error: depth,
             temperature_rise,
             temperature: temperature_rise + p.ambient_temperature,
@@ -182,7 +195,7 @@ impl<N: Number> Infeed<N> {
             wheel_wear: x.wheel_wear,
             process_stiffness,
             lag,
-            rise_revolutions: revolutions_to(N::from(0.95), lag),
+            rise_revolutions: revolutions_to(N::from(0.95), lag) + late,
         }
     }
 

@@ -21,6 +21,10 @@ record! {
         coolant_age: Real["s" => "h"] = 0.0, 0.0..=1e9;
         /// Whether another coolant than the nominal one is in use; seen by effects only.
         coolant_changed: Boolean = 0.0;
+        /// Time since the machine was switched on; seen by effects only.
+        machine_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Time between the end of grinding and gauging; seen by effects only.
+        wait_time: Real["s" => "s"] = 0.0, 0.0..=1e6;
     }
 }
 

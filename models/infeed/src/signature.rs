@@ -67,12 +67,13 @@ impl<N: Number> Infeed<N> {
                 let engagement =
                     positive(part.commanded_infeed + growth - part.wheel_wear - threshold - part.stock_removed);
                 let exponent = -d.force_exponent_loss + 1.0;
+                let loaded = threshold - self.start_offset(&part, u);
                 let (depth, deflection) = share_out(engagement, compliance, wear, exponent, first_infeed);
                 part.stock_removed += depth;
                 part.wheel_wear += wear * depth;
                 part.removed_volume += p.work_diameter * depth * std::f64::consts::PI;
                 readings.push(PlungeReading {
-                    normal_force: (threshold + deflection) * p.system_stiffness,
+                    normal_force: (loaded + deflection) * p.system_stiffness,
                     stock_removed: part.stock_removed - growth - depth * d.unseen_depth,
                 });
             }

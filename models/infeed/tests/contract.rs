@@ -43,7 +43,8 @@ process_contract!(with_everything, everything(), points());
 /// A wheel in the middle of its life, the coolant neither fresh nor nominal.
 fn trial(grinding: &Infeed) -> (State, Output, Output) {
     let wheel = State { removed_volume: 0.5e-3, ..grinding.initial() };
-    let input = Input { coolant_age: 100.0 * 3600.0, coolant_changed: 1.0, ..Input::default() };
+    let time = 100.0 * 3600.0;
+    let input = Input { coolant_age: time, coolant_changed: 1.0, machine_time: time, ..Input::default() };
     let spark_out = Input { infeed_per_rev: 0.0, ..input };
     let mut part = wheel;
     grinding.advance(&mut part, &input, 16.0 * REVOLUTION).expect("inside the domain");

@@ -31,8 +31,24 @@ impl<N: Number> Milling<N> {
             flank_wear: x.flank_wear,
             cutting_time: x.cutting_time,
             lot_deviation: u.lot_deviation,
+            cutting_speed: u.cutting_speed,
+            sensor_time: u.sensor_time,
+            feed_override: u.feed_override,
+            feed_rate: self.feed_rate(u),
+            path_curvature: u.path_curvature,
+            helical_deviation: u.helical_deviation,
             ..Context::neutral()
         })
+    }
+
+    fn feed_rate(&self, u: &MillingInput<N>) -> N {
+        let rotation = u.cutting_speed / self.cutter.diameter * 2.0;
+        u.feed_per_tooth * self.cutter.teeth * rotation / TAU * u.engaged
+    }
+
+    /// Radial width of cut that the cutter meets, at most its diameter.
+    fn width(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+        least(u.width_of_cut + terms.width_of_cut, self.cutter.diameter)
     }
 
     /// Engagement angle `ψ = acos(1 − 2 a_e/D)`.
@@ -65,7 +81,7 @@ impl<N: Number> Milling<N> {
     /// without runout, less where runout lifts teeth out of the cut.
     fn mean_force(&self, flank_wear: N, u: &MillingInput<N>, terms: &Terms<N>) -> MeanForce<N> {
         let k = self.coefficients(flank_wear, u, terms);
-        let psi = self.engagement_angle(u.width_of_cut);
+        let psi = self.engagement_angle(self.width(u, terms));
         let contact = Contact::new(self.teeth(), terms.runout / u.feed_per_tooth, psi);
         let (sin, cos) = (psi.sin(), psi.cos());
         let (one_minus_cos, square, area) = (-cos + 1.0, sin * sin * 0.5, psi * 0.5 - sin * cos * 0.5);
@@ -85,13 +101,13 @@ impl<N: Number> Milling<N> {
     }
 
     /// Sine of the angle at which the chip is thickest.
-    fn steepest(&self, u: &MillingInput<N>) -> N {
-        least(self.engagement_angle(u.width_of_cut), N::from(FRAC_PI_2)).sin()
+    fn steepest(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+        least(self.engagement_angle(self.width(u, terms)), N::from(FRAC_PI_2)).sin()
     }
 
     /// Thickest chip of the heaviest tooth.
     fn peak_chip_thickness(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
-        runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * self.steepest(u))
+        runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * self.steepest(u, terms))
     }
 
     fn teeth(&self) -> u32 {
@@ -102,13 +118,13 @@ impl<N: Number> Milling<N> {
     pub(super) fn damage_rate(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
         let l = &self.life;
         // The heaviest tooth decides; under runout its chip is that of a higher feed.
-        let feed = self.peak_chip_thickness(u, terms) / self.steepest(u);
+        let feed = self.peak_chip_thickness(u, terms) / self.steepest(u, terms);
         let speed = u.cutting_speed / l.reference_speed;
         let speed = if speed.re() > 0.0 { speed.powd(l.speed_exponent) } else { N::from(0.0) };
         speed
             * (feed / l.reference_feed).powd(l.feed_exponent)
             * (u.depth_of_cut / l.reference_depth).powd(l.depth_exponent)
-            * (u.width_of_cut / l.reference_width).powd(l.width_exponent)
+            * (self.width(u, terms) / l.reference_width).powd(l.width_exponent)
             * u.hardness_ratio.powd(l.hardness_exponent)
             * u.wear_rate_factor
             * terms.mechanical_wear
@@ -121,9 +137,9 @@ impl<N: Number> Milling<N> {
         let worn = least(x.flank_wear / self.life.wear_limit, N::from(1.0));
         let stage = self.life.stage_contrast * (worn * (-worn + 1.0) * 6.0 - 1.0) + 1.0;
         let flank_wear = self.life.wear_limit * self.damage_rate(u, &terms) * terms.wear_rate / stage;
-        let in_material = self.engagement_angle(u.width_of_cut) / TAU;
+        let in_material = self.engagement_angle(self.width(u, &terms)) / TAU;
         let path = u.cutting_speed * in_material * u.engaged;
-        let hazard = self.chipping.hazard_per_path(u.chipping_rate, x.cutting_path, x.flank_wear);
+        let hazard = self.chipping.hazard_per_path(u.chipping_rate + terms.chipping_rate, x.cutting_path, x.flank_wear);
         MillingState {
             flank_wear: flank_wear * u.engaged,
             cutting_path: path,
@@ -148,13 +164,14 @@ impl<N: Number> Milling<N> {
         let force = self.mean_force(x.flank_wear, u, &terms);
         let fresh = MillingState { flank_wear: N::from(0.0), ..*x };
         let new = self.mean_force(fresh.flank_wear, u, &self.terms(&fresh, u));
-        let psi = self.engagement_angle(u.width_of_cut);
+        let width = self.width(u, &terms);
+        let psi = self.engagement_angle(width);
         let chip = self.peak_chip_thickness(u, &terms) * u.engaged;
         let k = self.coefficients(x.flank_wear, u, &terms);
         let tangential = (k.tangential_cutting * chip + k.tangential_edge) * terms.cutting_force;
         let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
         let rotation = u.cutting_speed / c.diameter * 2.0;
-        let feed_rate = u.feed_per_tooth * c.teeth * rotation / TAU * u.engaged;
+        let feed_rate = self.feed_rate(u);
         let scallop = |feed: N| feed * feed / c.diameter * 0.25;
         let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
         let damage = self.damage_rate(u, &terms);
@@ -163,18 +180,18 @@ impl<N: Number> Milling<N> {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.life.wear_limit,
             tool_life: if endless { N::from(LONGEST_LIFE) } else { damage.recip() },
-            cutting_force: force.tangential,
-            feed_force: force.feed,
+            cutting_force: force.tangential * terms.force_reading + terms.force_offset,
+            feed_force: force.feed * terms.force_reading,
             normal_force: force.normal,
             peak_tooth_force: u.depth_of_cut * (tangential * tangential + radial * radial).sqrt() * u.engaged,
-            spindle_power: force.tangential * u.cutting_speed,
+            spindle_power: force.tangential * u.cutting_speed + terms.spindle_loss,
             spindle_speed: rotation,
             feed_rate,
-            material_removal_rate: u.depth_of_cut * u.width_of_cut * feed_rate,
+            material_removal_rate: u.depth_of_cut * width * feed_rate,
             engagement_angle: psi,
             peak_chip_thickness: chip,
             roughness_ra: least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25,
-            form_error: force.normal / c.static_stiffness,
+            form_error: force.normal / c.static_stiffness + terms.form_error,
             size_error: x.flank_wear * c.clearance_angle.tan() + (force.normal - new.normal) / c.static_stiffness,
         }
     }

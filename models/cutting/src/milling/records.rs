@@ -31,6 +31,15 @@ record! {
         chipping_rate: Real["1/m" => "1/km"] = 0.0, 0.0..=10.0;
         /// 1 in a deviating lot of material, 0 in a nominal one.
         lot_deviation: Real = 0.0, 0.0..=1.0;
+        /// Time since the force sensor was zeroed; seen by effects only.
+        sensor_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Feed override in force, 1 as programmed; seen by effects only.
+        feed_override: Real = 1.0, 0.0..=3.0;
+        /// Curvature of the path; seen by effects only.
+        path_curvature: Real["1/m" => "1/m"] = 0.0, 0.0..=1e5;
+        /// Deviation of the helical profile of the wall from its mean, where it is gauged; seen
+        /// by effects only.
+        helical_deviation: Real["m" => "um"] = 0.0, -1e-2..=1e-2;
     }
 }
 

@@ -13,6 +13,10 @@ impl<N: Number> Turning<N> {
             cutting_time: x.cutting_time,
             coolant_age: u.coolant_age,
             lot_deviation: u.lot_deviation,
+            cutting_speed: u.cutting_speed,
+            pass_time: u.pass_time,
+            sensor_time: u.sensor_time,
+            feed_override: u.feed_override,
             ..Context::neutral()
         })
     }
@@ -38,8 +42,14 @@ impl<N: Number> Turning<N> {
             flank_pressure_factor: u.flank_pressure_factor,
             damage_rate: if own_damage_rate.re() > 0.0 { N::from(0.0) } else { self.finish.thermal_damage_rate },
             damage_gain: terms.thermal_damage_coupling,
-            chipping_rate: u.chipping_rate,
+            chipping_rate: u.chipping_rate + terms.chipping_rate,
         }
+    }
+
+    /// What softening of the hot work material leaves of the specific cutting force at a contact
+    /// temperature.
+    fn softened(&self, terms: &Terms<N>, temperature: N) -> N {
+        -(terms.thermal_softening * (temperature - self.pair.temperature.ambient_temperature)) + 1.0
     }
 
     /// Right-hand side: rates per second.
@@ -47,7 +57,9 @@ impl<N: Number> Turning<N> {
         let terms = self.terms(x, u);
         let cut = self.cut(u, &terms);
         let wear = self.pair.derivative(&x.wear(), &cut);
-        let force = self.pair.force.cutting(&cut, x.flank_wear) * terms.cutting_force;
+        let soft = self.softened(&terms, self.pair.contact_temperature(&x.wear(), &cut));
+        let warm = Cut { force_factor: cut.force_factor * soft, ..cut };
+        let force = self.pair.force.cutting(&warm, x.flank_wear) * terms.cutting_force;
         TurningState {
             flank_wear: wear.flank_wear,
             tool_body_temperature_rise: wear.body_temperature_rise,
@@ -61,7 +73,8 @@ impl<N: Number> Turning<N> {
         }
     }
 
-    /// Everything that can be observed.
+    /// Everything that can be observed, as the sensors read it: their effects act on forces,
+    /// temperature and power.
     ///
     /// | output | equation |
     /// |---|---|
@@ -73,25 +86,26 @@ impl<N: Number> Turning<N> {
         let terms = self.terms(x, u);
         let cut = self.cut(u, &terms);
         let point = self.pair.output(&x.wear(), &cut);
-        let cutting_force = point.cutting_force * terms.cutting_force;
-        let feed_force = point.feed_force * terms.feed_force;
+        let warm = Cut { force_factor: cut.force_factor * self.softened(&terms, point.temperature), ..cut };
+        let cutting_force = self.pair.force.cutting(&warm, x.flank_wear) * cut.engaged * terms.cutting_force;
+        let feed_force = self.pair.force.feed(&warm, x.flank_wear) * cut.engaged * terms.feed_force;
         let edge_angle = self.pair.force.cutting_edge_angle.tan();
         let new_feed_force = self.pair.force.feed(&cut, N::from(0.0)) * cut.engaged;
         let deflection = (feed_force - new_feed_force) / edge_angle / self.finish.static_stiffness;
-        let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..cut };
+        let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..warm };
         TurningOutput {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.pair.limits.wear_limit,
-            temperature: point.temperature,
+            temperature: point.temperature + terms.temperature_offset,
             mechanical_wear_per_path: point.mechanical_wear_per_path,
             thermal_wear_rate: point.thermal_wear_rate,
             wear_intensity: point.wear_intensity,
             wear_balance: point.wear_balance,
-            cutting_force,
-            feed_force,
+            cutting_force: cutting_force * terms.force_reading + terms.force_offset,
+            feed_force: feed_force * terms.force_reading,
             passive_force: feed_force / edge_angle,
             peak_cutting_force: self.pair.force.cutting(&eccentric, x.flank_wear) * terms.cutting_force * cut.engaged,
-            spindle_power: cutting_force * u.cutting_speed,
+            spindle_power: cutting_force * u.cutting_speed + terms.spindle_loss,
             thermo_emf: point.thermo_emf,
             spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
             material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,

@@ -42,6 +42,12 @@ record! {
         coolant_age: Real["s" => "h"] = 0.0, 0.0..=1e9;
         /// 1 in a deviating lot of material, 0 in a nominal one.
         lot_deviation: Real = 0.0, 0.0..=1.0;
+        /// Time since this pass began; seen by effects only.
+        pass_time: Real["s" => "s"] = 0.0, 0.0..=1e6;
+        /// Time since the force sensor was zeroed; seen by effects only.
+        sensor_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
+        /// Feed override in force, 1 as programmed; seen by effects only.
+        feed_override: Real = 1.0, 0.0..=3.0;
     }
 }
 

@@ -1,0 +1,34 @@
+//! The machine grows softer.
+
+use crate::catalogue::{CatalogueEntry, falls, rises};
+use crate::{Context, Terms};
+use toolroom_process::{Number, Record, record};
+
+record! {
+    /// The machine grows softer: system stiffness `× (1 - size · machine_time)`.
+    ///
+    /// # Source
+    /// Assumption: linear in time (bearings, centres warming up).
+    pub struct StiffnessDrift {
+        /// Share by which the stiffness falls per time.
+        size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-5;
+    }
+}
+
+pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
+    id: "stiffness_drift",
+    title: "the machine grows softer",
+    size: &StiffnessDrift::<f64>::FIELDS[0],
+    channels: &[falls("normal_force"), falls("stock_removed"), rises("rise_revolutions")],
+    regime: "calendar time",
+    confounder: "wheel_dulling",
+    separating_test: "probe the stiffness with the wheel at rest; redress the wheel",
+    source: "assumption: linear in time",
+    processes: &["infeed"],
+};
+
+impl<N: Number> StiffnessDrift<N> {
+    pub(crate) fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
+        terms.system_stiffness *= -(self.size * context.machine_time) + 1.0;
+    }
+}

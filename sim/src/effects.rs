@@ -1,0 +1,150 @@
+//! Effects of the shop that a nominal simulation leaves out: catalogue rows beside those of the
+//! processes.
+
+use toolroom_effects::{CatalogueEntry, Sign, Touched};
+use toolroom_process::{Record, record};
+
+record! {
+    /// How a shop deviates from its nominal simulation; every size is neutral at zero.
+    pub struct ShopDeviations {
+        /// Share by which the programmed time grows: 100 % / override − 1.
+        feed_override: Real = 0.0, 0.0..=10.0;
+        /// Time per hold.
+        feed_hold: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        /// Inverse of the axis acceleration: a block between speeds v0 and v1 runs with trapezoidal speed.
+        axis_acceleration: Real["s2/m" => "s2/m"] = 0.0, 0.0..=100.0;
+        /// Time per hole.
+        canned_cycle_dwell: Real["s" => "s"] = 0.0, 0.0..=60.0;
+        /// Stops per running time; each lasts 20 s in the mean (assumption).
+        micro_stops: Real["1/s" => "1/h"] = 0.0, 0.0..=1.0;
+        /// Time per operation of the shift or operator concerned.
+        operator_delay: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        /// Time per change.
+        tool_change_delay: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        /// Shift of the wear at which an edge is changed.
+        tool_change_policy: Real["m" => "mm"] = 0.0, 0.0..=5e-3;
+        /// Weibull shape of the times between breakdowns, less one.
+        breakdown_shape: Real = 0.0, 0.0..=10.0;
+    }
+}
+
+const fn rises(channel: &'static str) -> Touched {
+    Touched { channel, sign: Sign::Rises }
+}
+
+/// Every effect of the shop, one row each, in the order of [`ShopDeviations`].
+pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
+    CatalogueEntry {
+        id: "feed_override",
+        title: "operators turn the feed override down",
+        size: &ShopDeviations::<f64>::FIELDS[0],
+        channels: &[rises("cycle_time")],
+        regime: "all feed moves of a shift or operator",
+        confounder: "micro_stops",
+        separating_test: "log the override beside the cycle",
+        source: "NIST smart manufacturing test bed, MTConnect logs of 2017: override not 100 % during a fifth of the active time of one machine",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "feed_hold",
+        title: "operators hold the feed",
+        size: &ShopDeviations::<f64>::FIELDS[1],
+        channels: &[rises("cycle_time")],
+        regime: "operations with holds in the event log",
+        confounder: "micro_stops",
+        separating_test: "log execution states (INTERRUPTED, FEED_HOLD)",
+        source: "MTConnect execution states; constant time per hold is an assumption",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "axis_acceleration",
+        title: "axes need time to accelerate",
+        size: &ShopDeviations::<f64>::FIELDS[2],
+        channels: &[rises("cycle_time")],
+        regime: "programs of many short blocks",
+        confounder: "rapid override",
+        separating_test: "time a program of long and one of short blocks",
+        source: "trapezoidal speed profile between block ends (assumption: one acceleration for all axes)",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "canned_cycle_dwell",
+        title: "canned cycles dwell at the bottom of the hole",
+        size: &ShopDeviations::<f64>::FIELDS[3],
+        channels: &[rises("cycle_time")],
+        regime: "programs with holes, by their number",
+        confounder: "tool_change_delay",
+        separating_test: "time a program with twice the holes",
+        source: "G-code P word of G82 and G89; constant time is an assumption",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "micro_stops",
+        title: "short stops that nobody books",
+        size: &ShopDeviations::<f64>::FIELDS[4],
+        channels: &[rises("cycle_time"), rises("stop_count"), rises("stop_time")],
+        regime: "a tail of long cycles, in proportion to their length",
+        confounder: "feed_override",
+        separating_test: "log every stop for a shift",
+        source: "Nakajima, Introduction to TPM (1988): idling and minor stoppages; Poisson stops are an assumption",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "operator_delay",
+        title: "operators come late to the machine",
+        size: &ShopDeviations::<f64>::FIELDS[5],
+        channels: &[rises("cycle_time")],
+        regime: "one shift or operator",
+        confounder: "setup time",
+        separating_test: "one operator at two shifts",
+        source: "assumption: constant time per operation",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "tool_change_delay",
+        title: "a tool change takes longer than planned",
+        size: &ShopDeviations::<f64>::FIELDS[6],
+        channels: &[rises("cycle_time")],
+        regime: "the first operation of an edge",
+        confounder: "operator_delay",
+        separating_test: "time ten changes",
+        source: "assumption: constant time per change",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "tool_change_policy",
+        title: "edges are changed at another wear than planned",
+        size: &ShopDeviations::<f64>::FIELDS[7],
+        channels: &[rises("flank_wear")],
+        regime: "the last operation of an edge",
+        confounder: "chipping",
+        separating_test: "measure every edge that is taken out",
+        source: "assumption: constant shift of the limit",
+        processes: &["shop"],
+    },
+    CatalogueEntry {
+        id: "breakdown_shape",
+        title: "breakdowns come in bursts or after wear",
+        size: &ShopDeviations::<f64>::FIELDS[8],
+        channels: &[rises("stop_time")],
+        regime: "times between breakdowns",
+        confounder: "breakdown rate",
+        separating_test: "log breakdowns for a quarter of a year",
+        source: "Weibull renewal of repairable machines (Rigdon & Basu 2000), recalled",
+        processes: &["shop"],
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_named_as_its_size_and_neutral_at_zero() {
+        assert_eq!(SHOP_EFFECTS.len(), ShopDeviations::<f64>::FIELDS.len());
+        for entry in SHOP_EFFECTS {
+            assert_eq!((entry.id, entry.size.start, entry.size.min), (entry.size.name, 0.0, 0.0));
+            assert!(toolroom_process::unit::parse(entry.size.display).is_ok(), "{}", entry.id);
+        }
+    }
+}
