@@ -14,6 +14,7 @@
 //! | [`kpi`] | key figures of one run, ISO 22400-2 time elements |
 //! | [`statistics`] | means, t intervals, paired differences, ratios |
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
+//! | [`life`] | tool lives: fits with intervals, reliability, replacement, regression |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
@@ -47,6 +48,7 @@ mod figure;
 #[cfg(test)]
 mod fixture;
 pub mod kpi;
+pub mod life;
 pub mod logs;
 pub mod page;
 pub mod report;
