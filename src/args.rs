@@ -99,6 +99,9 @@ pub enum Command {
   toolroom effects
   toolroom effects --json")]
     Effects,
+    /// FMI units: look into any, check it, run one
+    #[command(subcommand)]
+    Fmu(FmuCommand),
     /// Print the JSON schema of scenario files
     #[command(before_help = "Examples:
   toolroom schema > scenario.schema.json")]
@@ -113,6 +116,26 @@ pub enum Command {
   toolroom completions bash > /etc/bash_completion.d/toolroom
   toolroom completions zsh  > ~/.zfunc/_toolroom")]
     Completions(CompletionsArgs),
+}
+
+#[derive(Subcommand, Debug)]
+pub enum FmuCommand {
+    /// What an FMI unit offers: interfaces, platforms, variables with units
+    #[command(before_help = "Examples:
+  toolroom fmu info turning.fmu
+  toolroom fmu info turning.fmu --json")]
+    Info(FmuFileArgs),
+    /// Check an FMI unit against what importers trip over; nothing of it is run
+    #[command(before_help = "Examples:
+  toolroom fmu check turning.fmu
+  toolroom fmu check turning.fmu --json      exit code 2 where an error was found")]
+    Check(FmuFileArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct FmuFileArgs {
+    /// Unit of FMI 2.0 or 3.0
+    pub file: PathBuf,
 }
 
 #[derive(Args, Debug)]

@@ -12,6 +12,7 @@ mod diff;
 mod effects;
 mod explain;
 mod failure;
+mod fmu;
 mod lobes;
 mod new;
 mod output;
@@ -55,6 +56,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
+        Command::Fmu(command) => fmu::run(&command, voice),
         Command::Schema => schema::run(voice),
         Command::Explain(args) => explain::run(&args, voice),
         Command::Completions(args) => completions::run(&args, voice),

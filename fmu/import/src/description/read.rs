@@ -1,0 +1,374 @@
+//! From XML to [`ModelDescription`], fault by fault.
+
+use super::{BaseUnit, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable};
+use roxmltree::{Document, Node};
+use std::collections::{BTreeMap, HashMap};
+use std::str::FromStr;
+
+pub(super) fn description(text: &str) -> Reading {
+    let mut reader = Reader { faults: Vec::new(), lines: Lines::of(text) };
+    let description = match Document::parse(text.strip_prefix('\u{FEFF}').unwrap_or(text)) {
+        Ok(document) => reader.root(document.root_element()),
+        Err(error) => {
+            reader.faults.push(Fault { line: error.pos().row, message: format!("not well-formed XML: {error}") });
+            None
+        }
+    };
+    reader.faults.sort_by_key(|fault| fault.line);
+    Reading { description, faults: reader.faults }
+}
+
+/// Starts of lines: finding a line by counting from the start each time is quadratic.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        let mark = text.len() - text.strip_prefix('\u{FEFF}').unwrap_or(text).len();
+        Self(text[mark..].bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
+    }
+
+    fn line(&self, at: usize) -> u32 {
+        self.0.partition_point(|end| *end < at) as u32 + 1
+    }
+}
+
+struct Reader {
+    faults: Vec<Fault>,
+    lines: Lines,
+}
+
+impl Reader {
+    fn line(&self, node: Node<'_, '_>) -> u32 {
+        self.lines.line(node.range().start)
+    }
+
+    fn fault(&mut self, node: Node<'_, '_>, message: impl Into<String>) {
+        let line = self.line(node);
+        self.faults.push(Fault { line, message: message.into() });
+    }
+
+    /// An attribute that has to be there.
+    fn required<'a>(&mut self, node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+        let value = node.attribute(name);
+        if value.is_none() {
+            self.fault(node, format!("<{}> lacks the attribute {name}", node.tag_name().name()));
+        }
+        value
+    }
+
+    /// An attribute that is a number, if it is there.
+    fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
+        let text = node.attribute(name)?;
+        let value = text.trim().parse().ok();
+        if value.is_none() {
+            self.fault(node, format!("{name} = \"{text}\" is no number"));
+        }
+        value
+    }
+
+    fn root(&mut self, root: Node<'_, '_>) -> Option<ModelDescription> {
+        if root.tag_name().name() != "fmiModelDescription" {
+            self.fault(root, format!("<{}> instead of <fmiModelDescription>", root.tag_name().name()));
+            return None;
+        }
+        let fmi_version = self.required(root, "fmiVersion")?.to_owned();
+        let major = match fmi_version.split('.').next() {
+            Some("2") => 2,
+            Some("3") => 3,
+            _ => {
+                self.fault(root, format!("fmiVersion = \"{fmi_version}\" is not read; 2.0 and 3.0 are"));
+                return None;
+            }
+        };
+        let token = self.required(root, if major == 2 { "guid" } else { "instantiationToken" }).unwrap_or_default();
+        let mut description = ModelDescription {
+            fmi_version,
+            major,
+            model_name: self.required(root, "modelName").unwrap_or_default().to_owned(),
+            token: token.to_owned(),
+            about: attributes(root),
+            ..ModelDescription::default()
+        };
+        let mut structure = None;
+        let mut variables = None;
+        for child in root.children().filter(Node::is_element) {
+            match child.tag_name().name() {
+                "CoSimulation" => description.co_simulation = Some(self.interface(child)),
+                "ModelExchange" => description.model_exchange = Some(self.interface(child)),
+                "ScheduledExecution" => description.scheduled_execution = Some(self.interface(child)),
+                "UnitDefinitions" => description.units = self.units(child),
+                "TypeDefinitions" => description.types = self.types(child),
+                "LogCategories" => {
+                    let named = elements(child).filter_map(|category| self.required(category, "name"));
+                    description.log_categories = named.map(str::to_owned).collect();
+                }
+                "DefaultExperiment" => {
+                    description.experiment = Experiment {
+                        start: self.number(child, "startTime"),
+                        stop: self.number(child, "stopTime"),
+                        tolerance: self.number(child, "tolerance"),
+                        step: self.number(child, "stepSize"),
+                    }
+                }
+                "ModelVariables" => variables = Some(child),
+                "ModelStructure" => structure = Some(child),
+                "VendorAnnotations" | "Annotations" => {}
+                other => self.fault(child, format!("<{other}> is no element of <fmiModelDescription>")),
+            }
+        }
+        match variables {
+            Some(node) => self.variables(node, &mut description),
+            None => self.fault(root, "there are no <ModelVariables>"),
+        }
+        match structure {
+            Some(node) => self.structure(node, &mut description),
+            None => self.fault(root, "there is no <ModelStructure>"),
+        }
+        if major == 2 {
+            description.structure.event_indicators = self.number(root, "numberOfEventIndicators").unwrap_or(0);
+        }
+        Some(description)
+    }
+
+    fn interface(&mut self, node: Node<'_, '_>) -> Interface {
+        let identifier = self.required(node, "modelIdentifier").unwrap_or_default().to_owned();
+        let attributes = attributes(node);
+        for (name, value) in &attributes {
+            let flag =
+                ["can", "needs", "has", "might", "provides", "recommended"].iter().any(|start| name.starts_with(start));
+            let number = name.contains("Order") || name.contains("Size") || name.contains("Steps");
+            if flag && !number && !matches!(value.as_str(), "true" | "false" | "1" | "0") {
+                self.fault(node, format!("{name} = \"{value}\" is neither true nor false"));
+            }
+        }
+        Interface { identifier, attributes }
+    }
+
+    fn units(&mut self, node: Node<'_, '_>) -> BTreeMap<String, Unit> {
+        let mut units = BTreeMap::new();
+        for unit in elements(node) {
+            let Some(name) = self.required(unit, "name") else { continue };
+            let mut read = Unit::default();
+            for child in elements(unit) {
+                match child.tag_name().name() {
+                    "BaseUnit" => {
+                        const SYMBOLS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+                        for attribute in child.attributes() {
+                            if !SYMBOLS.contains(&attribute.name()) && !matches!(attribute.name(), "factor" | "offset")
+                            {
+                                self.fault(child, format!("<BaseUnit> has no attribute {}", attribute.name()));
+                            }
+                        }
+                        read.base = Some(BaseUnit {
+                            factor: self.number(child, "factor").unwrap_or(1.0),
+                            offset: self.number(child, "offset").unwrap_or(0.0),
+                            powers: SYMBOLS.map(|symbol| self.number(child, symbol).unwrap_or(0)),
+                        });
+                    }
+                    "DisplayUnit" => read.display.extend(self.required(child, "name").map(str::to_owned)),
+                    _ => {}
+                }
+            }
+            if units.insert(name.to_owned(), read).is_some() {
+                self.fault(unit, format!("two units are called {name}"));
+            }
+        }
+        units
+    }
+
+    /// Types with the unit that they carry; FMI 2.0 has it on a child element.
+    fn types(&mut self, node: Node<'_, '_>) -> BTreeMap<String, Option<String>> {
+        let mut types = BTreeMap::new();
+        for each in elements(node) {
+            let Some(name) = self.required(each, "name") else { continue };
+            let unit = each.attribute("unit").or_else(|| elements(each).find_map(|child| child.attribute("unit")));
+            if types.insert(name.to_owned(), unit.map(str::to_owned)).is_some() {
+                self.fault(each, format!("two types are called {name}"));
+            }
+        }
+        types
+    }
+
+    fn variables(&mut self, node: Node<'_, '_>, description: &mut ModelDescription) {
+        let mut names: HashMap<String, u32> = HashMap::new();
+        // Derivatives name their state by index (FMI 2.0) or value reference (FMI 3.0), which may
+        // come later.
+        let mut derivatives = Vec::new();
+        for element in elements(node) {
+            let (typed, value_type) = if description.major == 2 {
+                let typed =
+                    elements(element).find_map(|child| ValueType::named(child.tag_name().name()).map(|t| (child, t)));
+                let Some(found) = typed.filter(|_| element.tag_name().name() == "ScalarVariable") else {
+                    self.fault(element, format!("<{}> is no variable with a type", element.tag_name().name()));
+                    continue;
+                };
+                found
+            } else {
+                let Some(value_type) = ValueType::named(element.tag_name().name()) else {
+                    self.fault(element, format!("<{}> is no type of variable", element.tag_name().name()));
+                    continue;
+                };
+                (element, value_type)
+            };
+            let Some(name) = self.required(element, "name") else { continue };
+            let _ = self.required(element, "valueReference");
+            let Some(reference) = self.number(element, "valueReference") else { continue };
+            let line = self.line(element);
+            for (each, of) in std::iter::once((name, element)).chain(
+                elements(element)
+                    .filter(|child| child.tag_name().name() == "Alias")
+                    .filter_map(|child| Some((child.attribute("name")?, child))),
+            ) {
+                if let Some(before) = names.insert(each.to_owned(), line) {
+                    self.fault(of, format!("the name {each} is taken by the variable of line {before}"));
+                }
+            }
+            let causality = element.attribute("causality").unwrap_or("local").to_owned();
+            let float = matches!(value_type, ValueType::Float64 | ValueType::Float32);
+            let variability = element.attribute("variability").map(str::to_owned).unwrap_or_else(|| {
+                let fixed = matches!(causality.as_str(), "parameter" | "structuralParameter" | "calculatedParameter");
+                // FMI 2.0 makes everything continuous by default, FMI 3.0 only reals.
+                let standard = if fixed && description.major == 3 {
+                    "fixed"
+                } else if float || description.major == 2 {
+                    "continuous"
+                } else {
+                    "discrete"
+                };
+                standard.to_owned()
+            });
+            let declared_type = typed.attribute("declaredType").map(str::to_owned);
+            let type_unit = || declared_type.as_ref().and_then(|name| description.types.get(name)).cloned().flatten();
+            let start = typed.attribute("start").map(str::to_owned).or_else(|| {
+                let starts: Vec<&str> = elements(element)
+                    .filter(|c| c.tag_name().name() == "Start")
+                    .filter_map(|c| c.attribute("value"))
+                    .collect();
+                (!starts.is_empty()).then(|| starts.join(" "))
+            });
+            let initial =
+                element.attribute("initial").map(str::to_owned).or_else(|| default_initial(&causality, &variability));
+            if let Some(of) = typed.attribute("derivative") {
+                derivatives.push((description.variables.len(), of.to_owned(), line));
+            }
+            let unit = typed.attribute("unit").map(str::to_owned).or_else(type_unit);
+            description.variables.push(Variable {
+                name: name.to_owned(),
+                reference,
+                value_type,
+                causality,
+                variability,
+                initial,
+                start,
+                unit,
+                declared_type,
+                min: self.number(typed, "min"),
+                max: self.number(typed, "max"),
+                nominal: self.number(typed, "nominal"),
+                derivative_of: None,
+                dimensions: elements(element).filter(|child| child.tag_name().name() == "Dimension").count(),
+                description: element.attribute("description").unwrap_or_default().to_owned(),
+                line,
+            });
+        }
+        let by_reference = references(description);
+        for (index, of, line) in derivatives {
+            match self.variable(&of, description, &by_reference) {
+                Some(state) => description.variables[index].derivative_of = Some(state),
+                None => self.faults.push(Fault { line, message: format!("derivative = \"{of}\" names no variable") }),
+            }
+        }
+    }
+
+    /// The variable that `text` names: an index from 1 in FMI 2.0, a value reference in FMI 3.0.
+    fn variable(
+        &self,
+        text: &str,
+        description: &ModelDescription,
+        by_reference: &HashMap<u32, usize>,
+    ) -> Option<usize> {
+        let number: u32 = text.trim().parse().ok()?;
+        if description.major == 2 {
+            let index = (number as usize).checked_sub(1)?;
+            (index < description.variables.len()).then_some(index)
+        } else {
+            by_reference.get(&number).copied()
+        }
+    }
+
+    fn structure(&mut self, node: Node<'_, '_>, description: &mut ModelDescription) {
+        let by_reference = references(description);
+        // FMI 2.0 has lists of <Unknown>, FMI 3.0 the unknowns themselves.
+        for element in elements(node) {
+            let kind = element.tag_name().name();
+            let unknowns: Vec<Node<'_, '_>> = match kind {
+                "Outputs" | "Derivatives" | "InitialUnknowns" => elements(element).collect(),
+                "Output" | "ContinuousStateDerivative" | "InitialUnknown" | "ClockedState" | "EventIndicator" => {
+                    vec![element]
+                }
+                other => {
+                    self.fault(element, format!("<{other}> is no element of <ModelStructure>"));
+                    continue;
+                }
+            };
+            for unknown in unknowns {
+                let named = if description.major == 2 { "index" } else { "valueReference" };
+                let Some(text) = self.required(unknown, named) else { continue };
+                let Some(variable) = self.variable(text, description, &by_reference) else {
+                    self.fault(unknown, format!("{named} = \"{text}\" names no variable"));
+                    continue;
+                };
+                let dependencies = unknown.attribute("dependencies").map(|list| {
+                    let mut known = Vec::new();
+                    for each in list.split_whitespace() {
+                        match self.variable(each, description, &by_reference) {
+                            Some(index) => known.push(index),
+                            None => self.fault(unknown, format!("dependency \"{each}\" names no variable")),
+                        }
+                    }
+                    known
+                });
+                if let Some(kinds) = unknown.attribute("dependenciesKind") {
+                    let (kinds, due) = (
+                        kinds.split_whitespace().count(),
+                        unknown.attribute("dependencies").map_or(0, |list| list.split_whitespace().count()),
+                    );
+                    if kinds != due {
+                        self.fault(unknown, format!("{kinds} dependenciesKind for {due} dependencies"));
+                    }
+                }
+                let unknown = Unknown { variable, dependencies, line: self.line(unknown) };
+                let structure = &mut description.structure;
+                match kind {
+                    "Outputs" | "Output" => structure.outputs.push(unknown),
+                    "Derivatives" | "ContinuousStateDerivative" => structure.derivatives.push(unknown),
+                    "InitialUnknowns" | "InitialUnknown" => structure.initial.push(unknown),
+                    "EventIndicator" => structure.event_indicators += 1,
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+fn elements<'a, 'i>(node: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
+    node.children().filter(Node::is_element)
+}
+
+fn attributes(node: Node<'_, '_>) -> BTreeMap<String, String> {
+    node.attributes().map(|attribute| (attribute.name().to_owned(), attribute.value().to_owned())).collect()
+}
+
+fn references(description: &ModelDescription) -> HashMap<u32, usize> {
+    description.variables.iter().enumerate().map(|(index, variable)| (variable.reference, index)).collect()
+}
+
+/// The default of `initial` (FMI 2.0.4 table in 2.2.7, FMI 3.0.2 in 2.4.7.5).
+fn default_initial(causality: &str, variability: &str) -> Option<String> {
+    let initial = match (causality, variability) {
+        ("input" | "independent", _) => return None,
+        ("parameter" | "structuralParameter", _) | (_, "constant") => "exact",
+        _ => "calculated",
+    };
+    Some(initial.to_owned())
+}

@@ -1,0 +1,34 @@
+//! FMI units of others: looked into, checked against what importers trip over, and driven as
+//! machines of the shop.
+//!
+//! ```text
+//!   F.fmu ──► Archive ──► ModelDescription ──► check: findings by rule
+//!               │                │
+//!               └──► Binary ─────┘
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Archive`], [`Entry`] | the zip file, never unpacked outside its folder |
+//! | [`ModelDescription`], [`Variable`] | what a unit says about itself, FMI 2.0 and 3.0 |
+//! | [`Platform`], [`Binary`] | for which platforms it has a library, and what that library hands out |
+//! | [`check::check`], [`check::Finding`] | the rules behind failures that users of FMI report |
+//!
+//! ```
+//! use toolroom_fmu_import::ModelDescription;
+//! let reading = ModelDescription::read("<fmiModelDescription fmiVersion='1.0'/>");
+//! assert!(reading.faults[0].message.contains("2.0 and 3.0 are"));
+//! ```
+//!
+//! # What is not modelled
+//! FMI 1.0, Scheduled Execution, clocks, binary variables and arrays as ports of a machine,
+//! source-code units, layered standards.
+
+pub mod archive;
+pub mod check;
+pub mod description;
+pub mod platform;
+
+pub use archive::{Archive, ArchiveError, Entry};
+pub use description::{Interface, ModelDescription, Reading, ValueType, Variable};
+pub use platform::{Binary, PLATFORMS, Platform};

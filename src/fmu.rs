@@ -1,0 +1,32 @@
+//! `toolroom fmu`: FMI units.
+
+mod check;
+mod info;
+
+use crate::args::FmuCommand;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use std::path::Path;
+use toolroom_fmu_import::{Archive, ArchiveError};
+
+pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
+    match command {
+        FmuCommand::Info(args) => info::run(&args.file, voice),
+        FmuCommand::Check(args) => check::run(&args.file, voice),
+    }
+}
+
+fn open(path: &Path) -> Result<Archive, Failure> {
+    Archive::open(path).map_err(refused)
+}
+
+/// An archive that is no use, with the likely fix.
+fn refused(error: ArchiveError) -> Failure {
+    let help = match &error {
+        ArchiveError::Unreadable { .. } | ArchiveError::Unwritable { .. } => "check path and permissions",
+        ArchiveError::NoZip { .. } | ArchiveError::Damaged { .. } => "copy or export the unit again: it is damaged",
+        ArchiveError::Traversal { .. } => "do not use it: such an archive writes over files of its choice",
+        _ => "ask `toolroom fmu check` what is wrong with the unit",
+    };
+    Failure::argument(error, help)
+}
