@@ -109,9 +109,20 @@ impl Milling {
 
     /// State after `dt` seconds in a cut of the domain, or at the first event.
     fn run(&self, x: &MillingState, u: &MillingInput, dt: f64) -> Result<(MillingState, Advance), ModelError> {
+        // Out of cut nothing changes.
+        if u.engaged == 0.0 {
+            return Ok((*x, Advance { elapsed: dt, event: None }));
+        }
+        // Without effects the cutter changes the cut by its land alone.
+        let settled = self.effects.is_empty();
+        let first = self.engagement(x, u);
+        let rates = |y: &[f64; STATES]| {
+            let x = MillingState::from_slice(y);
+            if settled { self.rates_in(&first, &x) } else { self.rates(&x, u) }
+        };
         let rhs = |_: f64, y: &[f64; STATES]| {
             let mut slope = [0.0; STATES];
-            self.rates(&MillingState::from_slice(y), u).write_to(&mut slope);
+            rates(y).write_to(&mut slope);
             slope
         };
         let events = |_: f64, y: &[f64; STATES]| self.indicators(&MillingState::from_slice(y), u);
@@ -119,10 +130,8 @@ impl Milling {
         let mut state = [0.0; STATES];
         x.write_to(&mut state);
         // The wear curve is as steep at its end as at its start.
-        let stage = |_: f64, y: &[f64; STATES]| {
-            STAGE * self.life.wear_limit / self.rates(&MillingState::from_slice(y), u).flank_wear
-        };
-        let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage)?;
+        let stage = |_: f64, y: &[f64; STATES]| STAGE * self.life.wear_limit / rates(y).flank_wear;
+        let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage, |_| ())?;
         let advance = Advance { elapsed: end.time, event: end.event.map(|index| EVENTS[index]) };
         Ok((MillingState::from_slice(&end.state), advance))
     }

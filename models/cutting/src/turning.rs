@@ -7,6 +7,8 @@ mod records;
 pub use life::LifeModel;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 
+use equations::Engagement;
+use std::borrow::Cow;
 use toolroom_effects::Effects;
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
@@ -59,19 +61,6 @@ impl Turning {
         Ok(Self { pair: Pair::named(set)?, ..Self::default() })
     }
 
-    /// The event that keeps an edge in this state from cutting at all. A worn edge may go on
-    /// past its wear limit; a collapsed or chipped one may not.
-    fn lost_at_once(&self, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
-        let mut indicators = [0.0; WEAR_EVENTS.len()];
-        self.event_indicators(x, u, &mut indicators);
-        let ends_cut = |event: ProcessEvent| event != ProcessEvent::WearLimit && u.engaged > 0.0;
-        WEAR_EVENTS
-            .into_iter()
-            .zip(indicators)
-            .find(|(event, at)| ends_cut(*event) && *at >= 0.0)
-            .map(|(event, _)| event)
-    }
-
     /// Error of a state that counts as one, with `relative` accuracy: scales of this pair.
     fn scales(&self, relative: f64) -> [f64; STATES] {
         let body = self.pair.temperature.body_time_constant;
@@ -92,6 +81,17 @@ impl Turning {
         scales.write_to(&mut absolute);
         absolute.map(|scale| relative * scale)
     }
+}
+
+/// The event that keeps an edge in this state from cutting at all. A worn edge may go on past
+/// its wear limit; a collapsed or chipped one may not.
+fn lost_at_once(at: &Engagement<'_>, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
+    let ends_cut = |event: ProcessEvent| event != ProcessEvent::WearLimit && u.engaged > 0.0;
+    WEAR_EVENTS
+        .into_iter()
+        .zip(at.event_indicators(x, u.chipping_resistance))
+        .find(|(event, at)| ends_cut(*event) && *at >= 0.0)
+        .map(|(event, _)| event)
 }
 
 impl<N: Number> Turning<N> {
@@ -122,32 +122,74 @@ impl Process for Turning {
     }
 
     fn advance(&self, x: &mut TurningState, u: &TurningInput, dt: f64) -> Result<Advance, ModelError> {
+        self.advance_watched(x, u, dt, &[], &mut |_, _, _| ())
+    }
+
+    fn advance_watched(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &TurningState, &TurningInput),
+    ) -> Result<Advance, ModelError> {
         u.check()?;
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(ModelError::Step { seconds: dt });
         }
         TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
-        if let Some(event) = self.lost_at_once(x, u) {
+        let first = self.engagement(x, u);
+        if let Some(event) = lost_at_once(&first, x, u) {
             return Ok(Advance { elapsed: 0.0, event: Some(event) });
         }
-        let mut start = [0.0; STATES];
-        x.write_to(&mut start);
+        if u.engaged == 0.0 {
+            // Out of cut nothing happens but that the body cools, x' = -x/T.
+            let cooled = |x: &TurningState, time: f64| {
+                let left = (-time / self.pair.temperature.body_time_constant).exp();
+                TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
+            };
+            for (i, &time) in times.iter().enumerate() {
+                see(i, &cooled(x, time), &self.input_after(u, time));
+            }
+            *x = cooled(x, dt);
+            return Ok(Advance { elapsed: dt, event: None });
+        }
+        // Without effects the edge changes the contact by its land alone, a ramp by its speed.
+        let settled = self.effects.is_empty();
+        let held = u.cutting_acceleration == 0.0;
+        let engagement = |time: f64, x: &TurningState| match (settled, held) {
+            (true, true) => Cow::Borrowed(&first),
+            (true, false) => Cow::Owned(first.at_speed(&self.pair, u.cutting_speed + u.cutting_acceleration * time)),
+            (false, _) => Cow::Owned(self.engagement(x, &self.input_after(u, time))),
+        };
+        let rates = |time: f64, y: &[f64; STATES]| {
+            let x = TurningState::from_slice(y);
+            engagement(time, &x).rates(&x)
+        };
         let rhs = |time: f64, y: &[f64; STATES]| {
             let mut slope = [0.0; STATES];
-            self.rates(&TurningState::from_slice(y), &self.input_after(u, time)).write_to(&mut slope);
+            rates(time, y).write_to(&mut slope);
             slope
         };
         let events = |time: f64, y: &[f64; STATES]| {
-            let mut indicators = [0.0; WEAR_EVENTS.len()];
-            self.event_indicators(&TurningState::from_slice(y), &self.input_after(u, time), &mut indicators);
-            indicators
+            let x = TurningState::from_slice(y);
+            engagement(time, &x).event_indicators(&x, u.chipping_resistance)
         };
-        let stage = |time: f64, y: &[f64; STATES]| {
-            let rates = self.rates(&TurningState::from_slice(y), &self.input_after(u, time));
-            STAGE * self.pair.limits.wear_limit / rates.flank_wear
+        let stage = |time: f64, y: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / rates(time, y).flank_wear;
+        let mut seen = 0;
+        let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
+            while seen < times.len() && times[seen] <= until {
+                let time = times[seen];
+                see(seen, &TurningState::from_slice(&at(time)), &self.input_after(u, time));
+                seen += 1;
+            }
         };
+        let mut start = [0.0; STATES];
+        x.write_to(&mut start);
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage)?;
+        let watch = |step: &ode::Stretch<'_, STATES>| look(step.end, &|time| step.at(time));
+        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage, watch)?;
+        look(end.time, &|_| end.state);
         *x = TurningState::from_slice(&end.state);
         Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
     }
@@ -161,8 +203,7 @@ impl Process for Turning {
     }
 
     fn event_indicators(&self, x: &TurningState, u: &TurningInput, indicators: &mut [f64]) {
-        let cut = self.cut(u, &self.terms(x, u));
-        indicators.copy_from_slice(&self.pair.event_indicators(&x.wear(), &cut, u.chipping_resistance));
+        indicators.copy_from_slice(&self.engagement(x, u).event_indicators(x, u.chipping_resistance));
     }
 
     fn parameters_mut(&mut self) -> Vec<(&'static str, &mut dyn AnyRecord)> {

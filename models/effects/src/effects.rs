@@ -30,6 +30,11 @@ impl<N: Copy> Effects<N> {
         self.0.iter()
     }
 
+    /// Whether there is none: [`Effects::terms`] is neutral whatever the context.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The same effects over another number type.
     pub fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Effects<M> {
         Effects(self.0.iter().map(|effect| effect.map(&mut convert)).collect())

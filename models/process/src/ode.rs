@@ -81,11 +81,41 @@ const LEAST_STEP: f64 = 1e-12;
 /// assert!((end.time - 1.0).abs() < 1e-9);
 /// ```
 pub fn integrate<const D: usize, const E: usize>(
+    rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
+    events: impl FnMut(f64, &[f64; D]) -> [f64; E],
+    y: &[f64; D],
+    t_end: f64,
+    tolerance: &Tolerance<D>,
+) -> Result<Integration<D>, ModelError> {
+    integrate_watched(rhs, events, y, t_end, tolerance, |_| ())
+}
+
+/// [`integrate`], handing every accepted step to `watch`: the state between its ends comes from
+/// the dense output, which is as accurate as the ends to within a digit.
+///
+/// # Errors
+/// As [`integrate`].
+///
+/// ```
+/// use toolroom_process::ode::{Tolerance, integrate_watched};
+/// let tolerance = Tolerance { relative: 1e-9, absolute: [1e-12] };
+/// let mut middle = 0.0;
+/// let decay = |_: f64, y: &[f64; 1]| [-y[0]];
+/// integrate_watched(decay, |_, _| [-1.0], &[1.0], 5.0, &tolerance, |step| {
+///     if step.start < 2.0 && step.end >= 2.0 {
+///         middle = step.at(2.0)[0];
+///     }
+/// })
+/// .unwrap();
+/// assert!((middle - (-2.0f64).exp()).abs() < 1e-8);
+/// ```
+pub fn integrate_watched<const D: usize, const E: usize>(
     mut rhs: impl FnMut(f64, &[f64; D]) -> [f64; D],
     mut events: impl FnMut(f64, &[f64; D]) -> [f64; E],
     y: &[f64; D],
     t_end: f64,
     tolerance: &Tolerance<D>,
+    mut watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
     if !(t_end >= 0.0 && t_end.is_finite()) {
         return Err(ModelError::Step { seconds: t_end });
@@ -122,11 +152,13 @@ pub fn integrate<const D: usize, const E: usize>(
         if (0..E).any(crossed) {
             let dense = step.dense(&at.state, &k1, h);
             let (share, index) = locate(&mut events, &dense, at.time, h, &before, &after);
+            watch(&Stretch { start: at.time, end: at.time + share * h, length: h, y: &at.state, k1: &k1, step: &step });
             at.state = if share == 1.0 { step.end } else { dense.at(share) };
             at.time += share * h;
             at.event = Some(index);
             return Ok(at);
         }
+        watch(&Stretch { start: at.time, end, length: h, y: &at.state, k1: &k1, step: &step });
         at.time = end;
         at.state = step.end;
         k1 = step.k7;
@@ -136,7 +168,8 @@ pub fn integrate<const D: usize, const E: usize>(
     Ok(at)
 }
 
-/// [`integrate`] in stages of at most `stage(y)` seconds, y being the state at their start.
+/// [`integrate_watched`] in stages of at most `stage(t, y)` seconds, y being the state at their
+/// start, t.
 ///
 /// An error estimate sees a right-hand side only where it samples it: a curve that is equally
 /// steep on both sides of a bend passes for a straight line in one long step. Stages that the
@@ -151,6 +184,7 @@ pub fn integrate_staged<const D: usize, const E: usize>(
     t_end: f64,
     tolerance: &Tolerance<D>,
     stage: impl Fn(f64, &[f64; D]) -> f64,
+    mut watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
     let mut total = integrate(&mut rhs, &mut events, y, if t_end > 0.0 { 0.0 } else { t_end }, tolerance)?;
     while total.time < t_end {
@@ -158,12 +192,13 @@ pub fn integrate_staged<const D: usize, const E: usize>(
         let stage = stage(start, &total.state);
         // A stage that is not a number is no limit.
         let last = stage.is_nan() || stage >= rest;
-        let part = integrate(
+        let part = integrate_watched(
             |time, y| rhs(start + time, y),
             |time, y| events(start + time, y),
             &total.state,
             if last { rest } else { stage },
             tolerance,
+            |step| watch(&Stretch { start: start + step.start, end: start + step.end, ..*step }),
         )?;
         total.state = part.state;
         total.steps += part.steps;
@@ -176,6 +211,26 @@ pub fn integrate_staged<const D: usize, const E: usize>(
         }
     }
     Ok(total)
+}
+
+/// An accepted step of an integration.
+#[derive(Clone, Copy)]
+pub struct Stretch<'a, const D: usize> {
+    /// Time at its start, s.
+    pub start: f64,
+    /// Time at its end, or at the event that cut it short, s.
+    pub end: f64,
+    length: f64,
+    y: &'a [f64; D],
+    k1: &'a [f64; D],
+    step: &'a Step<D>,
+}
+
+impl<const D: usize> Stretch<'_, D> {
+    /// State at `time` between its ends.
+    pub fn at(&self, time: f64) -> [f64; D] {
+        self.step.dense(self.y, self.k1, self.length).at((time - self.start) / self.length)
+    }
 }
 
 /// First share of the step at which an event function is no longer negative, and which.
@@ -391,6 +446,7 @@ mod tests {
             1e9,
             &tolerance,
             |_, y| 0.1 / rate(y[0]),
+            |_| (),
         )
         .unwrap();
         assert_eq!(end.event, Some(0));

@@ -71,6 +71,33 @@ pub trait Process: Send + Sync {
     /// `dt` that is negative or not finite. `x` is left as it was.
     fn advance(&self, x: &mut Self::State, u: &Self::Input, dt: f64) -> Result<Advance, ModelError>;
 
+    /// [`Process::advance`] with a look at state and input at each of `times` (s since the start
+    /// of the step, ascending, at most `dt`) that comes before the event: `see(i, x, u)` at
+    /// `times[i]`. A process that integrates an equation looks at its dense output; any other
+    /// one stops there.
+    ///
+    /// # Errors
+    /// As [`Process::advance`].
+    fn advance_watched(
+        &self,
+        x: &mut Self::State,
+        u: &Self::Input,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &Self::State, &Self::Input),
+    ) -> Result<Advance, ModelError> {
+        let mut state = *x;
+        let advance = stop_at(
+            times,
+            dt,
+            &mut state,
+            |x, from, dt| self.advance(x, &self.input_after(u, from), dt),
+            |i, x| see(i, x, &self.input_after(u, times[i])),
+        )?;
+        *x = state;
+        Ok(advance)
+    }
+
     /// The input `elapsed` seconds later, where the input itself says that it changes (a
     /// speed ramp). Splitting a step in two uses this for the second half.
     fn input_after(&self, u: &Self::Input, _elapsed: f64) -> Self::Input {
@@ -116,6 +143,48 @@ pub trait MachineProcess: Send + Sync {
     /// # Errors
     /// As [`Process::advance`]; `x` and `u` are left as they were.
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError>;
+    /// [`MachineProcess::advance`] with a look at state and input on the way, as
+    /// [`Process::advance_watched`].
+    ///
+    /// # Errors
+    /// As [`MachineProcess::advance`].
+    fn advance_watched(
+        &self,
+        x: &mut [f64],
+        u: &mut [f64],
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &[f64], &[f64]),
+    ) -> Result<Advance, ModelError> {
+        let mut at = (x.to_vec(), u.to_vec());
+        let advance = stop_at(times, dt, &mut at, |(x, u), _, dt| self.advance(x, u, dt), |i, (x, u)| see(i, x, u))?;
+        x.copy_from_slice(&at.0);
+        u.copy_from_slice(&at.1);
+        Ok(advance)
+    }
+}
+
+/// Advances by `dt`, stopping at each of `times` to `see`, or up to the first event;
+/// `advance(at, from, dt)` moves `at` by `dt` from the time `from` on.
+fn stop_at<S>(
+    times: &[f64],
+    dt: f64,
+    at: &mut S,
+    mut advance: impl FnMut(&mut S, f64, f64) -> Result<Advance, ModelError>,
+    mut see: impl FnMut(usize, &S),
+) -> Result<Advance, ModelError> {
+    let mut elapsed = 0.0;
+    for (i, &time) in times.iter().enumerate() {
+        let step = advance(at, elapsed, time - elapsed)?;
+        if step.event.is_some() {
+            return Ok(Advance { elapsed: elapsed + step.elapsed, ..step });
+        }
+        elapsed = time;
+        see(i, at);
+    }
+    let step = advance(at, elapsed, dt - elapsed)?;
+    // A step that runs to its end takes the time asked for, to the bit.
+    Ok(Advance { elapsed: if step.event.is_some() { elapsed + step.elapsed } else { dt }, ..step })
 }
 
 impl<P: Process> MachineProcess for P {
@@ -146,5 +215,25 @@ impl<P: Process> MachineProcess for P {
         state.write_to(x);
         self.input_after(&input, advance.elapsed).write_to(u);
         Ok(advance)
+    }
+    fn advance_watched(
+        &self,
+        x: &mut [f64],
+        u: &mut [f64],
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &[f64], &[f64]),
+    ) -> Result<Advance, ModelError> {
+        let (mut state, input) = (P::State::from_slice(x), P::Input::from_slice(u));
+        // `x` and `u` serve as scratch for what is seen.
+        let advance = Process::advance_watched(self, &mut state, &input, dt, times, &mut |i, state, input| {
+            state.write_to(x);
+            input.write_to(u);
+            see(i, x, u);
+        });
+        state.write_to(x);
+        let elapsed = advance.as_ref().map_or(0.0, |advance| advance.elapsed);
+        self.input_after(&input, elapsed).write_to(u);
+        advance
     }
 }

@@ -169,6 +169,7 @@ macro_rules! record {
 
         // Not derived: `derive` does not accept the macro that makes the field types.
         impl<N: Copy> Clone for $name<N> {
+            #[inline]
             fn clone(&self) -> Self {
                 *self
             }
@@ -191,6 +192,7 @@ macro_rules! record {
         #[allow(dead_code)] // a private record may never need another number type
         impl<N: Copy> $name<N> {
             /// The same record over another number type.
+            #[inline]
             pub fn map<M: Copy>(self, mut convert: impl FnMut(N) -> M) -> $name<M> {
                 $name { $( $field: $crate::__record_map!(self.$field, convert $($(; $len)?)?), )* }
             }
@@ -221,6 +223,7 @@ macro_rules! record {
             const LEN: usize = 0 $( + $crate::__record_len!($($($len)?)?) )*;
 
             // One pass over the fields; element by element would look each one up.
+            #[inline]
             fn from_slice(values: &[f64]) -> Self {
                 let mut record = Self::default();
                 let mut rest = values;
@@ -229,6 +232,7 @@ macro_rules! record {
                 record
             }
 
+            #[inline]
             fn write_to(&self, values: &mut [f64]) {
                 let mut rest = values;
                 $( rest = $crate::Slots::write(&self.$field, rest); )*

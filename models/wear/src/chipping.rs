@@ -30,6 +30,7 @@ impl<N: Number> Chipping<N> {
     /// let chipping = Chipping { rate: 1e-3, ..Chipping::default() };
     /// assert!((chipping.hazard_per_path(0.0, 1000.0, 0.4e-3) - 3e-3).abs() < 1e-12);
     /// ```
+    #[inline]
     pub fn hazard_per_path(&self, added_rate: N, path: N, flank_wear: N) -> N {
         let rate = self.rate + added_rate;
         let land = flank_wear / self.reference_land;

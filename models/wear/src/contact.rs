@@ -3,7 +3,7 @@
 use crate::emf::Junction;
 use crate::law::Wear;
 use crate::temperature::Heating;
-use crate::{Cut, Pair};
+use crate::{Cut, Load, Pair};
 use toolroom_process::{Number, record};
 
 record! {
@@ -35,8 +35,8 @@ record! {
 /// state of the edge, computed once.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<'a, N: Copy = f64> {
-    pair: &'a Pair<N>,
-    cut: Cut<N>,
+    pub(crate) pair: &'a Pair<N>,
+    pub(crate) cut: Cut<N>,
     heating: Heating<N>,
     level: Wear<N>,
     damage_gain: N,
@@ -65,12 +65,39 @@ impl<N: Number> Pair<N> {
     /// ```
     pub fn point(&self, cut: &Cut<N>, flank_wear: N) -> Point<N> {
         let contact = self.contact(cut);
-        contact.point(flank_wear, contact.rise(flank_wear), N::from(0.0))
+        contact.point(&self.force.load(cut), flank_wear, contact.rise(flank_wear), N::from(0.0))
     }
 }
 
-impl<N: Number> Contact<'_, N> {
+impl<'a, N: Number> Contact<'a, N> {
+    /// The same cut at another speed; cheaper than a new contact.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let (pair, v) = (Pair::default(), 30.0 / 60.0);
+    /// let cut = pair.reference_cut();
+    /// let fast = pair.contact(&cut).at_speed(v).steady_temperature(0.2e-3);
+    /// assert_eq!(fast, pair.contact(&cut.at_speed(v)).steady_temperature(0.2e-3));
+    /// ```
+    #[inline]
+    pub fn at_speed(&self, cutting_speed: N) -> Self {
+        let cut = Cut { cutting_speed, ..self.cut };
+        Contact {
+            heating: self.pair.temperature.at_speed(&self.heating, cutting_speed),
+            level: self.pair.law.level_at_speed(self.level, &cut),
+            cut,
+            ..*self
+        }
+    }
+
+    /// The cut of this contact.
+    pub fn cut(&self) -> &Cut<N> {
+        &self.cut
+    }
+
     /// Temperature rise by chip and flank in cut, K.
+    #[inline]
     pub fn rise(&self, flank_wear: N) -> N {
         self.heating.chip + self.heating.flank(flank_wear)
     }
@@ -82,12 +109,14 @@ impl<N: Number> Contact<'_, N> {
     }
 
     /// Contact temperature at a temperature rise of chip and flank and one of the body, K.
+    #[inline]
     pub(crate) fn temperature(&self, rise: N, body: N) -> N {
         let share = self.pair.temperature.body_share;
         self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.cut.engaged) + share * body
     }
 
     /// Wear at a contact temperature.
+    #[inline]
     pub fn wear(&self, flank_wear: N, temperature: N, damage: N) -> Wear<N> {
         self.pair.law.wear(self.level, flank_wear, temperature, damage, self.damage_gain)
     }
@@ -110,9 +139,10 @@ impl<N: Number> Contact<'_, N> {
         (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.cut.cutting_speed)
     }
 
-    /// Everything at a state of the edge; `body` is the tool body's temperature rise.
-    pub fn point(&self, flank_wear: N, body: N, damage: N) -> Point<N> {
-        let (pair, cut) = (self.pair, &self.cut);
+    /// Everything at a state of the edge under the forces of the same cut; `body` is the tool
+    /// body's temperature rise.
+    pub fn point(&self, load: &Load<N>, flank_wear: N, body: N, damage: N) -> Point<N> {
+        let cut = &self.cut;
         let temperature = self.temperature(self.rise(flank_wear), body);
         let wear = self.wear(flank_wear, temperature, damage);
         let moving = cut.cutting_speed.re() > 0.0;
@@ -124,14 +154,7 @@ impl<N: Number> Contact<'_, N> {
         } else {
             N::from(0.0)
         };
-        let cutting_force = pair.force.cutting(cut, flank_wear) * cut.engaged;
-        let junction = Junction {
-            ambient: pair.temperature.ambient_temperature,
-            chip: self.heating.chip,
-            temperature,
-            chip_thickness: pair.force.chip_thickness(cut),
-            land: flank_wear + pair.temperature.land_offset,
-        };
+        let cutting_force = load.cutting(flank_wear) * cut.engaged;
         Point {
             temperature,
             mechanical_wear_per_path: wear.mechanical_per_path,
@@ -139,9 +162,38 @@ impl<N: Number> Contact<'_, N> {
             wear_intensity,
             wear_balance,
             cutting_force,
-            feed_force: pair.force.feed(cut, flank_wear) * cut.engaged,
+            feed_force: load.feed(flank_wear) * cut.engaged,
             spindle_power: cutting_force * cut.cutting_speed,
-            thermo_emf: pair.emf.value(junction) * cut.engaged,
+            thermo_emf: self.thermo_emf(flank_wear, temperature),
+        }
+    }
+
+    /// Thermo-EMF at a contact temperature, V.
+    pub(crate) fn thermo_emf(&self, flank_wear: N, temperature: N) -> N {
+        let pair = self.pair;
+        let junction = Junction {
+            ambient: pair.temperature.ambient_temperature,
+            chip: self.heating.chip,
+            temperature,
+            chip_thickness: pair.force.chip_thickness(&self.cut),
+            land: flank_wear + pair.temperature.land_offset,
+        };
+        pair.emf.value(junction) * self.cut.engaged
+    }
+}
+
+impl<'a> Contact<'a> {
+    /// The same contact of a pair lifted to another number type, for derivatives by the state.
+    pub(crate) fn lift<N: Number>(&self, pair: &'a Pair<N>) -> Contact<'a, N> {
+        Contact {
+            pair,
+            cut: self.cut.map(N::from),
+            heating: self.heating.map(N::from),
+            level: Wear {
+                mechanical_per_path: N::from(self.level.mechanical_per_path),
+                thermal_rate: N::from(self.level.thermal_rate),
+            },
+            damage_gain: N::from(self.damage_gain),
         }
     }
 }

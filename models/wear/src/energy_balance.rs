@@ -72,6 +72,7 @@ impl<N: Number> EnergyBalance<N> {
     }
 
     /// `level` brought to land, temperature and damage.
+    #[inline]
     pub(crate) fn wear(&self, level: Wear<N>, flank_wear: N, temperature: N, damage: N, damage_gain: N) -> Wear<N> {
         let run_in = (flank_wear + self.run_in_offset).recip() * self.run_in_land + 1.0;
         let layer = flank_wear / self.heated_layer_land;
@@ -85,11 +86,13 @@ impl<N: Number> EnergyBalance<N> {
     }
 
     /// `1/temperature - 1/reference_temperature` over R, mol/J.
+    #[inline]
     fn coldness(&self, temperature: N) -> N {
         (temperature.recip() - self.reference_temperature.recip()) / self.gas_constant
     }
 
     /// Mechanical wear against that at the reference temperature, phi.
+    #[inline]
     pub fn softening(&self, temperature: N) -> N {
         let plateau = self.cold_plateau.recip();
         let hot = (-(self.mechanical_activation_energy * self.coldness(temperature))).exp();
@@ -97,6 +100,7 @@ impl<N: Number> EnergyBalance<N> {
     }
 
     /// Thermal wear against that at the reference temperature, psi.
+    #[inline]
     pub fn activation(&self, temperature: N) -> N {
         (-(self.thermal_activation_energy * self.coldness(temperature))).exp()
     }

@@ -43,30 +43,76 @@ record! {
     }
 }
 
+/// Forces of one cut, for any flank wear: both are affine in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Load<N> {
+    /// Force of the sharp edge P_c, N.
+    pub sharp: N,
+    /// The same at the reference speed.
+    sharp_level: N,
+    /// Cutting force per flank wear, N/m.
+    pub shear_per_wear: N,
+    /// Feed force of the sharp edge against [`Load::sharp`].
+    pub feed_force_ratio: N,
+    /// Feed force per flank wear, N/m.
+    pub pressure_per_wear: N,
+}
+
+impl<N: Number> Load<N> {
+    /// Cutting force P_z, N.
+    #[inline]
+    pub fn cutting(&self, flank_wear: N) -> N {
+        self.sharp + self.shear_per_wear * flank_wear
+    }
+
+    /// Feed force P_x, N.
+    #[inline]
+    pub fn feed(&self, flank_wear: N) -> N {
+        self.feed_force_ratio * self.sharp + self.pressure_per_wear * flank_wear
+    }
+
+    /// The same with another factor on the force of the sharp edge.
+    #[inline]
+    pub fn times(&self, factor: N) -> Self {
+        Self { sharp: self.sharp * factor, sharp_level: self.sharp_level * factor, ..*self }
+    }
+}
+
 impl<N: Number> Force<N> {
-    /// Force of the sharp edge, P_c, N. A speed of zero counts as the reference speed where the
+    /// The forces that `cut` causes. A speed of zero counts as the reference speed where the
     /// exponent is negative.
-    pub fn sharp(&self, cut: &Cut<N>) -> N {
-        let speed = cut.cutting_speed / self.reference_speed;
-        let speed = if speed.re() > 0.0 { power(speed, self.speed_exponent) } else { N::from(1.0) };
-        self.specific_force
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::{Cut, Force};
+    /// let load = Force::default().load(&Cut::default());
+    /// assert!((load.cutting(0.2e-3) - 604.8577).abs() < 1e-4);
+    /// assert!((load.feed(0.2e-3) - 347.2446).abs() < 1e-4);
+    /// ```
+    pub fn load(&self, cut: &Cut<N>) -> Load<N> {
+        // The projected width `b·sin κ` is the depth of cut.
+        let width = cut.depth_of_cut / self.cutting_edge_angle.sin();
+        let sharp_level = self.specific_force
             * power(cut.depth_of_cut / self.reference_length, self.depth_exponent)
             * power(cut.feed_per_rev / self.reference_length, self.feed_exponent)
-            * speed
             * power(cut.hardness, self.hardness_exponent)
-            * cut.force_factor
+            * cut.force_factor;
+        let level = Load {
+            sharp: sharp_level,
+            sharp_level,
+            shear_per_wear: self.flank_shear_stress * cut.flank_shear_factor * width,
+            feed_force_ratio: self.feed_force_ratio,
+            pressure_per_wear: self.flank_pressure * cut.flank_pressure_factor * cut.depth_of_cut,
+        };
+        self.at_speed(&level, cut.cutting_speed)
     }
 
-    /// Cutting force P_z, N.
-    pub fn cutting(&self, cut: &Cut<N>, flank_wear: N) -> N {
-        let width = cut.depth_of_cut / self.cutting_edge_angle.sin();
-        self.sharp(cut) + self.flank_shear_stress * cut.flank_shear_factor * width * flank_wear
-    }
-
-    /// Feed force P_x, N. The projected width `b·sin κ` is the depth of cut.
-    pub fn feed(&self, cut: &Cut<N>, flank_wear: N) -> N {
-        self.feed_force_ratio * self.sharp(cut)
-            + self.flank_pressure * cut.flank_pressure_factor * cut.depth_of_cut * flank_wear
+    /// The same cut at another speed.
+    #[inline]
+    pub fn at_speed(&self, load: &Load<N>, cutting_speed: N) -> Load<N> {
+        let speed = cutting_speed / self.reference_speed;
+        let speed = if speed.re() > 0.0 { power(speed, self.speed_exponent) } else { N::from(1.0) };
+        Load { sharp: load.sharp_level * speed, ..*load }
     }
 
     /// Uncut chip thickness a = f·sin κ, m.

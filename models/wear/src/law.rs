@@ -19,6 +19,7 @@ impl<N: Number> Wear<N> {
     }
 
     /// Wear per time v·A + B, m/s.
+    #[inline]
     pub fn rate(&self, cutting_speed: N) -> N {
         cutting_speed * self.mechanical_per_path + self.thermal_rate
     }
@@ -51,7 +52,17 @@ impl<N: Number> WearLaw<N> {
         }
     }
 
+    /// `level`, made for another speed, brought to that of `cut`.
+    #[inline]
+    pub(crate) fn level_at_speed(&self, level: Wear<N>, cut: &Cut<N>) -> Wear<N> {
+        match self {
+            Self::ExtendedTaylor(law) => law.level(cut),
+            Self::EnergyBalance(_) | Self::TakeyamaMurata(_) => level,
+        }
+    }
+
     /// `level` brought to the state of the edge.
+    #[inline]
     pub(crate) fn wear(&self, level: Wear<N>, flank_wear: N, temperature: N, damage: N, damage_gain: N) -> Wear<N> {
         match self {
             Self::EnergyBalance(law) => law.wear(level, flank_wear, temperature, damage, damage_gain),

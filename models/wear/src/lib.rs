@@ -87,7 +87,7 @@ pub use contact::{Contact, Point};
 pub use cut::Cut;
 pub use emf::Emf;
 pub use energy_balance::EnergyBalance;
-pub use force::Force;
+pub use force::{Force, Load};
 pub use law::{Wear, WearLaw};
 pub use life::{ConstantSpeed, Life, Objective};
 pub use limits::Limits;

@@ -1,9 +1,9 @@
 //! An extended Kalman filter that reads flank wear from power, feed force and EMF.
 
 use crate::{Cut, Pair};
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use toolroom_process::num_dual::Dual64;
-use toolroom_process::{Number, record};
+use toolroom_process::record;
 
 record! {
     /// Noise that the [`Observer`] assumes. Drifts are standard deviations after `drift_time`,
@@ -127,36 +127,45 @@ impl Observer {
 
     /// Moves the estimate by `dt` seconds of cutting at `cut` (midpoint rule).
     pub fn predict(&mut self, cut: &Cut, dt: f64) {
-        let next = worn(&self.pair, cut, self.mean[0], self.mean[2], dt);
-        let slope = |wear_seed: f64, rate_seed: f64| {
-            let wear = Dual64::new(self.mean[0], wear_seed);
-            worn(&self.dual, &cut.map(Dual64::from), wear, Dual64::new(self.mean[2], rate_seed), dt).eps
+        // The wear factor multiplies the rate, so that its slope by the logarithm is the rate.
+        let worn = Cut { wear_factor: cut.wear_factor * self.mean[2].exp(), ..*cut };
+        let contact = self.pair.contact(&worn).lift(&self.dual);
+        let rate = |wear: f64| {
+            let wear = Dual64::new(wear, 1.0);
+            contact.steady_wear(wear).rate(contact.cut.cutting_speed) * contact.cut.engaged
         };
+        let half = 0.5 * dt;
+        let start = rate(self.mean[0]);
+        let middle = rate(self.mean[0] + half * start.re);
         let mut transition = Matrix3::identity();
-        transition[(0, 0)] = slope(1.0, 0.0);
-        transition[(0, 2)] = slope(0.0, 1.0);
+        transition[(0, 0)] = 1.0 + dt * middle.eps * (1.0 + half * start.eps);
+        transition[(0, 2)] = dt * (middle.re + middle.eps * half * start.re);
         let drift = Vector3::new(self.noise.wear_drift, self.noise.force_drift, self.noise.rate_drift);
         let growth = Matrix3::from_diagonal(&drift.component_mul(&drift)) * (dt / self.noise.drift_time);
-        self.mean[0] = next;
+        self.mean[0] += dt * middle.re;
         self.covariance = transition * self.covariance * transition.transpose() + growth;
     }
 
     /// Corrects the estimate by a measurement taken at `cut`. Where the innovation cannot be
     /// weighed (a covariance that is not finite) the estimate stays.
     pub fn update(&mut self, cut: &Cut, measured: &Measurement) {
-        let predicted = Vector3::from(sensed(&self.pair, cut, self.mean[0], self.mean[1]));
-        let dual_cut = cut.map(Dual64::from);
-        let column = |wear_seed: f64, force_seed: f64| {
-            let wear = Dual64::new(self.mean[0], wear_seed);
-            let force = Dual64::new(self.mean[1], force_seed);
-            Vector3::from(sensed(&self.dual, &dual_cut, wear, force).map(|value| value.eps))
-        };
+        // Forces are affine in wear and in proportion to the factor on the sharp edge.
+        let sharper = Cut { force_factor: cut.force_factor * self.mean[1].exp(), ..*cut };
+        let load = self.pair.force.load(&sharper);
+        let (engaged, speed) = (cut.engaged, cut.cutting_speed);
+        let contact = self.pair.contact(cut).lift(&self.dual);
+        let wear = Dual64::new(self.mean[0], 1.0);
+        let emf = contact.thermo_emf(wear, contact.steady_temperature(wear));
+        let (force, feed) = (load.cutting(self.mean[0]) * engaged, load.feed(self.mean[0]) * engaged);
+        let predicted = Vector3::new(force * speed, feed, emf.re);
+        let by_wear = Vector3::new(load.shear_per_wear * engaged * speed, load.pressure_per_wear * engaged, emf.eps);
+        let by_force = Vector3::new(load.cutting(0.0) * engaged * speed, load.feed(0.0) * engaged, 0.0);
         // Channels are compared with their noise: pure numbers, whatever their units.
         let noise = Vector3::new(self.noise.power_noise, self.noise.feed_force_noise, self.noise.emf_noise);
         let weight = noise.component_mul(&predicted.abs()).map(f64::recip);
-        let mut sensitivity = SMatrix::<f64, 3, 3>::zeros();
-        sensitivity.set_column(0, &column(1.0, 0.0).component_mul(&weight));
-        sensitivity.set_column(1, &column(0.0, 1.0).component_mul(&weight));
+        let mut sensitivity = Matrix3::zeros();
+        sensitivity.set_column(0, &by_wear.component_mul(&weight));
+        sensitivity.set_column(1, &by_force.component_mul(&weight));
         let seen = Vector3::new(measured.spindle_power, measured.feed_force, measured.thermo_emf);
         let innovation = (seen - predicted).component_mul(&weight);
         let spread = sensitivity * self.covariance * sensitivity.transpose() + Matrix3::identity();
@@ -170,19 +179,4 @@ impl Observer {
             self.covariance = left * self.covariance * left.transpose() + gain * gain.transpose();
         }
     }
-}
-
-/// Flank wear after `dt` seconds, by the midpoint rule.
-fn worn<N: Number>(pair: &Pair<N>, cut: &Cut<N>, flank_wear: N, ln_wear_factor: N, dt: f64) -> N {
-    let cut = Cut { wear_factor: cut.wear_factor * ln_wear_factor.exp(), ..*cut };
-    let contact = pair.contact(&cut);
-    let rate = |wear: N| contact.steady_wear(wear).rate(cut.cutting_speed) * cut.engaged;
-    flank_wear + rate(flank_wear + rate(flank_wear) * (0.5 * dt)) * dt
-}
-
-/// Power, feed force and EMF at an estimate.
-fn sensed<N: Number>(pair: &Pair<N>, cut: &Cut<N>, flank_wear: N, ln_force_factor: N) -> [N; 3] {
-    let cut = Cut { force_factor: cut.force_factor * ln_force_factor.exp(), ..*cut };
-    let point = pair.point(&cut, flank_wear);
-    [point.spindle_power, point.feed_force, point.thermo_emf]
 }

@@ -154,9 +154,10 @@ impl Pair {
     fn wear_over_ramp(&self, cut: &Cut, flank_wear: f64, path: f64, start: f64, end: f64) -> f64 {
         let duration = 2.0 * path / (start + end);
         let lost = LOST * self.limits.wear_limit;
+        let contact = self.contact(&cut.at_speed(start));
         let rate = |time: f64, wear: &[f64; 1]| {
             let speed = start + (end - start) * (time / duration);
-            [speed * self.intensity_at(cut, wear[0].min(lost), speed)]
+            [contact.at_speed(speed).steady_wear(wear[0].min(lost)).rate(speed)]
         };
         let spent = |_: f64, wear: &[f64; 1]| [wear[0] - lost];
         let tolerance = Tolerance { relative: WEAR_ACCURACY, absolute: [WEAR_ACCURACY * self.limits.wear_limit] };

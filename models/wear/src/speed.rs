@@ -1,7 +1,7 @@
 //! Control laws: the cutting speed for a state of wear.
 
 use crate::search::{greatest, grid, root};
-use crate::{ConstantSpeed, Cut, Life, Objective, Pair};
+use crate::{ConstantSpeed, Contact, Cut, Life, Objective, Pair};
 use toolroom_process::ModelError;
 
 /// Range of the searches over speed, shares of the reference speed.
@@ -35,8 +35,8 @@ impl Pair {
     }
 
     /// Wear per path J and `-∂J/∂ln v` at a speed.
-    fn intensity_and_fall(&self, cut: &Cut, flank_wear: f64, speed: f64) -> (f64, f64) {
-        let contact = self.contact(&cut.at_speed(speed));
+    fn intensity_and_fall(&self, contact: &Contact<'_>, flank_wear: f64, speed: f64) -> (f64, f64) {
+        let contact = contact.at_speed(speed);
         let temperature = contact.steady_temperature(flank_wear);
         let wear = contact.wear(flank_wear, temperature, 0.0);
         let (mechanical, thermal) = contact.balance(flank_wear, temperature, wear);
@@ -59,8 +59,9 @@ impl Pair {
     /// ```
     pub fn minimum_wear_speed(&self, cut: &Cut, flank_wear: f64) -> f64 {
         let (low, high) = self.search_range();
+        let contact = self.contact(cut);
         greatest(low, high, POINTS, |speed| {
-            let (intensity, fall) = self.intensity_and_fall(cut, flank_wear, speed);
+            let (intensity, fall) = self.intensity_and_fall(&contact, flank_wear, speed);
             (-intensity, fall)
         })
     }
@@ -69,8 +70,9 @@ impl Pair {
     /// there are several, an end of the search range where there is none.
     pub fn literal_balance_speed(&self, cut: &Cut, flank_wear: f64) -> f64 {
         let (low, high) = self.search_range();
+        let contact = self.contact(cut);
         let excess = |speed: f64| {
-            let wear = self.contact(&cut.at_speed(speed)).steady_wear(flank_wear);
+            let wear = contact.at_speed(speed).steady_wear(flank_wear);
             wear.mechanical_per_path - wear.thermal_rate / speed
         };
         let mut above = high;
@@ -90,24 +92,28 @@ impl Pair {
     /// Mode 2: the highest speed at which wear per path is `intensity` (set increment over
     /// path); where even the least wear is more, the speed of least wear and `feasible` false.
     pub fn set_intensity_speed(&self, cut: &Cut, flank_wear: f64, intensity: f64) -> SetSpeed {
-        let least = self.minimum_wear_speed(cut, flank_wear);
-        let (_, high) = self.search_range();
-        let short = |speed: f64| intensity - self.intensity_at(cut, flank_wear, speed);
-        if short(least) < 0.0 {
-            return SetSpeed { cutting_speed: least, feasible: false };
-        }
+        let contact = self.contact(cut);
+        let short = |speed: f64| intensity - contact.at_speed(speed).steady_wear(flank_wear).intensity(speed);
+        let met = |cutting_speed: f64| SetSpeed { cutting_speed, feasible: true };
+        let (low, high) = self.search_range();
         if short(high) > 0.0 {
-            return SetSpeed { cutting_speed: high, feasible: true };
+            return met(high);
         }
+        let step = (high / low).powf(f64::from(POINTS - 1).recip());
         let mut above = high;
-        for i in (0..POINTS - 1).rev() {
-            let speed = grid(least, high, POINTS, i);
-            if short(speed) > 0.0 || i == 0 {
-                return SetSpeed { cutting_speed: root(speed, above, short), feasible: true };
+        while above > low {
+            let speed = above / step;
+            if short(speed) > 0.0 {
+                return met(root(speed, above, short));
             }
             above = speed;
         }
-        SetSpeed { cutting_speed: least, feasible: true }
+        // The least wear may still undercut the demand between two points.
+        let least = self.minimum_wear_speed(cut, flank_wear);
+        if short(least) < 0.0 {
+            return SetSpeed { cutting_speed: least, feasible: false };
+        }
+        met(root(least, (least * step).min(high), short))
     }
 
     /// The speed that maximises `(μ - 1/v)/J`: path weighed against time at the shadow price
@@ -123,8 +129,9 @@ impl Pair {
         if worth >= high {
             return high;
         }
+        let contact = self.contact(cut);
         greatest(low.max(worth), high, POINTS, |speed| {
-            let (intensity, fall) = self.intensity_and_fall(cut, flank_wear, speed);
+            let (intensity, fall) = self.intensity_and_fall(&contact, flank_wear, speed);
             let margin = shadow_price - speed.recip();
             (margin / intensity, (speed * margin).recip() + fall / intensity)
         })

@@ -1,6 +1,6 @@
 //! The state of an edge and how it changes.
 
-use crate::{Cut, Pair};
+use crate::{Contact, Cut, Pair};
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{ModelError, Number, ProcessEvent, Record, record};
 
@@ -71,10 +71,35 @@ impl<N: Number> Pair<N> {
     /// # Source
     /// Postnov & Shafikov, eqs. (6) and (10); the equations of body and damage are assumptions.
     pub fn derivative(&self, state: &WearState<N>, cut: &Cut<N>) -> WearState<N> {
-        let contact = self.contact(cut);
-        let rise = contact.rise(state.flank_wear);
-        let temperature = contact.temperature(rise, state.body_temperature_rise);
-        let wear = contact.wear(state.flank_wear, temperature, state.thermal_damage);
+        self.contact(cut).derivative(state)
+    }
+
+    /// Contact temperature at a state of the edge, K.
+    pub fn contact_temperature(&self, state: &WearState<N>, cut: &Cut<N>) -> N {
+        self.contact(cut).temperature_at(state)
+    }
+
+    /// Everything that can be observed at a state of the edge.
+    pub fn output(&self, state: &WearState<N>, cut: &Cut<N>) -> crate::Point<N> {
+        let load = self.force.load(cut);
+        self.contact(cut).point(&load, state.flank_wear, state.body_temperature_rise, state.thermal_damage)
+    }
+
+    /// Event functions, negative before the event, in the order of [`WEAR_EVENTS`].
+    /// `chipping_resistance` is the hazard that the edge bears, infinite where chipping is off.
+    pub fn event_indicators(&self, state: &WearState<N>, cut: &Cut<N>, chipping_resistance: f64) -> [N; 3] {
+        self.contact(cut).event_indicators(state, chipping_resistance)
+    }
+}
+
+impl<N: Number> Contact<'_, N> {
+    /// [`Pair::derivative`] under the cut of this contact.
+    #[inline]
+    pub fn derivative(&self, state: &WearState<N>) -> WearState<N> {
+        let (pair, cut) = (self.pair, &self.cut);
+        let rise = self.rise(state.flank_wear);
+        let temperature = self.temperature(rise, state.body_temperature_rise);
+        let wear = self.wear(state.flank_wear, temperature, state.thermal_damage);
         let speed = cut.engaged * cut.cutting_speed;
         let mechanical_wear = speed * wear.mechanical_per_path;
         let thermal_wear = cut.engaged * wear.thermal_rate;
@@ -82,46 +107,41 @@ impl<N: Number> Pair<N> {
         WearState {
             flank_wear,
             body_temperature_rise: (cut.engaged * rise - state.body_temperature_rise)
-                / self.temperature.body_time_constant,
-            thermal_damage: self.damage_growth(state, cut, temperature, flank_wear),
+                / pair.temperature.body_time_constant,
+            thermal_damage: self.damage_growth(state, temperature, flank_wear),
             mechanical_wear,
             thermal_wear,
             path: speed,
             cutting_time: cut.engaged,
-            chipping_hazard: speed * self.chipping.hazard_per_path(cut.chipping_rate, state.path, state.flank_wear),
+            chipping_hazard: speed * pair.chipping.hazard_per_path(cut.chipping_rate, state.path, state.flank_wear),
         }
     }
 
-    fn damage_growth(&self, state: &WearState<N>, cut: &Cut<N>, temperature: N, wear_rate: N) -> N {
-        let (rate, gain) = self.damage_terms(cut);
-        match &self.law {
+    fn damage_growth(&self, state: &WearState<N>, temperature: N, wear_rate: N) -> N {
+        let (rate, gain) = self.pair.damage_terms(&self.cut);
+        match &self.pair.law {
             crate::WearLaw::EnergyBalance(law) if gain.re() > 0.0 => {
                 let damage = state.thermal_damage;
-                cut.engaged * rate * law.activation(temperature) * (-damage + 1.0)
+                self.cut.engaged * rate * law.activation(temperature) * (-damage + 1.0)
                     - damage * wear_rate / law.damage_wear_depth
             }
             _ => N::from(0.0),
         }
     }
 
-    /// Contact temperature at a state of the edge, K.
-    pub fn contact_temperature(&self, state: &WearState<N>, cut: &Cut<N>) -> N {
-        let contact = self.contact(cut);
-        contact.temperature(contact.rise(state.flank_wear), state.body_temperature_rise)
+    /// [`Pair::contact_temperature`] under the cut of this contact, K.
+    #[inline]
+    pub fn temperature_at(&self, state: &WearState<N>) -> N {
+        self.temperature(self.rise(state.flank_wear), state.body_temperature_rise)
     }
 
-    /// Everything that can be observed at a state of the edge.
-    pub fn output(&self, state: &WearState<N>, cut: &Cut<N>) -> crate::Point<N> {
-        self.contact(cut).point(state.flank_wear, state.body_temperature_rise, state.thermal_damage)
-    }
-
-    /// Event functions, negative before the event, in the order of [`WEAR_EVENTS`].
-    /// `chipping_resistance` is the hazard that the edge bears, infinite where chipping is off.
-    pub fn event_indicators(&self, state: &WearState<N>, cut: &Cut<N>, chipping_resistance: f64) -> [N; 3] {
-        let temperature = self.contact_temperature(state, cut);
+    /// [`Pair::event_indicators`] under the cut of this contact.
+    #[inline]
+    pub fn event_indicators(&self, state: &WearState<N>, chipping_resistance: f64) -> [N; 3] {
+        let pair = self.pair;
         [
-            state.flank_wear / self.limits.wear_limit - 1.0,
-            temperature / self.temperature.collapse_temperature - 1.0,
+            state.flank_wear / pair.limits.wear_limit - 1.0,
+            self.temperature_at(state) / pair.temperature.collapse_temperature - 1.0,
             state.chipping_hazard / chipping_resistance - 1.0,
         ]
     }

@@ -62,6 +62,9 @@ pub struct Heating<N> {
     pub chip: N,
     /// Rise by flank friction at the reference land, K.
     flank_at_reference: N,
+    /// Both at the reference speed.
+    chip_level: N,
+    flank_level: N,
     land_offset: N,
     reference_land: N,
 }
@@ -77,23 +80,55 @@ impl<N: Number> Temperature<N> {
     /// assert!((heating.flank(0.2e-3) - 207.65).abs() < 0.01);
     /// ```
     pub fn heating(&self, cut: &Cut<N>) -> Heating<N> {
-        let speed = cut.cutting_speed / self.reference_speed;
         let hard = power(cut.hardness, self.hardness_exponent);
-        let chip = self.chip_heating
-            * power(speed, self.speed_exponent)
+        let chip_level = self.chip_heating
             * power(cut.feed_per_rev / self.reference_feed, self.feed_exponent)
             * power(cut.depth_of_cut / self.reference_depth, self.depth_exponent)
             * hard
             * cut.temperature_factor;
-        let flank_at_reference = self.flank_heating * root(speed) * hard * cut.temperature_factor;
-        Heating { chip, flank_at_reference, land_offset: self.land_offset, reference_land: self.reference_land }
+        let flank_level = self.flank_heating * hard * cut.temperature_factor;
+        let level = Heating {
+            chip: chip_level,
+            flank_at_reference: flank_level,
+            chip_level,
+            flank_level,
+            land_offset: self.land_offset,
+            reference_land: self.reference_land,
+        };
+        self.at_speed(&level, cut.cutting_speed)
+    }
+
+    /// The same cut at another speed.
+    #[inline]
+    pub(crate) fn at_speed(&self, heating: &Heating<N>, cutting_speed: N) -> Heating<N> {
+        let speed = cutting_speed / self.reference_speed;
+        Heating {
+            chip: heating.chip_level * power(speed, self.speed_exponent),
+            flank_at_reference: heating.flank_level * root(speed),
+            ..*heating
+        }
     }
 }
 
 impl<N: Number> Heating<N> {
     /// Rise by friction on a land of width `flank_wear`, K.
+    #[inline]
     pub fn flank(&self, flank_wear: N) -> N {
         self.flank_at_reference * root((flank_wear + self.land_offset) / self.reference_land)
+    }
+}
+
+impl<N: Copy> Heating<N> {
+    /// The same over another number type.
+    pub(crate) fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Heating<M> {
+        Heating {
+            chip: convert(self.chip),
+            flank_at_reference: convert(self.flank_at_reference),
+            chip_level: convert(self.chip_level),
+            flank_level: convert(self.flank_level),
+            land_offset: convert(self.land_offset),
+            reference_land: convert(self.reference_land),
+        }
     }
 }
 
@@ -101,6 +136,7 @@ impl<N: Number> Heating<N> {
 ///
 /// A ratio of 1 and an exponent of 0 or 1 are common (a cut at its reference, force in
 /// proportion to depth) and cost nothing in plain numbers; the result is the same to the bit.
+#[inline]
 pub(crate) fn power<N: Number>(base: N, exponent: N) -> N {
     if N::NDERIV == 0 && (base.re() == 1.0 || exponent.re() == 0.0) {
         N::from(1.0)
@@ -114,6 +150,7 @@ pub(crate) fn power<N: Number>(base: N, exponent: N) -> N {
 }
 
 /// Square root, zero at zero also for dual numbers.
+#[inline]
 pub(crate) fn root<N: Number>(square: N) -> N {
     if square.re() > 0.0 { square.sqrt() } else { N::from(0.0) }
 }

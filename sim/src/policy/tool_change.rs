@@ -40,9 +40,10 @@ pub(super) fn wear_after(believed: &Believed, flank_wear: f64, factor: f64, path
     let duration = planned.duration(path);
     let step = duration / f64::from(STEPS);
     let acceleration = (planned.end_speed - planned.start_speed) / duration;
+    let contact = believed.pair.contact(&believed.cut);
     (0..STEPS).fold(flank_wear, |worn, i| {
         let speed = planned.start_speed + acceleration * (f64::from(i) + 0.5) * step;
-        let contact = believed.pair.contact(&believed.cut.at_speed(speed));
+        let contact = contact.at_speed(speed);
         let rate = |wear: f64| factor * contact.steady_wear(wear).rate(speed);
         worn + rate(worn + 0.5 * step * rate(worn)) * step
     })

@@ -84,20 +84,31 @@ impl Segment {
         process.output(&self.state, &self.input, &mut self.output);
         let mut power = read(&self.output, ports.spindle_power, 0.0);
         let (mut time, mut stuck) = (0.0, 0);
+        let mut times = Vec::new();
         while time < duration {
-            let next = self.samples.len() as f64 + 1.0;
-            let goal = sampling_period.map_or(duration, |period| (next * period).min(duration));
-            let advance = process.advance(&mut self.state, &mut self.input, goal - time).map_err(CutFault::Model)?;
-            let before = power;
-            process.output(&self.state, &self.input, &mut self.output);
-            power = read(&self.output, ports.spindle_power, 0.0);
-            self.energy += 0.5 * (before + power) * advance.elapsed;
+            let taken = self.samples.len() as f64;
+            let next = |i: usize| sampling_period.map(|period| (taken + 1.0 + i as f64) * period);
+            times.clear();
+            times.extend((0..).map_while(next).take_while(|next| *next < duration).map(|next| next - time));
+            let (output, samples, energy) = (&mut self.output, &mut self.samples, &mut self.energy);
+            let mut looked = 0.0;
+            let mut look = |x: &[f64], u: &[f64], elapsed: f64, sampled: Option<f64>| {
+                process.output(x, u, output);
+                let before = std::mem::replace(&mut power, read(output, ports.spindle_power, 0.0));
+                *energy += 0.5 * (before + power) * (elapsed - looked);
+                looked = elapsed;
+                samples.extend(sampled.map(|time| sample(ports, u, output, time)));
+            };
+            let advance = process
+                .advance_watched(&mut self.state, &mut self.input, duration - time, &times, &mut |i, x, u| {
+                    look(x, u, times[i], next(i));
+                })
+                .map_err(CutFault::Model)?;
+            let end = sampling_period.filter(|_| advance.event.is_none()).map(|_| duration);
+            look(&self.state, &self.input, advance.elapsed, end);
             let Some(event) = advance.event else {
-                time = goal;
-                if sampling_period.is_some() {
-                    self.samples.push(self.sample(ports, time));
-                }
-                continue;
+                time = duration;
+                break;
             };
             time += advance.elapsed;
             if matches!(event, ProcessEvent::Chipping | ProcessEvent::ThermalCollapse) {
@@ -137,15 +148,15 @@ impl Segment {
             elapsed / whole
         }
     }
+}
 
-    fn sample(&self, ports: &Ports, elapsed: f64) -> Sample {
-        Sample {
-            elapsed,
-            cutting_speed: read(&self.input, ports.cutting_speed, 0.0),
-            spindle_power: read(&self.output, ports.spindle_power, 0.0),
-            feed_force: read(&self.output, ports.feed_force, 0.0),
-            thermo_emf: read(&self.output, ports.thermo_emf, 0.0),
-        }
+fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample {
+    Sample {
+        elapsed,
+        cutting_speed: read(input, ports.cutting_speed, 0.0),
+        spindle_power: read(output, ports.spindle_power, 0.0),
+        feed_force: read(output, ports.feed_force, 0.0),
+        thermo_emf: read(output, ports.thermo_emf, 0.0),
     }
 }
 

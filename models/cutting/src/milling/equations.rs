@@ -16,7 +16,30 @@ struct MeanForce<N> {
     normal: N,
 }
 
+/// What a rotation looks like: the engagement and its integrals.
+#[derive(Clone, Copy)]
+struct Arc<N> {
+    angle: N,
+    contact: Contact<N>,
+    one_minus_cos: N,
+    /// `sin²ψ/2`
+    square: N,
+    /// `ψ/2 − sin 2ψ/4`
+    area: N,
+}
+
+/// Everything about a cut that does not depend on the state of the cutter but through effects.
+#[derive(Clone, Copy)]
+pub(super) struct Engagement<N: Copy> {
+    input: MillingInput<N>,
+    terms: Terms<N>,
+    arc: Arc<N>,
+    sharp: Coefficients<N>,
+    damage_rate: N,
+}
+
 /// Cutting and edge coefficients of the cutter as it is now.
+#[derive(Clone, Copy)]
 struct Coefficients<N> {
     tangential_cutting: N,
     tangential_edge: N,
@@ -58,14 +81,48 @@ impl<N: Number> Milling<N> {
         if cosine.re() <= -1.0 { N::from(PI) } else { cosine.acos() }
     }
 
-    fn coefficients(&self, flank_wear: N, u: &MillingInput<N>, terms: &Terms<N>) -> Coefficients<N> {
+    /// Coefficients of the cutter without wear.
+    fn sharp(&self, u: &MillingInput<N>, terms: &Terms<N>) -> Coefficients<N> {
         let f = &self.force;
         let chip = u.hardness_ratio.powd(f.hardness_exponent) * u.force_factor * terms.specific_cutting_force;
         Coefficients {
             tangential_cutting: f.tangential_cutting * chip,
-            tangential_edge: f.tangential_edge * u.force_factor + f.flank_shear_stress * flank_wear,
+            tangential_edge: f.tangential_edge * u.force_factor,
             radial_cutting: f.radial_cutting * chip,
-            radial_edge: f.radial_edge * u.force_factor + f.flank_pressure * flank_wear,
+            radial_edge: f.radial_edge * u.force_factor,
+        }
+    }
+
+    /// Coefficients of the cutter with a land.
+    fn worn(&self, sharp: &Coefficients<N>, flank_wear: N) -> Coefficients<N> {
+        Coefficients {
+            tangential_edge: sharp.tangential_edge + self.force.flank_shear_stress * flank_wear,
+            radial_edge: sharp.radial_edge + self.force.flank_pressure * flank_wear,
+            ..*sharp
+        }
+    }
+
+    fn arc(&self, u: &MillingInput<N>, terms: &Terms<N>) -> Arc<N> {
+        let psi = self.engagement_angle(self.width(u, terms));
+        let (sin, cos) = (psi.sin(), psi.cos());
+        Arc {
+            angle: psi,
+            contact: Contact::new(self.teeth(), terms.runout / u.feed_per_tooth, psi),
+            one_minus_cos: -cos + 1.0,
+            square: sin * sin * 0.5,
+            area: psi * 0.5 - sin * cos * 0.5,
+        }
+    }
+
+    /// The cut of this instant.
+    pub(super) fn engagement(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Engagement<N> {
+        let terms = self.terms(x, u);
+        Engagement {
+            input: *u,
+            terms,
+            arc: self.arc(u, &terms),
+            sharp: self.sharp(u, &terms),
+            damage_rate: self.damage_rate(u, &terms),
         }
     }
 
@@ -79,12 +136,10 @@ impl<N: Number> Milling<N> {
     ///
     /// The integrals run over the contact of all teeth: `z ψ`, `z (1 − cos ψ)` and `z sin ψ`
     /// without runout, less where runout lifts teeth out of the cut.
-    fn mean_force(&self, flank_wear: N, u: &MillingInput<N>, terms: &Terms<N>) -> MeanForce<N> {
-        let k = self.coefficients(flank_wear, u, terms);
-        let psi = self.engagement_angle(self.width(u, terms));
-        let contact = Contact::new(self.teeth(), terms.runout / u.feed_per_tooth, psi);
-        let (sin, cos) = (psi.sin(), psi.cos());
-        let (one_minus_cos, square, area) = (-cos + 1.0, sin * sin * 0.5, psi * 0.5 - sin * cos * 0.5);
+    fn mean_force(&self, flank_wear: N, at: &Engagement<N>) -> MeanForce<N> {
+        let Engagement { input: u, terms, arc, .. } = at;
+        let Arc { contact, one_minus_cos, square, area, .. } = *arc;
+        let k = self.worn(&at.sharp, flank_wear);
         let feed = u.feed_per_tooth * self.cutter.teeth;
         let (kt, kr) = (k.tangential_cutting * feed, k.radial_cutting * feed);
         let (et, er) = (k.tangential_edge, k.radial_edge);
@@ -133,19 +188,25 @@ impl<N: Number> Milling<N> {
 
     /// Right-hand side: rates per second.
     pub fn rates(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingState<N> {
-        let terms = self.terms(x, u);
+        self.rates_in(&self.engagement(x, u), x)
+    }
+
+    /// Right-hand side in a cut that is known already.
+    pub(super) fn rates_in(&self, at: &Engagement<N>, x: &MillingState<N>) -> MillingState<N> {
+        let u = &at.input;
         let worn = least(x.flank_wear / self.life.wear_limit, N::from(1.0));
         let stage = self.life.stage_contrast * (worn * (-worn + 1.0) * 6.0 - 1.0) + 1.0;
-        let flank_wear = self.life.wear_limit * self.damage_rate(u, &terms) * terms.wear_rate / stage;
-        let in_material = self.engagement_angle(self.width(u, &terms)) / TAU;
+        let flank_wear = self.life.wear_limit * at.damage_rate * at.terms.wear_rate / stage;
+        let in_material = at.arc.angle / TAU;
         let path = u.cutting_speed * in_material * u.engaged;
-        let hazard = self.chipping.hazard_per_path(u.chipping_rate + terms.chipping_rate, x.cutting_path, x.flank_wear);
+        let hazard =
+            self.chipping.hazard_per_path(u.chipping_rate + at.terms.chipping_rate, x.cutting_path, x.flank_wear);
         MillingState {
             flank_wear: flank_wear * u.engaged,
             cutting_path: path,
             cutting_time: u.engaged,
             chipping_hazard: hazard * path,
-            energy: self.mean_force(x.flank_wear, u, &terms).tangential * u.cutting_speed,
+            energy: self.mean_force(x.flank_wear, at).tangential * u.cutting_speed,
         }
     }
 
@@ -159,22 +220,23 @@ impl<N: Number> Milling<N> {
     /// | form_error | `F_n/static_stiffness` |
     /// | size_error | `VB·tan α + (F_n − F_n of the new cutter)/static_stiffness` |
     pub fn observe(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingOutput<N> {
-        let terms = self.terms(x, u);
+        let at = self.engagement(x, u);
+        let (terms, psi) = (at.terms, at.arc.angle);
         let c = &self.cutter;
-        let force = self.mean_force(x.flank_wear, u, &terms);
+        let force = self.mean_force(x.flank_wear, &at);
         let fresh = MillingState { flank_wear: N::from(0.0), ..*x };
-        let new = self.mean_force(fresh.flank_wear, u, &self.terms(&fresh, u));
+        let unworn = if self.effects.is_empty() { at } else { self.engagement(&fresh, u) };
+        let new = self.mean_force(fresh.flank_wear, &unworn);
         let width = self.width(u, &terms);
-        let psi = self.engagement_angle(width);
         let chip = self.peak_chip_thickness(u, &terms) * u.engaged;
-        let k = self.coefficients(x.flank_wear, u, &terms);
+        let k = self.worn(&at.sharp, x.flank_wear);
         let tangential = (k.tangential_cutting * chip + k.tangential_edge) * terms.cutting_force;
         let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
         let rotation = u.cutting_speed / c.diameter * 2.0;
         let feed_rate = self.feed_rate(u);
         let scallop = |feed: N| feed * feed / c.diameter * 0.25;
         let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
-        let damage = self.damage_rate(u, &terms);
+        let damage = at.damage_rate;
         let endless = damage.re() * LONGEST_LIFE <= 1.0;
         MillingOutput {
             flank_wear: x.flank_wear,

@@ -3,7 +3,62 @@
 use super::{Turning, TurningInput, TurningOutput, TurningState};
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
-use toolroom_wear::{Cut, WearLaw};
+use toolroom_wear::{Contact, Cut, Load, Pair, WearLaw};
+
+/// The contact and the forces of one instant: everything that does not depend on the state of
+/// the edge but through effects.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Engagement<'a, N: Copy = f64> {
+    contact: Contact<'a, N>,
+    load: Load<N>,
+    terms: Terms<N>,
+    ambient: N,
+}
+
+impl<N: Number> Engagement<'_, N> {
+    /// The same at another speed.
+    #[inline]
+    pub fn at_speed(&self, pair: &Pair<N>, cutting_speed: N) -> Self {
+        Self {
+            contact: self.contact.at_speed(cutting_speed),
+            load: pair.force.at_speed(&self.load, cutting_speed),
+            ..*self
+        }
+    }
+
+    /// What softening of the hot work material leaves of the specific cutting force at a contact
+    /// temperature.
+    #[inline]
+    fn softened(&self, temperature: N) -> N {
+        -(self.terms.thermal_softening * (temperature - self.ambient)) + 1.0
+    }
+
+    /// Right-hand side: rates per second.
+    #[inline]
+    pub fn rates(&self, x: &TurningState<N>) -> TurningState<N> {
+        let wear = self.contact.derivative(&x.wear());
+        let cut = self.contact.cut();
+        let warm = self.softened(self.contact.temperature_at(&x.wear()));
+        let force = self.load.times(warm).cutting(x.flank_wear) * self.terms.cutting_force;
+        TurningState {
+            flank_wear: wear.flank_wear,
+            tool_body_temperature_rise: wear.body_temperature_rise,
+            thermal_damage: wear.thermal_damage,
+            mechanical_wear: wear.mechanical_wear,
+            thermal_wear: wear.thermal_wear,
+            cutting_path: wear.path,
+            cutting_time: wear.cutting_time,
+            chipping_hazard: wear.chipping_hazard,
+            energy: force * cut.cutting_speed * cut.engaged,
+        }
+    }
+
+    /// Event functions in the order of [`WEAR_EVENTS`](toolroom_wear::WEAR_EVENTS).
+    #[inline]
+    pub fn event_indicators(&self, x: &TurningState<N>, chipping_resistance: f64) -> [N; 3] {
+        self.contact.event_indicators(&x.wear(), chipping_resistance)
+    }
+}
 
 impl<N: Number> Turning<N> {
     /// What the effects make of this instant.
@@ -46,31 +101,21 @@ impl<N: Number> Turning<N> {
         }
     }
 
-    /// What softening of the hot work material leaves of the specific cutting force at a contact
-    /// temperature.
-    fn softened(&self, terms: &Terms<N>, temperature: N) -> N {
-        -(terms.thermal_softening * (temperature - self.pair.temperature.ambient_temperature)) + 1.0
+    /// The contact of the edge at this instant.
+    pub(crate) fn engagement(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Engagement<'_, N> {
+        let terms = self.terms(x, u);
+        let cut = self.cut(u, &terms);
+        Engagement {
+            contact: self.pair.contact(&cut),
+            load: self.pair.force.load(&cut),
+            terms,
+            ambient: self.pair.temperature.ambient_temperature,
+        }
     }
 
     /// Right-hand side: rates per second.
     pub fn rates(&self, x: &TurningState<N>, u: &TurningInput<N>) -> TurningState<N> {
-        let terms = self.terms(x, u);
-        let cut = self.cut(u, &terms);
-        let wear = self.pair.derivative(&x.wear(), &cut);
-        let soft = self.softened(&terms, self.pair.contact_temperature(&x.wear(), &cut));
-        let warm = Cut { force_factor: cut.force_factor * soft, ..cut };
-        let force = self.pair.force.cutting(&warm, x.flank_wear) * terms.cutting_force;
-        TurningState {
-            flank_wear: wear.flank_wear,
-            tool_body_temperature_rise: wear.body_temperature_rise,
-            thermal_damage: wear.thermal_damage,
-            mechanical_wear: wear.mechanical_wear,
-            thermal_wear: wear.thermal_wear,
-            cutting_path: wear.path,
-            cutting_time: wear.cutting_time,
-            chipping_hazard: wear.chipping_hazard,
-            energy: force * u.cutting_speed * u.engaged,
-        }
+        self.engagement(x, u).rates(x)
     }
 
     /// Everything that can be observed, as the sensors read it: their effects act on forces,
@@ -83,16 +128,19 @@ impl<N: Number> Turning<N> {
     /// | roughness_ra | `f²/(32 r_ε)`, the ideal profile (Rz = f²/(8 r_ε), Ra ≈ Rz/4) |
     /// | size_error | `flank_wear·tan α_o + (F_p - F_p of the new edge)/static_stiffness` |
     pub fn observe(&self, x: &TurningState<N>, u: &TurningInput<N>) -> TurningOutput<N> {
-        let terms = self.terms(x, u);
-        let cut = self.cut(u, &terms);
-        let point = self.pair.output(&x.wear(), &cut);
-        let warm = Cut { force_factor: cut.force_factor * self.softened(&terms, point.temperature), ..cut };
-        let cutting_force = self.pair.force.cutting(&warm, x.flank_wear) * cut.engaged * terms.cutting_force;
-        let feed_force = self.pair.force.feed(&warm, x.flank_wear) * cut.engaged * terms.feed_force;
+        let at = self.engagement(x, u);
+        let Engagement { contact, load, terms, .. } = &at;
+        let cut = contact.cut();
+        let point = contact.point(load, x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
+        let warm = at.softened(point.temperature);
+        let cutting_force = load.times(warm).cutting(x.flank_wear) * cut.engaged * terms.cutting_force;
+        let feed_force = load.times(warm).feed(x.flank_wear) * cut.engaged * terms.feed_force;
         let edge_angle = self.pair.force.cutting_edge_angle.tan();
-        let new_feed_force = self.pair.force.feed(&cut, N::from(0.0)) * cut.engaged;
+        let new_feed_force = load.feed(N::from(0.0)) * cut.engaged;
         let deflection = (feed_force - new_feed_force) / edge_angle / self.finish.static_stiffness;
-        let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..warm };
+        let runs_true = N::NDERIV == 0 && terms.runout.re() == 0.0;
+        let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..*cut };
+        let peak = if runs_true { *load } else { self.pair.force.load(&eccentric) };
         TurningOutput {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.pair.limits.wear_limit,
@@ -104,7 +152,7 @@ impl<N: Number> Turning<N> {
             cutting_force: cutting_force * terms.force_reading + terms.force_offset,
             feed_force: feed_force * terms.force_reading,
             passive_force: feed_force / edge_angle,
-            peak_cutting_force: self.pair.force.cutting(&eccentric, x.flank_wear) * terms.cutting_force * cut.engaged,
+            peak_cutting_force: peak.times(warm).cutting(x.flank_wear) * terms.cutting_force * cut.engaged,
             spindle_power: cutting_force * u.cutting_speed + terms.spindle_loss,
             thermo_emf: point.thermo_emf,
             spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,

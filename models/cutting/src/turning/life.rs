@@ -62,7 +62,7 @@ impl Turning {
         let stage = |_: f64, y: &[f64; STATES]| {
             STAGE * self.pair.limits.wear_limit / self.rates(&self.warm(y, &held, model), &held).flank_wear
         };
-        let end = ode::integrate_staged(rhs, events, &[0.0; STATES], LONGEST, &tolerance, stage)?;
+        let end = ode::integrate_staged(rhs, events, &[0.0; STATES], LONGEST, &tolerance, stage, |_| ())?;
         let Some(event) = end.event else { return Err(endless("the edge does not wear out")) };
         let state = TurningState::from_slice(&end.state);
         let life = Life {
