@@ -1,6 +1,7 @@
 //! Turning: exact limits from the frequency response, verdicts from the period map.
 
 mod bar;
+mod roots;
 mod stability;
 
 pub use bar::{Bar, Support};

@@ -1,4 +1,5 @@
-//! Verdicts of turning at constant and varying speed, by collocation of a revolution.
+//! Verdicts of turning: at constant speed by the characteristic roots, at varying speed by
+//! collocation of a period of the variation.
 
 use super::Turning;
 use crate::SpeedVariation;
@@ -33,7 +34,7 @@ impl Turning {
         })
     }
 
-    /// One revolution, or one period of the speed's variation.
+    /// One period of the speed's variation.
     fn period(&self, motion: Motion, revolutions: u32, width: f64) -> Period {
         let frame = Frame::resolved(Modes { modal: self.oriented().collect(), channels: 1 });
         let terms = vec![PlannedTerm { delay: TAU, teeth: vec![()] }];
@@ -44,7 +45,7 @@ impl Turning {
     }
 
     /// Verdict at `spindle_speed` (rad/s) and `width` of cut (m), with its margin; the spectral
-    /// radius is that of one revolution.
+    /// radius is that of one revolution, exact to rounding.
     ///
     /// # Errors
     /// A cut that is none; a speed that is not positive; a width that is negative or not finite;
@@ -68,11 +69,10 @@ impl Turning {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         within("width", width, 0.0, f64::MAX)?;
-        let period = self.period(Motion::Constant(spindle_speed), 1, width);
-        let mut storage = MapStorage::default();
-        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
-        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, TAU / spindle_speed, dominant.residual);
-        verdict.name_frequency(&self.modes);
+        let tau = TAU / spindle_speed;
+        let root = self.rightmost_root(spindle_speed, width)?;
+        let mut verdict = StabilityVerdict::from_multiplier((root.rate * tau).exp(), tau, root.residual);
+        verdict.chatter_frequency = root.rate.im / TAU;
         Ok(verdict)
     }
 
