@@ -92,6 +92,10 @@ catalogue! {
     LotHardness in lot_hardness;
     /// Tool or blank runs out of true.
     Runout in runout;
+    /// The chuck is stiffer over a jaw than between two.
+    ChuckStiffness in chuck_stiffness;
+    /// The flank rubs on the waves of the surface.
+    ProcessDamping in process_damping;
     /// Old coolant cools less.
     CoolantAgeing in coolant_ageing;
     /// Another coolant lubricates better.

@@ -42,6 +42,7 @@
 mod built_up_edge;
 mod catalogue;
 mod chipping;
+mod chuck_stiffness;
 mod context;
 mod coolant_ageing;
 mod coolant_change;
@@ -53,6 +54,7 @@ mod force_bias;
 mod force_drift;
 mod helix_form_error;
 mod lot_hardness;
+mod process_damping;
 mod run_in;
 mod runout;
 mod servo_lag;
@@ -75,8 +77,8 @@ mod wheel_wear;
 pub use catalogue::{CatalogueEntry, Sign, Touched};
 pub use context::Context;
 pub use effect::{
-    BuiltUpEdge, ChippingHazard, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias, ForceDrift,
-    HelixFormError, LotHardness, RunIn, Runout, ServoLag, SpindleLoss, StartOffset, StiffnessDrift, StockOffset,
+    BuiltUpEdge, ChippingHazard, ChuckStiffness, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias, ForceDrift,
+    HelixFormError, LotHardness, ProcessDamping, RunIn, Runout, ServoLag, SpindleLoss, StartOffset, StiffnessDrift, StockOffset,
     TemperatureLag, ThermalGrowth, ThermalHeredity, ThermalSoftening, ThresholdForce, WearAcceleration, WearForce,
     WearTemperature, WheelDulling, WheelWear,
 };

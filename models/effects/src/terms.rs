@@ -24,6 +24,10 @@ record! {
         /// Summand of the radial offset between the axis of rotation and the axis of the tool
         /// (milling) or of the blank (turning); the process turns it into chip load.
         runout: Real["m" => "um"] = 0.0, 0.0..=1e-2;
+        /// Summand of the relative amplitude of the clamping stiffness in a chuck of three jaws.
+        chuck_modulation: Real = 0.0, 0.0..=1.0;
+        /// Summand of the indentation coefficient of process damping.
+        process_damping: Real["N/m" => "N/m"] = 0.0, 0.0..=1e9;
         /// Factor on the process stiffness Cp of grinding (normal force per depth of cut).
         process_stiffness: Real = 1.0, 0.0..=1e6;
         /// Summand of the normal force below which a grinding wheel rubs without cutting, F0.
