@@ -5,13 +5,16 @@
 //!   Finish ───────┼─► Turning ──► rates, outputs, events ──► impl Process
 //!   Effects ──────┤
 //!   EdgeForce ────┼─► Milling ──► rates, outputs, events ──► impl Process
-//!   CutterLife ───┘
+//!   CutterLife ───┤
+//!   structures ───┘  (TurningStructure, MillingStructure: stability, chatter)
 //! ```
 //!
 //! | type | what it is |
 //! |---|---|
 //! | [`Turning`] | one edge in one workpiece |
 //! | [`Milling`], [`MILLING_SETS`] | one cutter in one workpiece; shipped sets |
+//! | [`TurningStructure`], [`MillingStructure`] | what vibrates around the cut; without one a process does not ask |
+//! | [`Regeneration`], [`Vibration`] | what wear and chatter do to each other; the verdict of an operating point |
 //!
 //! ```
 //! use toolroom_cutting::{Turning, TurningInput};
@@ -23,16 +26,24 @@
 //! ```
 //!
 //! # What is not modelled
-//! Chatter, built-up edge, thermal growth of workpiece and spindle, notch and crater wear, chip
+//! Built-up edge, thermal growth of workpiece and spindle, notch and crater wear, chip
 //! breaking, nose wear (roughness is that of an ideal edge), interrupted cuts within a
 //! revolution, coolant other than through the effects.
 //!
 //! Milling besides: heat, curved walls, the helix (it lowers the peaks and bends the wall along
 //! the axis), ploughing of thin chips, tilted runout, unequal wear of the teeth, thermal and
 //! mechanical cycling of the edge as a cause of wear of its own.
+//!
+//! Chatter is in its limit cycle at once: the seconds in which it grows do not count for wear.
+//! Verdicts carry no derivatives. A parametrically excited chuck swings like regenerative chatter
+//! just beyond its limit, and its chip-formation lag is zero (assumptions). Chatter of milling has
+//! the limit cycle of turning with a tooth period for a revolution. The forced vibration of turning
+//! is quasi-static.
 
 pub mod milling;
 pub mod turning;
+mod vibration;
 
 pub use milling::{Cutter, CutterLife, EdgeForce, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
 pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningOutput, TurningState};
+pub use vibration::{MillingStructure, Regeneration, TurningStructure, UNLIMITED, Vibration};

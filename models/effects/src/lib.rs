@@ -77,10 +77,10 @@ mod wheel_wear;
 pub use catalogue::{CatalogueEntry, Sign, Touched};
 pub use context::Context;
 pub use effect::{
-    BuiltUpEdge, ChippingHazard, ChuckStiffness, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias, ForceDrift,
-    HelixFormError, LotHardness, ProcessDamping, RunIn, Runout, ServoLag, SpindleLoss, StartOffset, StiffnessDrift, StockOffset,
-    TemperatureLag, ThermalGrowth, ThermalHeredity, ThermalSoftening, ThresholdForce, WearAcceleration, WearForce,
-    WearTemperature, WheelDulling, WheelWear,
+    BuiltUpEdge, ChippingHazard, ChuckStiffness, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias,
+    ForceDrift, HelixFormError, LotHardness, ProcessDamping, RunIn, Runout, ServoLag, SpindleLoss, StartOffset,
+    StiffnessDrift, StockOffset, TemperatureLag, ThermalGrowth, ThermalHeredity, ThermalSoftening, ThresholdForce,
+    WearAcceleration, WearForce, WearTemperature, WheelDulling, WheelWear,
 };
 pub use effects::Effects;
 pub use error::EffectError;

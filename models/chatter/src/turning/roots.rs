@@ -72,7 +72,8 @@ impl Turning {
         let mut s = start;
         let mut residual = f64::INFINITY;
         for _ in 0..STEPS {
-            let (mut response, mut by_s, mut poles) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
+            let (mut response, mut by_s, mut poles) =
+                (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
             for mode in &self.modes {
                 let orientation = self.orientation(mode);
                 if orientation == 0.0 {

@@ -3,12 +3,13 @@
 
 use super::Turning;
 use crate::SpeedVariation;
+use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
 use crate::krylov::Krylov;
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{Modal, Modes};
-use crate::verdict::StabilityVerdict;
+use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -61,11 +62,10 @@ impl Turning {
     }
 
     /// [`Turning::verdict`] without the search for the limit.
-    pub(crate) fn verdict_without_margin(
-        &self,
-        spindle_speed: f64,
-        width: f64,
-    ) -> Result<StabilityVerdict, ChatterError> {
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`].
+    pub fn verdict_without_margin(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         within("width", width, 0.0, f64::MAX)?;
@@ -113,5 +113,29 @@ impl Turning {
         let mut verdict = StabilityVerdict::from_multiplier(multiplier, TAU / spindle_speed, dominant.residual);
         verdict.name_frequency(&self.modes);
         Ok(verdict)
+    }
+
+    /// Least width (m) up to `greatest` that is unstable at a speed that varies about
+    /// `spindle_speed` (rad/s), to a thousandth.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict_at_varying_speed`]; [`ChatterError::NoLimit`] where none of 16 even
+    /// steps is unstable.
+    pub fn limit_at_varying_speed(
+        &self,
+        spindle_speed: f64,
+        variation: SpeedVariation,
+        greatest: f64,
+    ) -> Result<StabilityLimit, ChatterError> {
+        positive("greatest width", greatest)?;
+        let verdict = |width: f64| self.verdict_at_varying_speed(spindle_speed, variation, width);
+        let mut excess = |width: f64| Ok(verdict(width)?.spectral_radius.ln());
+        let found = brackets(&mut excess, (0.0, -1.0), greatest, 16, true)?;
+        let Some([before, after]) = found.first() else {
+            return Err(ChatterError::NoLimit { searched: greatest });
+        };
+        let depth = root(&mut excess, *before, *after, 1e-3)?;
+        let chatter_frequency = verdict(depth)?.chatter_frequency;
+        Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency })
     }
 }

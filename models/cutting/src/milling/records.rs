@@ -40,6 +40,14 @@ record! {
         /// Deviation of the helical profile of the wall from its mean, where it is gauged; seen
         /// by effects only.
         helical_deviation: Real["m" => "um"] = 0.0, -1e-2..=1e-2;
+        /// Factor of this machine on the natural frequencies of its structure.
+        natural_frequency_factor: Real = 1.0, 0.5..=2.0;
+        /// Factor of this machine on the damping ratios of its structure.
+        modal_damping_factor: Real = 1.0, 0.1..=10.0;
+        /// Amplitude of a sinusoidal variation of the spindle speed over its mean, RVA.
+        speed_variation: Real = 0.0, 0.0..=0.5;
+        /// Mean revolutions in one period of the variation, 1/RVF.
+        variation_revolutions: Integer = 5.0, 2.0..=200.0;
     }
 }
 
@@ -89,12 +97,29 @@ record! {
         engagement_angle: Real["rad" => "deg"] = 0.0, 0.0..=3.2;
         /// Greatest chip thickness of the heaviest tooth.
         peak_chip_thickness: Real["m" => "mm"] = 0.0, 0.0..=1.0;
-        /// Arithmetic mean roughness of the milled wall, of ideal teeth.
+        /// Arithmetic mean roughness of the milled wall, of ideal teeth, with the marks of chatter.
         roughness_ra: Real["m" => "um"] = 0.0, 0.0..=1.0;
         /// Material left on the wall because the cutter gives way, F_n / stiffness.
         form_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
         /// Growth of the material left on the wall since the cutter was new and set.
         size_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
+        /// Whether the cut is stable; without a structure it is.
+        stable: Boolean = 1.0;
+        /// Least unstable depth of cut found; 1 m without a structure.
+        stability_limit: Real["m" => "mm"] = 1.0, 0.0..=1.0;
+        /// `1 − depth_of_cut/stability_limit`, negative in an unstable cut.
+        stability_margin: Real = 1.0, -1e9..=1.0;
+        /// Amplitude of the vibration normal to the wall, half of peak to peak.
+        vibration_amplitude: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        /// Root mean square of a sinusoid of that amplitude.
+        vibration_rms: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        /// Frequency of the strongest vibration: of chatter, else of the teeth; 0 without a
+        /// structure.
+        dominant_frequency: Real["Hz" => "Hz"] = 0.0, 0.0..=1e6;
+        /// Growth rate of an unstable vibration; 0 in a stable cut.
+        chatter_growth_rate: Real["1/s" => "1/s"] = 0.0, 0.0..=1e6;
+        /// Root mean square of the force about its mean under chatter, over the mean.
+        force_ripple: Real = 0.0, 0.0..=1e3;
     }
 }
 

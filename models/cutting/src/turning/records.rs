@@ -48,6 +48,16 @@ record! {
         sensor_time: Real["s" => "h"] = 0.0, 0.0..=1e9;
         /// Feed override in force, 1 as programmed; seen by effects only.
         feed_override: Real = 1.0, 0.0..=3.0;
+        /// Place of the tool along a bar, from the jaws; 0 where the structure's own counts.
+        position: Real["m" => "mm"] = 0.0, 0.0..=100.0;
+        /// Factor of this machine on the natural frequencies of its structure.
+        natural_frequency_factor: Real = 1.0, 0.5..=2.0;
+        /// Factor of this machine on the damping ratios of its structure.
+        modal_damping_factor: Real = 1.0, 0.1..=10.0;
+        /// Amplitude of a sinusoidal variation of the spindle speed over its mean, RVA.
+        speed_variation: Real = 0.0, 0.0..=0.5;
+        /// Mean revolutions in one period of the variation, 1/RVF.
+        variation_revolutions: Integer = 5.0, 2.0..=200.0;
     }
 }
 
@@ -108,10 +118,26 @@ record! {
         spindle_speed: Real["rad/s" => "rpm"] = 0.0, 0.0..=1e6;
         /// Material removal rate.
         material_removal_rate: Real["m3/s" => "cm3/min"] = 0.0, 0.0..=1.0;
-        /// Arithmetic mean roughness of an ideal edge.
+        /// Arithmetic mean roughness of an ideal edge, with the marks of chatter.
         roughness_ra: Real["m" => "um"] = 0.0, 0.0..=1.0;
         /// Growth of the workpiece radius since the edge was new and set.
         size_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
+        /// Whether the cut is stable; without a structure it is.
+        stable: Boolean = 1.0;
+        /// Least unstable depth of cut; 1 m where none was found.
+        stability_limit: Real["m" => "mm"] = 1.0, 0.0..=1.0;
+        /// `1 − depth_of_cut/stability_limit`, negative in an unstable cut.
+        stability_margin: Real = 1.0, -1e9..=1.0;
+        /// Amplitude of the vibration between tool and workpiece, half of peak to peak.
+        vibration_amplitude: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        /// Root mean square of a sinusoid of that amplitude.
+        vibration_rms: Real["m" => "um"] = 0.0, 0.0..=1.0;
+        /// Frequency of the strongest vibration; 0 where nothing vibrates.
+        dominant_frequency: Real["Hz" => "Hz"] = 0.0, 0.0..=1e6;
+        /// Growth rate of an unstable vibration; 0 in a stable cut.
+        chatter_growth_rate: Real["1/s" => "1/s"] = 0.0, 0.0..=1e6;
+        /// Root mean square of the force about its mean under chatter, over the mean.
+        force_ripple: Real = 0.0, 0.0..=1e3;
     }
 }
 

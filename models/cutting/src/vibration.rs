@@ -1,0 +1,162 @@
+//! How a cut vibrates: stability, chatter and what they do to wear, force and surface.
+//!
+//! A process without a structure does not ask. With one, each operating point has a verdict; it
+//! is judged at rounded speed and process damping and kept, so that the state equations can ask
+//! for it at every step. Rounding makes the verdict a function of state and input alone.
+
+mod memo;
+mod milling;
+mod turning;
+
+pub use milling::MillingStructure;
+pub(crate) use milling::Tooth;
+pub(crate) use turning::Edge;
+pub use turning::TurningStructure;
+
+use memo::Memo;
+use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode};
+use toolroom_process::record;
+
+/// Limit of a cut that has none (m).
+pub const UNLIMITED: f64 = 1.0;
+
+record! {
+    /// How wear changes the regenerative cut, and how chatter wears the edge.
+    ///
+    /// | quantity | equation |
+    /// |---|---|
+    /// | coefficient | `K (1 + coefficient_growth · wear_ratio)` |
+    /// | process damping | `C_i + indentation_force · VB²/2` |
+    /// | wear under chatter | `· (<F^wear_power>/F0^wear_power)^wear_exponent` |
+    ///
+    /// The mean force does not change under chatter, so wear can only follow a convex function of
+    /// it.
+    ///
+    /// # Source
+    /// Indentation volume: form of Chiou and Liang (1998). That chatter shortens tool life: Kayhan
+    /// and Budak, Proc. IMechE B (2009). All numbers are assumptions: the indentation force gives the
+    /// 6.11e5 N/m of Altintas et al. (2008) at a land of 0.17 mm.
+    pub struct Regeneration {
+        /// Share by which the cutting coefficient has grown at the wear limit.
+        coefficient_growth: Real = 0.2, 0.0..=5.0;
+        /// Indentation force per displaced volume of the flank land, K_sp.
+        indentation_force: Real["N/m3" => "N/mm3"] = 4e13, 0.0..=1e16;
+        /// Power of the force that wear follows under chatter, p.
+        wear_power: Real = 2.0, 2.0..=3.0;
+        /// Exponent of the mean power, s; 0 leaves wear alone.
+        wear_exponent: Real = 1.0, 0.0..=5.0;
+    }
+}
+
+/// Vibration of one operating point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vibration {
+    /// Depth at which the cut becomes unstable (m); [`UNLIMITED`] where none was found.
+    pub limit: f64,
+    /// `1 − depth/limit`; less where a modulated chuck leaves less.
+    pub margin: f64,
+    /// How the cut is unstable.
+    pub kind: ChatterKind,
+    /// Frequency at the limit (Hz).
+    pub frequency: f64,
+    /// Amplitude of chatter (m), half of peak to peak; 0 in a stable cut.
+    pub chatter: f64,
+    /// Amplitude of the forced vibration (m).
+    pub forced: f64,
+    /// Factor of chatter on force-driven wear.
+    pub wear_factor: f64,
+    /// Root mean square of the force about its mean, by chatter, over the mean.
+    pub force_ripple: f64,
+}
+
+impl Vibration {
+    /// No structure, no vibration.
+    pub const NONE: Self = Self {
+        limit: UNLIMITED,
+        margin: 1.0,
+        kind: ChatterKind::Stable,
+        frequency: 0.0,
+        chatter: 0.0,
+        forced: 0.0,
+        wear_factor: 1.0,
+        force_ripple: 0.0,
+    };
+
+    /// Whether the cut is stable.
+    pub fn stable(&self) -> bool {
+        self.kind == ChatterKind::Stable
+    }
+
+    /// A cut of `depth` (m) below or beyond `boundary` with `chip` (m) in the mean.
+    fn judged(boundary: &Boundary, depth: f64, chip: f64, regeneration: &Regeneration) -> Self {
+        let limit = boundary.limit.min(UNLIMITED);
+        let margin = 1.0 - depth / limit;
+        let stable = Self { limit, margin, frequency: boundary.frequency, ..Self::NONE };
+        if margin >= 0.0 { stable } else { stable.chattering(boundary, depth / limit, chip, regeneration) }
+    }
+
+    /// The same cut in its limit cycle.
+    fn chattering(self, boundary: &Boundary, ratio: f64, chip: f64, regeneration: &Regeneration) -> Self {
+        let table = AmplitudeTable::standard();
+        let cycle = table.limit_cycle(ratio, boundary.waves, boundary.damping_ratio).unwrap_or(LimitCycle::NONE);
+        let Regeneration { wear_power, wear_exponent, .. } = *regeneration;
+        let mean_power = cycle.mean_square_force.powf(3.0 - wear_power) * cycle.mean_cube_force.powf(wear_power - 2.0);
+        Self {
+            kind: boundary.kind,
+            chatter: 0.5 * cycle.amplitude * chip,
+            wear_factor: mean_power.powf(wear_exponent),
+            force_ripple: (cycle.mean_square_force - 1.0).max(0.0).sqrt(),
+            ..self
+        }
+    }
+}
+
+/// The stability boundary at one speed, and what the limit cycle depends on.
+#[derive(Clone, Copy, Debug)]
+struct Boundary {
+    /// Depth (m).
+    limit: f64,
+    kind: ChatterKind,
+    /// Hz.
+    frequency: f64,
+    /// Natural oscillations of the chattering mode in a revolution or tooth period.
+    waves: f64,
+    damping_ratio: f64,
+    /// Forced amplitude for each metre of depth and of feed (1/m).
+    forced: f64,
+}
+
+impl Boundary {
+    /// Boundary at `limit`, where the cut chatters with `frequency` over `period` (s).
+    fn at(limit: f64, kind: ChatterKind, frequency: f64, modes: &[Mode], period: f64) -> Self {
+        let distance = |mode: &&Mode| (mode.natural_frequency - frequency).abs();
+        let mode = modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let (natural, damping_ratio) = mode.map_or((1.0, 0.03), |mode| (mode.natural_frequency, mode.damping_ratio));
+        Self { limit, kind, frequency, waves: natural * period, damping_ratio, forced: 0.0 }
+    }
+}
+
+/// Modes whose frequencies and damping differ from nominal by factors, at the same modal mass.
+fn scattered(modes: &[Mode], frequency_factor: f64, damping_factor: f64) -> Vec<Mode> {
+    let other = |mode: &Mode| Mode {
+        natural_frequency: mode.natural_frequency * frequency_factor,
+        stiffness: mode.stiffness * frequency_factor * frequency_factor,
+        damping_ratio: (mode.damping_ratio * damping_factor).min(0.99),
+        ..*mode
+    };
+    modes.iter().map(other).collect()
+}
+
+/// Steps of the logarithm of speed to which verdicts are rounded: half a part in a thousand.
+const SPEED_STEP: f64 = 5e-4;
+/// Steps of the logarithm of process damping over coefficient: two percent.
+const DAMPING_STEP: f64 = 2e-2;
+
+/// A positive number on a logarithmic grid; zero and less have a place of their own.
+fn rounded(value: f64, step: f64) -> (i32, f64) {
+    if value <= 0.0 {
+        return (i32::MIN, 0.0);
+    }
+    let index = (value.ln() / step).round();
+    (index as i32, (index * step).exp())
+}

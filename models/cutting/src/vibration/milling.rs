@@ -1,0 +1,191 @@
+//! What vibrates in milling.
+
+use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, UNLIMITED, Vibration, rounded, scattered};
+use std::f64::consts::TAU;
+use toolroom_chatter::{
+    AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation,
+};
+
+/// Tool, holder, spindle and workpiece around a milled cut, in (feed, normal).
+///
+/// Teeth, diameter, engagement and cutting coefficients are those of the process.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MillingStructure {
+    modes: Vec<Mode>,
+    helix_angle: f64,
+    process_damping: f64,
+    /// What wear changes.
+    pub regeneration: Regeneration,
+    boundaries: Memo<Key, Boundary>,
+}
+
+/// What a verdict depends on, rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    speed: i32,
+    damping: i32,
+    /// Steps of the tangential coefficient where the helix makes the depth count.
+    coefficient: i32,
+    radial: u64,
+    immersion: u64,
+    down: bool,
+    runout: u64,
+    teeth: usize,
+    diameter: u64,
+    /// Power of two up to which limits are searched.
+    searched: i32,
+    frequency_factor: u64,
+    damping_factor: u64,
+    variation: (u64, u32),
+}
+
+/// One operating point of a cutter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tooth {
+    /// rad/s.
+    pub spindle_speed: f64,
+    pub depth: f64,
+    pub feed_per_tooth: f64,
+    pub diameter: f64,
+    pub teeth: u32,
+    pub width: f64,
+    pub down: bool,
+    pub flank_wear: f64,
+    pub wear_ratio: f64,
+    /// Coefficients of the sharp cutter with all its factors (Pa).
+    pub tangential: f64,
+    pub radial: f64,
+    pub process_damping: f64,
+    pub runout: f64,
+    pub frequency_factor: f64,
+    pub damping_factor: f64,
+    pub variation: Option<SpeedVariation>,
+}
+
+/// Depths over the present one to which limits are searched, at least.
+const SEARCHED: f64 = 2.0;
+
+impl MillingStructure {
+    /// Modes in (feed, normal), helix of the cutter (rad) and process damping of the sharp edge
+    /// (N/m).
+    ///
+    /// # Errors
+    /// What the stability model refuses.
+    pub fn new(
+        modes: Vec<Mode>,
+        helix_angle: f64,
+        process_damping: f64,
+        regeneration: Regeneration,
+    ) -> Result<Self, ChatterError> {
+        let force = MillingForce { process_damping, ..MillingForce::new(1e9, 3e8) };
+        let cutter = Cutter { helix_angle, ..Cutter::straight(2, 0.01) };
+        let engagement = Engagement::new(0.5, Direction::Down)?;
+        let trial = Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4 };
+        trial.at_speed(100.0)?;
+        let modes = trial.modes;
+        Ok(Self { modes, helix_angle, process_damping, regeneration, boundaries: Memo::default() })
+    }
+
+    /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
+    fn worn(&self, at: &Tooth) -> (f64, f64) {
+        let tangential = at.tangential * (1.0 + self.regeneration.coefficient_growth * at.wear_ratio);
+        let land = 0.5 * self.regeneration.indentation_force * at.flank_wear * at.flank_wear;
+        (tangential, (self.process_damping + at.process_damping + land) / tangential)
+    }
+
+    fn key(&self, at: &Tooth) -> Key {
+        let (tangential, damping) = self.worn(at);
+        let helical = self.helix_angle != 0.0;
+        Key {
+            speed: rounded(at.spindle_speed, SPEED_STEP).0,
+            damping: rounded(damping, DAMPING_STEP).0,
+            coefficient: if helical { rounded(tangential, DAMPING_STEP).0 } else { 0 },
+            radial: (at.radial / at.tangential).to_bits(),
+            immersion: (at.width / at.diameter).min(1.0).to_bits(),
+            down: at.down,
+            runout: if at.runout > 0.0 { (at.runout / at.feed_per_tooth).to_bits() } else { 0 },
+            teeth: at.teeth as usize,
+            diameter: at.diameter.to_bits(),
+            searched: (SEARCHED * at.depth * if helical { 1.0 } else { tangential / NOMINAL }).log2().ceil() as i32,
+            frequency_factor: at.frequency_factor.to_bits(),
+            damping_factor: at.damping_factor.to_bits(),
+            variation: at.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
+        }
+    }
+
+    /// The cut as it is judged, its speed, and the factor from its depth to the real one.
+    fn judged(&self, at: &Tooth, key: &Key) -> Result<(Milling, f64, f64), ChatterError> {
+        let (tangential, damping) = self.worn(at);
+        let helical = self.helix_angle != 0.0;
+        let judged = if helical { rounded(tangential, DAMPING_STEP).1 } else { NOMINAL };
+        let cutter =
+            Cutter { helix_angle: self.helix_angle, runout: at.runout, ..Cutter::straight(key.teeth, at.diameter) };
+        let direction = if at.down { Direction::Down } else { Direction::Up };
+        let force = MillingForce {
+            process_damping: rounded(damping, DAMPING_STEP).1 * judged,
+            ..MillingForce::new(judged, judged * at.radial / at.tangential)
+        };
+        let cut = Milling {
+            modes: scattered(&self.modes, at.frequency_factor, at.damping_factor),
+            cutter,
+            engagement: Engagement::new((at.width / at.diameter).min(1.0), direction)?,
+            force,
+            feed_per_tooth: at.feed_per_tooth,
+        };
+        Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1, if helical { 1.0 } else { judged / tangential }))
+    }
+
+    /// Boundary in depths of the judged cut. What cannot be judged counts as unstable.
+    fn boundary(&self, at: &Tooth, key: &Key) -> Boundary {
+        let judge = || -> Result<Boundary, ChatterError> {
+            let (cut, speed, _) = self.judged(at, key)?;
+            let period = TAU / (speed * at.teeth as f64);
+            let searched = 2f64.powi(key.searched);
+            let found = match at.variation {
+                None => cut.at_speed(speed)?.limit(searched),
+                Some(variation) => cut.at_varying_speed(speed, variation)?.limit(searched),
+            };
+            let boundary = match found {
+                Ok(limit) => Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period),
+                Err(ChatterError::NoLimit { searched }) => {
+                    Boundary::at(searched, ChatterKind::Hopf, 0.0, &cut.modes, period)
+                }
+                Err(error) => return Err(error),
+            };
+            // Teeth whose surfaces overlap by runout have no forced response without simulation.
+            let depth = boundary.limit.min(1e-3);
+            let forced = cut.forced(speed, depth).map_or(0.0, |forced| forced.peak_to_peak[1]);
+            Ok(Boundary { forced: 0.5 * forced / (depth * at.feed_per_tooth), ..boundary })
+        };
+        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.modes, TAU / at.spindle_speed);
+        self.boundaries.of(*key, || judge().unwrap_or_else(refused))
+    }
+
+    /// How the cut vibrates.
+    pub(crate) fn vibration(&self, at: &Tooth) -> Vibration {
+        let key = self.key(at);
+        let judged = self.boundary(at, &key);
+        let (tangential, _) = self.worn(at);
+        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        let boundary = Boundary { limit: (judged.limit * scale).min(UNLIMITED), ..judged };
+        let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration);
+        Vibration { forced: judged.forced * at.depth / scale * at.feed_per_tooth, ..vibration }
+    }
+
+    /// Rate at which a disturbance grows (1/s): negative in a stable cut.
+    pub(crate) fn growth_rate(&self, at: &Tooth) -> f64 {
+        let judge = || -> Result<f64, ChatterError> {
+            let (cut, speed, scale) = self.judged(at, &self.key(at))?;
+            let mut at_speed: AtSpeed<'_> = match at.variation {
+                None => cut.at_speed(speed)?,
+                Some(variation) => cut.at_varying_speed(speed, variation)?,
+            };
+            let verdict = at_speed.verdict(at.depth / scale)?;
+            Ok(verdict.spectral_radius.ln() / verdict.period)
+        };
+        judge().unwrap_or(0.0)
+    }
+}
+
+/// Coefficient at which straight teeth are judged (Pa): limits go with its inverse.
+const NOMINAL: f64 = 1e9;

@@ -1,0 +1,244 @@
+//! What vibrates in turning.
+
+use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, UNLIMITED, Vibration, rounded, scattered};
+use std::f64::consts::TAU;
+use toolroom_chatter::paper::Reduced;
+use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedVariation, Turning};
+
+/// Tool, workpiece and chuck around a turned cut.
+///
+/// The cutting coefficient is that of the sharp nominal edge in nominal material, per depth of
+/// cut and along the chip thickness, which counts as the feed.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+/// use toolroom_chatter::Mode;
+/// use toolroom_cutting::{Regeneration, Turning, TurningInput, TurningStructure};
+/// use toolroom_process::Process;
+/// let mode = Mode { direction: [1.0, 0.0], natural_frequency: 180.0, damping_ratio: 0.03, stiffness: 8e6 };
+/// let cut = toolroom_chatter::Turning::orthogonal(vec![mode], 2e9, 0.04);
+/// let structure = TurningStructure::new(cut, None, Regeneration::default()).unwrap();
+/// let turning = Turning { structure: Some(Arc::new(structure)), ..Turning::named("c45_t15k6").unwrap() };
+/// let deep = TurningInput { cutting_speed: 2.5, depth_of_cut: 2e-3, workpiece_diameter: 0.04, ..Default::default() };
+/// let output = turning.output(&turning.initial(), &deep);
+/// assert!(output.stable == 0.0 && output.stability_margin < 0.0 && output.vibration_amplitude > 1e-5);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct TurningStructure {
+    /// Modes but for the bar's, coefficient, process damping of the sharp edge.
+    cut: Turning,
+    /// The workpiece, and the place of the tool where none is given (m from the jaws).
+    bar: Option<(Bar, f64)>,
+    /// What wear changes.
+    pub regeneration: Regeneration,
+    boundaries: Memo<Key, Boundary>,
+    chucks: Memo<ChuckKey, f64>,
+}
+
+/// What a verdict depends on, rounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    speed: i32,
+    damping: i32,
+    place: u32,
+    frequency_factor: u64,
+    damping_factor: u64,
+    diameter: u64,
+    variation: (u64, u32),
+}
+
+/// What the verdict on a modulated chuck depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct ChuckKey {
+    cut: Key,
+    stiffness: i32,
+    modulation: u64,
+}
+
+/// Places along a bar at which its compliance is taken.
+const PLACES: f64 = 64.0;
+/// Depths over the limit of constant speed to which the limit of varying speed is searched.
+const SEARCHED: f64 = 4.0;
+/// Ratio of depth to limit at which the limit cycle of a modulated chuck is taken; assumption.
+const PARAMETRIC_RATIO: f64 = 1.05;
+
+/// One operating point of an edge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    /// rad/s.
+    pub spindle_speed: f64,
+    pub depth: f64,
+    pub feed: f64,
+    pub diameter: f64,
+    pub flank_wear: f64,
+    pub wear_ratio: f64,
+    /// Factor on the cutting coefficient of the sharp edge.
+    pub coefficient: f64,
+    /// Process damping on top of the structure's (N/m).
+    pub process_damping: f64,
+    /// Amplitude of the chuck's stiffness.
+    pub modulation: f64,
+    /// Of the tool, from the jaws (m); 0 where not given.
+    pub position: f64,
+    pub frequency_factor: f64,
+    pub damping_factor: f64,
+    pub variation: Option<SpeedVariation>,
+}
+
+impl TurningStructure {
+    /// Modes, coefficient and process damping of `cut`; a `bar` adds its bending at the tool, at a
+    /// place (m from the jaws) that the input may change.
+    ///
+    /// # Errors
+    /// What the stability model refuses.
+    pub fn new(cut: Turning, bar: Option<(Bar, f64)>, regeneration: Regeneration) -> Result<Self, ChatterError> {
+        let structure = Self { cut, bar, regeneration, boundaries: Memo::default(), chucks: Memo::default() };
+        // Refuses now what would be refused in every verdict.
+        match structure.at_place(structure.bar.map_or(0.0, |(_, place)| place))?.limit(1.0) {
+            Err(ChatterError::NoLimit { .. }) | Ok(_) => Ok(structure),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The cut of a sharp edge with all modes, the bar's at `place`.
+    ///
+    /// # Errors
+    /// A place off the bar.
+    pub fn at_place(&self, place: f64) -> Result<Turning, ChatterError> {
+        let mut cut = self.cut.clone();
+        if let Some((bar, _)) = &self.bar {
+            cut.modes.push(bar.mode_at(place)?);
+        }
+        Ok(cut)
+    }
+
+    /// Length of the workpiece out of the jaws (m), where it bends.
+    pub fn bar_length(&self) -> Option<f64> {
+        self.bar.map(|(bar, _)| bar.length)
+    }
+
+    /// Process damping of a worn edge (N/m).
+    fn process_damping(&self, at: &Edge) -> f64 {
+        let land = self.regeneration.indentation_force * at.flank_wear * at.flank_wear;
+        self.cut.process_damping + at.process_damping + 0.5 * land
+    }
+
+    /// Factor of wear, hardness and effects on the cutting coefficient.
+    fn coefficient(&self, at: &Edge) -> f64 {
+        at.coefficient * (1.0 + self.regeneration.coefficient_growth * at.wear_ratio)
+    }
+
+    fn key(&self, at: &Edge) -> Key {
+        let ratio = self.process_damping(at) / self.coefficient(at);
+        let place = self.bar.map_or(0, |(bar, place)| {
+            let place = if at.position > 0.0 { at.position } else { place };
+            ((place / bar.length * PLACES).round() as u32).max(1)
+        });
+        Key {
+            speed: rounded(at.spindle_speed, SPEED_STEP).0,
+            damping: rounded(ratio, DAMPING_STEP).0,
+            place,
+            frequency_factor: at.frequency_factor.to_bits(),
+            damping_factor: at.damping_factor.to_bits(),
+            diameter: at.diameter.to_bits(),
+            variation: at.variation.map_or((0, 0), |v| (v.amplitude.to_bits(), v.revolutions)),
+        }
+    }
+
+    /// The nominal cut of a key: only the ratio of damping to coefficient matters, the limit goes
+    /// with the inverse of the coefficient.
+    fn nominal(&self, at: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
+        let place = self.bar.map_or(0.0, |(bar, _)| (f64::from(key.place) / PLACES).min(1.0) * bar.length);
+        let cut = self.at_place(place)?;
+        let ratio = rounded(self.process_damping(at) / self.coefficient(at), DAMPING_STEP).1;
+        let modes = scattered(&cut.modes, at.frequency_factor, at.damping_factor);
+        let cut = Turning { modes, process_damping: ratio, diameter: at.diameter, ..cut };
+        Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1))
+    }
+
+    /// The boundary at nominal coefficient. What cannot be judged counts as unstable.
+    fn boundary(&self, at: &Edge, key: &Key) -> Boundary {
+        let judge = || -> Result<Boundary, ChatterError> {
+            let (cut, speed) = self.nominal(at, key)?;
+            let period = TAU / speed;
+            let still = match cut.limit(speed) {
+                Ok(limit) => Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period),
+                // The mode of a cut that no depth makes unstable does not matter.
+                Err(ChatterError::NoLimit { .. }) => {
+                    return Ok(Boundary::at(UNLIMITED, ChatterKind::Stable, 0.0, &cut.modes, period));
+                }
+                Err(error) => return Err(error),
+            };
+            let Some(variation) = at.variation else { return Ok(still) };
+            let limit = match cut.limit_at_varying_speed(speed, variation, SEARCHED * still.limit) {
+                Ok(limit) => limit.depth,
+                Err(ChatterError::NoLimit { searched }) => searched,
+                // Not found: that of constant speed, which variation seldom lowers.
+                Err(_) => still.limit,
+            };
+            Ok(Boundary { limit, ..still })
+        };
+        let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.cut.modes, TAU / at.spindle_speed);
+        self.boundaries.of(*key, || judge().unwrap_or_else(refused))
+    }
+
+    /// How the cut vibrates.
+    pub(crate) fn vibration(&self, at: &Edge) -> Vibration {
+        let key = self.key(at);
+        let nominal = self.boundary(at, &key);
+        let boundary = Boundary { limit: nominal.limit / self.coefficient(at), ..nominal };
+        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration);
+        if at.modulation <= 0.0 || !vibration.stable() {
+            return vibration;
+        }
+        let critical = self.critical_modulation(at, &key);
+        let margin = vibration.margin.min(1.0 - at.modulation / critical);
+        let judged = Vibration { margin, ..vibration };
+        if margin >= 0.0 {
+            return judged;
+        }
+        let boundary = Boundary { kind: ChatterKind::Parametric, ..boundary };
+        judged.chattering(&boundary, PARAMETRIC_RATIO, at.feed, &self.regeneration)
+    }
+
+    /// Modulation of the chuck's stiffness at which the softest mode becomes unstable; twice the
+    /// present one where it is not below that.
+    fn critical_modulation(&self, at: &Edge, key: &Key) -> f64 {
+        let stiffness = at.depth * self.cut.cutting_coefficient * self.coefficient(at);
+        let (stiffness, rounded_stiffness) = rounded(stiffness, DAMPING_STEP);
+        let key = ChuckKey { cut: *key, stiffness, modulation: at.modulation.to_bits() };
+        self.chucks.of(key, || {
+            let searched = 2.0 * at.modulation;
+            let judge = || -> Result<f64, ChatterError> {
+                let (cut, speed) = self.nominal(at, &key.cut)?;
+                let softest = cut.modes.iter().min_by(|a, b| a.stiffness.total_cmp(&b.stiffness));
+                let Some(mode) = softest else { return Err(ChatterError::NoModes) };
+                let chuck = modulated(mode, rounded_stiffness);
+                Ok(chuck.critical_modulation(3.0 * speed / chuck.natural_frequency(), searched)?.unwrap_or(searched))
+            };
+            judge().unwrap_or(0.5 * at.modulation)
+        })
+    }
+
+    /// Rate at which a disturbance grows (1/s): negative in a stable cut.
+    pub(crate) fn growth_rate(&self, at: &Edge) -> f64 {
+        let judge = || -> Result<f64, ChatterError> {
+            let (cut, speed) = self.nominal(at, &self.key(at))?;
+            let depth = at.depth * self.coefficient(at);
+            let verdict = match at.variation {
+                Some(variation) => cut.verdict_at_varying_speed(speed, variation, depth)?,
+                None => cut.verdict_without_margin(speed, depth)?,
+            };
+            Ok(verdict.spectral_radius.ln() / verdict.period)
+        };
+        judge().unwrap_or(0.0)
+    }
+}
+
+/// The mode as the system of one degree of freedom in a chuck of three jaws, without lag.
+fn modulated(mode: &Mode, cutting_stiffness: f64) -> Reduced {
+    let mass = mode.mass();
+    let damping = 2.0 * mode.damping_ratio * mode.angular_frequency() * mass;
+    Reduced { mass, damping, stiffness: mode.stiffness, cutting_stiffness, lag: 0.0 }
+}
