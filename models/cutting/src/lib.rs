@@ -46,4 +46,4 @@ mod vibration;
 
 pub use milling::{Cutter, CutterLife, EdgeForce, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
 pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningOutput, TurningState};
-pub use vibration::{MillingStructure, Regeneration, TurningStructure, UNLIMITED, Vibration};
+pub use vibration::{MillingStructure, Regeneration, TurningStructure, Vibration};

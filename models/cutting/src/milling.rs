@@ -6,11 +6,14 @@ mod life;
 mod records;
 mod runout;
 mod sets;
+mod vibration;
 
 pub use claims::claims;
 pub use records::{Cutter, CutterLife, EdgeForce, MillingInput, MillingOutput, MillingState};
 pub use sets::MILLING_SETS;
 
+use crate::vibration::MillingStructure;
+use std::sync::Arc;
 use toolroom_effects::Effects;
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
@@ -47,6 +50,8 @@ pub struct Milling<N: Copy = f64> {
     pub chipping: Chipping<N>,
     /// Effects that are switched on.
     pub effects: Effects<N>,
+    /// What vibrates around the cut; without one every cut is stable and none is asked.
+    pub structure: Option<Arc<MillingStructure>>,
 }
 
 impl Default for Milling {
@@ -58,6 +63,7 @@ impl Default for Milling {
             life: CutterLife::default(),
             chipping: Chipping::default(),
             effects: Effects::default(),
+            structure: None,
         }
     }
 }
@@ -83,6 +89,7 @@ impl<N: Number> Milling<N> {
             life: self.life.map(&mut convert),
             chipping: self.chipping.map(&mut convert),
             effects: self.effects.map(&mut convert),
+            structure: self.structure.clone(),
         }
     }
 }
@@ -113,8 +120,8 @@ impl Milling {
         if u.engaged == 0.0 {
             return Ok((*x, Advance { elapsed: dt, event: None }));
         }
-        // Without effects the cutter changes the cut by its land alone.
-        let settled = self.effects.is_empty();
+        // Without effects and structure the cutter changes the cut by its land alone.
+        let settled = self.effects.is_empty() && self.structure.is_none();
         let first = self.engagement(x, u);
         let rates = |y: &[f64; STATES]| {
             let x = MillingState::from_slice(y);
@@ -202,6 +209,9 @@ impl Process for Milling {
             ("chipping", &mut self.chipping),
         ];
         groups.extend(self.effects.parameters_mut());
+        if let Some(structure) = &mut self.structure {
+            groups.push(("regeneration", &mut Arc::make_mut(structure).regeneration));
+        }
         groups
     }
 }

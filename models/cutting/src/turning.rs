@@ -3,12 +3,15 @@
 mod equations;
 mod life;
 mod records;
+mod vibration;
 
 pub use life::LifeModel;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 
+use crate::vibration::TurningStructure;
 use equations::Engagement;
 use std::borrow::Cow;
+use std::sync::Arc;
 use toolroom_effects::Effects;
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
@@ -34,12 +37,14 @@ pub struct Turning<N: Copy = f64> {
     pub finish: Finish<N>,
     /// Effects that are switched on.
     pub effects: Effects<N>,
+    /// What vibrates around the cut; without one every cut is stable and none is asked.
+    pub structure: Option<Arc<TurningStructure>>,
 }
 
 impl Default for Turning {
     /// The default pair, no effects.
     fn default() -> Self {
-        Self { pair: Pair::default(), finish: Finish::default(), effects: Effects::default() }
+        Self { pair: Pair::default(), finish: Finish::default(), effects: Effects::default(), structure: None }
     }
 }
 
@@ -101,6 +106,7 @@ impl<N: Number> Turning<N> {
             pair: self.pair.map(&mut convert),
             finish: self.finish.map(&mut convert),
             effects: self.effects.map(&mut convert),
+            structure: self.structure.clone(),
         }
     }
 }
@@ -154,8 +160,8 @@ impl Process for Turning {
             *x = cooled(x, dt);
             return Ok(Advance { elapsed: dt, event: None });
         }
-        // Without effects the edge changes the contact by its land alone, a ramp by its speed.
-        let settled = self.effects.is_empty();
+        // Without effects and structure the edge changes the contact by its land alone, a ramp by its speed.
+        let settled = self.effects.is_empty() && self.structure.is_none();
         let held = u.cutting_acceleration == 0.0;
         let engagement = |time: f64, x: &TurningState| match (settled, held) {
             (true, true) => Cow::Borrowed(&first),
@@ -164,7 +170,7 @@ impl Process for Turning {
         };
         let rates = |time: f64, y: &[f64; STATES]| {
             let x = TurningState::from_slice(y);
-            engagement(time, &x).rates(&x)
+            self.mean_rates(&engagement(time, &x), &x, u)
         };
         let rhs = |time: f64, y: &[f64; STATES]| {
             let mut slope = [0.0; STATES];
@@ -210,6 +216,9 @@ impl Process for Turning {
         let mut groups = self.pair.parameters_mut();
         groups.push(("finish", &mut self.finish));
         groups.extend(self.effects.parameters_mut());
+        if let Some(structure) = &mut self.structure {
+            groups.push(("regeneration", &mut Arc::make_mut(structure).regeneration));
+        }
         groups
     }
 }

@@ -14,11 +14,8 @@ pub(crate) use turning::Edge;
 pub use turning::TurningStructure;
 
 use memo::Memo;
-use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode};
+use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode, SpeedVariation};
 use toolroom_process::record;
-
-/// Limit of a cut that has none (m).
-pub const UNLIMITED: f64 = 1.0;
 
 record! {
     /// How wear changes the regenerative cut, and how chatter wears the edge.
@@ -51,7 +48,7 @@ record! {
 /// Vibration of one operating point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
-    /// Depth at which the cut becomes unstable (m); [`UNLIMITED`] where none was found.
+    /// Depth at which the cut becomes unstable (m); infinite where none does.
     pub limit: f64,
     /// `1 − depth/limit`; less where a modulated chuck leaves less.
     pub margin: f64,
@@ -61,7 +58,8 @@ pub struct Vibration {
     pub frequency: f64,
     /// Amplitude of chatter (m), half of peak to peak; 0 in a stable cut.
     pub chatter: f64,
-    /// Amplitude of the forced vibration (m).
+    /// Amplitude of the vibration that the teeth of a mill force in a stable cut (m), from the
+    /// cutting part of the force alone.
     pub forced: f64,
     /// Factor of chatter on force-driven wear.
     pub wear_factor: f64,
@@ -72,7 +70,7 @@ pub struct Vibration {
 impl Vibration {
     /// No structure, no vibration.
     pub const NONE: Self = Self {
-        limit: UNLIMITED,
+        limit: f64::INFINITY,
         margin: 1.0,
         kind: ChatterKind::Stable,
         frequency: 0.0,
@@ -89,7 +87,7 @@ impl Vibration {
 
     /// A cut of `depth` (m) below or beyond `boundary` with `chip` (m) in the mean.
     fn judged(boundary: &Boundary, depth: f64, chip: f64, regeneration: &Regeneration) -> Self {
-        let limit = boundary.limit.min(UNLIMITED);
+        let limit = boundary.limit;
         let margin = 1.0 - depth / limit;
         let stable = Self { limit, margin, frequency: boundary.frequency, ..Self::NONE };
         if margin >= 0.0 { stable } else { stable.chattering(boundary, depth / limit, chip, regeneration) }
@@ -145,6 +143,11 @@ fn scattered(modes: &[Mode], frequency_factor: f64, damping_factor: f64) -> Vec<
         ..*mode
     };
     modes.iter().map(other).collect()
+}
+
+/// The variation of the spindle speed that an input asks for.
+pub(crate) fn variation(amplitude: f64, revolutions: f64) -> Option<SpeedVariation> {
+    (amplitude > 0.0).then_some(SpeedVariation { amplitude, revolutions: revolutions as u32 })
 }
 
 /// Steps of the logarithm of speed to which verdicts are rounded: half a part in a thousand.

@@ -22,7 +22,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "chuck_stiffness",
     title: "the chuck is stiffer over a jaw than between two",
     size: &ChuckStiffness::<f64>::FIELDS[0],
-    channels: &[rises("vibration_rms"), rises("roughness_ra")],
+    channels: &[rises("vibration_rms")],
     regime: "three times a revolution; speeds of 2/3 and 1/3 of the natural frequency",
     confounder: "regenerative chatter",
     separating_test: "change the speed by 10 %: parametric regions are a few percent wide; clamp in a collet",

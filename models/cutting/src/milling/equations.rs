@@ -2,6 +2,7 @@
 
 use super::runout::{self, Contact};
 use super::{Milling, MillingInput, MillingOutput, MillingState, least};
+use crate::vibration::Vibration;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
@@ -48,8 +49,17 @@ struct Coefficients<N> {
 }
 
 impl<N: Number> Milling<N> {
-    /// What the effects make of this instant.
+    /// What effects and chatter make of this instant.
     pub(super) fn terms(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Terms<N> {
+        let mut terms = self.effect_terms(x, u);
+        if self.structure.is_some() {
+            terms.mechanical_wear *= self.judged(x, u, &terms).wear_factor;
+        }
+        terms
+    }
+
+    /// What the effects make of this instant.
+    pub(super) fn effect_terms(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Terms<N> {
         self.effects.terms(&Context {
             flank_wear: x.flank_wear,
             cutting_time: x.cutting_time,
@@ -70,7 +80,7 @@ impl<N: Number> Milling<N> {
     }
 
     /// Radial width of cut that the cutter meets, at most its diameter.
-    fn width(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+    pub(super) fn width(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
         least(u.width_of_cut + terms.width_of_cut, self.cutter.diameter)
     }
 
@@ -165,7 +175,7 @@ impl<N: Number> Milling<N> {
         runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * self.steepest(u, terms))
     }
 
-    fn teeth(&self) -> u32 {
+    pub(super) fn teeth(&self) -> u32 {
         self.cutter.teeth.re() as u32
     }
 
@@ -174,8 +184,10 @@ impl<N: Number> Milling<N> {
         let l = &self.life;
         // The heaviest tooth decides; under runout its chip is that of a higher feed.
         let feed = self.peak_chip_thickness(u, terms) / self.steepest(u, terms);
-        let speed = u.cutting_speed / l.reference_speed;
-        let speed = if speed.re() > 0.0 { speed.powd(l.speed_exponent) } else { N::from(0.0) };
+        let power = |speed: N| {
+            if speed.re() > 0.0 { (speed / l.reference_speed).powd(l.speed_exponent) } else { N::from(0.0) }
+        };
+        let speed = Self::mean_over_variation(u, power);
         speed
             * (feed / l.reference_feed).powd(l.feed_exponent)
             * (u.depth_of_cut / l.reference_depth).powd(l.depth_exponent)
@@ -210,13 +222,24 @@ impl<N: Number> Milling<N> {
         }
     }
 
+    /// Amplitude of the vibration that the teeth force. A structure answers to the cutting part of
+    /// the force at the greatest `section` of the chip; edge, land and runout raise it with the peak. Without a
+    /// structure one tooth at a time bends the cutter and lets it back (assumption).
+    fn forced_amplitude(&self, shaken: &Vibration, peak: N, section: N, k: &Coefficients<N>) -> N {
+        if shaken.forced <= 0.0 {
+            return peak / self.cutter.static_stiffness * 0.5;
+        }
+        let (t, r) = (k.tangential_cutting, k.radial_cutting);
+        peak / (section * (t * t + r * r).sqrt()) * shaken.forced
+    }
+
     /// Everything that can be observed.
     ///
     /// | output | equation |
     /// |---|---|
     /// | peak_chip_thickness | `f_z sin φ + 2ρ sin(π/z)`, `φ = min(ψ, π/2)`, ρ the runout, at most what the teeth left |
     /// | peak_tooth_force | `a_p · √((K_tc h + K_te)² + (K_rc h + K_re)²)` at that thickness |
-    /// | roughness_ra | `min(f_z²/(4D) + 2ρ, (z f_z)²/(4D))/4`: each tooth leaves its mark until runout lets only the highest one |
+    /// | roughness_ra | `min(f_z²/(4D) + 2ρ, (z f_z)²/(4D))/4`: each tooth leaves its mark until runout lets only the highest one; and `2/π` of the amplitude of chatter, in quadrature (assumption) |
     /// | form_error | `F_n/static_stiffness` |
     /// | size_error | `VB·tan α + (F_n − F_n of the new cutter)/static_stiffness` |
     pub fn observe(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingOutput<N> {
@@ -225,7 +248,7 @@ impl<N: Number> Milling<N> {
         let c = &self.cutter;
         let force = self.mean_force(x.flank_wear, &at);
         let fresh = MillingState { flank_wear: N::from(0.0), ..*x };
-        let unworn = if self.effects.is_empty() { at } else { self.engagement(&fresh, u) };
+        let unworn = if self.effects.is_empty() && self.structure.is_none() { at } else { self.engagement(&fresh, u) };
         let new = self.mean_force(fresh.flank_wear, &unworn);
         let width = self.width(u, &terms);
         let chip = self.peak_chip_thickness(u, &terms) * u.engaged;
@@ -238,6 +261,12 @@ impl<N: Number> Milling<N> {
         let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
         let damage = at.damage_rate;
         let endless = damage.re() * LONGEST_LIFE <= 1.0;
+        let ideal = least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25;
+        let shaken = self.judged(x, u, &terms);
+        let peak = u.depth_of_cut * (tangential * tangential + radial * radial).sqrt() * u.engaged;
+        let amplitude = self.forced_amplitude(&shaken, peak, u.depth_of_cut * chip, &k) + shaken.chatter;
+        let frequency =
+            if shaken.chatter > 0.0 { N::from(shaken.frequency) } else { rotation * c.teeth / TAU * u.engaged };
         MillingOutput {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.life.wear_limit,
@@ -245,16 +274,27 @@ impl<N: Number> Milling<N> {
             cutting_force: force.tangential * terms.force_reading + terms.force_offset,
             feed_force: force.feed * terms.force_reading,
             normal_force: force.normal,
-            peak_tooth_force: u.depth_of_cut * (tangential * tangential + radial * radial).sqrt() * u.engaged,
+            peak_tooth_force: peak,
             spindle_power: force.tangential * u.cutting_speed + terms.spindle_loss,
             spindle_speed: rotation,
             feed_rate,
             material_removal_rate: u.depth_of_cut * width * feed_rate,
             engagement_angle: psi,
             peak_chip_thickness: chip,
-            roughness_ra: least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25,
+            roughness_ra: if shaken.chatter > 0.0 {
+                (ideal * ideal + (2.0 / PI * shaken.chatter).powi(2)).sqrt()
+            } else {
+                ideal
+            },
             form_error: force.normal / c.static_stiffness + terms.form_error,
             size_error: x.flank_wear * c.clearance_angle.tan() + (force.normal - new.normal) / c.static_stiffness,
+            stable: N::from(f64::from(u8::from(shaken.stable()))),
+            stability_margin: N::from(shaken.margin),
+            vibration_amplitude: amplitude,
+            vibration_rms: amplitude * std::f64::consts::FRAC_1_SQRT_2,
+            dominant_frequency: frequency,
+            chatter_growth_rate: if shaken.stable() { N::from(0.0) } else { N::from(self.growth_rate(x, u, &terms)) },
+            force_ripple: N::from(shaken.force_ripple),
         }
     }
 }

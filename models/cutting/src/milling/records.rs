@@ -105,16 +105,14 @@ record! {
         size_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
         /// Whether the cut is stable; without a structure it is.
         stable: Boolean = 1.0;
-        /// Least unstable depth of cut found; 1 m without a structure.
-        stability_limit: Real["m" => "mm"] = 1.0, 0.0..=1.0;
-        /// `1 − depth_of_cut/stability_limit`, negative in an unstable cut.
+        /// `1 − depth_of_cut/limit`, the limit being the least unstable depth; negative in an
+        /// unstable cut, 1 where no depth is unstable or none is judged.
         stability_margin: Real = 1.0, -1e9..=1.0;
         /// Amplitude of the vibration normal to the wall, half of peak to peak.
         vibration_amplitude: Real["m" => "um"] = 0.0, 0.0..=1.0;
         /// Root mean square of a sinusoid of that amplitude.
         vibration_rms: Real["m" => "um"] = 0.0, 0.0..=1.0;
-        /// Frequency of the strongest vibration: of chatter, else of the teeth; 0 without a
-        /// structure.
+        /// Frequency of chatter, else of the teeth.
         dominant_frequency: Real["Hz" => "Hz"] = 0.0, 0.0..=1e6;
         /// Growth rate of an unstable vibration; 0 in a stable cut.
         chatter_growth_rate: Real["1/s" => "1/s"] = 0.0, 0.0..=1e6;

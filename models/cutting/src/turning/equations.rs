@@ -26,6 +26,12 @@ impl<N: Number> Engagement<'_, N> {
         }
     }
 
+    /// Cutting speed (m/s).
+    #[inline]
+    pub fn cutting_speed(&self) -> N {
+        self.contact.cut().cutting_speed
+    }
+
     /// What softening of the hot work material leaves of the specific cutting force at a contact
     /// temperature.
     #[inline]
@@ -61,8 +67,17 @@ impl<N: Number> Engagement<'_, N> {
 }
 
 impl<N: Number> Turning<N> {
-    /// What the effects make of this instant.
+    /// What effects and chatter make of this instant.
     pub(crate) fn terms(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Terms<N> {
+        let mut terms = self.effect_terms(x, u);
+        if self.structure.is_some() {
+            terms.mechanical_wear *= self.judged(x, u, &terms).wear_factor;
+        }
+        terms
+    }
+
+    /// What the effects make of this instant.
+    pub(super) fn effect_terms(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Terms<N> {
         self.effects.terms(&Context {
             flank_wear: x.flank_wear,
             cutting_time: x.cutting_time,
@@ -115,7 +130,7 @@ impl<N: Number> Turning<N> {
 
     /// Right-hand side: rates per second.
     pub fn rates(&self, x: &TurningState<N>, u: &TurningInput<N>) -> TurningState<N> {
-        self.engagement(x, u).rates(x)
+        self.mean_rates(&self.engagement(x, u), x, u)
     }
 
     /// Everything that can be observed, as the sensors read it: their effects act on forces,
@@ -125,7 +140,7 @@ impl<N: Number> Turning<N> {
     /// |---|---|
     /// | passive_force | `feed_force / tan κ` |
     /// | peak_cutting_force | cutting force at `depth_of_cut + runout` |
-    /// | roughness_ra | `f²/(32 r_ε)`, the ideal profile (Rz = f²/(8 r_ε), Ra ≈ Rz/4) |
+    /// | roughness_ra | `f²/(32 r_ε)`, the ideal profile (Rz = f²/(8 r_ε), Ra ≈ Rz/4), and `2/π` of the amplitude of chatter, in quadrature (assumption) |
     /// | size_error | `flank_wear·tan α_o + (F_p - F_p of the new edge)/static_stiffness` |
     pub fn observe(&self, x: &TurningState<N>, u: &TurningInput<N>) -> TurningOutput<N> {
         let at = self.engagement(x, u);
@@ -141,6 +156,9 @@ impl<N: Number> Turning<N> {
         let runs_true = N::NDERIV == 0 && terms.runout.re() == 0.0;
         let eccentric = Cut { depth_of_cut: cut.depth_of_cut + terms.runout, ..*cut };
         let peak = if runs_true { *load } else { self.pair.force.load(&eccentric) };
+        let passive_force = feed_force / edge_angle;
+        let shaken = self.shaken(x, u, terms, passive_force);
+        let marks = u.feed_per_rev * u.feed_per_rev / self.finish.corner_radius / 32.0;
         TurningOutput {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.pair.limits.wear_limit,
@@ -151,14 +169,26 @@ impl<N: Number> Turning<N> {
             wear_balance: point.wear_balance,
             cutting_force: cutting_force * terms.force_reading + terms.force_offset,
             feed_force: feed_force * terms.force_reading,
-            passive_force: feed_force / edge_angle,
+            passive_force,
             peak_cutting_force: peak.times(warm).cutting(x.flank_wear) * terms.cutting_force * cut.engaged,
             spindle_power: cutting_force * u.cutting_speed + terms.spindle_loss,
             thermo_emf: point.thermo_emf,
             spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
             material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,
-            roughness_ra: u.feed_per_rev * u.feed_per_rev / self.finish.corner_radius / 32.0,
+            roughness_ra: if shaken.roughness > 0.0 { hypotenuse(marks, shaken.roughness) } else { marks },
             size_error: x.flank_wear * self.finish.clearance_angle.tan() + deflection,
+            stable: N::from(f64::from(u8::from(shaken.verdict.stable()))),
+            stability_margin: N::from(shaken.verdict.margin),
+            vibration_amplitude: shaken.amplitude,
+            vibration_rms: shaken.amplitude * std::f64::consts::FRAC_1_SQRT_2,
+            dominant_frequency: shaken.frequency,
+            chatter_growth_rate: N::from(shaken.growth_rate),
+            force_ripple: N::from(shaken.verdict.force_ripple),
         }
     }
+}
+
+/// Two contributions to the roughness together.
+fn hypotenuse<N: Number>(marks: N, vibration: f64) -> N {
+    (marks * marks + vibration * vibration).sqrt()
 }

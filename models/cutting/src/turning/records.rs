@@ -124,15 +124,14 @@ record! {
         size_error: Real["m" => "um"] = 0.0, -1.0..=1.0;
         /// Whether the cut is stable; without a structure it is.
         stable: Boolean = 1.0;
-        /// Least unstable depth of cut; 1 m where none was found.
-        stability_limit: Real["m" => "mm"] = 1.0, 0.0..=1.0;
-        /// `1 − depth_of_cut/stability_limit`, negative in an unstable cut.
+        /// `1 − depth_of_cut/limit`, the limit being the least unstable depth; negative in an
+        /// unstable cut, 1 where no depth is unstable or none is judged.
         stability_margin: Real = 1.0, -1e9..=1.0;
         /// Amplitude of the vibration between tool and workpiece, half of peak to peak.
         vibration_amplitude: Real["m" => "um"] = 0.0, 0.0..=1.0;
         /// Root mean square of a sinusoid of that amplitude.
         vibration_rms: Real["m" => "um"] = 0.0, 0.0..=1.0;
-        /// Frequency of the strongest vibration; 0 where nothing vibrates.
+        /// Frequency of chatter, else of runout or the chuck's lobes; 0 where there is neither.
         dominant_frequency: Real["Hz" => "Hz"] = 0.0, 0.0..=1e6;
         /// Growth rate of an unstable vibration; 0 in a stable cut.
         chatter_growth_rate: Real["1/s" => "1/s"] = 0.0, 0.0..=1e6;
@@ -145,8 +144,8 @@ record! {
     /// What decides size and finish.
     ///
     /// # Source
-    /// Corner radius of ISO 1832 series 08; clearance angle of a negative insert in its holder
-    /// and static stiffness are assumptions.
+    /// Corner radius of ISO 1832 series 08; clearance angle of a negative insert in its holder,
+    /// static stiffness and fluctuation of the force are assumptions.
     pub struct Finish {
         /// Corner radius r_ε.
         corner_radius: Real["m" => "mm"] = 0.8e-3, 1e-6..=1.0;
@@ -154,6 +153,8 @@ record! {
         clearance_angle: Real["rad" => "deg"] = 0.104_719_755, 0.0..=0.7;
         /// Static stiffness between tool and workpiece in the passive direction.
         static_stiffness: Real["N/m" => "N/um"] = 30e6, 1e5..=1e12;
+        /// Amplitude of the passive force by chip formation, over its mean.
+        force_fluctuation: Real = 0.05, 0.0..=1.0;
         /// Rate at which thermal damage builds up at the reference temperature, where the wear
         /// law itself gives none.
         thermal_damage_rate: Real["1/s" => "1/min"] = 0.5 / 60.0, 0.0..=10.0;

@@ -1,6 +1,6 @@
 //! What vibrates in milling.
 
-use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, UNLIMITED, Vibration, rounded, scattered};
+use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, Vibration, rounded, scattered};
 use std::f64::consts::TAU;
 use toolroom_chatter::{
     AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation,
@@ -167,7 +167,7 @@ impl MillingStructure {
         let judged = self.boundary(at, &key);
         let (tangential, _) = self.worn(at);
         let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
-        let boundary = Boundary { limit: (judged.limit * scale).min(UNLIMITED), ..judged };
+        let boundary = Boundary { limit: judged.limit * scale, ..judged };
         let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration);
         Vibration { forced: judged.forced * at.depth / scale * at.feed_per_tooth, ..vibration }
     }

@@ -1,6 +1,6 @@
 //! What vibrates in turning.
 
-use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, UNLIMITED, Vibration, rounded, scattered};
+use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, Vibration, rounded, scattered};
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
 use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedVariation, Turning};
@@ -166,7 +166,7 @@ impl TurningStructure {
                 Ok(limit) => Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period),
                 // The mode of a cut that no depth makes unstable does not matter.
                 Err(ChatterError::NoLimit { .. }) => {
-                    return Ok(Boundary::at(UNLIMITED, ChatterKind::Stable, 0.0, &cut.modes, period));
+                    return Ok(Boundary::at(f64::INFINITY, ChatterKind::Stable, 0.0, &cut.modes, period));
                 }
                 Err(error) => return Err(error),
             };

@@ -1,0 +1,66 @@
+//! Verdicts of milling.
+
+use super::{Milling, MillingInput, MillingState};
+use crate::vibration::{Tooth, Vibration, variation};
+use std::f64::consts::FRAC_1_SQRT_2;
+use toolroom_effects::Terms;
+use toolroom_process::Number;
+
+impl<N: Number> Milling<N> {
+    /// How the cut vibrates: the verdict of the structure, without derivatives.
+    pub fn vibration(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Vibration {
+        if self.structure.is_none() {
+            return Vibration::NONE;
+        }
+        self.judged(x, u, &self.effect_terms(x, u))
+    }
+
+    /// The verdict under effects that are worked out.
+    pub(super) fn judged(&self, x: &MillingState<N>, u: &MillingInput<N>, terms: &Terms<N>) -> Vibration {
+        match &self.structure {
+            Some(structure) if u.engaged.re() > 0.0 && u.cutting_speed.re() > 0.0 => {
+                structure.vibration(&self.tooth(x, u, terms))
+            }
+            _ => Vibration::NONE,
+        }
+    }
+
+    /// Rate at which an unstable vibration grows (1/s).
+    pub(super) fn growth_rate(&self, x: &MillingState<N>, u: &MillingInput<N>, terms: &Terms<N>) -> f64 {
+        let rate = |structure: &crate::MillingStructure| structure.growth_rate(&self.tooth(x, u, terms));
+        self.structure.as_deref().map_or(0.0, rate).max(0.0)
+    }
+
+    fn tooth(&self, x: &MillingState<N>, u: &MillingInput<N>, terms: &Terms<N>) -> Tooth {
+        let force = &self.force;
+        let chip = u.hardness_ratio.powd(force.hardness_exponent) * u.force_factor * terms.specific_cutting_force;
+        Tooth {
+            spindle_speed: 2.0 * u.cutting_speed.re() / self.cutter.diameter.re(),
+            depth: u.depth_of_cut.re(),
+            feed_per_tooth: u.feed_per_tooth.re(),
+            diameter: self.cutter.diameter.re(),
+            teeth: self.teeth(),
+            width: self.width(u, terms).re(),
+            down: u.down_milling.re() > 0.5,
+            flank_wear: x.flank_wear.re(),
+            wear_ratio: (x.flank_wear / self.life.wear_limit).re(),
+            tangential: (force.tangential_cutting * chip).re(),
+            radial: (force.radial_cutting * chip).re(),
+            process_damping: terms.process_damping.re(),
+            runout: terms.runout.re(),
+            frequency_factor: u.natural_frequency_factor.re(),
+            damping_factor: u.modal_damping_factor.re(),
+            variation: variation(u.speed_variation.re(), u.variation_revolutions.re()),
+        }
+    }
+
+    /// Mean of `of` the cutting speed where the speed varies: over its two Chebyshev nodes, exact
+    /// up to cubes of the variation.
+    pub(super) fn mean_over_variation(u: &MillingInput<N>, of: impl Fn(N) -> N) -> N {
+        if u.speed_variation.re() <= 0.0 {
+            return of(u.cutting_speed);
+        }
+        let at = |sign: f64| of(u.cutting_speed * (u.speed_variation * (sign * FRAC_1_SQRT_2) + 1.0));
+        (at(-1.0) + at(1.0)) * 0.5
+    }
+}

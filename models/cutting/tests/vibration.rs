@@ -1,0 +1,239 @@
+//! Turning and milling with a structure around them.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use toolroom_chatter::{Bar, Cutter, Direction, Engagement, Mode, Support};
+use toolroom_cutting::{
+    Milling, MillingInput, MillingStructure, Regeneration, Turning, TurningInput, TurningOutput, TurningState,
+    TurningStructure,
+};
+use toolroom_effects::{Effect, Effects};
+use toolroom_process::{Process, contract};
+
+const MODE: Mode = Mode { direction: [1.0, 0.0], natural_frequency: 180.0, damping_ratio: 0.03, stiffness: 8e6 };
+
+fn cut() -> toolroom_chatter::Turning {
+    toolroom_chatter::Turning::orthogonal(vec![MODE], 2e9, 0.04)
+}
+
+fn turning() -> Turning {
+    let structure = TurningStructure::new(cut(), None, Regeneration::default()).unwrap();
+    Turning { structure: Some(Arc::new(structure)), ..Turning::named("c45_t15k6").unwrap() }
+}
+
+fn turned(depth_of_cut: f64) -> TurningInput {
+    TurningInput {
+        cutting_speed: 2.5,
+        depth_of_cut,
+        workpiece_diameter: 0.04,
+        feed_per_rev: 0.2e-3,
+        ..Default::default()
+    }
+}
+
+fn milling() -> Milling {
+    let modes = vec![
+        Mode { direction: [1.0, 0.0], natural_frequency: 1800.0, damping_ratio: 0.03, stiffness: 9e6 },
+        Mode { direction: [0.0, 1.0], natural_frequency: 2000.0, damping_ratio: 0.03, stiffness: 9e6 },
+    ];
+    let structure = MillingStructure::new(modes, 0.0, 0.0, Regeneration::default()).unwrap();
+    Milling { structure: Some(Arc::new(structure)), ..Milling::default() }
+}
+
+/// The limit of a new edge is that of the stability model at the rounded speed.
+#[test]
+fn the_limit_is_that_of_the_stability_model() {
+    let turning = turning();
+    for speed in [1.9, 2.5, 3.1] {
+        let u = TurningInput { cutting_speed: speed, ..turned(0.2e-3) };
+        let expected = cut().limit(speed / 0.02).unwrap().depth;
+        let output = turning.output(&turning.initial(), &u);
+        let limit = u.depth_of_cut / (1.0 - output.stability_margin);
+        assert!((limit / expected - 1.0).abs() < 0.02, "{limit} {expected}");
+    }
+    let milling = milling();
+    let u = MillingInput { depth_of_cut: 1e-3, ..Default::default() };
+    let output = milling.output(&milling.initial(), &u);
+    let cut = toolroom_chatter::Milling {
+        modes: vec![
+            Mode { direction: [1.0, 0.0], natural_frequency: 1800.0, damping_ratio: 0.03, stiffness: 9e6 },
+            Mode { direction: [0.0, 1.0], natural_frequency: 2000.0, damping_ratio: 0.03, stiffness: 9e6 },
+        ],
+        cutter: Cutter::straight(4, 12e-3),
+        engagement: Engagement::new(0.25, Direction::Down).unwrap(),
+        force: toolroom_chatter::MillingForce::new(2389e6, 965e6),
+        feed_per_tooth: 0.05e-3,
+    };
+    let expected = cut.at_speed(output.spindle_speed).unwrap().limit(20e-3).unwrap().depth;
+    let limit = u.depth_of_cut / (1.0 - output.stability_margin);
+    assert!((limit / expected - 1.0).abs() < 0.02, "{limit} {expected}");
+}
+
+/// Chatter wears the edge faster and roughens the surface; the mean force stays.
+#[test]
+fn chatter_costs_life_and_surface_but_no_mean_force() {
+    let (with, without) = (turning(), Turning::named("c45_t15k6").unwrap());
+    let u = turned(2e-3);
+    let (a, b) = (with.output(&with.initial(), &u), without.output(&without.initial(), &u));
+    assert!(a.stable == 0.0 && b.stable == 1.0);
+    assert_eq!(a.cutting_force, b.cutting_force);
+    assert!(a.roughness_ra > 3.0 * b.roughness_ra, "{} {}", a.roughness_ra, b.roughness_ra);
+    assert!(a.mechanical_wear_per_path > 1.5 * b.mechanical_wear_per_path);
+    assert!((a.dominant_frequency / 180.0 - 1.0).abs() < 0.15, "{} Hz", a.dominant_frequency);
+    assert!(a.chatter_growth_rate > 0.0 && a.force_ripple > 0.5);
+    let (with, without) = (milling(), Milling::default());
+    let u = MillingInput { depth_of_cut: 12e-3, width_of_cut: 6e-3, ..Default::default() };
+    let (a, b) = (with.output(&with.initial(), &u), without.output(&without.initial(), &u));
+    assert!(a.stable == 0.0 && a.tool_life < 0.7 * b.tool_life && a.roughness_ra > 3.0 * b.roughness_ra);
+    assert_eq!(a.cutting_force, b.cutting_force);
+}
+
+/// A stable cut with a structure is bit for bit the cut without.
+#[test]
+fn a_stable_cut_is_the_cut_without_a_structure() {
+    let (with, without) = (turning(), Turning::named("c45_t15k6").unwrap());
+    let u = turned(0.1e-3);
+    let run = |process: &Turning| {
+        let mut x = process.initial();
+        let advance = process.advance(&mut x, &u, 300.0).unwrap();
+        (x, advance)
+    };
+    assert_eq!(run(&with), run(&without));
+    let output = with.output(&with.initial(), &u);
+    assert_eq!(
+        TurningOutput { stability_margin: 1.0, ..output },
+        without.output(&without.initial(), &u),
+        "{}",
+        output.stability_margin
+    );
+}
+
+/// Wear raises the coefficient and the damping by the land, which counts at low speed.
+#[test]
+fn a_worn_edge_is_steadier_at_low_speed_and_less_so_without_damping_by_its_land() {
+    let limit = |indentation_force: f64, speed: f64, flank_wear: f64| {
+        let regeneration = Regeneration { indentation_force, ..Default::default() };
+        let structure = TurningStructure::new(cut(), None, regeneration).unwrap();
+        let turning = Turning { structure: Some(Arc::new(structure)), ..turning() };
+        let x = TurningState { flank_wear, ..turning.initial() };
+        turning.vibration(&x, &TurningInput { cutting_speed: speed, ..turned(0.2e-3) }).limit
+    };
+    assert!(limit(4e13, 0.5, 0.5e-3) > 1.5 * limit(4e13, 0.5, 0.0));
+    assert!(limit(4e13, 6.6, 0.4e-3) / limit(4e13, 6.6, 0.0) < 1.3);
+    // Half the wear limit of 0.8 mm: a tenth more coefficient.
+    assert!((limit(0.0, 6.6, 0.4e-3) / limit(0.0, 6.6, 0.0) - 1.0 / 1.1).abs() < 1e-9);
+}
+
+#[test]
+fn process_damping_steadies_a_slow_cut_and_its_surface() {
+    let with = |id: &str, size: f64| {
+        let effect = Effect::named(id).unwrap().with_size(size);
+        Turning { effects: Effects::new(vec![effect]).unwrap(), ..turning() }
+    };
+    let slow = TurningInput { cutting_speed: 0.6, ..turned(1.2e-3) };
+    let output = |turning: &Turning| turning.output(&turning.initial(), &slow);
+    let (bare, damped) = (output(&turning()), output(&with("process_damping", 1.5e6)));
+    assert!(bare.stability_margin < 0.0 && damped.stability_margin > 0.0);
+    assert!(damped.vibration_rms < bare.vibration_rms && damped.roughness_ra < bare.roughness_ra);
+    let effect = Effect::named("process_damping").unwrap().with_size(1e6);
+    let cutter = Milling { effects: Effects::new(vec![effect]).unwrap(), ..milling() };
+    let deep = MillingInput { depth_of_cut: 6e-3, cutting_speed: 0.5, ..Default::default() };
+    let output = |milling: &Milling| milling.output(&milling.initial(), &deep);
+    let (bare, damped) = (output(&milling()), output(&cutter));
+    assert!(damped.stability_margin > bare.stability_margin);
+    assert!(damped.vibration_rms < bare.vibration_rms && damped.roughness_ra < bare.roughness_ra);
+}
+
+/// Three jaws at 2/3 of the natural frequency, the principal parametric region.
+#[test]
+fn a_modulated_chuck_vibrates_at_two_thirds_of_the_natural_frequency() {
+    let effect = Effect::named("chuck_stiffness").unwrap().with_size(0.3);
+    let turning = Turning { effects: Effects::new(vec![effect]).unwrap(), ..turning() };
+    let at = |share: f64| {
+        let spindle = share * TAU * 180.0;
+        let u = TurningInput { cutting_speed: spindle * 0.02, ..turned(0.1e-3) };
+        turning.output(&turning.initial(), &u)
+    };
+    assert_eq!((at(2.0 / 3.0 * 1.02).stable, at(0.85).stable), (0.0, 1.0));
+    // Away from it three lobes are left on the part.
+    let forced = at(0.5);
+    assert!(forced.stable == 1.0 && forced.vibration_amplitude > 0.0);
+    assert!((forced.dominant_frequency / (1.5 * 180.0) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn runout_moves_the_tool_once_a_revolution() {
+    let effect = Effect::named("runout").unwrap().with_size(20e-6);
+    let turning = Turning { effects: Effects::new(vec![effect]).unwrap(), ..Turning::named("c45_t15k6").unwrap() };
+    let u = turned(1e-3);
+    let output = turning.output(&turning.initial(), &u);
+    let share = 20e-6 / 1e-3 + turning.finish.force_fluctuation;
+    let expected = output.passive_force / turning.finish.static_stiffness * share;
+    assert!((output.vibration_amplitude / expected - 1.0).abs() < 1e-12);
+    assert!((output.dominant_frequency * TAU / output.spindle_speed - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_bar_is_softest_between_its_supports() {
+    let bar = Bar {
+        length: 0.6,
+        diameter: 0.04,
+        youngs_modulus: 2.1e11,
+        density: 7850.0,
+        damping_ratio: 0.03,
+        chuck_stiffness: 1e8,
+        support: Support::Tailstock,
+    };
+    let stiff = toolroom_chatter::Turning::orthogonal(Vec::new(), 2e9, 0.04);
+    let structure = TurningStructure::new(stiff, Some((bar, 0.3)), Regeneration::default()).unwrap();
+    let turning = Turning { structure: Some(Arc::new(structure)), ..turning() };
+    let limit =
+        |position: f64| turning.vibration(&turning.initial(), &TurningInput { position, ..turned(0.2e-3) }).limit;
+    assert!(limit(0.35) < limit(0.1) && limit(0.35) < limit(0.55));
+    assert_eq!(limit(0.0), limit(0.3));
+}
+
+/// Variation of the speed disturbs regeneration, and costs some wear.
+#[test]
+fn varying_speed_raises_the_limit_and_convex_wear() {
+    let turning = turning();
+    // On the worst side of a lobe far down.
+    let slow = TurningInput { cutting_speed: 1.2, ..turned(0.7e-3) };
+    let varied = TurningInput { speed_variation: 0.2, ..slow };
+    let limit = |u: &TurningInput| turning.vibration(&turning.initial(), u).limit;
+    assert!(limit(&varied) > 1.1 * limit(&slow), "{} {}", limit(&varied), limit(&slow));
+    // Wear of a cutter goes with the power 2.7 of speed: its mean over the sinusoid.
+    let milling = Milling::default();
+    let rate = |u: MillingInput| milling.rates(&milling.initial(), &u).flank_wear;
+    let still = MillingInput::default();
+    let ripple = rate(MillingInput { speed_variation: 0.3, ..still }) / rate(still);
+    let phases = (0..1000).map(|i| f64::from(i) / 1000.0 * TAU);
+    let mean = phases.map(|phase| (1.0 + 0.3 * phase.cos()).powf(2.7027)).sum::<f64>() / 1000.0;
+    assert!((ripple / mean - 1.0).abs() < 1e-3 && mean > 1.1, "{ripple} {mean}");
+}
+
+#[test]
+fn the_contract_holds_with_a_structure() {
+    let points =
+        vec![(turned(0.1e-3), 60.0), (turned(2e-3), 20.0), (TurningInput { engaged: 0.0, ..turned(2e-3) }, 9.0)];
+    let turning = turning();
+    contract::split_invariance(&turning, &points, 1e-5);
+    contract::determinism(&turning, &points);
+    contract::finite_outputs(&turning, &points);
+    contract::events_stop_the_step(&turning, &points);
+    let milling = milling();
+    let u = MillingInput { depth_of_cut: 12e-3, width_of_cut: 6e-3, ..Default::default() };
+    let points = vec![(MillingInput::default(), 60.0), (u, 200.0), (MillingInput { cutting_speed: 0.0, ..u }, 5.0)];
+    contract::split_invariance(&milling, &points, 1e-5);
+    contract::determinism(&milling, &points);
+    contract::finite_outputs(&milling, &points);
+}
+
+#[test]
+fn what_is_no_structure_is_refused() {
+    let limp = toolroom_chatter::Turning::orthogonal(vec![Mode { stiffness: 0.0, ..MODE }], 2e9, 0.04);
+    assert!(TurningStructure::new(limp, None, Regeneration::default()).is_err());
+    let modes = vec![Mode { damping_ratio: f64::NAN, ..MODE }];
+    assert!(MillingStructure::new(modes, 0.0, 0.0, Regeneration::default()).is_err());
+    assert!(MillingStructure::new(Vec::new(), 0.0, 0.0, Regeneration::default()).is_err());
+}
