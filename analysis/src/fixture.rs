@@ -41,8 +41,7 @@ fn policy(name: &str, speed: SpeedRule) -> PolicyRule {
         name: name.to_owned(),
         speed,
         tool_change: ToolChangeRule::WearLimit { limit: None },
-        believed_model: None,
-        sensors: SensorSheet::default(),
+        ..PolicyRule::default()
     }
 }
 

@@ -61,8 +61,7 @@ fn policy(speed: SpeedRule) -> PolicyRule {
         name: format!("{speed:?}"),
         speed,
         tool_change: ToolChangeRule::WearLimit { limit: None },
-        believed_model: None,
-        sensors: SensorSheet::default(),
+        ..PolicyRule::default()
     }
 }
 

@@ -89,6 +89,8 @@ pub enum JobOutcome {
     ToolFailure,
     /// Scrapped at inspection: size error above tolerance.
     OutOfTolerance,
+    /// Scrapped at inspection: grinding burnt the surface.
+    Burnt,
     /// Scrapped by a breakdown of the machine.
     Breakdown,
     /// Not finished at the end of the run.
@@ -102,6 +104,7 @@ impl JobOutcome {
             Self::Good => "good",
             Self::ToolFailure => "tool_failure",
             Self::OutOfTolerance => "out_of_tolerance",
+            Self::Burnt => "burnt",
             Self::Breakdown => "breakdown",
             Self::InProcess => "in_process",
         }

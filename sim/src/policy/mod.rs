@@ -12,6 +12,7 @@
 //! | `set_increment.rs` | set wear increment (mode 2) |
 //! | `tool_change.rs` | when an edge is changed |
 //! | `observer.rs` | what the sensors say about the edge |
+//! | `grinding.rs` | plunge cycles: fixed, switched by force, timed by the measured lag; dressing |
 //!
 //! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
 //! the observer's estimate from noisy channels. Only [`SpeedRule::Oracle`](crate::scenario::SpeedRule::Oracle) is shown the true wear.
@@ -21,6 +22,7 @@
 //! pause. It does not learn from one edge for the next.
 
 mod constant;
+mod grinding;
 mod observer;
 mod planned;
 mod resolve;
@@ -28,6 +30,7 @@ mod schedule;
 mod set_increment;
 mod tool_change;
 
+pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::Observer;
 pub use resolve::ResolvedPolicy;
 pub use tool_change::ChangeRule;
@@ -38,6 +41,7 @@ use planned::Planned;
 use rand_distr::{Distribution as _, StandardNormal};
 use set_increment::SetIncrement;
 use std::sync::Arc;
+use toolroom_infeed::CycleError;
 use toolroom_wear::{Pair, PairError, SpeedSchedule};
 
 /// Why a policy could not be worked out.
@@ -47,6 +51,9 @@ pub enum PolicyError {
     /// The believed model is not a shipped parameter set.
     #[error("believed model: {0}")]
     BelievedModel(#[from] PairError),
+    /// No cycle keeps the limits on a wheel of the dulling that the policy designs for.
+    #[error("grinding cycle: {0}")]
+    Cycle(#[from] CycleError),
 }
 
 /// What a controller is shown at the start of a pass.
@@ -268,8 +275,7 @@ mod tests {
                 name: "test".to_owned(),
                 speed: rules()[rule],
                 tool_change: ToolChangeRule::Predicted { limit: None },
-                believed_model: None,
-                sensors: SensorSheet::default(),
+                ..PolicyRule::default()
             };
             let cut = Cut {
                 cutting_speed: programmed,

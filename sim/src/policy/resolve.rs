@@ -3,8 +3,10 @@
 use super::constant::{self, ChangeCost};
 use super::planned::Planned;
 use super::set_increment::SetIncrement;
-use super::{Believed, ChangeRule, Controller, PolicyError, Speed, schedule};
-use crate::scenario::{Cut, MachineType, PolicyRule, Scenario, SpeedRule, ToolChangeRule, ToolType, Work};
+use super::{Believed, ChangeRule, Controller, GrindingController, PolicyError, Speed, schedule};
+use crate::scenario::{
+    Cut, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType, Work,
+};
 use crate::shop::ShopError;
 use std::sync::Arc;
 use toolroom_wear::{Pair, SpeedTable};
@@ -15,6 +17,8 @@ pub struct ResolvedPolicy {
     controllers: Vec<Controller>,
     /// Controller of every pass (of all operations of all parts) on every machine.
     of_pass: Vec<Vec<u32>>,
+    /// Cycles of grinding operations, by pass.
+    grinding: Vec<Option<Arc<GrindingController>>>,
 }
 
 impl ResolvedPolicy {
@@ -26,7 +30,8 @@ impl ResolvedPolicy {
     pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ShopError> {
         let count = scenario.policies.len();
         let rule = scenario.policies.get(policy).ok_or(ShopError::UnknownPolicy { index: policy, count })?;
-        let mut resolved = Self { controllers: Vec::new(), of_pass: vec![Vec::new(); scenario.machines.len()] };
+        let mut resolved =
+            Self { controllers: Vec::new(), of_pass: vec![Vec::new(); scenario.machines.len()], grinding: Vec::new() };
         let mut known: Vec<(Key, u32)> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
             let tool = scenario.tools.get(operation.tool).ok_or(ShopError::UnknownIndex {
@@ -34,10 +39,17 @@ impl ResolvedPolicy {
                 index: operation.tool,
                 count: scenario.tools.len(),
             })?;
+            let refuse = |source| ShopError::Policy {
+                policy: rule.name.clone(),
+                tool: tool.name.clone(),
+                source: Box::new(source),
+            };
+            let grinding = grinding(rule, operation, tool).map_err(refuse)?.map(Arc::new);
             for pass in 0..operation.work.passes() {
+                resolved.grinding.push(grinding.clone());
                 let cut = match &operation.work {
                     Work::Cutting(cuts) => Some(cuts[pass]),
-                    Work::Grinding { .. } => None,
+                    Work::Grinding { .. } | Work::Cycle(_) => None,
                 };
                 for (index, machine) in scenario.machines.iter().enumerate() {
                     if !operation.machines.contains(&index) {
@@ -49,12 +61,7 @@ impl ResolvedPolicy {
                     let controller = match same {
                         Some(controller) => controller,
                         None => {
-                            let made =
-                                controller(rule, tool, cut.as_ref(), machine).map_err(|source| ShopError::Policy {
-                                    policy: rule.name.clone(),
-                                    tool: tool.name.clone(),
-                                    source: Box::new(source),
-                                })?;
+                            let made = controller(rule, tool, cut.as_ref(), machine).map_err(refuse)?;
                             resolved.controllers.push(made);
                             let number = (resolved.controllers.len() - 1) as u32;
                             known.push((key, number));
@@ -73,6 +80,26 @@ impl ResolvedPolicy {
     pub fn of_pass(&self, machine: usize, pass: u32) -> &Controller {
         &self.controllers[self.of_pass[machine][pass as usize] as usize]
     }
+
+    /// Cycle and dressing of a pass of a grinding operation.
+    pub fn grinding(&self, pass: u32) -> Option<&GrindingController> {
+        self.grinding[pass as usize].as_deref()
+    }
+}
+
+fn grinding(
+    rule: &PolicyRule,
+    operation: &Operation,
+    tool: &ToolType,
+) -> Result<Option<GrindingController>, PolicyError> {
+    let ProcessModel::Infeed(wheel) = &tool.process else { return Ok(None) };
+    Ok(match &operation.work {
+        Work::Cycle(work) => Some(GrindingController::designed(work, rule.grinding, rule.dressing, &rule.sensors)?),
+        Work::Grinding { phases, .. } => {
+            Some(GrindingController::programmed(phases, wheel, rule.dressing, &rule.sensors))
+        }
+        Work::Cutting(_) => None,
+    })
 }
 
 /// Everything that a controller depends on.

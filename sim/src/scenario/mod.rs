@@ -6,13 +6,17 @@
 //! Everything refers to everything else by index; [`file::read`] turns names
 //! into indices and reports every fault of a file with its place.
 
+mod contour;
 mod distribution;
 pub mod file;
+mod grinding;
 mod part;
 mod policy;
 mod station;
 
+pub use contour::ContourRule;
 pub use distribution::Distribution;
+pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use station::{

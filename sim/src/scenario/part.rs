@@ -1,5 +1,8 @@
 //! Parts, routings, arrivals.
 
+use super::CycleWork;
+use std::sync::Arc;
+
 /// A part and its routing.
 #[derive(Clone, Debug)]
 pub struct Part {
@@ -48,6 +51,8 @@ pub enum Work {
         /// Infeed phases in order; spark-out is a phase of infeed zero.
         phases: Vec<GrindingPhase>,
     },
+    /// A plunge grinding cycle designed to limits.
+    Cycle(Arc<CycleWork>),
 }
 
 impl Work {
@@ -56,6 +61,7 @@ impl Work {
         match self {
             Self::Cutting(cuts) => cuts.len(),
             Self::Grinding { phases, .. } => phases.len(),
+            Self::Cycle(_) => CycleWork::PHASES,
         }
     }
 }

@@ -1,19 +1,43 @@
-//! The comparison axis: how speed is chosen and when an edge is changed.
+//! The comparison axis: how speed is chosen, how cycles and contours are run, when an edge is
+//! changed or dressed.
+
+use super::{ContourRule, DressingRule, GrindingRule};
 
 /// One policy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolicyRule {
     /// Name, unique.
     pub name: String,
-    /// How the cutting speed of turning passes is chosen; milling and grinding run as
-    /// programmed.
+    /// How the cutting speed of turning passes is chosen; milling runs as programmed.
     pub speed: SpeedRule,
     /// When an edge is changed.
     pub tool_change: ToolChangeRule,
+    /// How designed plunge cycles are run.
+    pub grinding: GrindingRule,
+    /// When a wheel is dressed.
+    pub dressing: DressingRule,
+    /// How contours are planned; `None`: as each operation says.
+    pub contour: Option<ContourRule>,
     /// Shipped parameter set that the controller believes in, where it is not the tool's own.
     pub believed_model: Option<String>,
     /// Sensors of adaptive rules.
     pub sensors: SensorSheet,
+}
+
+impl Default for PolicyRule {
+    /// Everything as programmed; edges are changed and wheels dressed at their own limits.
+    fn default() -> Self {
+        Self {
+            name: "programmed".to_owned(),
+            speed: SpeedRule::Programmed,
+            tool_change: ToolChangeRule::WearLimit { limit: None },
+            grinding: GrindingRule::default(),
+            dressing: DressingRule::default(),
+            contour: None,
+            believed_model: None,
+            sensors: SensorSheet::default(),
+        }
+    }
 }
 
 /// How the cutting speed is chosen.
@@ -112,11 +136,16 @@ pub struct SensorSheet {
     pub spindle_power_bias: f64,
     /// Standard deviation of a flank wear reading, m.
     pub flank_wear: f64,
+    /// Standard deviation of the normal force in grinding, N.
+    pub normal_force: f64,
+    /// Systematic relative error of that force, 1.
+    pub normal_force_bias: f64,
 }
 
 impl Default for SensorSheet {
     /// Noise of the observer's derivation: 6 s, 1.5 %, 3 %, 1.5 %, no bias, 0.01 mm
-    /// (assumptions of the reconstruction).
+    /// (assumptions of the reconstruction); 2 N in grinding, as in the separability study of
+    /// plunge trials (assumption).
     fn default() -> Self {
         Self {
             sampling_period: 6.0,
@@ -127,6 +156,8 @@ impl Default for SensorSheet {
             feed_force_bias: 0.0,
             spindle_power_bias: 0.0,
             flank_wear: 1e-5,
+            normal_force: 2.0,
+            normal_force_bias: 0.0,
         }
     }
 }

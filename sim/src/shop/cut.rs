@@ -2,6 +2,7 @@
 //! when it ends, planned again for a shorter time when it is interrupted.
 
 use super::ports::{Ports, elements, read, write};
+use super::program::Program;
 use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
 
 /// What sensors would show at one instant of a pass, without their errors.
@@ -24,6 +25,8 @@ pub struct Sample {
 pub struct Segment {
     /// Input at the start.
     pub start_input: Vec<f64>,
+    /// Commands that change within the pass.
+    pub program: Program,
     /// Input at the end (a ramp has moved the speed).
     pub input: Vec<f64>,
     /// State at the end.
@@ -70,6 +73,7 @@ impl Segment {
         sampling_period: Option<f64>,
     ) -> Result<(), CutFault> {
         self.input.clone_from(&self.start_input);
+        let mut boundary = self.program.command(0.0, &mut self.input);
         self.state.clear();
         self.state.extend_from_slice(state);
         self.output.resize(elements(process.outputs()), 0.0);
@@ -86,10 +90,16 @@ impl Segment {
         let (mut time, mut stuck) = (0.0, 0);
         let mut times = Vec::new();
         while time < duration {
+            if time >= boundary {
+                boundary = self.program.command(time, &mut self.input);
+                process.output(&self.state, &self.input, &mut self.output);
+                power = read(&self.output, ports.spindle_power, 0.0);
+            }
+            let goal = duration.min(boundary);
             let taken = self.samples.len() as f64;
             let next = |i: usize| sampling_period.map(|period| (taken + 1.0 + i as f64) * period);
             times.clear();
-            times.extend((0..).map_while(next).take_while(|next| *next < duration).map(|next| next - time));
+            times.extend((0..).map_while(next).take_while(|next| *next < goal).map(|next| next - time));
             let (output, samples, energy) = (&mut self.output, &mut self.samples, &mut self.energy);
             let mut looked = 0.0;
             let mut look = |x: &[f64], u: &[f64], elapsed: f64, sampled: Option<f64>| {
@@ -100,15 +110,15 @@ impl Segment {
                 samples.extend(sampled.map(|time| sample(ports, u, output, time)));
             };
             let advance = process
-                .advance_watched(&mut self.state, &mut self.input, duration - time, &times, &mut |i, x, u| {
+                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, x, u| {
                     look(x, u, times[i], next(i));
                 })
                 .map_err(CutFault::Model)?;
-            let end = sampling_period.filter(|_| advance.event.is_none()).map(|_| duration);
+            let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
             look(&self.state, &self.input, advance.elapsed, end);
             let Some(event) = advance.event else {
-                time = duration;
-                break;
+                time = goal;
+                continue;
             };
             time += advance.elapsed;
             if matches!(event, ProcessEvent::Chipping | ProcessEvent::ThermalCollapse) {

@@ -14,6 +14,8 @@ pub(super) mod owner {
     pub const READINGS: u64 = 1;
     /// Wear noise within the life, numbered by pass.
     pub const WEAR_NOISE: u64 = 2;
+    /// Noise of the normal force in grinding, numbered by revolution; owned by the operation.
+    pub const NORMAL_FORCE: u64 = 3;
 }
 
 /// An edge as it comes out of the box.

@@ -1,6 +1,6 @@
 //! An edge (milling cutter, grinding wheel) in a machine.
 
-use crate::policy::Observer;
+use crate::policy::{Observer, WheelEstimate};
 use crate::runlog::{ChangeReason, EdgeRow};
 use crate::{Entity, SimTime};
 use toolroom_wear::EdgeScatter;
@@ -29,6 +29,8 @@ pub struct Edge {
     pub spent: Option<ChangeReason>,
     /// What the controller knows about it.
     pub observer: Option<Observer>,
+    /// What the force told about a wheel since it was dressed.
+    pub wheel: WheelEstimate,
     /// Sensor samples taken: index of the next noise.
     pub samples: u64,
     /// Speed at the end of its last pass, m/s.

@@ -3,6 +3,7 @@
 use super::cut::Segment;
 use super::edge::Edge;
 use super::queue::Queue;
+use crate::policy::ForceReading;
 use crate::runlog::{MachineState, PassRow};
 use crate::{EventKey, SimTime};
 
@@ -74,6 +75,10 @@ pub struct Task {
     pub burnt: bool,
     /// Whether a broken edge spoiled the part.
     pub spoiled: bool,
+    /// How far the machine moved the wheel in before the part, because of its wear, m.
+    pub correction: f64,
+    /// Forces of the phase in work that the machine has not come to yet.
+    pub readings: Vec<ForceReading>,
 }
 
 /// Step of an operation.

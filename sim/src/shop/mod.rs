@@ -36,6 +36,7 @@ mod draws;
 mod edge;
 mod error;
 mod event;
+mod grinding;
 mod interruption;
 mod job;
 mod layout;
@@ -43,6 +44,7 @@ mod machine;
 mod operation;
 mod pass;
 mod ports;
+mod program;
 mod queue;
 mod recorder;
 mod shift;
@@ -55,12 +57,13 @@ pub use error::{Refusal, ShopError};
 pub use event::Event;
 pub use job::{Job, Jobs};
 pub use machine::{Machine, Step, Task};
+pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
 pub use world::{FailureState, SourceState, World};
 
 use crate::kernel::{Calendar, Class, Digest, EventKey};
-use crate::policy::ResolvedPolicy;
+use crate::policy::{ResolvedPolicy, WheelEstimate};
 use crate::runlog::{EventRow, RunLog, StateRow};
 use crate::scenario::Scenario;
 use crate::{Entity, Purpose, SimTime, Streams};
@@ -239,6 +242,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.controllers = Arc::new(resolved);
             for edge in self.world.machines.iter_mut().flat_map(|machine| machine.edges.iter_mut().flatten()) {
                 edge.observer = None;
+                edge.wheel = WheelEstimate::default();
             }
         }
         Ok(())

@@ -45,6 +45,8 @@ impl<R: Recorder> Shop<'_, R> {
             size_error: 0.0,
             burnt: false,
             spoiled: false,
+            correction: 0.0,
+            readings: Vec::new(),
         });
         if change {
             self.log_event("setup", Some(machine), Some(number), None);
@@ -159,7 +161,9 @@ impl<R: Recorder> Shop<'_, R> {
         let tolerance = self.scenario.parts[part].operations[index].size_tolerance;
         let bad = if task.spoiled {
             Some(JobOutcome::ToolFailure)
-        } else if task.burnt || task.size_error.abs() > tolerance {
+        } else if task.burnt {
+            Some(JobOutcome::Burnt)
+        } else if task.size_error.abs() > tolerance {
             Some(JobOutcome::OutOfTolerance)
         } else {
             None

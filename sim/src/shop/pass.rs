@@ -3,7 +3,7 @@
 use super::cut::{CutFault, rest};
 use super::draws::{self, owner};
 use super::error::Refusal;
-use super::layout::{cut_duration, phase_duration};
+use super::layout::cut_duration;
 use super::machine::Step;
 use super::ports::{read, write};
 use super::recorder::Recorder;
@@ -11,26 +11,19 @@ use super::{Shop, ShopError};
 use crate::Purpose;
 use crate::policy::Observation;
 use crate::runlog::{ChangeReason, EventRow, PassRow};
-use crate::scenario::{Cut, GrindingPhase, ProcessModel, Work};
+use crate::scenario::{Cut, Work};
 use rand::RngExt;
-use toolroom_process::{Process, ProcessEvent, Record};
-
-/// What a pass asks for.
-#[derive(Clone, Copy, Debug)]
-enum Command {
-    Cut(Cut),
-    Grind { phase: GrindingPhase, work_rotation_speed: f64 },
-}
+use toolroom_process::ProcessEvent;
 
 /// What identifies the pass in a machine.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    slot: u32,
-    job: u32,
-    part: usize,
-    operation: usize,
-    pass: usize,
-    tool: usize,
+pub(super) struct Place {
+    pub slot: u32,
+    pub job: u32,
+    pub part: usize,
+    pub operation: usize,
+    pub pass: usize,
+    pub tool: usize,
 }
 
 impl<R: Recorder> Shop<'_, R> {
@@ -66,35 +59,25 @@ impl<R: Recorder> Shop<'_, R> {
             self.mount(machine, place.tool);
         }
         if place.pass == 0 {
-            self.clamp_new_part(machine, place);
+            self.clamp_new_part(machine, place, plan.first_pass);
         }
-        let scenario = self.scenario;
-        let command = match &scenario.parts[place.part].operations[place.operation].work {
-            Work::Cutting(cuts) => Command::Cut(cuts[place.pass]),
-            Work::Grinding { work_rotation_speed, phases } => {
-                Command::Grind { phase: phases[place.pass], work_rotation_speed: *work_rotation_speed }
-            }
-        };
         self.watch(machine, place, plan.first_pass);
-        match command {
-            Command::Cut(cut) => self.begin_cut(machine, place, plan.first_pass, &cut),
-            Command::Grind { phase, work_rotation_speed } => {
-                self.begin_phase(machine, place, &phase, work_rotation_speed)
-            }
+        self.world.machines[machine].segment.program.blocks.clear();
+        let scenario = self.scenario;
+        match &scenario.parts[place.part].operations[place.operation].work {
+            Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
+            Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
         }
     }
 
     /// A part comes before the edge: its hardness shows, a wheel finds it untouched.
-    fn clamp_new_part(&mut self, machine: usize, place: Place) {
+    fn clamp_new_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let tool = &self.scenario.tools[place.tool];
         let hardness = draws::hardness(&tool.scatter, &self.streams, self.world.jobs.at(place.slot));
-        let state = &mut self.world.machines[machine];
-        if let Some(task) = &mut state.task {
+        if let Some(task) = &mut self.world.machines[machine].task {
             task.hardness = hardness;
         }
-        if let (ProcessModel::Infeed(infeed), Some(edge)) = (&tool.process, &mut state.edges[place.tool]) {
-            infeed.new_part(&Record::from_slice(&edge.state)).write_to(&mut edge.state);
-        }
+        self.clamp_ground_part(machine, place, first_pass);
     }
 
     /// Gives the edge an observer where the policy needs one.
@@ -160,29 +143,7 @@ impl<R: Recorder> Shop<'_, R> {
         self.plan_segment(machine)
     }
 
-    fn begin_phase(
-        &mut self,
-        machine: usize,
-        place: Place,
-        phase: &GrindingPhase,
-        work_rotation_speed: f64,
-    ) -> Result<(), ShopError> {
-        let ports = &self.layout.tools[place.tool].ports;
-        let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
-        let mut input = self.layout.tools[place.tool].input.clone();
-        write(&mut input, ports.feed, phase.infeed_per_rev);
-        write(&mut input, ports.work_rotation_speed, work_rotation_speed);
-        let tool = &self.scenario.tools[place.tool];
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
-        task.step = Step::Pass;
-        task.left = phase_duration(phase, work_rotation_speed) * task.share_left;
-        state.segment.start_input = input;
-        self.open_pass(machine, place, phase.infeed_per_rev, 0.0, 0.0);
-        self.plan_segment(machine)
-    }
-
-    fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
+    pub(super) fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
         let now = self.now().seconds();
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.scenario.tools[place.tool].process.machine_process();
@@ -265,6 +226,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.take_over(machine, place, share);
         let segment = &mut self.world.machines[machine].segment;
+        segment.program.skip(elapsed);
         std::mem::swap(&mut segment.start_input, &mut segment.input);
         Ok(())
     }
@@ -280,12 +242,17 @@ impl<R: Recorder> Shop<'_, R> {
         match lost {
             Some(event) => self.lose_edge(machine, place, event),
             None => {
-                let passes = self.layout.operations[place.part][place.operation].passes;
+                let plan = self.layout.operations[place.part][place.operation];
                 let state = &mut self.world.machines[machine];
+                let mut done = false;
                 if let (Some(task), Some(edge)) = (&mut state.task, &mut state.edges[place.tool]) {
                     task.pass += 1;
                     task.share_left = 1.0;
-                    edge.row.parts += u32::from(task.pass == passes);
+                    done = task.pass == plan.passes;
+                    edge.row.parts += u32::from(done);
+                }
+                if done {
+                    self.judge_wheel(machine, place, plan.first_pass);
                 }
                 self.read_wear(machine, place);
             }
@@ -302,7 +269,7 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &self.layout.tools[place.tool].ports;
         let path = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cutting(cuts) => cuts[place.pass].path_length,
-            Work::Grinding { .. } => 0.0,
+            Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
         let streams = self.streams;
         let state = &mut self.world.machines[machine];
@@ -336,7 +303,7 @@ impl<R: Recorder> Shop<'_, R> {
         row.spindle_power = read(output, ports.spindle_power, 0.0);
         row.temperature = read(output, ports.temperature, 0.0);
         row.energy += segment.energy;
-        row.size_error = read(output, ports.size_error, 0.0);
+        row.size_error = read(output, ports.size_error, 0.0) - task.correction;
         edge.row.flank_wear = row.flank_wear_end;
         task.size_error = row.size_error;
         for &(after, event) in &segment.passed {
@@ -353,18 +320,7 @@ impl<R: Recorder> Shop<'_, R> {
                 edge: Some(edge.number),
             });
         }
-        if let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process {
-            // Read from the state: the event is hidden where the part burns in the same revolution.
-            let mut indicators = [0.0; 2];
-            infeed.event_indicators(
-                &Record::from_slice(&edge.state),
-                &Record::from_slice(&segment.input),
-                &mut indicators,
-            );
-            if indicators[1] >= 0.0 {
-                edge.spent = Some(ChangeReason::Dressing);
-            }
-        }
+        self.ground(machine, place, plan.first_pass);
     }
 
     /// Writes the row of the pass in work, if there is one.

@@ -6,6 +6,7 @@ use super::edge::Edge;
 use super::machine::Step;
 use super::ports::write;
 use super::recorder::Recorder;
+use crate::policy::WheelEstimate;
 use crate::runlog::{ChangeReason, EdgeRow};
 use crate::scenario::ProcessModel;
 use toolroom_process::Record;
@@ -52,6 +53,7 @@ impl<R: Recorder> Shop<'_, R> {
             noise_time: 0.0,
             spent: None,
             observer: None,
+            wheel: WheelEstimate::default(),
             samples: 0,
             last_speed: None,
         };

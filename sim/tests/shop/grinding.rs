@@ -69,7 +69,7 @@ fn a_burnt_part_is_scrapped() {
     let mut infeed = Infeed::default();
     infeed.parameters.burn_temperature_rise = 300.0; // the rough phase heats by 585 K
     let log = run(&grinder(infeed, 3));
-    assert!(log.jobs.iter().all(|job| job.outcome == JobOutcome::OutOfTolerance));
+    assert!(log.jobs.iter().all(|job| job.outcome == JobOutcome::Burnt));
     assert!(log.events.iter().any(|row| row.event == "burn"));
 }
 

@@ -4,6 +4,7 @@
 mod adaptive;
 mod breakdowns;
 mod conservation;
+mod cycles;
 mod dispatching;
 mod grinding;
 #[path = "../kernel/instances.rs"]

@@ -150,8 +150,8 @@ pub fn policy(name: &str, speed: SpeedRule, tool_change: ToolChangeRule) -> Poli
         name: name.to_owned(),
         speed,
         tool_change,
-        believed_model: None,
         sensors: SensorSheet { flank_wear: 0.0, ..SensorSheet::default() },
+        ..PolicyRule::default()
     }
 }
 

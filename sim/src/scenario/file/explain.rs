@@ -64,6 +64,18 @@ pub const CODES: &[(&str, &str)] = &[
         "parameter-set",
         "The constants of a tool and work material come from a named parameter set. `toolroom schema` and the manual list them; `parameters` in a tool changes single constants.",
     ),
+    (
+        "file",
+        "An operation may take its cycle or contour from a file of its own. Its path counts from the folder of the scenario file.",
+    ),
+    (
+        "cycle",
+        "No rough, finish and spark-out cycle keeps all the limits on this wheel: the message names those that conflict. Policies that design for a duller wheel need wider limits than the dressed one. `toolroom grind` shows a cycle file by itself.",
+    ),
+    (
+        "policy",
+        "The work itself can be planned, but not as this policy asks: a cycle designed for a duller wheel may have no solution within the limits, a contour no handbook regime.",
+    ),
     ("model", "The process model refuses the value: it is outside the range for which its equations hold."),
     (
         "effect",

@@ -1,5 +1,7 @@
 //! What can be wrong in a scenario file, and the likely fix of each.
 
+use crate::policy::PolicyError;
+use toolroom_infeed::{CycleError, CycleFileError};
 use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
 
@@ -199,6 +201,44 @@ pub enum Fault {
         /// What its reader says.
         reason: String,
     },
+    /// A file named in the scenario that cannot be opened.
+    #[error("{file} cannot be read: {reason}")]
+    Unreadable {
+        /// The file as written.
+        file: String,
+        /// What the system says.
+        reason: std::io::ErrorKind,
+    },
+    /// A file named in the scenario that is not UTF-8.
+    #[error("{file} is not UTF-8")]
+    NotUtf8 {
+        /// The file as written.
+        file: String,
+    },
+    /// A cycle file with faults of its own.
+    #[error("{reason}")]
+    CycleFile {
+        /// Each with its place in that file.
+        reason: CycleFileError,
+    },
+    /// Limits that no cycle keeps.
+    #[error("{subject}: {reason}")]
+    Cycle {
+        /// Operation or policy.
+        subject: String,
+        /// The limits that conflict.
+        reason: CycleError,
+    },
+    /// A policy that cannot plan the work of a tool.
+    #[error("policy \"{policy}\" with tool \"{tool}\": {reason}")]
+    Policy {
+        /// Policy.
+        policy: String,
+        /// Tool.
+        tool: String,
+        /// Why.
+        reason: Box<PolicyError>,
+    },
     /// What a process model or effect refuses.
     #[error("{subject}: {reason}")]
     Model {
@@ -257,6 +297,9 @@ impl Fault {
             Self::ShiftsOverlap { .. } => "shifts-overlap",
             Self::Contradiction { .. } => "contradiction",
             Self::ParameterSet { .. } => "parameter-set",
+            Self::Unreadable { .. } | Self::NotUtf8 { .. } => "file",
+            Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
+            Self::Policy { .. } => "policy",
             Self::Model { .. } => "model",
             Self::Effect { .. } => "effect",
             Self::OverrideForm { .. } | Self::OverridePath { .. } => "override",
@@ -290,7 +333,12 @@ impl Fault {
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Schema { .. } => "write schema = 1".to_owned(),
             Self::OverrideForm { .. } => "write for example --set machine.L1.tool_change_time=\"1 min\"".to_owned(),
+            Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
+            Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
             Self::Syntax { .. }
+            | Self::CycleFile { .. }
+            | Self::Policy { .. }
+            | Self::Cycle { .. }
             | Self::OutOfRange { .. }
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }

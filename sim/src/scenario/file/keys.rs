@@ -1,6 +1,7 @@
 //! The sections of a scenario file.
 
 use super::form::{Form, Key, Kind, Quantity};
+use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
 use toolroom_wear::Scatter;
 
@@ -210,10 +211,22 @@ static OPERATION: Form = Form {
         Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
         Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
             .when("process", &["turning", "milling"]),
-        Key::required("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
+        Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
             .when("process", &["infeed"]),
-        Key::required("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
+        Key::optional("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
             .when("process", &["infeed"]),
+        Key::optional(
+            "cycle",
+            Kind::Fields { word: &Kind::Text, fields: CycleLimits::FIELDS },
+            "Instead of phases: limits for which the fastest rough, finish and spark-out cycle is designed, or the path of a cycle file",
+        )
+        .when("process", &["infeed"]),
+        Key::optional(
+            "wear_compensation",
+            SHARE,
+            "Share of the wheel's wear that is corrected before each part of a designed cycle; left out: 1",
+        )
+        .when("process", &["infeed"]),
     ],
 };
 
@@ -320,6 +333,12 @@ const SPEED_RULES: &[&str] = &[
     "oracle",
 ];
 
+/// Rules of grinding cycles.
+const GRINDING_RULES: &[&str] = &["fixed", "force_adaptive", "time_constant_adaptive"];
+
+/// Regimes of contours.
+const CONTOUR_RULES: &[&str] = &["handbook_one_feed", "handbook_per_section", "best_constant", "time", "cost"];
+
 static POLICY: Form = Form {
     title: "[[policy]]",
     doc: "One policy; the first is the baseline of every difference",
@@ -340,6 +359,23 @@ static POLICY: Form = Form {
             Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
             "wear_limit",
             "When an edge is changed",
+        ),
+        Key::default(
+            "grinding",
+            Kind::Shorthand { word: &Kind::Choice(GRINDING_RULES), form: &GRINDING },
+            "fixed",
+            "How designed grinding cycles are run",
+        ),
+        Key::default(
+            "dressing",
+            Kind::Shorthand { word: &Kind::Choice(&["limit"]), form: &DRESSING },
+            "limit",
+            "When a wheel is dressed",
+        ),
+        Key::optional(
+            "contour",
+            Kind::Choice(CONTOUR_RULES),
+            "How contours are planned; left out: as each operation says",
         ),
         Key::optional(
             "believed_model",
@@ -363,6 +399,44 @@ pub(super) static TOOL_CHANGE: Form = Form {
     ],
 };
 
+static GRINDING: Form = Form {
+    title: "grinding",
+    doc: "How designed cycles are run",
+    keys: &[
+        Key::required("rule", Kind::Choice(GRINDING_RULES), "Rule"),
+        Key::default(
+            "dulling",
+            quantity("1", "1", 0.2, 10.0, "1.3"),
+            "1",
+            "Process stiffness, over that of a dressed wheel, for which the cycle is designed",
+        ),
+        Key::optional(
+            "rough_force",
+            positive("N", "N", 1e6, "180 N"),
+            "Normal force above which the rough infeed is left; left out: that of a dressed wheel at the rough temperature limit",
+        )
+        .when("rule", &["force_adaptive"]),
+        Key::optional("redesign", Kind::Flag, "Whether infeeds too follow the dulling that the last parts showed; left out: false")
+            .when("rule", &["time_constant_adaptive"]),
+    ],
+};
+
+static DRESSING: Form = Form {
+    title: "dressing",
+    doc: "When a wheel is dressed; decided after each part",
+    keys: &[
+        Key::required("rule", Kind::Choice(&["limit", "part_count", "dulling"]), "Rule"),
+        Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per dressing; 1 dresses for every part")
+            .when("rule", &["part_count"]),
+        Key::required(
+            "ratio",
+            quantity("1", "1", 1.0, 20.0, "1.4"),
+            "Measured process stiffness over that of a dressed wheel",
+        )
+        .when("rule", &["dulling"]),
+    ],
+};
+
 const NOISE: Kind = quantity("1", "1", 0.0, 1.0, "1.5 %");
 
 /// Sensors; the defaults are those of the observer's derivation.
@@ -383,6 +457,13 @@ pub(super) static SENSORS: Form = Form {
             "0.01 mm",
             "Standard deviation of a flank wear reading",
         ),
+        Key::default(
+            "normal_force",
+            quantity("N", "N", 0.0, 1e5, "2 N"),
+            "2 N",
+            "Standard deviation of the normal force in grinding",
+        ),
+        Key::default("normal_force_bias", BIAS, "0", "Systematic relative error of that force"),
     ],
 };
 

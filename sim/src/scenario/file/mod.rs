@@ -17,6 +17,7 @@ mod fault;
 mod form;
 mod keys;
 mod overrides;
+mod planned;
 mod processes;
 mod resolve;
 mod routing;
@@ -133,7 +134,8 @@ pub fn parse_form<T>(
     resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
 ) -> Result<FormFile<T>, ReadError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
-    let mut walk = Walk::default();
+    let folder = Path::new(file).parent().map(Path::to_path_buf).unwrap_or_default();
+    let mut walk = Walk { folder, ..Walk::default() };
     let (mut root, errors) = DeTable::parse_recoverable(text);
     let mut last_line = 0;
     for error in errors {

@@ -198,7 +198,7 @@ fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str
 }
 
 /// Sets the values that `table` holds, each read in the unit of its field.
-fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
+pub(super) fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
     let fields = record.fields();
     for (key, raw) in table {
         let Some(i) = fields.iter().position(|field| field.name == key.get_ref()) else {

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Value, Walk};
-use super::{Output, processes, routing, rules};
+use super::{Output, planned, processes, routing, rules};
 use crate::scenario::{
     Distribution, FailureClock, FailureMode, Interruption, MachineType, Scenario, Shift, ShiftCalendar, ToolType,
 };
@@ -30,7 +30,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let arrivals = rules::arrivals(walk, root, &names);
     let dispatch = rules::dispatch(walk, root);
     let failures = failures(walk, root, &names);
-    let policies = rules::policies(walk, root, &machines);
+    let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
@@ -69,6 +69,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         policies,
         currency,
     };
+    planned::policies(walk, &scenario, &places);
     Some((scenario, output))
 }
 

@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::form::{Kind, Quantity};
+use super::planned::cycle;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::walk::{Section, Value, Walk};
 use super::words::display;
@@ -80,7 +81,7 @@ fn operations(
         let able = able_machines(walk, &section, &name, &candidates, machines, tool_name.unwrap_or_default(), process);
         let model = tool.and_then(|tool| tools[tool].tool.as_ref()).map(|tool| &tool.process);
         let work = match process {
-            Some("infeed") => grinding(walk, &section),
+            Some("infeed") => grinding(walk, &section, model),
             Some(process) => cutting(walk, &section, process, &able, machines, model),
             None => Work::Cutting(Vec::new()),
         };
@@ -127,7 +128,24 @@ fn able_machines(
     able
 }
 
-fn grinding(walk: &mut Walk, section: &Section<'_>) -> Work {
+fn grinding(walk: &mut Walk, section: &Section<'_>, model: Option<&ProcessModel>) -> Work {
+    if section.given("cycle") {
+        let nothing = Work::Grinding { work_rotation_speed: f64::NAN, phases: Vec::new() };
+        return cycle(walk, section, model).unwrap_or(nothing);
+    }
+    if section.given("wear_compensation") {
+        let case = "a cycle given by its phases, which is positioned by command".to_owned();
+        let fault = Fault::NotApplicable { key: "wear_compensation", case, applicable: "cycle, phase".to_owned() };
+        walk.fault(section.span_of("wear_compensation"), fault);
+    }
+    let work_rotation_speed = due(walk, section, section, "work_rotation_speed", "292 rpm");
+    if section.got("phase").is_none() {
+        let example = "[{ infeed_per_rev = \"4.4 um/rev\", revolutions = 12 }]".to_owned();
+        walk.fault(
+            section.span.clone(),
+            Fault::MissingKey { section: section.form.title.to_owned(), key: "phase", example },
+        );
+    }
     let phases: Vec<GrindingPhase> = walk
         .sections(section, "phase", None)
         .iter()
@@ -140,7 +158,7 @@ fn grinding(walk: &mut Walk, section: &Section<'_>) -> Work {
         let example = "a phase with infeed: phase = [{ infeed_per_rev = \"4.4 um/rev\", revolutions = 12 }]";
         walk.fault(section.span_of("phase"), Fault::Nothing { what: "infeed", example });
     }
-    Work::Grinding { work_rotation_speed: section.required("work_rotation_speed"), phases }
+    Work::Grinding { work_rotation_speed, phases }
 }
 
 fn cutting(
@@ -206,7 +224,13 @@ fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: &s
 }
 
 /// A value of the pass, or else of its operation; NaN only where a problem is noted.
-fn due(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, key: &'static str, example: &str) -> f64 {
+pub(super) fn due(
+    walk: &mut Walk,
+    pass: &Section<'_>,
+    operation: &Section<'_>,
+    key: &'static str,
+    example: &str,
+) -> f64 {
     if pass.got(key).or_else(|| operation.got(key)).is_none() {
         let fault =
             Fault::MissingKey { section: operation.form.title.to_owned(), key, example: format!("\"{example}\"") };

@@ -3,8 +3,9 @@
 use super::Output;
 use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
+use super::planned::{contour_rule, dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
-use super::walk::{Section, Value, Walk};
+use super::walk::{Section, Span, Value, Walk};
 use crate::scenario::{
     Arrival, ArrivalPattern, DispatchRule, MachineType, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
 };
@@ -49,7 +50,7 @@ pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> DispatchRule {
     }
 }
 
-pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<PolicyRule> {
+pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {
     let example = "[[policy]] with name and speed, such as speed = \"programmed\"";
     let mut policies = Vec::new();
     for (name, section) in named(walk, root, "policy", Some(example)) {
@@ -57,7 +58,11 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         let tool_change = tool_change(walk, &section);
         let believed_model = believed_model(walk, &section);
         let sensors = sensors(walk, &section);
-        policies.push(PolicyRule { name, speed, tool_change, believed_model, sensors });
+        let grinding = grinding_rule(walk, &section);
+        let dressing = dressing_rule(walk, &section);
+        let contour = contour_rule(section.text("contour"));
+        let rule = PolicyRule { name, speed, tool_change, grinding, dressing, contour, believed_model, sensors };
+        policies.push((rule, section.span_of("name")));
     }
     policies
 }
@@ -138,6 +143,8 @@ fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
         feed_force_bias: table.required("feed_force_bias"),
         spindle_power_bias: table.required("spindle_power_bias"),
         flank_wear: table.required("flank_wear"),
+        normal_force: table.required("normal_force"),
+        normal_force_bias: table.required("normal_force_bias"),
     }
 }
 

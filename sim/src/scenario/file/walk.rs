@@ -6,6 +6,7 @@ use super::keys::CURRENCIES;
 use super::words::{described, example, expected, fix, meant, quoted, range, understood};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toolroom_process::unit;
@@ -149,12 +150,27 @@ pub struct Walk {
     pub(super) currencies: Vec<(&'static str, Span)>,
     /// Currency of the shop, in which amounts are echoed.
     pub(super) currency: String,
+    /// Folder of the file, from which the files that it names are found.
+    pub(super) folder: PathBuf,
 }
 
 impl Walk {
     /// Notes a problem about the text at `span`, as [`Section::span_of`] tells it.
     pub fn fault(&mut self, span: Range<usize>, fault: Fault) {
         self.problems.push(Problem { fault, span });
+    }
+
+    /// The text of a file that the value under `key` names; `None` where a problem was noted.
+    pub(super) fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
+        let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
+        match std::fs::read(self.folder.join(path)).map_err(refuse) {
+            Ok(bytes) => match super::text::decode(path, &bytes) {
+                Ok(text) => return Some(text),
+                Err(_) => self.fault(section.span_of(key), Fault::NotUtf8 { file: path.to_owned() }),
+            },
+            Err(fault) => self.fault(section.span_of(key), fault),
+        }
+        None
     }
 
     /// Reads a section. `case` decides keys that depend on something outside the section, such as
