@@ -89,6 +89,13 @@ pub enum Command {
   toolroom lobes scenarios/chatter/turning-bar.toml --set bar.position=\"100 mm\"
   toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation")]
     Lobes(LobesArgs),
+    /// Tool lives: fits to measured ones
+    #[command(before_help = "Examples:
+  toolroom life --fit lives.csv                       columns life [min], censored, inspected, group
+  toolroom life --fit lives.csv --costs 1 5 --json    best replacement where a failure costs five times
+  toolroom life --fit nasa.csv --edge case --age time --wear VB --limit 0.3 \\
+      --regress \"ln(DOC)\" --regress \"ln(feed)\" --regress material=2")]
+    Life(LifeArgs),
     /// Published numbers beside computed ones, for every model
     #[command(before_help = "Examples:
   toolroom validate
@@ -252,6 +259,66 @@ pub struct LobesArgs {
     /// Directory of the results, out/NAME if left out
     #[arg(long, value_name = "DIR", conflicts_with = "at")]
     pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct LifeArgs {
+    /// Measured lives, or wear readings with --wear
+    #[arg(long, value_name = "CSV")]
+    pub fit: PathBuf,
+    #[command(flatten)]
+    pub readings: Readings,
+    /// Regress ln(life) on a column, on ln(COLUMN), or on COLUMN=VALUE, repeatable
+    #[arg(long, value_name = "COLUMN")]
+    pub regress: Vec<String>,
+    #[command(flatten)]
+    pub statistics: Statistics,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// Wear readings that become lives.
+#[derive(Args, Clone, Debug)]
+pub struct Readings {
+    /// Column of wear readings: the life is the age at which they reach --limit
+    #[arg(long, value_name = "COLUMN", requires_all = ["limit", "edge", "age"])]
+    pub wear: Option<String>,
+    /// Wear at which an edge is spent, in the unit of the column
+    #[arg(long, value_name = "WEAR", requires = "wear")]
+    pub limit: Option<f64>,
+    /// Column that names the edge, repeatable
+    #[arg(long, value_name = "COLUMN", requires = "wear")]
+    pub edge: Vec<String>,
+    /// Column of the age
+    #[arg(long, value_name = "COLUMN", requires = "wear")]
+    pub age: Option<String>,
+    /// Column of the group
+    #[arg(long, value_name = "COLUMN", requires = "wear")]
+    pub group: Option<String>,
+    /// Take the life as lying between two readings instead of interpolating
+    #[arg(long, requires = "wear")]
+    pub between: bool,
+}
+
+/// What is worked out of lives.
+#[derive(Args, Clone, Debug)]
+pub struct Statistics {
+    /// Cost of a planned replacement and of a failure, in any money
+    #[arg(long, num_args = 2, value_names = ["PLANNED", "FAILURE"], default_values_t = [1.0, 5.0])]
+    pub costs: Vec<f64>,
+    /// Confidence of intervals and bands
+    #[arg(long, default_value_t = 0.9, value_parser = crate::life::confidence)]
+    pub confidence: f64,
+    /// Resampled refits behind the bands
+    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u32).range(20..=100_000))]
+    pub bootstrap: u32,
+    /// Samples behind the p of each fit, 0 for none
+    #[arg(long, default_value_t = 199, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    pub goodness: u32,
+    /// Seed of every random stream
+    #[arg(long)]
+    pub seed: Option<u64>,
 }
 
 /// How a study is run and where it goes.

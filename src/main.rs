@@ -13,6 +13,7 @@ mod effects;
 mod explain;
 mod failure;
 mod fmu;
+mod life;
 mod lobes;
 mod new;
 mod output;
@@ -54,6 +55,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Check(args) => check::run(&args, voice),
         Command::Point(args) => point::run(&args, voice),
         Command::Lobes(args) => lobes::run(&args, voice),
+        Command::Life(args) => life::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),

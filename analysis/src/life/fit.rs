@@ -9,6 +9,12 @@ use statrs::function::gamma::gamma;
 /// Logarithms beyond which a parameter is no longer a number worth searching.
 const FARTHEST: f64 = 30.0;
 
+/// Least scatter of wear-out in a competition of risks, and greatest shape of chipping. Narrower or
+/// steeper, a risk would settle on one single life, where the likelihood has no bound (assumption:
+/// chipping comes by chance or slowly rising, wear-out scatters by more than 5 %).
+const NARROWEST: f64 = 0.05;
+const STEEPEST: f64 = 4.0;
+
 /// A law fitted to lives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
@@ -42,7 +48,8 @@ pub struct Estimated {
 /// # Validity
 /// The shape of a Weibull law with three parameters is kept above 1: below, its likelihood is
 /// infinite where the location meets the shortest life. Between 1 and 2 the usual theory of
-/// intervals does not hold for it (Smith 1985). The location is not below 0.
+/// intervals does not hold for it (Smith 1985). The location is not below 0. Of competing risks
+/// the wear-out scatters by more than 0.05 and chipping has a shape below 4, for the same reason.
 ///
 /// # Errors
 /// [`SampleError::AllCensored`], [`SampleError::TooFew`].
@@ -206,8 +213,8 @@ fn law(family: Family, x: &[f64], unit: f64) -> Law {
         Family::InverseGaussian => Law::InverseGaussian { mean: level, shape: unit * x[1].exp() },
         Family::CompetingRisks => Law::CompetingRisks {
             wear_median: level,
-            wear_sigma: x[1].exp(),
-            chipping_shape: x[2].exp(),
+            wear_sigma: NARROWEST + x[1].exp(),
+            chipping_shape: STEEPEST / (1.0 + (-x[2]).exp()),
             chipping_scale: unit * x[3].exp(),
         },
     }
@@ -257,7 +264,8 @@ fn starts(sample: &Sample, family: Family) -> (f64, Vec<Vec<f64>>) {
         Family::CompetingRisks => {
             // Wear-out above, a few early chippings; or chipping throughout.
             let wear = |level: f64, sigma: f64, shape: f64, scale: f64| {
-                vec![level, sigma.ln(), f64::ln(shape), scale / gamma(1.0 + f64::recip(shape))]
+                let steepness = -(STEEPEST / shape - 1.0).ln();
+                vec![level, (sigma - NARROWEST).max(0.02).ln(), steepness, (scale / gamma(1.0 + shape.recip())).ln()]
             };
             let early = wear(lift + 0.3 * sigma, 0.6 * sigma, 1.5, 1.5);
             let even = wear(lift + 0.5 * sigma, sigma, 2.0, 0.5);

@@ -318,6 +318,16 @@ impl Law {
         }
     }
 
+    /// Standard deviation over mean, from `E T² = 2 ∫ t R dt`; for a normal law its deviation.
+    pub fn variation(&self) -> f64 {
+        let mean = self.mean();
+        if let Self::Normal { deviation, .. } = self {
+            return deviation / mean;
+        }
+        let second = 2.0 * integral(0.0, self.quantile(1.0 - 1e-12), |age| age * self.survival(age));
+        (second / (mean * mean) - 1.0).max(0.0).sqrt()
+    }
+
     /// Mean time that an edge still lives when it has reached an age, `∫ R du / R` from there.
     pub fn mean_residual_life(&self, age: f64) -> f64 {
         let survival = self.survival(age);
@@ -417,6 +427,16 @@ mod tests {
             // The mean is the residual life of a new edge; for a normal law lives below 0 are 3e-7 of all.
             assert!((law.mean_residual_life(0.0) / law.mean() - 1.0).abs() < 1e-6, "{law:?}");
         }
+    }
+
+    #[test]
+    fn scatter_and_weibull_shape_belong_together() {
+        // Known pairs of shape and coefficient of variation, and 0.3 for 3.70.
+        for (shape, cv) in [(2.0, 0.523), (3.0, 0.363), (4.08, 0.276), (5.0, 0.229), (3.70, 0.30), (5.8, 0.20)] {
+            let found = Law::Weibull { shape, scale: 7.0 }.variation();
+            assert!((found - cv).abs() < 1.5e-3, "{shape}: {found}");
+        }
+        assert!((Law::Gamma { shape: 9.0, scale: 2.2 }.variation() - 1.0 / 3.0).abs() < 1e-6);
     }
 
     #[test]

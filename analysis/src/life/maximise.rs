@@ -9,6 +9,9 @@ const SETTLED: f64 = 1e-9;
 /// Steps after which a search without result ends.
 const STEPS: usize = 200;
 
+/// Distance at which an end of a profile is given up: parameters are logarithms.
+const FARTHEST: f64 = 60.0;
+
 /// Where a search ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maximum {
@@ -117,7 +120,7 @@ fn derivatives(f: &dyn Fn(&[f64]) -> f64, at: &[f64], value: f64) -> (DVector<f6
 
 /// The range of a parameter in which the greatest value over the others stays within `drop` of
 /// the maximum: a profile-likelihood interval, where `drop` is half a quantile of chi square.
-/// Infinite on a side where the profile never falls so far within 20 units.
+/// Infinite on a side where the profile never falls so far within 60 units.
 ///
 /// # Source
 /// D. J. Venzon, S. H. Moolgavkar, Applied Statistics 37 (1988) 87 (intervals; the search is
@@ -149,7 +152,7 @@ pub fn profile(f: &dyn Fn(&[f64]) -> f64, peak: &Maximum, parameter: usize, drop
         while far_excess > 0.0 {
             (near, near_excess) = (far, far_excess);
             far *= 1.5;
-            if far > 20.0 {
+            if far > FARTHEST {
                 return sign * f64::INFINITY;
             }
             far_excess = excess(centre + sign * far);

@@ -19,16 +19,23 @@
 //! | [`bootstrap`] | refits to resampled data, bands |
 //! | [`regression`] | life against speed, feed, depth and groups |
 //! | [`replacement`] | when an edge is best replaced, by age or in blocks |
+//! | [`analysis`] | all of it in one go |
+//! | [`measured`] | lives and wear readings from CSV files |
+//! | [`picture`], [`page`] | the same as charts, report sections and JSON |
 //! | [`maximise`] | the search that the fits use |
 //!
 //! Times are in any one unit; results come in the same.
 
+pub mod analysis;
 pub mod bootstrap;
 pub mod fit;
 pub mod goodness;
 pub mod law;
 pub mod maximise;
+pub mod measured;
 mod normal;
+pub mod page;
+pub mod picture;
 pub mod regression;
 pub mod replacement;
 pub mod sample;
