@@ -2,7 +2,6 @@
 
 mod cut;
 mod file;
-mod keys;
 mod picture;
 mod results;
 

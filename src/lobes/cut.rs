@@ -9,6 +9,7 @@ use toolroom_chatter::{
     Axis, BoundaryColumn, ChatterError, ChatterKind, Lobes, Milling, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_process::unit::convert;
+use toolroom_sim::scenario::lobes::LobesCut;
 
 /// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
 ///
@@ -72,6 +73,20 @@ impl Quantity {
     /// Name of a column or key, with the unit.
     pub fn column(&self) -> String {
         if self.unit == "1" { self.key.to_owned() } else { format!("{} [{}]", self.key, self.unit) }
+    }
+}
+
+impl From<LobesCut> for Cut {
+    fn from(cut: LobesCut) -> Self {
+        match cut {
+            LobesCut::Milling(cut) => Self::Milling(cut),
+            LobesCut::Turning { cut, bar } => {
+                // Where the tool is, the file was checked for: the bar gives way there.
+                let bending = bar.and_then(|(bar, place)| bar.mode_at(place).ok());
+                Self::Turning(Turning { modes: cut.modes.into_iter().chain(bending).collect(), ..cut })
+            }
+            LobesCut::Chuck(chuck) => Self::Chuck(chuck),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod contour;
 mod distribution;
 pub mod file;
 mod grinding;
+pub mod lobes;
 mod part;
 mod policy;
 mod station;
