@@ -108,6 +108,7 @@ impl Milling {
             energy: (force + self.force.tangential_cutting * self.life.reference_feed * self.life.reference_depth)
                 * speed
                 * life,
+            chatter_time: 1e4 * life,
         };
         let mut absolute = [0.0; STATES];
         scales.write_to(&mut absolute);

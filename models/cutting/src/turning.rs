@@ -11,6 +11,7 @@ pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 use crate::vibration::TurningStructure;
 use equations::Engagement;
 use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::sync::Arc;
 use toolroom_effects::Effects;
 use toolroom_process::ode::{self, Tolerance};
@@ -81,11 +82,23 @@ impl Turning {
             cutting_time: body,
             chipping_hazard: 1.0,
             energy: self.pair.force.specific_force * speed * body,
+            // Whether a cut chatters changes at once; a share of it more or less is found soon enough.
+            chatter_time: 1e4 * body,
         };
         let mut absolute = [0.0; STATES];
         scales.write_to(&mut absolute);
         absolute.map(|scale| relative * scale)
     }
+}
+
+/// Place of the tool after a cutting path: it moves towards the jaws by the feed. A place that is not
+/// given stays so.
+fn position_after(u: &TurningInput, path: f64) -> f64 {
+    if u.position <= 0.0 || u.engaged == 0.0 {
+        return u.position;
+    }
+    let revolutions = path / (PI * u.workpiece_diameter);
+    (u.position - revolutions * u.feed_per_rev).max(f64::MIN_POSITIVE)
 }
 
 /// The event that keeps an edge in this state from cutting at all. A worn edge may go on past
@@ -201,7 +214,12 @@ impl Process for Turning {
     }
 
     fn input_after(&self, u: &TurningInput, elapsed: f64) -> TurningInput {
-        TurningInput { cutting_speed: u.cutting_speed + u.cutting_acceleration * elapsed, ..*u }
+        let mean_speed = u.cutting_speed + 0.5 * u.cutting_acceleration * elapsed;
+        TurningInput {
+            cutting_speed: u.cutting_speed + u.cutting_acceleration * elapsed,
+            position: position_after(u, mean_speed * elapsed),
+            ..*u
+        }
     }
 
     fn derivative(&self, x: &TurningState, u: &TurningInput) -> Option<TurningState> {

@@ -120,8 +120,6 @@ struct Boundary {
     /// Natural oscillations of the chattering mode in a revolution or tooth period.
     waves: f64,
     damping_ratio: f64,
-    /// Forced amplitude for each metre of depth and of feed (1/m).
-    forced: f64,
 }
 
 impl Boundary {
@@ -130,7 +128,7 @@ impl Boundary {
         let distance = |mode: &&Mode| (mode.natural_frequency - frequency).abs();
         let mode = modes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let (natural, damping_ratio) = mode.map_or((1.0, 0.03), |mode| (mode.natural_frequency, mode.damping_ratio));
-        Self { limit, kind, frequency, waves: natural * period, damping_ratio, forced: 0.0 }
+        Self { limit, kind, frequency, waves: natural * period, damping_ratio }
     }
 }
 
@@ -152,14 +150,22 @@ pub(crate) fn variation(amplitude: f64, revolutions: f64) -> Option<SpeedVariati
 
 /// Steps of the logarithm of speed to which verdicts are rounded: half a part in a thousand.
 const SPEED_STEP: f64 = 5e-4;
-/// Steps of the logarithm of process damping over coefficient: two percent.
-const DAMPING_STEP: f64 = 2e-2;
+/// Steps of the logarithm of cutting stiffness and coefficient.
+const STIFFNESS_STEP: f64 = 2e-2;
+/// Process damping over coefficient (m) below which steps are even, above which they are
+/// relative: damping that matters is ten times as great (assumption).
+const LITTLE_DAMPING: f64 = 1e-5;
+/// Size of these steps, relative.
+const DAMPING_STEP: f64 = 0.1;
 
-/// A positive number on a logarithmic grid; zero and less have a place of their own.
+/// A positive number on a logarithmic grid.
 fn rounded(value: f64, step: f64) -> (i32, f64) {
-    if value <= 0.0 {
-        return (i32::MIN, 0.0);
-    }
     let index = (value.ln() / step).round();
     (index as i32, (index * step).exp())
+}
+
+/// Process damping over coefficient on its grid.
+fn rounded_damping(ratio: f64) -> (i32, f64) {
+    let index = ((ratio / LITTLE_DAMPING).asinh() / DAMPING_STEP).round();
+    (index as i32, LITTLE_DAMPING * (index * DAMPING_STEP).sinh())
 }

@@ -237,3 +237,40 @@ fn what_is_no_structure_is_refused() {
     assert!(MillingStructure::new(modes, 0.0, 0.0, Regeneration::default()).is_err());
     assert!(MillingStructure::new(Vec::new(), 0.0, 0.0, Regeneration::default()).is_err());
 }
+
+/// Along a bar held on both sides a pass chatters in the middle; the time of it is a state, however
+/// the pass is split.
+#[test]
+fn the_middle_of_a_bar_chatters_and_its_time_counts() {
+    let bar = Bar {
+        length: 0.6,
+        diameter: 0.04,
+        youngs_modulus: 2.1e11,
+        density: 7850.0,
+        damping_ratio: 0.03,
+        chuck_stiffness: 1e8,
+        support: Support::Tailstock,
+    };
+    let stiff = toolroom_chatter::Turning::orthogonal(Vec::new(), 2e9, 0.04);
+    let structure = TurningStructure::new(stiff, Some((bar, 0.3)), Regeneration::default()).unwrap();
+    let turning = Turning { structure: Some(Arc::new(structure)), ..turning() };
+    let softest = turning.vibration(&turning.initial(), &TurningInput { position: 0.35, ..turned(0.2e-3) }).limit;
+    let u = TurningInput { position: 0.58, ..turned(1.3 * softest) };
+    // 0.2 mm a revolution at 2.5 m/s: 0.5 m take 126 s.
+    let duration = 0.5 / (u.feed_per_rev * u.cutting_speed / (std::f64::consts::PI * u.workpiece_diameter));
+    let run = |parts: u32| {
+        let (mut x, mut held) = (turning.initial(), u);
+        for _ in 0..parts {
+            let step = duration / f64::from(parts);
+            turning.advance(&mut x, &held, step).unwrap();
+            held = turning.input_after(&held, step);
+        }
+        (x, held)
+    };
+    let (whole, end) = run(1);
+    assert!((end.position - 0.08).abs() < 1e-9, "{}", end.position);
+    assert!(whole.chatter_time > 0.1 * duration && whole.chatter_time < 0.9 * duration, "{}", whole.chatter_time);
+    let (parts, _) = run(23);
+    assert!((parts.chatter_time - whole.chatter_time).abs() < 0.2, "{} {}", parts.chatter_time, whole.chatter_time);
+    assert!((parts.flank_wear / whole.flank_wear - 1.0).abs() < 1e-3);
+}

@@ -37,6 +37,7 @@ pub(super) struct Engagement<N: Copy> {
     arc: Arc<N>,
     sharp: Coefficients<N>,
     damage_rate: N,
+    chatters: bool,
 }
 
 /// Cutting and edge coefficients of the cutter as it is now.
@@ -49,13 +50,15 @@ struct Coefficients<N> {
 }
 
 impl<N: Number> Milling<N> {
-    /// What effects and chatter make of this instant.
-    pub(super) fn terms(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Terms<N> {
+    /// What effects and chatter make of this instant, and whether the cut chatters.
+    fn terms(&self, x: &MillingState<N>, u: &MillingInput<N>) -> (Terms<N>, bool) {
         let mut terms = self.effect_terms(x, u);
-        if self.structure.is_some() {
-            terms.mechanical_wear *= self.judged(x, u, &terms).wear_factor;
+        if self.structure.is_none() {
+            return (terms, false);
         }
-        terms
+        let verdict = self.judged(x, u, &terms);
+        terms.mechanical_wear *= verdict.wear_factor;
+        (terms, !verdict.stable())
     }
 
     /// What the effects make of this instant.
@@ -126,8 +129,9 @@ impl<N: Number> Milling<N> {
 
     /// The cut of this instant.
     pub(super) fn engagement(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Engagement<N> {
-        let terms = self.terms(x, u);
+        let (terms, chatters) = self.terms(x, u);
         Engagement {
+            chatters,
             input: *u,
             terms,
             arc: self.arc(u, &terms),
@@ -219,6 +223,7 @@ impl<N: Number> Milling<N> {
             cutting_time: u.engaged,
             chipping_hazard: hazard * path,
             energy: self.mean_force(x.flank_wear, at).tangential * u.cutting_speed,
+            chatter_time: if at.chatters { u.engaged } else { N::from(0.0) },
         }
     }
 

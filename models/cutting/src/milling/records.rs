@@ -64,6 +64,8 @@ record! {
         chipping_hazard: Real = 0.0, 0.0..=1e9;
         /// Energy of the cut.
         energy: Real["J" => "kJ"] = 0.0, 0.0..=1e15;
+        /// Time in an unstable cut.
+        chatter_time: Real["s" => "min"] = 0.0, 0.0..=1e9;
     }
 }
 

@@ -15,6 +15,12 @@ impl<N: Number> Milling<N> {
         self.judged(x, u, &self.effect_terms(x, u))
     }
 
+    /// The cut as the stability model sees it; `None` without a structure, and where it is none.
+    pub fn regenerative(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Option<toolroom_chatter::Milling> {
+        let at = self.tooth(x, u, &self.effect_terms(x, u));
+        self.structure.as_ref()?.regenerative(&at).ok()
+    }
+
     /// The verdict under effects that are worked out.
     pub(super) fn judged(&self, x: &MillingState<N>, u: &MillingInput<N>, terms: &Terms<N>) -> Vibration {
         match &self.structure {

@@ -13,6 +13,7 @@ pub(crate) struct Engagement<'a, N: Copy = f64> {
     load: Load<N>,
     terms: Terms<N>,
     ambient: N,
+    chatters: bool,
 }
 
 impl<N: Number> Engagement<'_, N> {
@@ -56,6 +57,7 @@ impl<N: Number> Engagement<'_, N> {
             cutting_time: wear.cutting_time,
             chipping_hazard: wear.chipping_hazard,
             energy: force * cut.cutting_speed * cut.engaged,
+            chatter_time: if self.chatters { cut.engaged } else { N::from(0.0) },
         }
     }
 
@@ -67,13 +69,15 @@ impl<N: Number> Engagement<'_, N> {
 }
 
 impl<N: Number> Turning<N> {
-    /// What effects and chatter make of this instant.
-    pub(crate) fn terms(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Terms<N> {
+    /// What effects and chatter make of this instant, and whether the cut chatters.
+    pub(crate) fn terms(&self, x: &TurningState<N>, u: &TurningInput<N>) -> (Terms<N>, bool) {
         let mut terms = self.effect_terms(x, u);
-        if self.structure.is_some() {
-            terms.mechanical_wear *= self.judged(x, u, &terms).wear_factor;
+        if self.structure.is_none() {
+            return (terms, false);
         }
-        terms
+        let verdict = self.judged(x, u, &terms);
+        terms.mechanical_wear *= verdict.wear_factor;
+        (terms, !verdict.stable())
     }
 
     /// What the effects make of this instant.
@@ -118,9 +122,10 @@ impl<N: Number> Turning<N> {
 
     /// The contact of the edge at this instant.
     pub(crate) fn engagement(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Engagement<'_, N> {
-        let terms = self.terms(x, u);
+        let (terms, chatters) = self.terms(x, u);
         let cut = self.cut(u, &terms);
         Engagement {
+            chatters,
             contact: self.pair.contact(&cut),
             load: self.pair.force.load(&cut),
             terms,

@@ -56,7 +56,7 @@ impl Turning {
         };
         let events = |_: f64, y: &[f64; STATES]| {
             let x = self.warm(y, &held, model);
-            self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held)), held.chipping_resistance)
+            self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held).0), held.chipping_resistance)
         };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
         let stage = |_: f64, y: &[f64; STATES]| {
@@ -80,7 +80,7 @@ impl Turning {
         match model {
             LifeModel::Ode => x,
             LifeModel::QuasiSteady => {
-                let cut = self.cut(u, &self.terms(&x, u));
+                let cut = self.cut(u, &self.terms(&x, u).0);
                 TurningState { tool_body_temperature_rise: self.pair.contact(&cut).rise(x.flank_wear), ..x }
             }
         }

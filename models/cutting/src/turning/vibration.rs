@@ -29,6 +29,12 @@ impl<N: Number> Turning<N> {
         self.judged(x, u, &self.effect_terms(x, u))
     }
 
+    /// The cut as the stability model sees it; `None` without a structure, and where it is none.
+    pub fn regenerative(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Option<toolroom_chatter::Turning> {
+        let at = self.edge(x, u, &self.effect_terms(x, u));
+        self.structure.as_ref()?.regenerative(&at).ok()
+    }
+
     /// The verdict under effects that are worked out.
     pub(super) fn judged(&self, x: &TurningState<N>, u: &TurningInput<N>, terms: &Terms<N>) -> Vibration {
         match &self.structure {
@@ -123,6 +129,7 @@ impl<N: Number> Turning<N> {
             cutting_time: slow.cutting_time,
             chipping_hazard: mean(|rates| rates.chipping_hazard),
             energy: mean(|rates| rates.energy),
+            chatter_time: slow.chatter_time,
         }
     }
 }

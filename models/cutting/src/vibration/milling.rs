@@ -1,6 +1,6 @@
 //! What vibrates in milling.
 
-use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, Vibration, rounded, scattered};
+use super::{Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, rounded, rounded_damping, scattered};
 use std::f64::consts::TAU;
 use toolroom_chatter::{
     AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation,
@@ -17,6 +17,7 @@ pub struct MillingStructure {
     /// What wear changes.
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
+    forced: Memo<Key, f64>,
 }
 
 /// What a verdict depends on, rounded.
@@ -83,7 +84,14 @@ impl MillingStructure {
         let trial = Milling { modes, cutter, engagement, force, feed_per_tooth: 1e-4 };
         trial.at_speed(100.0)?;
         let modes = trial.modes;
-        Ok(Self { modes, helix_angle, process_damping, regeneration, boundaries: Memo::default() })
+        Ok(Self {
+            modes,
+            helix_angle,
+            process_damping,
+            regeneration,
+            boundaries: Memo::default(),
+            forced: Memo::default(),
+        })
     }
 
     /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
@@ -98,8 +106,8 @@ impl MillingStructure {
         let helical = self.helix_angle != 0.0;
         Key {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
-            damping: rounded(damping, DAMPING_STEP).0,
-            coefficient: if helical { rounded(tangential, DAMPING_STEP).0 } else { 0 },
+            damping: rounded_damping(damping).0,
+            coefficient: if helical { rounded(tangential, STIFFNESS_STEP).0 } else { 0 },
             radial: (at.radial / at.tangential).to_bits(),
             immersion: (at.width / at.diameter).min(1.0).to_bits(),
             down: at.down,
@@ -117,12 +125,12 @@ impl MillingStructure {
     fn judged(&self, at: &Tooth, key: &Key) -> Result<(Milling, f64, f64), ChatterError> {
         let (tangential, damping) = self.worn(at);
         let helical = self.helix_angle != 0.0;
-        let judged = if helical { rounded(tangential, DAMPING_STEP).1 } else { NOMINAL };
+        let judged = if helical { rounded(tangential, STIFFNESS_STEP).1 } else { NOMINAL };
         let cutter =
             Cutter { helix_angle: self.helix_angle, runout: at.runout, ..Cutter::straight(key.teeth, at.diameter) };
         let direction = if at.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
-            process_damping: rounded(damping, DAMPING_STEP).1 * judged,
+            process_damping: rounded_damping(damping).1 * judged,
             ..MillingForce::new(judged, judged * at.radial / at.tangential)
         };
         let cut = Milling {
@@ -145,20 +153,32 @@ impl MillingStructure {
                 None => cut.at_speed(speed)?.limit(searched),
                 Some(variation) => cut.at_varying_speed(speed, variation)?.limit(searched),
             };
-            let boundary = match found {
-                Ok(limit) => Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period),
+            match found {
+                Ok(limit) => Ok(Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period)),
                 Err(ChatterError::NoLimit { searched }) => {
-                    Boundary::at(searched, ChatterKind::Hopf, 0.0, &cut.modes, period)
+                    Ok(Boundary::at(searched, ChatterKind::Hopf, 0.0, &cut.modes, period))
                 }
-                Err(error) => return Err(error),
-            };
-            // Teeth whose surfaces overlap by runout have no forced response without simulation.
-            let depth = boundary.limit.min(1e-3);
-            let forced = cut.forced(speed, depth).map_or(0.0, |forced| forced.peak_to_peak[1]);
-            Ok(Boundary { forced: 0.5 * forced / (depth * at.feed_per_tooth), ..boundary })
+                Err(error) => Err(error),
+            }
         };
         let refused = |_| Boundary::at(0.0, ChatterKind::Hopf, 0.0, &self.modes, TAU / at.spindle_speed);
         self.boundaries.of(*key, || judge().unwrap_or_else(refused))
+    }
+
+    /// Amplitude that the teeth force in a stable cut, for each metre of judged depth and of feed;
+    /// process damping does not change what repeats from tooth to tooth.
+    fn forced(&self, at: &Tooth, key: &Key) -> f64 {
+        // The response goes with depth and feed; with a helix nearly so.
+        const DEPTH: f64 = 1e-3;
+        let key = Key { damping: 0, searched: 0, variation: (0, 0), ..*key };
+        self.forced.of(key, || {
+            let respond = || -> Result<f64, ChatterError> {
+                let (cut, speed, _) = self.judged(at, &key)?;
+                Ok(0.5 * cut.forced(speed, DEPTH)?.peak_to_peak[1] / (DEPTH * at.feed_per_tooth))
+            };
+            // Teeth whose surfaces overlap by runout have no forced response without simulation.
+            respond().unwrap_or(0.0)
+        })
     }
 
     /// How the cut vibrates.
@@ -169,7 +189,16 @@ impl MillingStructure {
         let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
         let boundary = Boundary { limit: judged.limit * scale, ..judged };
         let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration);
-        Vibration { forced: judged.forced * at.depth / scale * at.feed_per_tooth, ..vibration }
+        Vibration { forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth, ..vibration }
+    }
+
+    /// The cut of an operating point as the stability model sees it, nothing rounded.
+    pub(crate) fn regenerative(&self, at: &Tooth) -> Result<Milling, ChatterError> {
+        let (cut, _, _) = self.judged(at, &self.key(at))?;
+        let (tangential, damping) = self.worn(at);
+        let radial = tangential * at.radial / at.tangential;
+        let force = MillingForce { process_damping: damping * tangential, ..MillingForce::new(tangential, radial) };
+        Ok(Milling { force, ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.

@@ -1,6 +1,6 @@
 //! What vibrates in turning.
 
-use super::{Boundary, DAMPING_STEP, Memo, Regeneration, SPEED_STEP, Vibration, rounded, scattered};
+use super::{Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, rounded, rounded_damping, scattered};
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
 use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedVariation, Turning};
@@ -133,11 +133,11 @@ impl TurningStructure {
         let ratio = self.process_damping(at) / self.coefficient(at);
         let place = self.bar.map_or(0, |(bar, place)| {
             let place = if at.position > 0.0 { at.position } else { place };
-            ((place / bar.length * PLACES).round() as u32).max(1)
+            ((place / bar.length * PLACES).round() as u32).clamp(1, PLACES as u32 - 1)
         });
         Key {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
-            damping: rounded(ratio, DAMPING_STEP).0,
+            damping: rounded_damping(ratio).0,
             place,
             frequency_factor: at.frequency_factor.to_bits(),
             damping_factor: at.damping_factor.to_bits(),
@@ -149,9 +149,9 @@ impl TurningStructure {
     /// The nominal cut of a key: only the ratio of damping to coefficient matters, the limit goes
     /// with the inverse of the coefficient.
     fn nominal(&self, at: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
-        let place = self.bar.map_or(0.0, |(bar, _)| (f64::from(key.place) / PLACES).min(1.0) * bar.length);
+        let place = self.bar.map_or(0.0, |(bar, _)| f64::from(key.place) / PLACES * bar.length);
         let cut = self.at_place(place)?;
-        let ratio = rounded(self.process_damping(at) / self.coefficient(at), DAMPING_STEP).1;
+        let ratio = rounded_damping(self.process_damping(at) / self.coefficient(at)).1;
         let modes = scattered(&cut.modes, at.frequency_factor, at.damping_factor);
         let cut = Turning { modes, process_damping: ratio, diameter: at.diameter, ..cut };
         Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1))
@@ -206,7 +206,7 @@ impl TurningStructure {
     /// present one where it is not below that.
     fn critical_modulation(&self, at: &Edge, key: &Key) -> f64 {
         let stiffness = at.depth * self.cut.cutting_coefficient * self.coefficient(at);
-        let (stiffness, rounded_stiffness) = rounded(stiffness, DAMPING_STEP);
+        let (stiffness, rounded_stiffness) = rounded(stiffness, STIFFNESS_STEP);
         let key = ChuckKey { cut: *key, stiffness, modulation: at.modulation.to_bits() };
         self.chucks.of(key, || {
             let searched = 2.0 * at.modulation;
@@ -219,6 +219,13 @@ impl TurningStructure {
             };
             judge().unwrap_or(0.5 * at.modulation)
         })
+    }
+
+    /// The cut of an operating point as the stability model sees it, nothing rounded but the place.
+    pub(crate) fn regenerative(&self, at: &Edge) -> Result<Turning, ChatterError> {
+        let (cut, _) = self.nominal(at, &self.key(at))?;
+        let cutting_coefficient = cut.cutting_coefficient * self.coefficient(at);
+        Ok(Turning { cutting_coefficient, process_damping: self.process_damping(at), ..cut })
     }
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
