@@ -1,0 +1,84 @@
+//! The C interfaces. The only module with `unsafe`: it reads and writes what importers point to.
+//!
+//! Every entry point goes through [`call`]: the handle is looked up and never followed, the
+//! instance is locked against concurrent and nested calls, a panic becomes a fatal status.
+
+#![allow(unsafe_code, non_snake_case)]
+
+mod fmi2;
+mod fmi3;
+mod fmi3_values;
+mod handles;
+mod pointer;
+
+use crate::catalogue;
+use crate::component::{Component, Interface};
+use crate::fault::Fault;
+use crate::log::{Category, Log, Sink, Status};
+use std::any::Any;
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+/// Carries out one call on an instance.
+fn call(
+    handle: *mut c_void,
+    name: &str,
+    action: impl FnOnce(&mut dyn Component) -> Result<Status, Fault>,
+) -> Status {
+    let Some(mut held) = handles::hold(handle) else { return Status::Error };
+    if held.is_stopped() {
+        return Status::Fatal;
+    }
+    match catch_unwind(AssertUnwindSafe(|| action(&mut *held))) {
+        Ok(Ok(status)) => status,
+        Ok(Err(fault)) => {
+            held.log().say(Status::Error, Category::Error, &format!("{name}: {fault}"));
+            Status::Error
+        }
+        Err(panic) => {
+            held.stop();
+            let text = format!("{name}: internal error: {}", words(&*panic));
+            held.log().say(Status::Fatal, Category::Fatal, &text);
+            Status::Fatal
+        }
+    }
+}
+
+/// What a panic says.
+fn words(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied();
+    text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("without words")
+}
+
+/// Makes an instance; NULL where that is refused, with the reason in the log.
+fn instantiate(token: Option<&str>, interface: Interface, resources: Option<PathBuf>, log: Log) -> *mut c_void {
+    let refuse = |log: &Log, text: &str| {
+        log.say(Status::Error, Category::Error, text);
+        std::ptr::null_mut()
+    };
+    let Some(token) = token else { return refuse(&log, "no instantiation token is given") };
+    let made = catch_unwind(AssertUnwindSafe(|| {
+        let Some(unit) = catalogue::by_token(token) else {
+            return refuse(&log, "the instantiation token is that of no unit in this library");
+        };
+        if interface == Interface::ModelExchange && !unit.continuous {
+            return refuse(&log, "this unit offers no Model Exchange");
+        }
+        handles::keep(unit.instantiate(interface, resources, log)).unwrap_or(std::ptr::null_mut())
+    }));
+    made.unwrap_or(std::ptr::null_mut())
+}
+
+/// An importer's callback with what it has to be handed.
+struct Callback<F> {
+    function: F,
+    /// The importer's own pointer; never followed here.
+    environment: *mut c_void,
+    /// Name of the instance, for FMI 2.0.
+    instance: std::ffi::CString,
+}
+
+// SAFETY: the standards let every function of an instance be called from any thread, one at a
+// time; the importer's callback and environment have to bear that.
+unsafe impl<F: Copy> Send for Callback<F> where Callback<F>: Sink {}

@@ -1,0 +1,71 @@
+//! The units that the shared library holds.
+
+use crate::component::{Component, Interface};
+use crate::description::{self, Description};
+use crate::instance::Instance;
+use crate::log::Log;
+use crate::unit::Unit;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use toolroom_cutting::{Milling, Turning};
+use toolroom_infeed::InfeedProfile;
+
+/// One unit that can be instantiated and described.
+pub struct Entry {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// Whether Model Exchange is offered.
+    pub continuous: bool,
+    token: fn() -> u128,
+    known_token: OnceLock<u128>,
+    describe: fn() -> Description,
+    make: fn(Interface, Option<PathBuf>, Log) -> Box<dyn Component>,
+}
+
+impl Entry {
+    const fn of<U: Unit>(name: &'static str) -> Self {
+        Self {
+            name,
+            continuous: U::CONTINUOUS,
+            token: description::token::<U>,
+            known_token: OnceLock::new(),
+            describe: Description::of::<U>,
+            make: |interface, resources, log| Box::new(Instance::<U>::new(interface, resources, log)),
+        }
+    }
+
+    /// Instantiation token: changes with every change of the variables.
+    pub fn token(&self) -> String {
+        description::token_text(*self.known_token.get_or_init(self.token))
+    }
+
+    /// Everything that the package says about the unit.
+    pub fn describe(&self) -> Description {
+        (self.describe)()
+    }
+
+    /// A new instance.
+    pub fn instantiate(&self, interface: Interface, resources: Option<PathBuf>, log: Log) -> Box<dyn Component> {
+        (self.make)(interface, resources, log)
+    }
+}
+
+static ENTRIES: [Entry; 3] =
+    [Entry::of::<Turning>("turning"), Entry::of::<Milling>("milling"), Entry::of::<InfeedProfile>("infeed")];
+
+/// The units that are shipped.
+///
+/// ```
+/// let names: Vec<_> = toolroom_fmu::units().map(|unit| unit.name).collect();
+/// assert_eq!(names, ["turning", "milling", "infeed"]);
+/// ```
+pub fn units() -> impl Iterator<Item = &'static Entry> {
+    ENTRIES.iter()
+}
+
+/// The unit with this instantiation token.
+pub(crate) fn by_token(token: &str) -> Option<&'static Entry> {
+    // FMI 2.0 importers may hand the GUID on in braces or without.
+    let bare = |text: &str| text.trim_matches(['{', '}']).to_ascii_lowercase();
+    units().find(|entry| bare(&entry.token()) == bare(token))
+}

@@ -1,0 +1,168 @@
+//! A process with its parameter set, effects and policy, as the importer has configured it.
+
+use crate::fault::Fault;
+use crate::unit::{AdaptivePolicy, Unit};
+use std::path::Path;
+use toolroom_effects::Effects;
+use toolroom_process::{AnyRecord, Field, Record};
+
+/// Parameters as chosen, and the process that they make. Shared by the instance and its saved
+/// states: it changes only where a parameter is set.
+#[derive(Clone)]
+pub(crate) struct Configured<U: Unit> {
+    /// Name of the parameter set.
+    pub set: String,
+    /// The process with the effects that are switched on.
+    pub process: U,
+    /// The built-in policy.
+    pub policy: AdaptivePolicy,
+    /// Every parameter, in the order of [`Configured::parameter_fields`].
+    pub values: Vec<f64>,
+    /// The process with every effect, also those of size zero.
+    every: U,
+    /// Parameters that were set by themselves; a later set leaves them alone.
+    chosen: Vec<(usize, f64)>,
+}
+
+impl<U: Unit> Configured<U> {
+    /// The default set.
+    pub fn new() -> Self {
+        let (name, text) = U::SETS[0];
+        Self::from_text(name, text).unwrap_or_else(|fault| panic!("the shipped set {name} is broken: {fault}"))
+    }
+
+    fn from_text(name: &str, text: &str) -> Result<Self, Fault> {
+        let mut every = U::read(text).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
+        *every.effects_mut() = Effects::every(U::EFFECTS_OF);
+        let mut configured = Self {
+            set: name.to_owned(),
+            process: every.clone(),
+            policy: AdaptivePolicy::default(),
+            values: Vec::new(),
+            every,
+            chosen: Vec::new(),
+        };
+        let mut values = Vec::new();
+        configured.visit(|record| values.extend((0..record.fields().len()).filter_map(|i| record.value(i))));
+        configured.values = values;
+        configured.settle()?;
+        Ok(configured)
+    }
+
+    /// Name and field of every parameter.
+    pub fn parameter_fields() -> Vec<(String, Field)> {
+        let mut configured = Self::new();
+        let mut all = Vec::new();
+        let effects = configured.every.effects_mut().parameters_mut().len();
+        let mut groups = configured.every.parameters_mut();
+        let first_effect = groups.len() - effects;
+        for (i, (group, record)) in groups.iter_mut().enumerate() {
+            for field in record.fields() {
+                let name = match (i >= first_effect, field.name) {
+                    (false, name) => format!("{group}.{name}"),
+                    (true, "size") => format!("effect.{group}"),
+                    (true, name) => format!("shape.{group}.{name}"),
+                };
+                all.push((name, *field));
+            }
+        }
+        if U::ADAPTIVE {
+            all.extend(
+                AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)),
+            );
+        }
+        for ((_, field), value) in all.iter_mut().zip(&configured.values) {
+            field.start = *value;
+        }
+        all
+    }
+
+    /// Every record of parameters, in order.
+    fn visit(&mut self, mut visitor: impl FnMut(&mut dyn AnyRecord)) {
+        for (_, record) in self.every.parameters_mut() {
+            visitor(record);
+        }
+        if U::ADAPTIVE {
+            visitor(&mut self.policy);
+        }
+    }
+
+    /// Brings the process in line with `values`.
+    fn settle(&mut self) -> Result<(), Fault> {
+        let values = std::mem::take(&mut self.values);
+        let mut at = 0;
+        self.visit(|record| {
+            for i in 0..record.fields().len() {
+                record.set_value(i, values[at]);
+                at += 1;
+            }
+        });
+        self.values = values;
+        self.process = self.every.clone();
+        let active = self.every.effects_mut().iter().filter(|effect| effect.size() != 0.0).copied().collect();
+        *self.process.effects_mut() =
+            Effects::new(active).map_err(|error| Fault::Set { name: self.set.clone(), reason: error.to_string() })?;
+        Ok(())
+    }
+
+    /// Sets parameters by index; each value lies in its range.
+    pub fn assign(&mut self, parameters: &[(usize, f64)]) -> Result<(), Fault> {
+        for &(i, value) in parameters {
+            // Importers that write every start value have chosen nothing.
+            if self.values[i] != value {
+                self.values[i] = value;
+                self.chosen.retain(|(chosen, _)| *chosen != i);
+                self.chosen.push((i, value));
+            }
+        }
+        self.settle()
+    }
+
+    /// Changes to the set `name`: the file `tools/name.toml` of the resources, or the shipped set.
+    pub fn choose_set(&mut self, name: &str, resources: Option<&Path>) -> Result<(), Fault> {
+        let known = || U::SETS.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", ");
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        if name.is_empty() || !name.chars().all(plain) {
+            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() });
+        }
+        let file = resources.and_then(|folder| std::fs::read_to_string(folder.join(format!("tools/{name}.toml"))).ok());
+        let shipped = U::SETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
+        let Some(text) = file.as_deref().or(shipped) else {
+            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() });
+        };
+        let mut changed = Self::from_text(name, text)?;
+        if changed.values.len() != self.values.len() {
+            let reason = "it has another wear law than this unit".to_owned();
+            return Err(Fault::Set { name: name.to_owned(), reason });
+        }
+        let policy = AdaptivePolicy::<f64>::LEN;
+        if U::ADAPTIVE {
+            let first = self.values.len() - policy;
+            changed.values[first..].copy_from_slice(&self.values[first..]);
+        }
+        for &(i, value) in &self.chosen {
+            changed.values[i] = value;
+        }
+        changed.chosen = std::mem::take(&mut self.chosen);
+        changed.settle()?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// The parameters of a saved state.
+    pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Result<Self, Fault> {
+        let mut configured = Self::new();
+        if configured.set != set {
+            configured.choose_set(set, resources)?;
+        }
+        if values.len() != configured.values.len() {
+            return Err(Fault::Corrupt { reason: "another number of parameters" });
+        }
+        let start = Self::new().values;
+        configured.chosen =
+            values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();
+        configured.values = values;
+        configured.settle()?;
+        Ok(configured)
+    }
+}

@@ -1,0 +1,125 @@
+//! Which unknown depends on which known, found by trying.
+//!
+//! The equations are the only place that knows. Each known is moved at several points of the
+//! range with every effect switched on; what changes in the last bit depends on it.
+
+use crate::configured::Configured;
+use crate::instance::nominal_of;
+use crate::unit::Unit;
+use crate::variable::Slot;
+use std::collections::BTreeMap;
+use toolroom_process::{Field, Kind, Record};
+
+/// Points at which dependencies are looked for.
+const POINTS: u64 = 24;
+
+/// Knowns of each unknown that is continuous: outputs, derivatives, indicators.
+#[derive(Clone, Debug, Default)]
+pub struct Dependencies(BTreeMap<u32, Vec<u32>>);
+
+impl Dependencies {
+    /// Value references of the knowns of `unknown`; `None` where they were not looked for.
+    pub fn of_unknown(&self, unknown: u32) -> Option<&[u32]> {
+        self.0.get(&unknown).map(Vec::as_slice)
+    }
+
+    /// Tries the unit `U`.
+    pub fn of<U: Unit>() -> Self {
+        let mut process = Configured::<U>::new();
+        let effects: Vec<(usize, f64)> = Configured::<U>::parameter_fields()
+            .iter()
+            .enumerate()
+            .filter(|(_, (name, _))| name.starts_with("effect."))
+            .map(|(i, (_, field))| (i, (0.2 * nominal_of(field.display, field.unit)).min(field.max)))
+            .collect();
+        // Sizes of a fifth lie in the range of every effect, which a test holds.
+        if process.assign(&effects).is_err() {
+            return Self::default();
+        }
+        let process = process.process;
+        let mut found: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let unknowns = unknowns::<U>();
+        for unknown in &unknowns {
+            found.insert(unknown.reference(), Vec::new());
+        }
+        for point in 0..POINTS {
+            let (x, u) = (scattered::<U::State>(point), scattered::<U::Input>(point + 1000));
+            let before = evaluate(&process, &x, &u);
+            let mut compare = |known: Slot, x: &U::State, u: &U::Input| {
+                for ((unknown, before), after) in unknowns.iter().zip(&before).zip(evaluate(&process, x, u)) {
+                    let knowns = found.entry(unknown.reference()).or_default();
+                    if before.to_bits() != after.to_bits() && !knowns.contains(&known.reference()) {
+                        knowns.push(known.reference());
+                    }
+                }
+            };
+            for (i, field) in U::Input::FIELDS.iter().enumerate() {
+                compare(Slot::Input(i), &x, &nudged(&u, i, field));
+            }
+            let mut at = 0;
+            for (i, field) in U::State::FIELDS.iter().enumerate() {
+                // An array as a whole: one element in the middle stands for it, and one that is used.
+                for element in [at, at + field.len / 2, at + field.len - 1] {
+                    compare(Slot::State(i), &nudged(&x, element, field), &u);
+                }
+                at += field.len;
+            }
+        }
+        found.values_mut().for_each(|knowns| knowns.sort_unstable());
+        Self(found)
+    }
+}
+
+fn unknowns<U: Unit>() -> Vec<Slot> {
+    let outputs = (0..U::Output::FIELDS.len()).map(Slot::Output);
+    let indicators = (0..U::EVENTS.len()).map(Slot::Indicator);
+    let rates = (0..U::State::FIELDS.len()).map(Slot::Derivative).filter(|_| U::CONTINUOUS);
+    outputs.chain(indicators).chain(rates).collect()
+}
+
+fn evaluate<U: Unit>(process: &U, x: &U::State, u: &U::Input) -> Vec<f64> {
+    let output = process.output(x, u);
+    let mut values: Vec<f64> = (0..U::Output::LEN).filter_map(|i| output.get(i)).collect();
+    let mut indicators = vec![0.0; U::EVENTS.len()];
+    process.event_indicators(x, u, &mut indicators);
+    values.append(&mut indicators);
+    if let Some(rates) = process.derivative(x, u).filter(|_| U::CONTINUOUS) {
+        values.extend((0..U::State::LEN).filter_map(|i| rates.get(i)));
+    }
+    values
+}
+
+/// A point of the range around the start values.
+fn scattered<R: Record>(point: u64) -> R {
+    let mut record = R::default();
+    let mut seed = point.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    let mut share = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let scale = [0.1, 1.0, 100.0][(point % 3) as usize];
+    let elements = R::FIELDS.iter().flat_map(|field| std::iter::repeat_n(field, field.len));
+    for (i, field) in elements.enumerate() {
+        let value = match field.kind {
+            Kind::Boolean => f64::from(share() > 0.3),
+            Kind::Integer => field.start,
+            Kind::Real if field.start != 0.0 => field.start * (0.6 + 0.8 * share()),
+            Kind::Real => scale * nominal_of(field.display, field.unit) * share(),
+        };
+        record.set(i, value.clamp(field.min, field.max));
+    }
+    record
+}
+
+/// The record with element `i` moved within its range.
+fn nudged<R: Record>(record: &R, i: usize, field: &Field) -> R {
+    let mut nudged = *record;
+    let value = record.get(i).unwrap_or(0.0);
+    let step = match field.kind {
+        Kind::Real => 0.05 * value.abs() + 1e-3 * nominal_of(field.display, field.unit).abs(),
+        Kind::Boolean | Kind::Integer => 1.0,
+    };
+    let up = value + step;
+    nudged.set(i, if up <= field.max { up } else { value - step });
+    nudged
+}

@@ -1,0 +1,107 @@
+//! What a unit refuses.
+
+use crate::mode::Mode;
+use toolroom_process::ModelError;
+
+/// Why a call did nothing. The text goes to the importer's log.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A pointer that may not be NULL.
+    #[error("argument `{argument}` is NULL")]
+    Null {
+        /// Its name in the standard.
+        argument: &'static str,
+    },
+    /// A function called in the wrong mode.
+    #[error("{call} may not be called in {mode}")]
+    Mode {
+        /// What was asked for.
+        call: &'static str,
+        /// Where the unit is.
+        mode: Mode,
+    },
+    /// A value reference that the unit does not have, or not with this type.
+    #[error("there is no variable of this type with value reference {reference}")]
+    Reference {
+        /// The reference.
+        reference: u32,
+    },
+    /// A variable that cannot be set now.
+    #[error("{variable} may not be set in {mode}")]
+    NotSettable {
+        /// Name.
+        variable: String,
+        /// Where the unit is.
+        mode: Mode,
+    },
+    /// Arrays of lengths that do not fit.
+    #[error("{values} values given, {expected} expected")]
+    Length {
+        /// What was given.
+        values: usize,
+        /// What was expected.
+        expected: usize,
+    },
+    /// A step that cannot be taken.
+    #[error("a step of {step} s from {time} s cannot be taken")]
+    Step {
+        /// Start of the step, s.
+        time: f64,
+        /// Length, s.
+        step: f64,
+    },
+    /// A step that does not start where the last one ended.
+    #[error("the step starts at {given} s, the unit is at {own} s")]
+    Time {
+        /// Start of the step, s.
+        given: f64,
+        /// Time of the unit, s.
+        own: f64,
+    },
+    /// A value that the model refuses.
+    #[error("{variable}: {source}")]
+    Value {
+        /// Name.
+        variable: String,
+        /// Why.
+        source: ModelError,
+    },
+    /// The model refuses to go on.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A parameter set that does not exist.
+    #[error("no parameter set `{name}`; there are {known}")]
+    UnknownSet {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A parameter set that cannot be used.
+    #[error("parameter set {name}: {reason}")]
+    Set {
+        /// Name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A saved state that is not one of this instance.
+    #[error("this state was not saved by this instance, or was freed")]
+    State,
+    /// A serialised state that cannot be read.
+    #[error("the serialised state cannot be read: {reason}")]
+    Corrupt {
+        /// Why.
+        reason: &'static str,
+    },
+    /// Something that this unit does not offer.
+    #[error("{feature} is not offered")]
+    NotOffered {
+        /// What.
+        feature: &'static str,
+    },
+    /// The unit stopped for good.
+    #[error("the unit has stopped after an internal error and can only be freed")]
+    Stopped,
+}

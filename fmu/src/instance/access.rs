@@ -1,0 +1,226 @@
+//! Reading and setting variables.
+
+use super::Instance;
+use super::continuous::expect_length;
+use crate::component::Outcome;
+use crate::configured::Configured;
+use crate::fault::Fault;
+use crate::log::{Category, Status};
+use crate::mode::Mode;
+use crate::unit::Unit;
+use crate::variable::{Slot, ValueType, can_be_lost, variables};
+use std::ffi::{CStr, CString};
+use std::sync::Arc;
+use toolroom_process::{Field, Record};
+
+/// What setting a variable does in the present mode.
+#[derive(PartialEq)]
+enum Set {
+    /// Takes effect.
+    Now,
+    /// Waits for the next event.
+    AtEvent,
+    /// Is refused.
+    Never,
+}
+
+impl<U: Unit> Instance<U> {
+    /// Type and number of elements of a slot, `None` where the unit does not have it.
+    fn shape(&self, slot: Slot) -> Option<(ValueType, usize)> {
+        let record = |fields: &[Field], i: usize| fields.get(i).map(|field| (field.kind.into(), field.len));
+        let numbered = |value_type, i: usize, count: usize| (i < count).then_some((value_type, 1));
+        match slot {
+            Slot::Time => Some((ValueType::Real, 1)),
+            Slot::Input(i) => record(U::Input::FIELDS, i),
+            Slot::State(i) => record(U::State::FIELDS, i),
+            Slot::Derivative(i) => record(U::State::FIELDS, i).filter(|_| U::CONTINUOUS),
+            Slot::Output(i) => record(U::Output::FIELDS, i),
+            Slot::Parameter(i) => self.parameters.get(i).map(|(_, field)| (field.kind.into(), 1)),
+            Slot::Indicator(i) => numbered(ValueType::Real, i, U::EVENTS.len()),
+            Slot::Event(i) => numbered(ValueType::Boolean, i, U::EVENTS.len()),
+            Slot::Renewal(i) => numbered(ValueType::Boolean, i, U::RENEWALS.len()),
+            Slot::Count(i) => numbered(ValueType::Integer, i, U::RENEWALS.len()),
+            Slot::Lost => can_be_lost::<U>().then_some((ValueType::Boolean, 1)),
+            Slot::CommandedSpeed => U::ADAPTIVE.then_some((ValueType::Real, 1)),
+            Slot::Set => Some((ValueType::String, 1)),
+        }
+    }
+
+    /// Slot of a reference of the wanted type, with its number of elements.
+    fn find(&self, value_type: ValueType, reference: u32) -> Result<(Slot, usize), Fault> {
+        let slot = Slot::of(reference).ok_or(Fault::Reference { reference })?;
+        match self.shape(slot) {
+            Some((found, len)) if found == value_type => Ok((slot, len)),
+            _ => Err(Fault::Reference { reference }),
+        }
+    }
+
+    pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
+        let mut rest = values;
+        let total = rest.len();
+        for &reference in references {
+            let (slot, len) = self.find(value_type, reference)?;
+            let Some((target, after)) = rest.split_at_mut_checked(len) else {
+                return Err(Fault::Length { values: total, expected: total - rest.len() + len });
+            };
+            self.read_slot(slot, target)?;
+            rest = after;
+        }
+        expect_length(total, total - rest.len())?;
+        Ok(Status::Ok)
+    }
+
+    fn read_slot(&mut self, slot: Slot, target: &mut [f64]) -> Result<(), Fault> {
+        let core = &self.core;
+        match slot {
+            Slot::Output(i) => target[0] = self.outputs()[i],
+            Slot::State(i) => {
+                let first = self.state_offsets[i];
+                for (k, value) in target.iter_mut().enumerate() {
+                    *value = core.state.get(first + k).unwrap_or(f64::NAN);
+                }
+            }
+            Slot::Derivative(i) => {
+                let rates = self.rates()?;
+                target[0] = rates.get(self.state_offsets[i]).unwrap_or(f64::NAN);
+            }
+            Slot::Indicator(i) => {
+                let mut all = [0.0; super::MOST];
+                self.read_indicators(&mut all[..U::EVENTS.len()])?;
+                target[0] = all[i];
+            }
+            Slot::Time => target[0] = core.time,
+            Slot::Input(i) => target[0] = core.input.get(i).unwrap_or(f64::NAN),
+            Slot::Parameter(i) => target[0] = core.model.values[i],
+            Slot::Event(i) => target[0] = f64::from(core.discrete.events[i]),
+            Slot::Renewal(i) => target[0] = f64::from(core.discrete.renewals[i]),
+            Slot::Count(i) => target[0] = f64::from(core.discrete.counts[i]),
+            Slot::Lost => target[0] = f64::from(core.discrete.lost),
+            Slot::CommandedSpeed => {
+                let programmed = self.speed.and_then(|i| core.input.get(i)).unwrap_or(0.0);
+                target[0] = if self.is_adaptive() { core.discrete.speed } else { programmed };
+            }
+            Slot::Set => return Err(Fault::Reference { reference: slot.reference() }),
+        }
+        Ok(())
+    }
+
+    /// What setting `slot` does now.
+    fn settable(&self, slot: Slot, discrete: bool) -> Set {
+        let before = matches!(self.core.mode, Mode::Instantiated | Mode::Initialization);
+        let running = matches!(self.core.mode, Mode::Event | Mode::Step);
+        match slot {
+            Slot::State(_) if before && U::CONTINUOUS => Set::Now,
+            Slot::Input(_) | Slot::Renewal(_) | Slot::Parameter(_) if before || running => Set::Now,
+            Slot::Input(_) | Slot::Renewal(_) if self.core.mode == Mode::Continuous => {
+                if discrete { Set::AtEvent } else { Set::Now }
+            }
+            _ => Set::Never,
+        }
+    }
+
+    fn name_of(&self, slot: Slot) -> String {
+        variables::<U>().into_iter().find(|each| each.slot == slot).map_or_else(String::new, |each| each.name)
+    }
+
+    /// Whether `value` may stand in `slot`.
+    fn check(&self, slot: Slot, value: f64) -> Result<(), Fault> {
+        let range = match slot {
+            Slot::Input(i) => U::Input::FIELDS[i].check(value),
+            Slot::State(i) => U::State::FIELDS[i].check(value),
+            Slot::Parameter(i) => self.parameters[i].1.check(value),
+            _ => Ok(()),
+        };
+        range.map_err(|source| Fault::Value { variable: self.name_of(slot), source })
+    }
+
+    pub(super) fn write_values(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
+        // First whether all can be set, then all of it.
+        let mut at = 0;
+        for &reference in references {
+            let (slot, len) = self.find(value_type, reference)?;
+            let given = values.get(at..at + len).ok_or(Fault::Length { values: values.len(), expected: at + len })?;
+            let unchanged = || given.iter().enumerate().all(|(k, value)| self.present(slot, k) == Some(*value));
+            if self.settable(slot, value_type != ValueType::Real) == Set::Never && !unchanged() {
+                return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode });
+            }
+            given.iter().try_for_each(|value| self.check(slot, *value))?;
+            at += len;
+        }
+        expect_length(values.len(), at)?;
+        let mut parameters = Vec::new();
+        let mut status = Status::Ok;
+        at = 0;
+        for &reference in references {
+            let (slot, len) = self.find(value_type, reference)?;
+            let given = &values[at..at + len];
+            at += len;
+            match (slot, self.settable(slot, value_type != ValueType::Real)) {
+                (_, Set::Never) => {}
+                (Slot::Input(i), Set::AtEvent) => status = status.max(self.wait(slot, i, given[0])),
+                (Slot::Renewal(i), Set::AtEvent) => {
+                    status = status.max(self.wait(slot, U::Input::LEN + i, given[0]));
+                }
+                (Slot::Input(i), _) => drop(self.core.input.set(i, given[0])),
+                (Slot::Renewal(i), _) => self.core.discrete.renewals[i] = given[0] > 0.5,
+                (Slot::State(i), _) => {
+                    for (k, value) in given.iter().enumerate() {
+                        self.core.state.set(self.state_offsets[i] + k, *value);
+                    }
+                }
+                (Slot::Parameter(i), _) => parameters.push((i, given[0])),
+                _ => {}
+            }
+        }
+        if !parameters.is_empty() {
+            Arc::make_mut(&mut self.core.model).assign(&parameters)?;
+        }
+        self.changed();
+        Ok(status)
+    }
+
+    /// Present value of what could be set.
+    fn present(&self, slot: Slot, element: usize) -> Option<f64> {
+        match slot {
+            Slot::Input(i) => self.core.input.get(i),
+            Slot::State(i) => self.core.state.get(self.state_offsets[i] + element),
+            Slot::Parameter(i) => self.core.model.values.get(i).copied(),
+            Slot::Renewal(i) => Some(f64::from(self.core.discrete.renewals[i])),
+            _ => None,
+        }
+    }
+
+    /// A discrete input that is set between events: many importers do it. It waits.
+    fn wait(&mut self, slot: Slot, index: usize, value: f64) -> Status {
+        let waits = self.waiting.iter().rev().find(|(i, _)| *i == index).map(|(_, value)| *value);
+        if waits.or(self.present(slot, 0)) == Some(value) {
+            return Status::Ok;
+        }
+        self.waiting.retain(|(i, _)| *i != index);
+        self.waiting.push((index, value));
+        let name = self.name_of(slot);
+        self.say(Category::Warning, || format!("{name} was set in Continuous-Time Mode; it waits for the next event"));
+        Status::Warning
+    }
+
+    pub(super) fn read_set(&mut self, reference: u32) -> Result<&CStr, Fault> {
+        self.find(ValueType::String, reference)?;
+        self.text = CString::new(self.core.model.set.as_str()).unwrap_or_default();
+        Ok(&self.text)
+    }
+
+    pub(super) fn write_set(&mut self, reference: u32, text: &str) -> Outcome {
+        let (slot, _) = self.find(ValueType::String, reference)?;
+        if self.core.model.set == text {
+            return Ok(Status::Ok);
+        }
+        if !matches!(self.core.mode, Mode::Instantiated | Mode::Initialization) {
+            return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode });
+        }
+        let mut model = Configured::clone(&self.core.model);
+        model.choose_set(text, self.resources.as_deref())?;
+        self.core.model = Arc::new(model);
+        self.changed();
+        Ok(Status::Ok)
+    }
+}

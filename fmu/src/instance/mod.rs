@@ -1,0 +1,214 @@
+//! One instance of a unit: parameters, state, inputs, events and where it is in its life.
+
+mod access;
+mod component;
+mod continuous;
+mod derivative;
+mod life;
+mod saved;
+mod serial;
+mod step;
+
+pub(crate) use continuous::nominal_of;
+
+use crate::component::Interface;
+use crate::configured::Configured;
+use crate::log::{Category, Log, Status};
+use crate::mode::Mode;
+use crate::unit::Unit;
+use saved::Saved;
+use std::ffi::CString;
+use std::path::PathBuf;
+use std::sync::Arc;
+use toolroom_process::{Field, Record};
+
+/// Most events, and most renewals, of a process.
+const MOST: usize = 8;
+
+/// How far below zero an indicator still counts as reached: an integrator stops a hair before.
+const REACHED: f64 = -1e-9;
+
+/// What changes at events only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Discrete {
+    /// Renewal inputs as set.
+    renewals: [bool; MOST],
+    /// Renewal inputs as last acted upon.
+    acted: [bool; MOST],
+    /// Renewals so far, plus one.
+    counts: [u32; MOST],
+    /// Events since the last renewal.
+    events: [bool; MOST],
+    /// The edge cannot cut any more.
+    lost: bool,
+    /// Speed of the built-in policy, m/s.
+    speed: f64,
+    /// When it commands next, s.
+    next_sample: f64,
+}
+
+impl Default for Discrete {
+    fn default() -> Self {
+        Self {
+            renewals: [false; MOST],
+            acted: [false; MOST],
+            counts: [1; MOST],
+            events: [false; MOST],
+            lost: false,
+            speed: 0.0,
+            next_sample: 0.0,
+        }
+    }
+}
+
+/// Everything that a saved state holds.
+#[derive(Clone)]
+struct Core<U: Unit> {
+    model: Arc<Configured<U>>,
+    mode: Mode,
+    time: f64,
+    state: U::State,
+    input: U::Input,
+    discrete: Discrete,
+}
+
+impl<U: Unit> Core<U> {
+    /// An instance as instantiation leaves it.
+    fn fresh(model: Arc<Configured<U>>) -> Self {
+        Self {
+            state: model.process.initial(),
+            model,
+            mode: Mode::Instantiated,
+            time: 0.0,
+            input: U::Input::default(),
+            discrete: Discrete::default(),
+        }
+    }
+}
+
+/// One instance of the unit `U`.
+///
+/// The process is immutable and shared with the saved states; what changes is a handful of
+/// numbers. Instances know nothing of each other.
+///
+/// ```
+/// use toolroom_cutting::Turning;
+/// use toolroom_fmu::{Component, Instance, Interface, Log};
+/// let held = Interface::CoSimulation { event_mode: false, early_return: false };
+/// let mut unit = Instance::<Turning>::new(held, None, Log::new(None, false));
+/// unit.enter_initialization().unwrap();
+/// unit.exit_initialization().unwrap();
+/// assert_eq!(unit.do_step(0.0, 0.1).unwrap().time, 0.1);
+/// ```
+pub struct Instance<U: Unit> {
+    core: Core<U>,
+    interface: Interface,
+    log: Log,
+    resources: Option<PathBuf>,
+    stopped: bool,
+    /// Outputs at the present state and input, where they are worked out.
+    outputs: Vec<f64>,
+    outputs_valid: bool,
+    /// Discrete inputs that wait for an event.
+    waiting: Vec<(usize, f64)>,
+    saved: Vec<Option<Saved<U>>>,
+    /// Saves so far, which tells handles of one slot apart.
+    saves: u32,
+    text: CString,
+    /// Index of the input that says whether the edge is in cut.
+    engaged: Option<usize>,
+    /// Index of the input that the built-in policy replaces.
+    speed: Option<usize>,
+    /// First element of each state field.
+    state_offsets: Vec<usize>,
+    /// Name and field of every parameter.
+    parameters: Vec<(String, Field)>,
+    /// The parameters that the unit starts from.
+    fresh: Arc<Configured<U>>,
+}
+
+impl<U: Unit> Instance<U> {
+    /// An instance, not initialised. `resources` is the folder of the unit's resources.
+    pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
+        const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
+        let fresh = Arc::new(Configured::new());
+        Self {
+            core: Core::fresh(fresh.clone()),
+            interface,
+            log,
+            resources,
+            stopped: false,
+            outputs: vec![0.0; U::Output::LEN],
+            outputs_valid: false,
+            waiting: Vec::new(),
+            saved: Vec::new(),
+            saves: 0,
+            text: CString::default(),
+            engaged: U::Input::index_of("engaged"),
+            speed: U::Input::index_of("cutting_speed"),
+            state_offsets: offsets(U::State::FIELDS),
+            parameters: Configured::<U>::parameter_fields(),
+            fresh,
+        }
+    }
+
+    /// Whether the built-in policy commands the speed.
+    fn is_adaptive(&self) -> bool {
+        U::ADAPTIVE && self.core.model.policy.enable > 0.5
+    }
+
+    /// The input that the process meets: commanded by the policy, out of cut where the edge is
+    /// lost.
+    fn effective_input(&self) -> U::Input {
+        let mut input = self.core.input;
+        if let Some(i) = self.engaged.filter(|_| self.core.discrete.lost) {
+            input.set(i, 0.0);
+        }
+        if let Some(i) = self.speed.filter(|_| self.is_adaptive()) {
+            input.set(i, self.core.discrete.speed);
+            if let Some(ramp) = U::Input::index_of("cutting_acceleration") {
+                input.set(ramp, 0.0);
+            }
+        }
+        input
+    }
+
+    /// Outputs at the present state and input.
+    fn outputs(&mut self) -> &[f64] {
+        if !self.outputs_valid {
+            let output = self.core.model.process.output(&self.core.state, &self.effective_input());
+            output.write_to(&mut self.outputs);
+            self.outputs_valid = true;
+        }
+        &self.outputs
+    }
+
+    /// What was worked out of state and input is no longer true.
+    fn changed(&mut self) {
+        self.outputs_valid = false;
+    }
+
+    fn say(&self, category: Category, text: impl FnOnce() -> String) {
+        if self.log.hears(category) {
+            let status = if category == Category::Warning { Status::Warning } else { Status::Ok };
+            self.log.say(status, category, &text());
+        }
+    }
+
+    /// Whether the importer handles events of co-simulation itself.
+    fn uses_event_mode(&self) -> bool {
+        matches!(self.interface, Interface::CoSimulation { event_mode: true, .. })
+    }
+}
+
+/// First element of each field.
+fn offsets(fields: &[Field]) -> Vec<usize> {
+    fields
+        .iter()
+        .scan(0, |at, field| {
+            let first = *at;
+            *at += field.len;
+            Some(first)
+        })
+        .collect()
+}

@@ -1,0 +1,102 @@
+//! Co-simulation: a step, event by event.
+
+use super::Instance;
+use crate::component::{Component as _, Interface, Stepped};
+use crate::fault::Fault;
+use crate::mode::Mode;
+use crate::unit::Unit;
+use toolroom_process::Record;
+
+/// Relative difference of communication points that is taken as rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl<U: Unit> Instance<U> {
+    /// Takes a step. The input is held over it; the policy samples within it.
+    ///
+    /// An importer with Event Mode is handed each event as it happens, if it allows a step to end
+    /// early; for every other the unit goes on by itself and tells of the event by its outputs.
+    pub(super) fn advance(&mut self, time: f64, step: f64) -> Result<Stepped, Fault> {
+        self.expect("DoStep", &[Mode::Step])?;
+        if !(time.is_finite() && step > 0.0 && step.is_finite()) {
+            return Err(Fault::Step { time, step });
+        }
+        let own = self.core.time;
+        if (time - own).abs() > ROUNDING * time.abs().max(own.abs()).max(step) {
+            return Err(Fault::Time { given: time, own });
+        }
+        let before = (self.core.state, self.core.discrete);
+        let stepped = self.follow(time, step);
+        if stepped.is_err() {
+            // A refused step has not been taken.
+            (self.core.state, self.core.discrete) = before;
+            self.core.time = own;
+            self.changed();
+        }
+        stepped
+    }
+
+    fn follow(&mut self, time: f64, step: f64) -> Result<Stepped, Fault> {
+        let end = time + step;
+        let stops_early = matches!(self.interface, Interface::CoSimulation { event_mode: true, early_return: true });
+        self.core.time = time;
+        if !self.uses_event_mode() {
+            self.settle_edges();
+        }
+        let mut held = self.effective_input();
+        let mut event = false;
+        let mut left = step;
+        self.changed();
+        while left > 0.0 {
+            let due = if self.is_adaptive() { self.core.discrete.next_sample - self.core.time } else { f64::INFINITY };
+            let part = left.min(due.max(0.0));
+            let advance = self.core.model.process.advance(&mut self.core.state, &held, part)?;
+            // What remains is counted down, so that the end of the step is met exactly.
+            left = if advance.event.is_none() && part == left { 0.0 } else { left - advance.elapsed };
+            self.core.time = end - left;
+            held = self.core.model.process.input_after(&held, advance.elapsed);
+            if let Some(happened) = advance.event {
+                let index = U::EVENTS.iter().position(|each| *each == happened);
+                let new = index.is_some_and(|i| self.note(i));
+                event |= new;
+                if advance.elapsed == 0.0 && !new && self.core.discrete.lost {
+                    // A lost edge that still stops the process: time passes, nothing else does.
+                    left = 0.0;
+                    self.core.time = end;
+                } else if advance.elapsed == 0.0 {
+                    self.lose(happened);
+                }
+                if new && stops_early && left > 0.0 {
+                    return Ok(Stepped { time: self.core.time, event: true, early: true });
+                }
+            }
+            if event || left > 0.0 {
+                let ramp = self.core.input;
+                self.settle();
+                self.keep_ramp(&mut held, &ramp);
+            }
+        }
+        self.core.time = end;
+        Ok(Stepped { time: end, event: event && self.uses_event_mode(), early: false })
+    }
+
+    /// Edges of the renewal inputs, and the policy's command where it is due.
+    fn settle_edges(&mut self) {
+        let discrete = &self.core.discrete;
+        if discrete.renewals != discrete.acted || self.is_adaptive() {
+            self.settle();
+        }
+    }
+
+    /// After a settlement within a step: loss of the edge and the policy replace parts of the
+    /// held input, a ramp of the importer goes on.
+    fn keep_ramp(&self, held: &mut U::Input, set: &U::Input) {
+        let effective = self.effective_input();
+        for i in 0..U::Input::LEN {
+            if let (Some(value), Some(programmed)) = (effective.get(i), set.get(i))
+                && value != programmed
+            {
+                held.set(i, value);
+            }
+        }
+    }
+}

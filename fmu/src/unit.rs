@@ -1,0 +1,97 @@
+//! What a process adds to be shipped as a unit.
+
+use toolroom_effects::Effects;
+use toolroom_process::{Process, record};
+
+/// A [`Process`] with what its description needs and its records do not say.
+///
+/// Names of variables: inputs and outputs `process.FIELD`, states `STATE_GROUP.FIELD`, parameters
+/// `GROUP.FIELD`, effects `effect.ID` for the size and `shape.ID.FIELD` for the rest.
+pub trait Unit: Process + Clone + 'static {
+    /// Model identifier: name of the package and of its shared library.
+    const IDENTIFIER: &'static str;
+    /// One line for people.
+    const TITLE: &'static str;
+    /// What the unit computes, a few sentences.
+    const ABSTRACT: &'static str;
+    /// Equations of the model, name and formula in field names.
+    const EQUATIONS: &'static [(&'static str, &'static str)];
+    /// Where the model holds, and what it leaves out.
+    const VALIDITY: &'static [&'static str];
+    /// First part of the names of states.
+    const STATE_GROUP: &'static str;
+    /// Shipped parameter sets, name and file; the first is the default.
+    const SETS: &'static [(&'static str, &'static str)];
+    /// Boolean inputs whose rising edge renews a part of the state.
+    const RENEWALS: &'static [Renewal<Self>];
+    /// Whether the unit is an ordinary differential equation and offers Model Exchange.
+    const CONTINUOUS: bool;
+    /// Whether [`Unit::commanded_speed`] gives a speed.
+    const ADAPTIVE: bool;
+    /// End and step of the default experiment, s.
+    const EXPERIMENT: (f64, f64);
+
+    /// The process of a parameter file, without effects.
+    ///
+    /// # Errors
+    /// What is wrong with the file, in words.
+    fn read(text: &str) -> Result<Self, String>;
+
+    /// Name under which [`Effects::every`] lists the effects.
+    const EFFECTS_OF: &'static str = Self::NAME;
+
+    /// The effects of the process.
+    fn effects_mut(&mut self) -> &mut Effects;
+
+    /// Exact derivatives of rates and outputs along (`dx`, `du`), where the equations are written
+    /// over dual numbers.
+    fn linearise(
+        &self,
+        _x: &Self::State,
+        _u: &Self::Input,
+        _dx: &Self::State,
+        _du: &Self::Input,
+    ) -> Option<(Self::State, Self::Output)> {
+        None
+    }
+
+    /// Cutting speed that the built-in policy commands, m/s. It sees the true state.
+    fn commanded_speed(&self, _policy: &AdaptivePolicy, _x: &Self::State, _u: &Self::Input) -> f64 {
+        f64::NAN
+    }
+}
+
+/// A Boolean input that renews a part of the state on its rising edge, and the count of it.
+pub struct Renewal<U: Process> {
+    /// Name of the input.
+    pub name: &'static str,
+    /// Name of the output that counts.
+    pub count: &'static str,
+    /// Meaning of the input.
+    pub doc: &'static str,
+    /// Meaning of the count.
+    pub count_doc: &'static str,
+    /// The state after it.
+    pub renew: fn(&U, &U::State) -> U::State,
+}
+
+record! {
+    /// The built-in policy of cutting speed; it sees the true wear of the edge.
+    ///
+    /// # Source
+    /// Postnov & Shafikov, section 3 (least wear, set increment); productivity as least time for
+    /// given path and wear, see the wear model.
+    pub struct AdaptivePolicy {
+        /// Whether the policy commands the speed instead of the input process.cutting_speed.
+        enable: Boolean = 0.0;
+        /// 1: least wear per path; 2: productivity at a shadow price of path; 3: set wear per path.
+        mode: Integer = 1.0, 1.0..=3.0;
+        /// Worth of a metre of path in mode 2; 1.29 s/m is the optimum of the default set with
+        /// edge changes of two minutes.
+        shadow_price: Real["s/m" => "s/m"] = 1.29, 1e-6..=1e6;
+        /// Wear per path in mode 3.
+        wear_intensity: Real["1" => "um/m"] = 0.5e-6, 1e-12..=1e-2;
+        /// Time between two commands; the speed is held between them.
+        sampling_period: Real["s" => "s"] = 6.0, 1e-3..=1e6;
+    }
+}

@@ -1,0 +1,59 @@
+//! Milling as a unit.
+
+use crate::unit::{Renewal, Unit};
+use toolroom_cutting::{MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
+use toolroom_effects::Effects;
+use toolroom_process::Process;
+use toolroom_process::num_dual::Dual64;
+
+impl Unit for Milling {
+    const IDENTIFIER: &'static str = "toolroom_milling";
+    const TITLE: &'static str = "Milling: wear, force, power and form error of one cutter";
+    const ABSTRACT: &'static str = "Peripheral milling of a wall or a slot with one cutter: mean forces by the linear \
+        edge-force model, wear by an extended Taylor law with three stages, deflection of the cutter, runout. A rising \
+        edge of tool.change mounts a new cutter.";
+    const EQUATIONS: &'static [(&'static str, &'static str)] = &[
+        ("tool life", "tool_life = reference_life · (v/v_r)^-p · (f_z/f_r)^-q · (a_p/a_r)^-r · (a_e/e_r)^-s / hardness^n"),
+        ("flank wear", "d flank_wear/dt = wear_limit/(tool_life · s(x)), s = 1 + stage_contrast·(6·x·(1 - x) - 1)"),
+        ("tooth force", "F_t = (K_tc h + K_te + flank_shear_stress VB) a_p, F_r = (K_rc h + K_re + flank_pressure VB) a_p"),
+        ("mean tangential force", "F_t = a_p/2π · z · (K_tc f_z (1 - cos ψ) + K_te ψ)"),
+        ("form error", "form_error = normal_force/static_stiffness"),
+    ];
+    const VALIDITY: &'static [&'static str] = &[
+        "Straight wall, teeth alike but for runout, chip thickness in the range of the force coefficients.",
+        "Not modelled: heat, curved walls, the helix beyond the mean, ploughing of thin chips, tilted runout.",
+        "Chatter is not part of the outputs of this unit unless they name it.",
+    ];
+    const STATE_GROUP: &'static str = "tool";
+    const SETS: &'static [(&'static str, &'static str)] = MILLING_SETS;
+    const RENEWALS: &'static [Renewal<Self>] = &[Renewal {
+        name: "tool.change",
+        count: "tool.count",
+        doc: "A rising edge mounts a new cutter.",
+        count_doc: "Cutters mounted so far, the first one included.",
+        renew: |milling, _| milling.initial(),
+    }];
+    const CONTINUOUS: bool = true;
+    const ADAPTIVE: bool = false;
+    const EXPERIMENT: (f64, f64) = (3600.0, 1.0);
+
+    fn read(text: &str) -> Result<Self, String> {
+        Milling::read(text).map_err(|error| error.to_string())
+    }
+
+    fn effects_mut(&mut self) -> &mut Effects {
+        &mut self.effects
+    }
+
+    fn linearise(
+        &self,
+        x: &MillingState,
+        u: &MillingInput,
+        dx: &MillingState,
+        du: &MillingInput,
+    ) -> Option<(MillingState, MillingOutput)> {
+        let milling = self.map(Dual64::from);
+        let (x, u) = (super::seeded!(x, dx, MillingState), super::seeded!(u, du, MillingInput));
+        Some((milling.rates(&x, &u).map(|rate| rate.eps), milling.observe(&x, &u).map(|output| output.eps)))
+    }
+}
