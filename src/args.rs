@@ -106,7 +106,7 @@ pub enum Command {
   toolroom effects
   toolroom effects --json")]
     Effects,
-    /// FMI units: look into any, check it, run one
+    /// FMI units: package a model, look into any, check it, run one
     #[command(subcommand)]
     Fmu(FmuCommand),
     /// Print the JSON schema of scenario files
@@ -127,6 +127,12 @@ pub enum Command {
 
 #[derive(Subcommand, Debug)]
 pub enum FmuCommand {
+    /// Package a cutting process as an FMI unit
+    #[command(before_help = "Examples:
+  toolroom fmu export turning                 out/fmu/toolroom_turning_fmi2.fmu and _fmi3.fmu
+  toolroom fmu export milling --fmi 3 --out .
+  toolroom fmu export turning --platforms x86_64-linux --platforms x86_64-windows")]
+    Export(FmuExportArgs),
     /// What an FMI unit offers: interfaces, platforms, variables with units
     #[command(before_help = "Examples:
   toolroom fmu info turning.fmu
@@ -137,6 +143,45 @@ pub enum FmuCommand {
   toolroom fmu check turning.fmu
   toolroom fmu check turning.fmu --json      exit code 2 where an error was found")]
     Check(FmuFileArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct FmuExportArgs {
+    /// Model
+    pub model: FmuModel,
+    /// Version of the standard; both, if left out
+    #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
+    pub fmi: Option<u32>,
+    /// Platform to run on, repeatable; this one, if left out. Others are compiled, which needs
+    /// cargo-zigbuild and the sources
+    #[arg(long, value_name = "PLATFORM", value_enum)]
+    pub platforms: Vec<FmuPlatform>,
+    /// Directory of the packages
+    #[arg(long, value_name = "DIR", default_value = "out/fmu")]
+    pub out: PathBuf,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmuModel {
+    Turning,
+    Milling,
+    Infeed,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmuPlatform {
+    /// This machine
+    Host,
+    /// Every platform that can be compiled for here
+    All,
+    #[value(name = "x86_64-linux")]
+    X86Linux,
+    #[value(name = "aarch64-linux")]
+    ArmLinux,
+    #[value(name = "x86_64-windows")]
+    X86Windows,
+    #[value(name = "darwin")]
+    UniversalMac,
 }
 
 #[derive(Args, Debug)]

@@ -1,6 +1,8 @@
 //! `toolroom fmu`: FMI units.
 
 mod check;
+mod cross;
+mod export;
 mod info;
 
 use crate::args::FmuCommand;
@@ -11,6 +13,7 @@ use toolroom_fmu_import::{Archive, ArchiveError};
 
 pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
+        FmuCommand::Export(args) => export::run(args, voice),
         FmuCommand::Info(args) => info::run(&args.file, voice),
         FmuCommand::Check(args) => check::run(&args.file, voice),
     }

@@ -67,9 +67,7 @@ impl<U: Unit> Configured<U> {
             }
         }
         if U::ADAPTIVE {
-            all.extend(
-                AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)),
-            );
+            all.extend(AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)));
         }
         for ((_, field), value) in all.iter_mut().zip(&configured.values) {
             field.start = *value;
@@ -159,8 +157,7 @@ impl<U: Unit> Configured<U> {
             return Err(Fault::Corrupt { reason: "another number of parameters" });
         }
         let start = Self::new().values;
-        configured.chosen =
-            values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();
+        configured.chosen = values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();
         configured.values = values;
         configured.settle()?;
         Ok(configured)

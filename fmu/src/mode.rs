@@ -28,14 +28,8 @@ impl Mode {
 
     /// The mode of a number.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
-        let all = [
-            Self::Instantiated,
-            Self::Initialization,
-            Self::Event,
-            Self::Continuous,
-            Self::Step,
-            Self::Terminated,
-        ];
+        let all =
+            [Self::Instantiated, Self::Initialization, Self::Event, Self::Continuous, Self::Step, Self::Terminated];
         all.into_iter().find(|mode| mode.code() == code)
     }
 }

@@ -212,7 +212,12 @@ pub unsafe extern "C" fn fmi2SetReal(c: *mut c_void, vr: *const c_uint, count: u
 }
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, count: usize, value: *const c_int) -> Status {
+pub unsafe extern "C" fn fmi2SetInteger(
+    c: *mut c_void,
+    vr: *const c_uint,
+    count: usize,
+    value: *const c_int,
+) -> Status {
     call(c, "fmi2SetInteger", |unit| {
         // SAFETY: as the standard demands of the importer.
         let (vr, value) = unsafe { (slice(vr, count, "vr")?, slice(value, count, "value")?) };
@@ -222,7 +227,12 @@ pub unsafe extern "C" fn fmi2SetInteger(c: *mut c_void, vr: *const c_uint, count
 }
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(c: *mut c_void, vr: *const c_uint, count: usize, value: *const c_int) -> Status {
+pub unsafe extern "C" fn fmi2SetBoolean(
+    c: *mut c_void,
+    vr: *const c_uint,
+    count: usize,
+    value: *const c_int,
+) -> Status {
     call(c, "fmi2SetBoolean", |unit| {
         // SAFETY: as the standard demands of the importer.
         let (vr, value) = unsafe { (slice(vr, count, "vr")?, slice(value, count, "value")?) };
@@ -298,7 +308,12 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: *mut c_void, state: *mut 
 }
 
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializeFMUstate(c: *mut c_void, state: *mut c_void, bytes: *mut u8, size: usize) -> Status {
+pub unsafe extern "C" fn fmi2SerializeFMUstate(
+    c: *mut c_void,
+    state: *mut c_void,
+    bytes: *mut u8,
+    size: usize,
+) -> Status {
     // SAFETY: as the standard demands of the importer.
     call(c, "fmi2SerializeFMUstate", |unit| unsafe { serialise(unit, state, bytes, size) })
 }
@@ -361,7 +376,8 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
 ) -> Status {
     call(c, "fmi2GetDirectionalDerivative", |unit| {
         // SAFETY: as the standard demands of the importer.
-        let (unknown, known) = unsafe { (slice(unknown, unknowns, "vUnknown_ref")?, slice(known, knowns, "vKnown_ref")?) };
+        let (unknown, known) =
+            unsafe { (slice(unknown, unknowns, "vUnknown_ref")?, slice(known, knowns, "vKnown_ref")?) };
         // SAFETY: as the standard demands of the importer.
         let (seed, out) = unsafe { (slice(seed, knowns, "dvKnown")?, slice_mut(sensitivity, unknowns, "dvUnknown")?) };
         unit.directional(unknown, known, seed, out)
@@ -434,7 +450,9 @@ pub unsafe extern "C" fn fmi2GetDerivatives(c: *mut c_void, derivatives: *mut f6
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetEventIndicators(c: *mut c_void, indicators: *mut f64, count: usize) -> Status {
     // SAFETY: as the standard demands of the importer.
-    call(c, "fmi2GetEventIndicators", |unit| unit.indicators(unsafe { slice_mut(indicators, count, "eventIndicators") }?))
+    call(c, "fmi2GetEventIndicators", |unit| {
+        unit.indicators(unsafe { slice_mut(indicators, count, "eventIndicators") }?)
+    })
 }
 
 #[unsafe(no_mangle)]
@@ -446,7 +464,9 @@ pub unsafe extern "C" fn fmi2GetContinuousStates(c: *mut c_void, states: *mut f6
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetNominalsOfContinuousStates(c: *mut c_void, nominals: *mut f64, count: usize) -> Status {
     // SAFETY: as the standard demands of the importer.
-    call(c, "fmi2GetNominalsOfContinuousStates", |unit| unit.nominals(unsafe { slice_mut(nominals, count, "x_nominal") }?))
+    call(c, "fmi2GetNominalsOfContinuousStates", |unit| {
+        unit.nominals(unsafe { slice_mut(nominals, count, "x_nominal") }?)
+    })
 }
 
 #[unsafe(no_mangle)]

@@ -56,9 +56,8 @@ unsafe fn make(
 ) -> *mut c_void {
     // SAFETY: the caller's promise.
     let (name, token, resources) = unsafe { (text(name), text(token), text(resources)) };
-    let sink = logger.map(|function| {
-        Box::new(Callback { function, environment, instance: CString::default() }) as Box<dyn Sink>
-    });
+    let sink = logger
+        .map(|function| Box::new(Callback { function, environment, instance: CString::default() }) as Box<dyn Sink>);
     let log = Log::new(sink, logging != 0);
     if name.is_none_or(str::is_empty) {
         log.say(Status::Error, Category::Error, "the instance has no name");

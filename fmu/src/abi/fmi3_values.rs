@@ -21,7 +21,8 @@ pub unsafe extern "C" fn fmi3GetFloat64(
 ) -> Status {
     call(instance, "fmi3GetFloat64", |unit| {
         // SAFETY: as the standard demands of the importer.
-        let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
+        let (references, values) =
+            unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
         unit.read(ValueType::Real, references, values)
     })
 }
@@ -36,7 +37,8 @@ pub unsafe extern "C" fn fmi3SetFloat64(
 ) -> Status {
     call(instance, "fmi3SetFloat64", |unit| {
         // SAFETY: as the standard demands of the importer.
-        let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
+        let (references, values) =
+            unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
         unit.write(ValueType::Real, references, values)
     })
 }
@@ -53,7 +55,8 @@ unsafe fn read<T>(
     convert: impl Fn(f64) -> T,
 ) -> Result<Status, Fault> {
     // SAFETY: the caller's promise.
-    let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
+    let (references, values) =
+        unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
     let mut numbers = vec![0.0; length];
     let status = unit.read(value_type, references, &mut numbers)?;
     for (value, number) in values.iter_mut().zip(numbers) {
@@ -74,7 +77,8 @@ unsafe fn write<T: Copy>(
     convert: impl Fn(T) -> f64,
 ) -> Result<Status, Fault> {
     // SAFETY: the caller's promise.
-    let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
+    let (references, values) =
+        unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
     let numbers: Vec<f64> = values.iter().copied().map(convert).collect();
     unit.write(value_type, references, &numbers)
 }
@@ -146,7 +150,8 @@ pub unsafe extern "C" fn fmi3GetString(
 ) -> Status {
     call(instance, "fmi3GetString", |unit| {
         // SAFETY: as the standard demands of the importer.
-        let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
+        let (references, values) =
+            unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
         if values.len() != references.len() {
             return Err(Fault::Length { values: values.len(), expected: references.len() });
         }
@@ -167,7 +172,8 @@ pub unsafe extern "C" fn fmi3SetString(
 ) -> Status {
     call(instance, "fmi3SetString", |unit| {
         // SAFETY: as the standard demands of the importer.
-        let (references, values) = unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
+        let (references, values) =
+            unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
         if values.len() != references.len() {
             return Err(Fault::Length { values: values.len(), expected: references.len() });
         }

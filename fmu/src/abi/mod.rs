@@ -21,11 +21,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 /// Carries out one call on an instance.
-fn call(
-    handle: *mut c_void,
-    name: &str,
-    action: impl FnOnce(&mut dyn Component) -> Result<Status, Fault>,
-) -> Status {
+fn call(handle: *mut c_void, name: &str, action: impl FnOnce(&mut dyn Component) -> Result<Status, Fault>) -> Status {
     let Some(mut held) = handles::hold(handle) else { return Status::Error };
     if held.is_stopped() {
         return Status::Fatal;

@@ -23,7 +23,11 @@ pub(super) unsafe fn slice<'a, T>(data: *const T, count: usize, argument: &'stat
 ///
 /// # Safety
 /// As [`slice`], and nobody else reads.
-pub(super) unsafe fn slice_mut<'a, T>(data: *mut T, count: usize, argument: &'static str) -> Result<&'a mut [T], Fault> {
+pub(super) unsafe fn slice_mut<'a, T>(
+    data: *mut T,
+    count: usize,
+    argument: &'static str,
+) -> Result<&'a mut [T], Fault> {
     if count == 0 {
         return Ok(&mut []);
     }

@@ -8,6 +8,7 @@ mod terminals;
 mod xml;
 
 pub use structure::Dependencies;
+pub(crate) use xml::escaped;
 
 use crate::unit::Unit;
 use crate::variable::{Variable, variables};
@@ -93,7 +94,13 @@ pub(crate) fn token<U: Unit>() -> u128 {
     feed(VERSION);
     for variable in variables::<U>() {
         let Variable { name, slot, value_type, role, field } = variable;
-        feed(&format!("{name} {} {value_type:?} {role:?} {} {} {:?}", slot.reference(), field.unit, field.len, field.start));
+        feed(&format!(
+            "{name} {} {value_type:?} {role:?} {} {} {:?}",
+            slot.reference(),
+            field.unit,
+            field.len,
+            field.start
+        ));
     }
     hash
 }

@@ -6,13 +6,21 @@ use crate::variable::{Role, Variable};
 
 /// Terminals by what crosses them: name, meaning, members by the last part of their name.
 const TERMINALS: &[(&str, &str, &[&str])] = &[
-    ("spindle", "Main drive", &["cutting_speed", "work_rotation_speed", "spindle_speed", "spindle_power", "cutting_force"]),
+    (
+        "spindle",
+        "Main drive",
+        &["cutting_speed", "work_rotation_speed", "spindle_speed", "spindle_power", "cutting_force"],
+    ),
     (
         "feed",
         "Feed drive",
         &["feed_per_rev", "feed_per_tooth", "infeed_per_rev", "feed_rate", "feed_force", "normal_force"],
     ),
-    ("tool", "Tool magazine and monitoring", &["tool.change", "tool.count", "wheel.dress", "wheel.count", "wear_ratio"]),
+    (
+        "tool",
+        "Tool magazine and monitoring",
+        &["tool.change", "tool.count", "wheel.dress", "wheel.count", "wear_ratio"],
+    ),
     (
         "workpiece",
         "Workpiece",
@@ -56,8 +64,7 @@ pub(super) fn write(description: &Description) -> String {
         });
         xml.element("GraphicalRepresentation", &[], |xml| {
             let corner = |value: &str| value.to_owned();
-            let extent =
-                [("x1", corner("-100")), ("y1", corner("-100")), ("x2", corner("100")), ("y2", corner("100"))];
+            let extent = [("x1", corner("-100")), ("y1", corner("-100")), ("x2", corner("100")), ("y2", corner("100"))];
             let mut system = extent.to_vec();
             system.push(("suggestedScalingFactorTo_mm", corner("0.1")));
             xml.leaf("CoordinateSystem", &system);

@@ -56,17 +56,14 @@ impl<U: Unit> Instance<U> {
     }
 
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
-        let mut rest = values;
-        let total = rest.len();
+        let (mut at, total) = (0, values.len());
         for &reference in references {
             let (slot, len) = self.find(value_type, reference)?;
-            let Some((target, after)) = rest.split_at_mut_checked(len) else {
-                return Err(Fault::Length { values: total, expected: total - rest.len() + len });
-            };
-            self.read_slot(slot, target)?;
-            rest = after;
+            let target = values.get_mut(at..at + len);
+            self.read_slot(slot, target.ok_or(Fault::Length { values: total, expected: at + len })?)?;
+            at += len;
         }
-        expect_length(total, total - rest.len())?;
+        expect_length(total, at)?;
         Ok(Status::Ok)
     }
 
@@ -113,7 +110,11 @@ impl<U: Unit> Instance<U> {
             Slot::State(_) if before && U::CONTINUOUS => Set::Now,
             Slot::Input(_) | Slot::Renewal(_) | Slot::Parameter(_) if before || running => Set::Now,
             Slot::Input(_) | Slot::Renewal(_) if self.core.mode == Mode::Continuous => {
-                if discrete { Set::AtEvent } else { Set::Now }
+                if discrete {
+                    Set::AtEvent
+                } else {
+                    Set::Now
+                }
             }
             _ => Set::Never,
         }
@@ -161,7 +162,9 @@ impl<U: Unit> Instance<U> {
                 (Slot::Renewal(i), Set::AtEvent) => {
                     status = status.max(self.wait(slot, U::Input::LEN + i, given[0]));
                 }
-                (Slot::Input(i), _) => drop(self.core.input.set(i, given[0])),
+                (Slot::Input(i), _) => {
+                    self.core.input.set(i, given[0]);
+                }
                 (Slot::Renewal(i), _) => self.core.discrete.renewals[i] = given[0] > 0.5,
                 (Slot::State(i), _) => {
                     for (k, value) in given.iter().enumerate() {
@@ -192,11 +195,15 @@ impl<U: Unit> Instance<U> {
 
     /// A discrete input that is set between events: many importers do it. It waits.
     fn wait(&mut self, slot: Slot, index: usize, value: f64) -> Status {
-        let waits = self.waiting.iter().rev().find(|(i, _)| *i == index).map(|(_, value)| *value);
-        if waits.or(self.present(slot, 0)) == Some(value) {
+        let waits = self.waiting.iter().find(|(i, _)| *i == index).map(|(_, value)| *value);
+        let present = self.present(slot, 0);
+        if waits.or(present) == Some(value) {
             return Status::Ok;
         }
         self.waiting.retain(|(i, _)| *i != index);
+        if present == Some(value) {
+            return Status::Ok;
+        }
         self.waiting.push((index, value));
         let name = self.name_of(slot);
         self.say(Category::Warning, || format!("{name} was set in Continuous-Time Mode; it waits for the next event"));

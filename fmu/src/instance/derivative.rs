@@ -134,7 +134,9 @@ impl<U: Unit> Instance<U> {
 /// A record of zeros.
 fn zero<R: Record>() -> R {
     let mut record = R::default();
-    (0..R::LEN).for_each(|i| drop(record.set(i, 0.0)));
+    for i in 0..R::LEN {
+        record.set(i, 0.0);
+    }
     record
 }
 

@@ -70,7 +70,9 @@ impl<U: Unit> Instance<U> {
     fn take_waiting(&mut self) {
         for (i, value) in std::mem::take(&mut self.waiting) {
             match i.checked_sub(U::Input::LEN) {
-                None => drop(self.core.input.set(i, value)),
+                None => {
+                    self.core.input.set(i, value);
+                }
                 Some(renewal) => self.core.discrete.renewals[renewal] = value > 0.5,
             }
         }

@@ -60,7 +60,7 @@ impl<U: Unit> Instance<U> {
         // In place: the common case of an importer that tries steps.
         let place = self.saved_place(over).ok_or(Fault::State)?;
         if let Some(saved) = &mut self.saved[place] {
-            saved.core.clone_from(&self.core);
+            (*saved.core).clone_from(&self.core);
         }
         Ok(over)
     }

@@ -40,7 +40,7 @@ pub(super) fn write<U: Unit>(core: &Core<U>) -> Vec<u8> {
     bytes.push(u8::from(discrete.lost));
     bytes.extend(discrete.counts.iter().flat_map(|count| count.to_le_bytes()));
     let mut number = |value: f64| bytes.extend(value.to_le_bytes());
-    [core.time, discrete.speed, discrete.next_sample].map(&mut number);
+    [core.time, discrete.speed, discrete.next_sample].into_iter().for_each(&mut number);
     (0..U::Input::LEN).filter_map(|i| core.input.get(i)).for_each(&mut number);
     (0..U::State::LEN).filter_map(|i| core.state.get(i)).for_each(&mut number);
     bytes.extend((core.model.values.len() as u32).to_le_bytes());

@@ -1,7 +1,7 @@
 //! Co-simulation: a step, event by event.
 
 use super::Instance;
-use crate::component::{Component as _, Interface, Stepped};
+use crate::component::{Interface, Stepped};
 use crate::fault::Fault;
 use crate::mode::Mode;
 use crate::unit::Unit;

@@ -13,9 +13,15 @@ impl Unit for Milling {
         edge-force model, wear by an extended Taylor law with three stages, deflection of the cutter, runout. A rising \
         edge of tool.change mounts a new cutter.";
     const EQUATIONS: &'static [(&'static str, &'static str)] = &[
-        ("tool life", "tool_life = reference_life · (v/v_r)^-p · (f_z/f_r)^-q · (a_p/a_r)^-r · (a_e/e_r)^-s / hardness^n"),
+        (
+            "tool life",
+            "tool_life = reference_life · (v/v_r)^-p · (f_z/f_r)^-q · (a_p/a_r)^-r · (a_e/e_r)^-s / hardness^n",
+        ),
         ("flank wear", "d flank_wear/dt = wear_limit/(tool_life · s(x)), s = 1 + stage_contrast·(6·x·(1 - x) - 1)"),
-        ("tooth force", "F_t = (K_tc h + K_te + flank_shear_stress VB) a_p, F_r = (K_rc h + K_re + flank_pressure VB) a_p"),
+        (
+            "tooth force",
+            "F_t = (K_tc h + K_te + flank_shear_stress VB) a_p, F_r = (K_rc h + K_re + flank_pressure VB) a_p",
+        ),
         ("mean tangential force", "F_t = a_p/2π · z · (K_tc f_z (1 - cos ψ) + K_te ψ)"),
         ("form error", "form_error = normal_force/static_stiffness"),
     ];

@@ -17,10 +17,7 @@ impl Unit for Turning {
         ("flank wear", "d flank_wear/dt = cutting_speed · mechanical_wear_per_path + thermal_wear_rate"),
         ("mechanical wear per path", "A = A0 · hardness^n · (1 + h_r/(h + h_e)) · phi(temperature)"),
         ("thermal wear rate", "B = B0 · (1 + (h/h_t)²) · exp(-E_t/R · (1/temperature - 1/reference_temperature))"),
-        (
-            "softening",
-            "phi = 1/(1/phi_c + (1 - 1/phi_c) · exp(-E_m/R · (1/temperature - 1/reference_temperature)))",
-        ),
+        ("softening", "phi = 1/(1/phi_c + (1 - 1/phi_c) · exp(-E_m/R · (1/temperature - 1/reference_temperature)))"),
         ("tool body", "d body/dt = (chip and flank heating - body)/body_time_constant"),
         ("energy", "d energy/dt = cutting_force · cutting_speed"),
         ("roughness", "roughness_ra = feed_per_rev²/(32 corner_radius)"),

@@ -1,0 +1,8 @@
+//! Leaves symbols that nobody looks up out of the shared library.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "linux") {
+        println!("cargo::rustc-cdylib-link-arg=-Wl,--strip-all");
+    }
+}

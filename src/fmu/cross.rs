@@ -1,0 +1,87 @@
+//! Libraries for other platforms, through cargo-zigbuild.
+
+use crate::failure::Failure;
+use crate::speak::Voice;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use toolroom_fmu::{Binary, Platform};
+
+/// What is needed to compile for other platforms and is not there.
+#[derive(Clone, Copy)]
+pub enum Missing {
+    /// The sources that this program was made of.
+    Sources,
+    /// `cargo zigbuild`.
+    Zigbuild,
+}
+
+impl Missing {
+    pub fn failure(self) -> Failure {
+        match self {
+            Self::Sources => Failure::argument(
+                "the sources of this program are not where it was built; other platforms cannot be compiled for",
+                "run it in its source folder with `cargo run -- fmu export …`",
+            ),
+            Self::Zigbuild => Failure::argument(
+                "cargo-zigbuild is not installed; it compiles for other platforms",
+                "pip install cargo-zigbuild ziglang, and rustup target add for each platform",
+            ),
+        }
+    }
+}
+
+/// The cross compiler.
+pub struct Compiler {
+    sources: PathBuf,
+}
+
+impl Compiler {
+    pub fn find() -> Result<Self, Missing> {
+        let sources = Path::new(env!("CARGO_MANIFEST_DIR"));
+        if !sources.join("fmu/Cargo.toml").is_file() {
+            return Err(Missing::Sources);
+        }
+        let answers =
+            Command::new("cargo-zigbuild").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if !answers.is_ok_and(|status| status.success()) {
+            return Err(Missing::Zigbuild);
+        }
+        Ok(Self { sources: sources.to_owned() })
+    }
+
+    /// The library of `platform`, compiled with optimisation.
+    pub fn library(&self, platform: Platform, voice: &Voice) -> Result<Vec<u8>, Failure> {
+        let thin: Vec<Vec<u8>> =
+            platform.targets().iter().map(|target| self.compile(platform, target, voice)).collect::<Result<_, _>>()?;
+        match <[Vec<u8>; 1]>::try_from(thin) {
+            Ok([library]) => Ok(library),
+            Err(thin) => Ok(Binary::universal(&thin)),
+        }
+    }
+
+    fn compile(&self, platform: Platform, target: &str, voice: &Voice) -> Result<Vec<u8>, Failure> {
+        voice.say(format_args!("compiling for {target} …"));
+        let folder = self.sources.join("target");
+        // A library tells nobody where it was built.
+        let flags = format!("--remap-path-prefix={}=toolroom -Cstrip=symbols", self.sources.display());
+        let output = Command::new("cargo-zigbuild")
+            .args(["zigbuild", "--release", "--lib", "-p", "toolroom-fmu", "--target", target, "--target-dir"])
+            .arg(&folder)
+            .current_dir(&self.sources)
+            .env("RUSTFLAGS", flags)
+            .env("MACOSX_DEPLOYMENT_TARGET", "11.0")
+            .output()
+            .map_err(|error| Failure::Work { message: format!("cargo-zigbuild does not start: {error}") })?;
+        if !output.status.success() {
+            let text = String::from_utf8_lossy(&output.stderr);
+            let last =
+                text.lines().filter(|line| line.starts_with("error")).next_back().unwrap_or("see cargo zigbuild");
+            return Err(Failure::Work { message: format!("{target} cannot be compiled for: {last}") });
+        }
+        // The version of the C library is no part of the folder's name.
+        let name = target.strip_suffix(".2.17").unwrap_or(target);
+        let path = folder.join(name).join("release").join(platform.library_name());
+        std::fs::read(&path)
+            .map_err(|error| Failure::Work { message: format!("{} cannot be read: {error}", path.display()) })
+    }
+}

@@ -1,0 +1,128 @@
+//! `toolroom fmu export MODEL`.
+
+use super::cross;
+use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use toolroom_fmu::{Binary, Entry, Platform, Version, file_name, package, units};
+
+pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
+    let unit = unit(args.model)?;
+    let versions: &[Version] = match args.fmi {
+        None => &[Version::Two, Version::Three],
+        Some(2) => &[Version::Two],
+        Some(_) => &[Version::Three],
+    };
+    let binaries = binaries(&args.platforms, voice)?;
+    let unwritable = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::Unwritable { path, source }
+    };
+    std::fs::create_dir_all(&args.out).map_err(unwritable(&args.out))?;
+    let description = unit.describe();
+    let mut written = Vec::new();
+    for &version in versions {
+        let bytes = package(unit, version, &binaries).map_err(|error| Failure::Work { message: error.to_string() })?;
+        let path = args.out.join(file_name(&description, version));
+        std::fs::write(&path, &bytes).map_err(unwritable(&path))?;
+        written.push((version, path, bytes.len()));
+    }
+    let platforms: Vec<&str> = binaries.iter().map(|binary| binary.platform.name()).collect();
+    if voice.json {
+        let units: Vec<_> = written
+            .iter()
+            .map(|(version, path, size)| json!({ "fmi": version.number(), "file": path, "bytes": size }))
+            .collect();
+        return voice.json(&json!({
+            "schema": 1,
+            "model": unit.name,
+            "token": description.token,
+            "variables": description.variables.len(),
+            "platforms": platforms,
+            "units": units,
+        }));
+    }
+    for (version, path, size) in &written {
+        voice.data(format_args!(
+            "{}  FMI {}.0, {} variables, {} kB, {}",
+            path.display(),
+            version.number(),
+            description.variables.len(),
+            size.div_ceil(1000),
+            platforms.join(" ")
+        ))?;
+    }
+    if let Some((_, path, _)) = written.first() {
+        voice.say(format_args!("next: toolroom fmu check {}", path.display()));
+    }
+    Ok(())
+}
+
+fn unit(model: FmuModel) -> Result<&'static Entry, Failure> {
+    let name = match model {
+        FmuModel::Turning => "turning",
+        FmuModel::Milling => "milling",
+        FmuModel::Infeed => "infeed",
+    };
+    units().find(|unit| unit.name == name).ok_or_else(|| Failure::Work { message: format!("there is no unit {name}") })
+}
+
+/// Libraries of the wanted platforms, each once and in a fixed order.
+fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failure> {
+    let host = Platform::host();
+    let named = |platform: &FmuPlatform| match platform {
+        FmuPlatform::Host => host.into_iter().collect(),
+        FmuPlatform::All => Platform::ALL.to_vec(),
+        FmuPlatform::X86Linux => vec![Platform::X86Linux],
+        FmuPlatform::ArmLinux => vec![Platform::ArmLinux],
+        FmuPlatform::X86Windows => vec![Platform::X86Windows],
+        FmuPlatform::UniversalMac => vec![Platform::UniversalMac],
+    };
+    let mut platforms: Vec<Platform> = wanted.iter().flat_map(named).collect();
+    if wanted.is_empty() {
+        platforms.extend(host);
+    }
+    platforms.sort_unstable();
+    platforms.dedup();
+    let every = wanted.contains(&FmuPlatform::All);
+    let cross = cross::Compiler::find();
+    let mut binaries = Vec::new();
+    for platform in platforms {
+        // With the cross compiler at hand this machine's library is made for old C libraries too.
+        let library = match &cross {
+            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => compiler.library(platform, voice),
+            _ if Some(platform) == host => own_library(platform),
+            Ok(compiler) => compiler.library(platform, voice),
+            Err(missing) => Err(missing.failure()),
+        };
+        match library {
+            Ok(library) => binaries.push(Binary { platform, library }),
+            // With `all` the package has what can be had.
+            Err(failure) if every && Some(platform) != host => {
+                voice.say(format_args!("left out {}: {}", platform.name(), failure.message()));
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
+    Ok(binaries)
+}
+
+/// The library that was built with this program, beside it.
+fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
+    let name = platform.library_name();
+    let folder =
+        std::env::current_exe().ok().and_then(|program| Some(program.parent()?.to_owned())).unwrap_or_default();
+    // Cargo leaves it among the dependencies; an installed program has it beside itself.
+    let places: [PathBuf; 4] = [
+        folder.join("deps").join(&name),
+        folder.join(&name),
+        folder.join("../lib").join(&name),
+        folder.join("../deps").join(&name),
+    ];
+    places.iter().find_map(|place| std::fs::read(place).ok()).ok_or_else(|| {
+        let message = format!("the library {name} is not beside the program in {}", folder.display());
+        Failure::argument(message, "build it with `cargo build -p toolroom-fmu` and copy it there")
+    })
+}
