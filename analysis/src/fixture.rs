@@ -33,6 +33,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
         edge_cost,
         dressing_time: 30.0,
         scatter: Default::default(),
+        structure_scatter: Default::default(),
     }
 }
 
@@ -47,7 +48,14 @@ fn policy(name: &str, speed: SpeedRule) -> PolicyRule {
 
 /// Two lathes that share an operation, a grinder after them; an hour.
 pub(crate) fn scenario() -> Scenario {
-    let cut = Cut { cutting_speed: 0.5, feed: 1e-4, depth_of_cut: 1e-3, width_of_cut: 0.0, path_length: 60.0 };
+    let cut = Cut {
+        cutting_speed: 0.5,
+        feed: 1e-4,
+        depth_of_cut: 1e-3,
+        width_of_cut: 0.0,
+        path_length: 60.0,
+        ..Cut::default()
+    };
     let operation = |name: &str, machines: Vec<usize>, tool, work| Operation {
         name: name.to_owned(),
         machines,
@@ -56,6 +64,7 @@ pub(crate) fn scenario() -> Scenario {
         setup_time: None,
         work,
         size_tolerance: 1e-4,
+        roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 1.0,
     };
     let grinding = Work::Grinding {

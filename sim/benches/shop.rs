@@ -36,6 +36,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
         edge_cost: 8.0,
         dressing_time: 90.0,
         scatter: Scatter::shop(),
+        structure_scatter: Default::default(),
     }
 }
 
@@ -48,6 +49,7 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
         setup_time: None,
         work,
         size_tolerance: f64::INFINITY,
+        roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 0.3,
     }
 }
@@ -130,6 +132,7 @@ fn demo() -> Scenario {
         depth_of_cut,
         width_of_cut,
         path_length,
+        ..Cut::default()
     };
     let turning = Work::Cutting(vec![cut(40.0 / 60.0, 0.12e-3, 0.75e-3, 0.0, 40.0); 4]);
     let milling = Work::Cutting(vec![cut(160.0 / 60.0, 0.05e-3, 12e-3, 3e-3, 0.8); 3]);

@@ -282,8 +282,7 @@ mod tests {
                 feed: pair.temperature.reference_feed,
                 depth_of_cut: pair.temperature.reference_depth,
                 width_of_cut: 0.0,
-                path_length: path,
-            };
+                path_length: path, ..Cut::default() };
             let range = (low, low + width);
             let controller = resolve::for_turning(&policy, &pair, &cut, range);
             let observer = controller.observer(Some(wear));

@@ -187,6 +187,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         edge_cost: 8.0,
         dressing_time: 0.0,
         scatter: toolroom_wear::Scatter::shop(),
+        structure_scatter: Default::default(),
     };
     let machine = MachineType {
         name: "lathe".to_owned(),

@@ -13,6 +13,7 @@ mod grinding;
 pub mod lobes;
 mod part;
 mod policy;
+mod stability;
 mod station;
 
 pub use contour::ContourRule;
@@ -20,6 +21,7 @@ pub use distribution::Distribution;
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{
     DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
 };

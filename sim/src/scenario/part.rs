@@ -35,6 +35,9 @@ pub struct Operation {
     pub work: Work,
     /// Greatest size error of a good part, m.
     pub size_tolerance: f64,
+    /// Greatest roughness Ra of a good part, m: of its surface after the last pass. Infinite where
+    /// it is not looked at.
+    pub roughness_limit: f64,
     /// Share of parts that a broken edge spoils.
     pub scrap_on_tool_failure: f64,
 }
@@ -67,7 +70,7 @@ impl Work {
 }
 
 /// One pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
     /// Programmed cutting speed, m/s.
     pub cutting_speed: f64,
@@ -80,6 +83,11 @@ pub struct Cut {
     /// Cutting path of the edge through the material (turning: π·d·l/f) or path of the
     /// cutter axis (milling), m.
     pub path_length: f64,
+    /// Diameter of the work (turning), m; 0 where only the path is given.
+    pub diameter: f64,
+    /// Place of the tool from the jaws at the start (turning), m; it moves towards them. 0 where the
+    /// structure's own counts.
+    pub position: f64,
 }
 
 /// Revolutions at one infeed.

@@ -1,7 +1,7 @@
 //! The comparison axis: how speed is chosen, how cycles and contours are run, when an edge is
 //! changed or dressed.
 
-use super::{ContourRule, DressingRule, GrindingRule};
+use super::{ContourRule, DressingRule, GrindingRule, StabilityRule};
 
 /// One policy.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,6 +10,8 @@ pub struct PolicyRule {
     pub name: String,
     /// How the cutting speed of turning passes is chosen; milling runs as programmed.
     pub speed: SpeedRule,
+    /// What is done about chatter.
+    pub stability: StabilityRule,
     /// When an edge is changed.
     pub tool_change: ToolChangeRule,
     /// How designed plunge cycles are run.
@@ -30,6 +32,7 @@ impl Default for PolicyRule {
         Self {
             name: "programmed".to_owned(),
             speed: SpeedRule::Programmed,
+            stability: StabilityRule::Ignore,
             tool_change: ToolChangeRule::WearLimit { limit: None },
             grinding: GrindingRule::default(),
             dressing: DressingRule::default(),

@@ -1,6 +1,6 @@
 //! Machines, tools, working time, breakdowns, dispatching.
 
-use super::Distribution;
+use super::{Distribution, StructureScatter};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
@@ -87,6 +87,15 @@ impl ProcessModel {
         }
     }
 
+    /// Whether it judges the stability of its cuts.
+    pub fn has_structure(&self) -> bool {
+        match self {
+            Self::Turning(process) => process.structure.is_some(),
+            Self::Milling(process) => process.structure.is_some(),
+            Self::Infeed(_) | Self::Other(_) => false,
+        }
+    }
+
     /// The process as the shop drives it, by element index.
     pub fn machine_process(&self) -> &dyn MachineProcess {
         match self {
@@ -113,6 +122,8 @@ pub struct ToolType {
     pub dressing_time: f64,
     /// Scatter of edges, of workpieces and of sensors.
     pub scatter: Scatter,
+    /// How the structures of the machines around it differ from its own.
+    pub structure_scatter: StructureScatter,
 }
 
 /// Working time that repeats.

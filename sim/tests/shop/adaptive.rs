@@ -38,6 +38,7 @@ fn turning(scatter: Scatter, jobs: u32) -> Scenario {
         depth_of_cut: pair.temperature.reference_depth,
         width_of_cut: 0.0,
         path_length: 37.7,
+        ..Cut::default()
     };
     let mut lathe = machine("lathe");
     lathe.load_time = Distribution::Constant(18.0);

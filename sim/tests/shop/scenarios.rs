@@ -105,6 +105,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
         edge_cost: 5.0,
         dressing_time: 0.0,
         scatter: Scatter::none(),
+        structure_scatter: Default::default(),
     }
 }
 
@@ -127,8 +128,14 @@ pub fn machine(name: &str) -> MachineType {
 
 /// Passes of these durations at 1 m/s.
 pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
-    let cut =
-        |&path_length: &f64| Cut { cutting_speed: 1.0, feed: 1e-4, depth_of_cut: 1e-3, width_of_cut: 0.0, path_length };
+    let cut = |&path_length: &f64| Cut {
+        cutting_speed: 1.0,
+        feed: 1e-4,
+        depth_of_cut: 1e-3,
+        width_of_cut: 0.0,
+        path_length,
+        ..Cut::default()
+    };
     Operation {
         name: "turn".to_owned(),
         machines: machines.to_vec(),
@@ -137,6 +144,7 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
         setup_time: None,
         work: Work::Cutting(durations.iter().map(cut).collect()),
         size_tolerance: f64::INFINITY,
+        roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 0.0,
     }
 }

@@ -120,8 +120,14 @@ fn a_milling_pass_lasts_its_way_over_the_feed_rate() {
     let mut shop = shop(ToolChangeRule::WearLimit { limit: None });
     let milling = Milling::default();
     shop.tools[0].process = ProcessModel::Milling(Arc::new(milling.clone()));
-    let cut =
-        Cut { cutting_speed: 160.0 / 60.0, feed: 0.05e-3, depth_of_cut: 12e-3, width_of_cut: 3e-3, path_length: 0.5 };
+    let cut = Cut {
+        cutting_speed: 160.0 / 60.0,
+        feed: 0.05e-3,
+        depth_of_cut: 12e-3,
+        width_of_cut: 3e-3,
+        path_length: 0.5,
+        ..Cut::default()
+    };
     shop.parts[0].operations[0].work = Work::Cutting(vec![cut]);
     shop.arrivals[0] = jobs_at(&[(0.0, 200)]);
     shop.horizon = 20_000.0;

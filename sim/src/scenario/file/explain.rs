@@ -76,6 +76,10 @@ pub const CODES: &[(&str, &str)] = &[
         "policy",
         "The work itself can be planned, but not as this policy asks: a cycle designed for a duller wheel may have no solution within the limits, a contour no handbook regime.",
     ),
+    (
+        "structure",
+        "The vibration modes around a cut come from a lobes file, named from the folder of the scenario. `toolroom lobes FILE` draws it and tells its faults with their places.",
+    ),
     ("model", "The process model refuses the value: it is outside the range for which its equations hold."),
     (
         "effect",

@@ -239,6 +239,14 @@ pub enum Fault {
         /// Why.
         reason: Box<PolicyError>,
     },
+    /// A structure that could not be read.
+    #[error("structure \"{file}\": {reason}")]
+    Structure {
+        /// The lobes file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// What a process model or effect refuses.
     #[error("{subject}: {reason}")]
     Model {
@@ -300,6 +308,7 @@ impl Fault {
             Self::Unreadable { .. } | Self::NotUtf8 { .. } => "file",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
             Self::Policy { .. } => "policy",
+            Self::Structure { .. } => "structure",
             Self::Model { .. } => "model",
             Self::Effect { .. } => "effect",
             Self::OverrideForm { .. } | Self::OverridePath { .. } => "override",
@@ -342,6 +351,7 @@ impl Fault {
             | Self::OutOfRange { .. }
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }
+            | Self::Structure { .. }
             | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })

@@ -29,6 +29,7 @@ const LENGTH: Kind = positive("m", "mm", 1e4, "250 mm");
 const PATH: Kind = positive("m", "m", 1e6, "75 m");
 const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
 const SHARE: Kind = quantity("1", "1", 0.0, 1.0, "0.5");
+const DEVIATION: Kind = quantity("1", "1", 0.0, 0.5, "2 %");
 const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
 
 /// Currencies whose amounts can be read.
@@ -155,6 +156,18 @@ static TOOL: Form = Form {
         Key::required("parameter_set", Kind::Name, "Tool and work material: name of a parameter set of the process"),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::optional("effects", Kind::Effects, "Effects switched on in the true world"),
+        Key::optional(
+            "structure",
+            Kind::Text,
+            "Lobes file beside this one with the vibration modes around the cut; left out: every cut is stable",
+        )
+        .when("process", &["turning", "milling"]),
+        Key::optional(
+            "structure_scatter",
+            Kind::Table(&STRUCTURE_SCATTER),
+            "How the machines' structures differ from that; left out: not at all",
+        )
+        .when("process", &["turning", "milling"]),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
@@ -163,6 +176,15 @@ static TOOL: Form = Form {
             "shop",
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
+    ],
+};
+
+static STRUCTURE_SCATTER: Form = Form {
+    title: "structure_scatter",
+    doc: "Relative standard deviations of the machines' structures, all modes of a machine alike",
+    keys: &[
+        Key::default("natural_frequency", DEVIATION, "0 %", "Of natural frequencies"),
+        Key::default("damping_ratio", DEVIATION, "0 %", "Of damping ratios"),
     ],
 };
 
@@ -192,6 +214,12 @@ static OPERATION: Form = Form {
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
         Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part"),
+        Key::optional(
+            "roughness_limit",
+            positive("m", "um", 1e-3, "3.2 um"),
+            "Greatest roughness Ra of a good part after the last pass; left out: not looked at",
+        )
+        .when("process", &["turning", "milling"]),
         Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
         Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
             .when("process", &["turning", "milling"]),
@@ -209,6 +237,12 @@ static OPERATION: Form = Form {
         )
         .when("process", &["turning"]),
         Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+        Key::optional(
+            "position",
+            LENGTH,
+            "Place of the tool from the jaws at the start of a pass, which runs towards them; left out: the structure's",
+        )
+        .when("process", &["turning"]),
         Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
             .when("process", &["turning", "milling"]),
         Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
@@ -242,6 +276,12 @@ static PASS: Form = Form {
         Key::optional("path_length", PATH, "Path of this pass"),
         Key::optional("diameter", LENGTH, "Work diameter").when("process", &["turning"]),
         Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+        Key::optional(
+            "position",
+            LENGTH,
+            "Place of the tool from the jaws at the start of a pass, which runs towards them; left out: the structure's",
+        )
+        .when("process", &["turning"]),
     ],
 };
 
@@ -355,6 +395,12 @@ static POLICY: Form = Form {
         )
         .when("speed", &["productivity"]),
         Key::default(
+            "chatter",
+            Kind::Shorthand { word: &Kind::Choice(CHATTER_RULES), form: &CHATTER },
+            "ignore",
+            "What is done about chatter, where tools have a structure",
+        ),
+        Key::default(
             "tool_change",
             Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
             "wear_limit",
@@ -383,6 +429,50 @@ static POLICY: Form = Form {
             "Parameter set that the controller believes in, where it is not the tool's own",
         ),
         Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
+    ],
+};
+
+/// Rules against chatter.
+const CHATTER_RULES: &[&str] =
+    &["ignore", "best_lobe", "reactive", "speed_variation", "depth_reduction", "robust_lobe", "constraint"];
+
+/// What is done about chatter.
+static CHATTER: Form = Form {
+    title: "chatter",
+    doc: "What is done about chatter; only `reactive` listens to the true structure",
+    keys: &[
+        Key::required("rule", Kind::Choice(CHATTER_RULES), "Rule"),
+        Key::default(
+            "reaction_time",
+            quantity("s", "s", 0.0, 3600.0, "2 s"),
+            "2 s",
+            "From chatter to the new speed, a whole fraction of its frequency",
+        )
+        .when("rule", &["reactive"]),
+        Key::default("amplitude", positive("1", "1", 0.5, "0.2"), "0.2", "Amplitude of the speed over its mean (RVA)")
+            .when("rule", &["speed_variation"]),
+        Key::default(
+            "revolutions",
+            Kind::Count { min: 2, max: 200 },
+            "5",
+            "Mean revolutions in a period of the variation (1/RVF)",
+        )
+        .when("rule", &["speed_variation"]),
+        Key::default(
+            "share",
+            positive("1", "1", 1.0, "0.9"),
+            "0.9",
+            "Greatest depth of a layer over the nominal limit",
+        )
+        .when("rule", &["depth_reduction"]),
+        Key::default("natural_frequency", DEVIATION, "2 %", "Uncertainty of natural frequencies")
+            .when("rule", &["robust_lobe"]),
+        Key::default("damping_ratio", DEVIATION, "20 %", "Uncertainty of damping ratios")
+            .when("rule", &["robust_lobe"]),
+        Key::default("coefficients", DEVIATION, "10 %", "Uncertainty of cutting coefficients")
+            .when("rule", &["robust_lobe"]),
+        Key::default("margin", quantity("1", "1", 0.0, 0.9, "0.1"), "0.1", "Margin to be kept, 1 - depth/limit")
+            .when("rule", &["constraint"]),
     ],
 };
 

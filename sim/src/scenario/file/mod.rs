@@ -23,6 +23,7 @@ mod resolve;
 mod routing;
 mod rules;
 mod schema;
+mod stability;
 #[cfg(test)]
 mod tests;
 mod text;

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, nearest};
 use super::form::Quantity;
+use super::stability;
 use super::walk::{Echo, Section, Value, Walk};
 use super::words::display;
 use crate::scenario::ProcessModel;
@@ -22,6 +23,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
         "turning" => {
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
+            stability::around_turning(walk, tool, &mut turning);
             deviations(walk, tool, turning.parameters_mut());
             if chips_by_share(tool, scatter) {
                 let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
@@ -35,7 +37,11 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
         "milling" => {
             let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
             let mut milling = Milling { effects, ..milling };
+            let drawn = stability::around_milling(walk, tool, &mut milling);
             deviations(walk, tool, milling.parameters_mut());
+            if let Some(cutter) = drawn {
+                stability::same_cutter(walk, tool, &cutter, &milling);
+            }
             if chips_by_share(tool, scatter) {
                 match milling_chipping(&milling, scatter.chipped_share) {
                     Ok(chipping) => milling.chipping = chipping,

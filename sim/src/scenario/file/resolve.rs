@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Value, Walk};
-use super::{Output, planned, processes, routing, rules};
+use super::{Output, planned, processes, routing, rules, stability};
 use crate::scenario::{
     Distribution, FailureClock, FailureMode, Interruption, MachineType, Scenario, Shift, ShiftCalendar, ToolType,
 };
@@ -286,6 +286,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         names.tools.push(name.clone());
         let scatter = processes::scatter(walk, &section);
         let process = processes::process(walk, &section, &scatter);
+        let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
             process,
@@ -293,6 +294,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             edge_cost: section.required("edge_cost"),
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
             scatter,
+            structure_scatter,
         });
         tools.push(NamedTool {
             process: section.text("process").map(str::to_owned),

@@ -93,6 +93,7 @@ fn operations(
             setup_time: section.si("setup_time"),
             work,
             size_tolerance: section.required("size_tolerance"),
+            roughness_limit: section.si("roughness_limit").unwrap_or(f64::INFINITY),
             scrap_on_tool_failure: section.required("scrap_on_tool_failure"),
         });
     }
@@ -220,7 +221,9 @@ fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: &s
         let applicable = "diameter and length, or path_length".to_owned();
         walk.fault(from.span_of("path_length"), Fault::NotApplicable { key: "path_length", case, applicable });
     }
-    Cut { cutting_speed, feed, depth_of_cut, width_of_cut, path_length }
+    let optional = |key| pass.si(key).or_else(|| operation.si(key)).unwrap_or(0.0);
+    let (diameter, position) = if turning { (optional("diameter"), optional("position")) } else { (0.0, 0.0) };
+    Cut { cutting_speed, feed, depth_of_cut, width_of_cut, path_length, diameter, position }
 }
 
 /// A value of the pass, or else of its operation; NaN only where a problem is noted.
@@ -265,6 +268,26 @@ fn check(
         }
     }
     let Some(model) = model else { return };
+    if let ProcessModel::Turning(turning) = model
+        && let Some(structure) = &turning.structure
+    {
+        if cut.diameter == 0.0 {
+            let section = "[[part.operation]] of a tool with a structure".to_owned();
+            let fault = Fault::MissingKey { section, key: "diameter", example: "\"40 mm\"".to_owned() };
+            walk.fault(pass.span.clone(), fault);
+        }
+        if let Some(length) = structure.bar_length().filter(|length| cut.position > *length) {
+            let millimetres = |value: f64| format!("{} mm", value * 1e3);
+            let fault = Fault::Contradiction {
+                first: "position",
+                first_value: millimetres(cut.position),
+                second: "length of the bar",
+                second_value: millimetres(length),
+                rule: "the tool is on the bar",
+            };
+            walk.fault(span("position"), fault);
+        }
+    }
     let inputs = model.machine_process().inputs();
     let values = [
         ("cutting_speed", cut.cutting_speed),

@@ -5,6 +5,7 @@ use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
 use super::planned::{contour_rule, dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
+use super::stability;
 use super::walk::{Section, Span, Value, Walk};
 use crate::scenario::{
     Arrival, ArrivalPattern, DispatchRule, MachineType, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
@@ -61,7 +62,9 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         let grinding = grinding_rule(walk, &section);
         let dressing = dressing_rule(walk, &section);
         let contour = contour_rule(section.text("contour"));
-        let rule = PolicyRule { name, speed, tool_change, grinding, dressing, contour, believed_model, sensors };
+        let stability = stability::rule(walk, &section);
+        let rule =
+            PolicyRule { name, speed, stability, tool_change, grinding, dressing, contour, believed_model, sensors };
         policies.push((rule, section.span_of("name")));
     }
     policies
