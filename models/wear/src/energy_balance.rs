@@ -85,24 +85,24 @@ impl<N: Number> EnergyBalance<N> {
         }
     }
 
-    /// `1/temperature - 1/reference_temperature` over R, mol/J.
+    /// `exp(-energy/R·(1/temperature - 1/reference_temperature))`
     #[inline]
-    fn coldness(&self, temperature: N) -> N {
-        (temperature.recip() - self.reference_temperature.recip()) / self.gas_constant
+    fn arrhenius(&self, energy: N, temperature: N) -> N {
+        (-(energy / self.gas_constant) * (temperature.recip() - self.reference_temperature.recip())).exp()
     }
 
     /// Mechanical wear against that at the reference temperature, phi.
     #[inline]
     pub fn softening(&self, temperature: N) -> N {
         let plateau = self.cold_plateau.recip();
-        let hot = (-(self.mechanical_activation_energy * self.coldness(temperature))).exp();
+        let hot = self.arrhenius(self.mechanical_activation_energy, temperature);
         (plateau + (-plateau + 1.0) * hot).recip()
     }
 
     /// Thermal wear against that at the reference temperature, psi.
     #[inline]
     pub fn activation(&self, temperature: N) -> N {
-        (-(self.thermal_activation_energy * self.coldness(temperature))).exp()
+        self.arrhenius(self.thermal_activation_energy, temperature)
     }
 
     /// Weights (w_M, w_T) of the balance `-∂J/∂ln v = w_M·A - w_T·B/v`;

@@ -60,13 +60,12 @@ record! {
 pub struct Heating<N> {
     /// Rise by the chip, K.
     pub chip: N,
-    /// Rise by flank friction at the reference land, K.
-    flank_at_reference: N,
+    /// Rise by flank friction over the square root of the land, K/√m.
+    flank_per_root: N,
     /// Both at the reference speed.
     chip_level: N,
     flank_level: N,
     land_offset: N,
-    reference_land: N,
 }
 
 impl<N: Number> Temperature<N> {
@@ -86,14 +85,13 @@ impl<N: Number> Temperature<N> {
             * power(cut.depth_of_cut / self.reference_depth, self.depth_exponent)
             * hard
             * cut.temperature_factor;
-        let flank_level = self.flank_heating * hard * cut.temperature_factor;
+        let flank_level = self.flank_heating / root(self.reference_land) * hard * cut.temperature_factor;
         let level = Heating {
             chip: chip_level,
-            flank_at_reference: flank_level,
+            flank_per_root: flank_level,
             chip_level,
             flank_level,
             land_offset: self.land_offset,
-            reference_land: self.reference_land,
         };
         self.at_speed(&level, cut.cutting_speed)
     }
@@ -104,7 +102,7 @@ impl<N: Number> Temperature<N> {
         let speed = cutting_speed / self.reference_speed;
         Heating {
             chip: heating.chip_level * power(speed, self.speed_exponent),
-            flank_at_reference: heating.flank_level * root(speed),
+            flank_per_root: heating.flank_level * root(speed),
             ..*heating
         }
     }
@@ -114,7 +112,7 @@ impl<N: Number> Heating<N> {
     /// Rise by friction on a land of width `flank_wear`, K.
     #[inline]
     pub fn flank(&self, flank_wear: N) -> N {
-        self.flank_at_reference * root((flank_wear + self.land_offset) / self.reference_land)
+        self.flank_per_root * root(flank_wear + self.land_offset)
     }
 }
 
@@ -123,11 +121,10 @@ impl<N: Copy> Heating<N> {
     pub(crate) fn map<M: Copy>(&self, mut convert: impl FnMut(N) -> M) -> Heating<M> {
         Heating {
             chip: convert(self.chip),
-            flank_at_reference: convert(self.flank_at_reference),
+            flank_per_root: convert(self.flank_per_root),
             chip_level: convert(self.chip_level),
             flank_level: convert(self.flank_level),
             land_offset: convert(self.land_offset),
-            reference_land: convert(self.reference_land),
         }
     }
 }

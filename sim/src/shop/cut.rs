@@ -85,7 +85,9 @@ impl Segment {
         self.sampling_period = sampling_period;
         // A process that counts its energy does so better than samples of its power.
         let counted = ports.energy_state.map(|i| self.state[i]);
-        process.output(&self.state, &self.input, &mut self.output);
+        if counted.is_none() {
+            process.output(&self.state, &self.input, &mut self.output);
+        }
         let mut power = read(&self.output, ports.spindle_power, 0.0);
         let (mut time, mut stuck) = (0.0, 0);
         let mut times = Vec::new();

@@ -150,10 +150,15 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
         edge.row.passes += 1;
-        let output = &mut state.segment.output;
-        output.resize(super::ports::elements(process.outputs()), 0.0);
-        process.output(&edge.state, &state.segment.start_input, output);
-        let worn = read(output, ports.flank_wear, 0.0);
+        let worn = match ports.flank_wear_state {
+            Some(i) => edge.state[i],
+            None => {
+                let output = &mut state.segment.output;
+                output.resize(super::ports::elements(process.outputs()), 0.0);
+                process.output(&edge.state, &state.segment.start_input, output);
+                read(output, ports.flank_wear, 0.0)
+            }
+        };
         task.row = Some(PassRow {
             job: place.job,
             part: place.part as u32,
