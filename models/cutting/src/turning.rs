@@ -153,7 +153,7 @@ impl Process for Turning {
         u: &TurningInput,
         dt: f64,
         times: &[f64],
-        see: &mut dyn FnMut(usize, &TurningState, &TurningInput),
+        see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Advance, ModelError> {
         u.check()?;
         if !(dt >= 0.0 && dt.is_finite()) {
@@ -171,7 +171,8 @@ impl Process for Turning {
                 TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
             };
             for (i, &time) in times.iter().enumerate() {
-                see(i, &cooled(x, time), &self.input_after(u, time));
+                let u = self.input_after(u, time);
+                see(i, &u, &self.observe(&cooled(x, time), &u));
             }
             *x = cooled(x, dt);
             return Ok(Advance { elapsed: dt, event: None });
@@ -202,7 +203,9 @@ impl Process for Turning {
         let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
             while seen < times.len() && times[seen] <= until {
                 let time = times[seen];
-                see(seen, &TurningState::from_slice(&at(time)), &self.input_after(u, time));
+                let x = TurningState::from_slice(&at(time));
+                let u = self.input_after(u, time);
+                see(seen, &u, &self.observe_in(&engagement(time, &x), &x, &u));
                 seen += 1;
             }
         };

@@ -30,6 +30,38 @@ pub fn split_invariance<P: Process>(process: &P, points: &[Point<P>], relative: 
     }
 }
 
+/// A look on the way shows what stopping there would, to `relative`, and changes nothing but
+/// within the same accuracy.
+pub fn looks_show_the_way<P: Process>(process: &P, points: &[Point<P>], relative: f64) {
+    let close = |a: f64, b: f64| (a - b).abs() <= relative * a.abs().max(b.abs()) + 1e-12;
+    for (input, duration) in points {
+        let mut plain = process.initial();
+        let elapsed = process.advance(&mut plain, input, *duration).expect("contract points lie in the domain").elapsed;
+        let times = [0.1, 0.37, 0.5, 0.99].map(|share| share * elapsed);
+        let mut seen = Vec::new();
+        let mut watched = process.initial();
+        let advance = process
+            .advance_watched(&mut watched, input, *duration, &times, &mut |i, u, y| seen.push((i, *u, *y)))
+            .expect("contract points lie in the domain");
+        assert!(close(advance.elapsed, elapsed));
+        for i in 0..P::State::LEN {
+            let (a, b) = (plain.get(i).unwrap_or(0.0), watched.get(i).unwrap_or(0.0));
+            assert!(close(a, b), "state {i}: {a} without, {b} with looks");
+        }
+        assert_eq!(seen.iter().map(|look| look.0).collect::<Vec<_>>(), [0, 1, 2, 3]);
+        for (i, u, y) in seen {
+            let mut state = process.initial();
+            process.advance(&mut state, input, times[i]).expect("contract points lie in the domain");
+            assert_eq!(u, process.input_after(input, times[i]));
+            let stopped = process.output(&state, &u);
+            for k in 0..P::Output::LEN {
+                let (a, b) = (stopped.get(k).unwrap_or(0.0), y.get(k).unwrap_or(0.0));
+                assert!(close(a, b), "output {k} after {} s: {a} there, {b} seen", times[i]);
+            }
+        }
+    }
+}
+
 /// The same call gives the same bits.
 pub fn determinism<P: Process>(process: &P, points: &[Point<P>]) {
     for (input, duration) in points {
@@ -171,6 +203,10 @@ macro_rules! process_contract {
             #[test]
             fn splitting_a_step_changes_nothing() {
                 contract::split_invariance(&$process, &$points, 1e-6);
+            }
+            #[test]
+            fn looks_on_the_way_show_what_a_stop_would() {
+                contract::looks_show_the_way(&$process, &$points, 1e-4);
             }
             #[test]
             fn the_same_call_gives_the_same_bits() {

@@ -71,9 +71,9 @@ pub trait Process: Send + Sync {
     /// `dt` that is negative or not finite. `x` is left as it was.
     fn advance(&self, x: &mut Self::State, u: &Self::Input, dt: f64) -> Result<Advance, ModelError>;
 
-    /// [`Process::advance`] with a look at state and input at each of `times` (s since the start
-    /// of the step, ascending, at most `dt`) that comes before the event: `see(i, x, u)` at
-    /// `times[i]`. A process that integrates an equation looks at its dense output; any other
+    /// [`Process::advance`] with a look at input and output at each of `times` (s since the start
+    /// of the step, ascending, at most `dt`) that comes before the event: `see(i, u, y)` at
+    /// `times[i]`. A process that integrates an equation may look at its dense output; any other
     /// one stops there.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ pub trait Process: Send + Sync {
         u: &Self::Input,
         dt: f64,
         times: &[f64],
-        see: &mut dyn FnMut(usize, &Self::State, &Self::Input),
+        see: &mut dyn FnMut(usize, &Self::Input, &Self::Output),
     ) -> Result<Advance, ModelError> {
         let mut state = *x;
         let advance = stop_at(
@@ -92,7 +92,10 @@ pub trait Process: Send + Sync {
             dt,
             &mut state,
             |x, from, dt| self.advance(x, &self.input_after(u, from), dt),
-            |i, x| see(i, x, &self.input_after(u, times[i])),
+            |i, x| {
+                let u = self.input_after(u, times[i]);
+                see(i, &u, &self.output(x, &u));
+            },
         )?;
         *x = state;
         Ok(advance)
@@ -143,7 +146,7 @@ pub trait MachineProcess: Send + Sync {
     /// # Errors
     /// As [`Process::advance`]; `x` and `u` are left as they were.
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError>;
-    /// [`MachineProcess::advance`] with a look at state and input on the way, as
+    /// [`MachineProcess::advance`] with a look at input and output on the way, as
     /// [`Process::advance_watched`].
     ///
     /// # Errors
@@ -157,7 +160,17 @@ pub trait MachineProcess: Send + Sync {
         see: &mut dyn FnMut(usize, &[f64], &[f64]),
     ) -> Result<Advance, ModelError> {
         let mut at = (x.to_vec(), u.to_vec());
-        let advance = stop_at(times, dt, &mut at, |(x, u), _, dt| self.advance(x, u, dt), |i, (x, u)| see(i, x, u))?;
+        let mut y = vec![0.0; self.outputs().iter().map(|field| field.len).sum()];
+        let advance = stop_at(
+            times,
+            dt,
+            &mut at,
+            |(x, u), _, dt| self.advance(x, u, dt),
+            |i, (x, u)| {
+                self.output(x, u, &mut y);
+                see(i, u, &y);
+            },
+        )?;
         x.copy_from_slice(&at.0);
         u.copy_from_slice(&at.1);
         Ok(advance)
@@ -225,11 +238,12 @@ impl<P: Process> MachineProcess for P {
         see: &mut dyn FnMut(usize, &[f64], &[f64]),
     ) -> Result<Advance, ModelError> {
         let (mut state, input) = (P::State::from_slice(x), P::Input::from_slice(u));
-        // `x` and `u` serve as scratch for what is seen.
-        let advance = Process::advance_watched(self, &mut state, &input, dt, times, &mut |i, state, input| {
-            state.write_to(x);
+        let mut y = vec![0.0; if times.is_empty() { 0 } else { P::Output::LEN }];
+        let advance = Process::advance_watched(self, &mut state, &input, dt, times, &mut |i, input, output| {
+            // `u` serves as scratch.
             input.write_to(u);
-            see(i, x, u);
+            output.write_to(&mut y);
+            see(i, u, &y);
         });
         state.write_to(x);
         let elapsed = advance.as_ref().map_or(0.0, |advance| advance.elapsed);

@@ -55,7 +55,7 @@ pub struct PassPlan {
 /// 1e-7 by then; a set increment, whose speed feels wear more, to 1e-3.
 const SWEEPS: usize = 3;
 /// Accuracy of the predicted wear, relative.
-const WEAR_ACCURACY: f64 = 1e-9;
+const WEAR_ACCURACY: f64 = 1e-7;
 /// Predicted wear is followed up to this many wear limits; beyond, the edge is lost anyway.
 const LOST: f64 = 10.0;
 
@@ -144,7 +144,8 @@ impl Pair {
             SpeedMode::LiteralBalance => (self.literal_balance_speed(cut, flank_wear), true),
             SpeedMode::ShadowPrice { shadow_price } => (self.shadow_price_speed(cut, flank_wear, shadow_price), true),
             SpeedMode::SetIncrement { wear_increment } => {
-                let set = self.set_intensity_speed(cut, flank_wear, wear_increment / path);
+                let highest = self.limits.highest_speed;
+                let set = self.set_intensity_speed_up_to(cut, flank_wear, wear_increment / path, highest);
                 (set.cutting_speed, set.feasible)
             }
         }

@@ -92,14 +92,21 @@ impl Pair {
     /// Mode 2: the highest speed at which wear per path is `intensity` (set increment over
     /// path); where even the least wear is more, the speed of least wear and `feasible` false.
     pub fn set_intensity_speed(&self, cut: &Cut, flank_wear: f64, intensity: f64) -> SetSpeed {
+        self.set_intensity_speed_up_to(cut, flank_wear, intensity, self.search_range().1)
+    }
+
+    /// [`Pair::set_intensity_speed`] for a machine that goes no faster than `highest` (m/s): that
+    /// speed where it wears the edge less than is asked for.
+    pub fn set_intensity_speed_up_to(&self, cut: &Cut, flank_wear: f64, intensity: f64, highest: f64) -> SetSpeed {
         let contact = self.contact(cut);
         let short = |speed: f64| intensity - contact.at_speed(speed).steady_wear(flank_wear).intensity(speed);
         let met = |cutting_speed: f64| SetSpeed { cutting_speed, feasible: true };
-        let (low, high) = self.search_range();
+        let (low, fastest) = self.search_range();
+        let high = highest.min(fastest);
         if short(high) > 0.0 {
             return met(high);
         }
-        let step = (high / low).powf(f64::from(POINTS - 1).recip());
+        let step = (fastest / low).powf(f64::from(POINTS - 1).recip());
         let mut above = high;
         while above > low {
             let speed = above / step;
@@ -113,7 +120,7 @@ impl Pair {
         if short(least) < 0.0 {
             return SetSpeed { cutting_speed: least, feasible: false };
         }
-        met(root(least, (least * step).min(high), short))
+        met(root(least, (least * step).min(fastest), short))
     }
 
     /// The speed that maximises `(μ - 1/v)/J`: path weighed against time at the shadow price

@@ -15,9 +15,11 @@ impl SetIncrement {
     pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
         let wear_left = (believed.pair.limits.wear_limit - seen.flank_wear().unwrap_or(0.0)).max(0.0);
         let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
-        let set = |flank_wear| believed.pair.set_intensity_speed(&believed.cut, flank_wear, wear_left / path_left);
+        let Believed { pair, cut, .. } = believed;
         plan(believed, seen, |flank_wear| {
-            let SetSpeed { cutting_speed, feasible } = set(flank_wear);
+            let intensity = wear_left / path_left;
+            let SetSpeed { cutting_speed, feasible } =
+                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, pair.limits.highest_speed);
             (cutting_speed, feasible)
         })
     }

@@ -102,22 +102,22 @@ impl Segment {
             let next = |i: usize| sampling_period.map(|period| (taken + 1.0 + i as f64) * period);
             times.clear();
             times.extend((0..).map_while(next).take_while(|next| *next < goal).map(|next| next - time));
-            let (output, samples, energy) = (&mut self.output, &mut self.samples, &mut self.energy);
+            let (samples, energy) = (&mut self.samples, &mut self.energy);
             let mut looked = 0.0;
-            let mut look = |x: &[f64], u: &[f64], elapsed: f64, sampled: Option<f64>| {
-                process.output(x, u, output);
-                let before = std::mem::replace(&mut power, read(output, ports.spindle_power, 0.0));
+            let mut look = |u: &[f64], y: &[f64], elapsed: f64, sampled: Option<f64>| {
+                let before = std::mem::replace(&mut power, read(y, ports.spindle_power, 0.0));
                 *energy += 0.5 * (before + power) * (elapsed - looked);
                 looked = elapsed;
-                samples.extend(sampled.map(|time| sample(ports, u, output, time)));
+                samples.extend(sampled.map(|time| sample(ports, u, y, time)));
             };
             let advance = process
-                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, x, u| {
-                    look(x, u, times[i], next(i));
+                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, u, y| {
+                    look(u, y, times[i], next(i));
                 })
                 .map_err(CutFault::Model)?;
+            process.output(&self.state, &self.input, &mut self.output);
             let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
-            look(&self.state, &self.input, advance.elapsed, end);
+            look(&self.input, &self.output, advance.elapsed, end);
             let Some(event) = advance.event else {
                 time = goal;
                 continue;

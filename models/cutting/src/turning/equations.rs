@@ -148,8 +148,17 @@ impl<N: Number> Turning<N> {
     /// | roughness_ra | `f²/(32 r_ε)`, the ideal profile (Rz = f²/(8 r_ε), Ra ≈ Rz/4), and `2/π` of the amplitude of chatter, in quadrature (assumption) |
     /// | size_error | `flank_wear·tan α_o + (F_p - F_p of the new edge)/static_stiffness` |
     pub fn observe(&self, x: &TurningState<N>, u: &TurningInput<N>) -> TurningOutput<N> {
-        let at = self.engagement(x, u);
-        let Engagement { contact, load, terms, .. } = &at;
+        self.observe_in(&self.engagement(x, u), x, u)
+    }
+
+    /// The same in an engagement that is known already.
+    pub(crate) fn observe_in(
+        &self,
+        at: &Engagement<'_, N>,
+        x: &TurningState<N>,
+        u: &TurningInput<N>,
+    ) -> TurningOutput<N> {
+        let Engagement { contact, load, terms, .. } = at;
         let cut = contact.cut();
         let point = contact.point(load, x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
         let warm = at.softened(point.temperature);
