@@ -49,11 +49,8 @@ impl Default for Turning {
     }
 }
 
-/// Relative accuracy of a step of [`Process::advance`]: lives cut in passes come out within 2e-6.
-const STEP_ACCURACY: f64 = 3e-7;
-
-/// The same of [`Turning::life`]: within 1e-6.
-const LIFE_ACCURACY: f64 = 1e-7;
+/// Relative accuracy of a step of [`Process::advance`]: whole lives come out within 1e-6.
+const ACCURACY: f64 = 1e-7;
 
 /// Share of the wear limit that one stage of an integration may wear at its initial rate.
 const STAGE: f64 = 0.1;
@@ -211,7 +208,7 @@ impl Process for Turning {
         };
         let mut start = [0.0; STATES];
         x.write_to(&mut start);
-        let tolerance = Tolerance { relative: STEP_ACCURACY, absolute: self.scales(STEP_ACCURACY) };
+        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
         let watch = |step: &ode::Stretch<'_, STATES>| look(step.end, &|time| step.at(time));
         let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage, watch)?;
         look(end.time, &|_| end.state);

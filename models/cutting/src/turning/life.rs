@@ -1,6 +1,6 @@
 //! Life of a new edge under constant conditions.
 
-use super::{LIFE_ACCURACY, STAGE, STATES, Turning, TurningInput, TurningState};
+use super::{ACCURACY, STAGE, STATES, Turning, TurningInput, TurningState};
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{ModelError, ProcessEvent, Record};
 use toolroom_wear::{Life, WEAR_EVENTS};
@@ -58,7 +58,7 @@ impl Turning {
             let x = self.warm(y, &held, model);
             self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held).0), held.chipping_resistance)
         };
-        let tolerance = Tolerance { relative: LIFE_ACCURACY, absolute: self.scales(LIFE_ACCURACY) };
+        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
         let stage = |_: f64, y: &[f64; STATES]| {
             STAGE * self.pair.limits.wear_limit / self.rates(&self.warm(y, &held, model), &held).flank_wear
         };
