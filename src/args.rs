@@ -143,6 +143,33 @@ pub enum FmuCommand {
   toolroom fmu check turning.fmu
   toolroom fmu check turning.fmu --json      exit code 2 where an error was found")]
     Check(FmuFileArgs),
+    /// Run an FMI unit by itself: inputs from a table, outputs to a table
+    #[command(before_help = "Examples:
+  toolroom fmu sim turning.fmu --stop \"60 s\"
+  toolroom fmu sim turning.fmu --input cut.csv --output result.csv --step \"0.1 s\"
+  toolroom fmu sim turning.fmu --start process.feed_per_rev=0.0002 --start tool.set=c45_t15k6")]
+    Sim(FmuSimArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct FmuSimArgs {
+    /// Unit of FMI 2.0 or 3.0 with Co-Simulation
+    pub file: PathBuf,
+    /// CSV of inputs: time [s] first, then one column an input
+    #[arg(long, value_name = "CSV")]
+    pub input: Option<PathBuf>,
+    /// CSV of outputs, standard output if left out
+    #[arg(long, value_name = "CSV")]
+    pub output: Option<PathBuf>,
+    /// Stop time; the unit's own or the last time of the inputs, if left out
+    #[arg(long, value_name = "TIME")]
+    pub stop: Option<String>,
+    /// Communication step; the unit's own, if left out
+    #[arg(long, value_name = "TIME")]
+    pub step: Option<String>,
+    /// Start value of a parameter or input in the unit's own units, name=value, repeatable
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub start: Vec<String>,
 }
 
 #[derive(Args, Debug)]

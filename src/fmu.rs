@@ -4,6 +4,10 @@ mod check;
 mod cross;
 mod export;
 mod info;
+#[cfg(feature = "fmu-import")]
+pub mod machine;
+#[cfg(feature = "fmu-import")]
+mod sim;
 
 use crate::args::FmuCommand;
 use crate::failure::Failure;
@@ -16,6 +20,13 @@ pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
         FmuCommand::Export(args) => export::run(args, voice),
         FmuCommand::Info(args) => info::run(&args.file, voice),
         FmuCommand::Check(args) => check::run(&args.file, voice),
+        #[cfg(feature = "fmu-import")]
+        FmuCommand::Sim(args) => sim::run(args, voice),
+        #[cfg(not(feature = "fmu-import"))]
+        FmuCommand::Sim(_) => Err(Failure::argument(
+            "this toolroom was built without the import of units",
+            "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what that needs",
+        )),
     }
 }
 

@@ -38,6 +38,8 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
     let voice = Voice::new(&common);
+    #[cfg(feature = "fmu-import")]
+    fmu::machine::register();
     match perform(command, &voice) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),

@@ -15,6 +15,8 @@
 
 mod capabilities;
 mod library;
+#[cfg(feature = "fmi")]
+pub(crate) use library::functions;
 mod structure;
 mod variables;
 

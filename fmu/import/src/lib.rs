@@ -27,8 +27,27 @@
 pub mod archive;
 pub mod check;
 pub mod description;
+#[cfg(feature = "fmi")]
+pub mod instance;
+#[cfg(feature = "fmi")]
+mod keeping;
+#[cfg(feature = "fmi")]
+pub mod machine;
 pub mod platform;
+#[cfg(feature = "fmi")]
+pub mod simulate;
+#[cfg(feature = "fmi")]
+pub mod unit;
+#[cfg(feature = "fmi")]
+pub mod wire;
 
 pub use archive::{Archive, ArchiveError, Entry};
 pub use description::{Interface, ModelDescription, Reading, ValueType, Variable};
 pub use platform::{Binary, PLATFORMS, Platform};
+#[cfg(feature = "fmi")]
+pub use {
+    instance::{CallError, Instance, Port, StartValue},
+    machine::UnitProcess,
+    unit::{LoadError, Unit},
+    wire::WiringError,
+};

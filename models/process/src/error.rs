@@ -54,4 +54,12 @@ pub enum ModelError {
         /// Why there is none.
         reason: &'static str,
     },
+    /// An imported unit did not do what it was asked for.
+    #[error("unit {unit}: {reason}")]
+    Unit {
+        /// File of the unit.
+        unit: String,
+        /// What failed, with what the unit says about it.
+        reason: String,
+    },
 }

@@ -19,6 +19,7 @@
 //! | [`Record`], [`record!`], [`Field`] | a flat list of numbers that carries name, unit, range and meaning of each |
 //! | [`Process`], [`Advance`], [`ProcessEvent`] | the typed contract |
 //! | [`MachineProcess`] | the same by element index, for native models and imported units alike |
+//! | [`Wiring`] | how an imported unit stands in for a native process |
 //! | [`Number`] | `f64` or a dual number: equations are written once |
 //! | [`mod@unit`] | `"60 m/min"` to SI and back |
 //! | [`ode`] | Runge–Kutta 4, Dormand–Prince 5(4), event location |
@@ -48,6 +49,7 @@ pub mod parameters;
 mod process;
 mod record;
 pub mod unit;
+mod wiring;
 
 pub use claim::Claim;
 pub use error::ModelError;
@@ -58,3 +60,4 @@ pub use process::{Advance, MachineProcess, Process, ProcessEvent};
 #[doc(hidden)]
 pub use record::Slots;
 pub use record::{AnyRecord, Record};
+pub use wiring::Wiring;

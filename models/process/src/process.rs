@@ -139,6 +139,12 @@ pub trait MachineProcess: Send + Sync {
     fn outputs(&self) -> &[Field];
     /// State of a new edge.
     fn initial(&self) -> Vec<f64>;
+    /// Whether [`MachineProcess::advance`] may start from any earlier state again, as it has to
+    /// where a pass is interrupted. Native processes always may; an imported unit without FMU
+    /// state goes forward only.
+    fn goes_back(&self) -> bool {
+        true
+    }
     /// Outputs at state `x` under input `u`, written to `y`.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]);
     /// Moves `x` by `dt` seconds or up to the first event, and `u` to the input at that time.

@@ -15,6 +15,7 @@ mod part;
 mod policy;
 mod stability;
 mod station;
+mod unit;
 
 pub use contour::ContourRule;
 pub use distribution::Distribution;
@@ -25,6 +26,7 @@ pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{
     DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
 };
+pub use unit::{Importer, UnitRequest, set_importer};
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]

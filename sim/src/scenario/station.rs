@@ -48,7 +48,7 @@ pub enum ProcessModel {
     Milling(Arc<Milling>),
     /// Plunge grinding with this wheel.
     Infeed(Arc<Infeed>),
-    /// Any other process, such as an imported unit. It takes the inputs that it knows by name
+    /// An imported unit in the place of a native process. It takes the inputs that it knows by name
     /// (`cutting_speed`, `feed_per_rev` …); a pass lasts path over cutting speed.
     Other(Arc<dyn MachineProcess>),
 }
@@ -75,7 +75,11 @@ impl ProcessModel {
 
     /// Whether policies choose its cutting speed; milling and grinding run as programmed.
     pub fn takes_speed_commands(&self) -> bool {
-        matches!(self, Self::Turning(_) | Self::Other(_))
+        match self {
+            Self::Turning(_) => true,
+            Self::Other(process) => process.name() != "milling",
+            Self::Milling(_) | Self::Infeed(_) => false,
+        }
     }
 
     /// Flank wear at which an edge is spent, m; infinite where the process has no such limit.

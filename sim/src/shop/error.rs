@@ -58,6 +58,18 @@ pub enum ShopError {
         /// Machine name.
         machine: String,
     },
+    /// A unit without FMU state on a machine that is interrupted within passes.
+    #[error(
+        "tool `{tool}` is a unit that cannot go back to an earlier state (it does not serialise its FMU state), but \
+         passes on machine `{machine}` are interrupted: take its breakdowns out and let shifts finish the part, or \
+         export the unit with FMU state"
+    )]
+    CannotGoBack {
+        /// Tool name.
+        tool: String,
+        /// Machine name.
+        machine: String,
+    },
     /// The clock stands still: a source or a routing without any duration.
     #[error("{events} events at {time} s: the shop makes no progress")]
     NoProgress {

@@ -172,6 +172,20 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
             }
         }
     }
+    let interrupted = |machine: usize| {
+        let shifts = scenario.machines[machine].calendar.map(|calendar| &scenario.calendars[calendar]);
+        let breaks = scenario.failures.iter().any(|failure| failure.machine == machine);
+        breaks || shifts.is_some_and(|calendar| calendar.at_end != Interruption::Finish)
+    };
+    for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+        let tool = &scenario.tools[operation.tool];
+        if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
+            && !tool.process.machine_process().goes_back()
+        {
+            let machine = scenario.machines[machine].name.clone();
+            return Err(ShopError::CannotGoBack { tool: tool.name.clone(), machine });
+        }
+    }
     for arrival in &scenario.arrivals {
         inside("part", arrival.part, scenario.parts.len())?;
     }

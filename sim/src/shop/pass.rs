@@ -218,7 +218,16 @@ impl<R: Recorder> Shop<'_, R> {
         let place = self.place(machine);
         let tool = &self.layout.tools[place.tool];
         let process = self.scenario.tools[place.tool].process.machine_process();
+        let closing = self.end.is_some();
         let state = &mut self.world.machines[machine];
+        if closing && !process.goes_back() {
+            // What was cut until the horizon cannot be known: the pass is left out.
+            if let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) {
+                task.row = None;
+                edge.row.passes -= 1;
+            }
+            return Ok(());
+        }
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
         let segment = &mut state.segment;
         let asked = segment.asked;

@@ -247,6 +247,24 @@ pub enum Fault {
         /// What is wrong.
         reason: String,
     },
+    /// An imported unit that cannot stand in for the process.
+    #[error("unit \"{file}\": {reason}")]
+    Unit {
+        /// File of the unit.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A key that says nothing beside another one.
+    #[error("`{key}` does not apply beside `{beside}`: {rule}")]
+    Beside {
+        /// The key.
+        key: &'static str,
+        /// The other key.
+        beside: &'static str,
+        /// Why.
+        rule: &'static str,
+    },
     /// What a process model or effect refuses.
     #[error("{subject}: {reason}")]
     Model {
@@ -307,6 +325,8 @@ impl Fault {
             Self::ParameterSet { .. } => "parameter-set",
             Self::Unreadable { .. } | Self::NotUtf8 { .. } => "file",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
+            Self::Unit { .. } => "unit",
+            Self::Beside { .. } => "beside",
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Model { .. } => "model",
@@ -340,6 +360,7 @@ impl Fault {
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::MixedCurrency { expected, .. } => format!("convert the amount to {expected}"),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
+            Self::Beside { key, .. } => format!("remove `{key}`"),
             Self::Schema { .. } => "write schema = 1".to_owned(),
             Self::OverrideForm { .. } => "write for example --set machine.L1.tool_change_time=\"1 min\"".to_owned(),
             Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
@@ -352,6 +373,7 @@ impl Fault {
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }
             | Self::Structure { .. }
+            | Self::Unit { .. }
             | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })

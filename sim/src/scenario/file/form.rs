@@ -93,6 +93,8 @@ pub enum Kind {
     },
     /// Groups of parameters of a process, `{ group = { name = value } }`.
     Parameters,
+    /// A table of texts or numbers under names that the file chooses.
+    Texts,
     /// Effects of the catalogue, `[{ id = "wear_force", size = 0.2 }]`.
     Effects,
 }

@@ -153,7 +153,15 @@ static TOOL: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
         Key::required("process", Kind::Choice(PROCESSES), "Process"),
-        Key::required("parameter_set", Kind::Name, "Tool and work material: name of a parameter set of the process"),
+        Key::optional(
+            "parameter_set",
+            Kind::Name,
+            "Tool and work material: name of a parameter set of the process; due unless a unit is named",
+        ),
+        Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
+            .when("process", &["turning", "milling"]),
+        Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
+            .when("process", &["turning", "milling"]),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::optional("effects", Kind::Effects, "Effects switched on in the true world"),
         Key::optional(
@@ -185,6 +193,19 @@ static STRUCTURE_SCATTER: Form = Form {
     keys: &[
         Key::default("natural_frequency", DEVIATION, "0 %", "Of natural frequencies"),
         Key::default("damping_ratio", DEVIATION, "0 %", "Of damping ratios"),
+    ],
+};
+
+/// How a unit is wired; what is left out is found by name.
+static WIRING: Form = Form {
+    title: "wiring",
+    doc: "Which variable of the unit stands for which quantity; left out: the one of the same name",
+    keys: &[
+        Key::optional("inputs", Kind::Texts, "Variable for an input, such as cutting_speed = \"vc [m/min]\""),
+        Key::optional("outputs", Kind::Texts, "Variable for an output, such as flank_wear = \"tool.VB\""),
+        Key::optional("events", Kind::Texts, "Boolean variable that an event sets, such as wear_limit = \"tool.worn\""),
+        Key::optional("start", Kind::Texts, "Start values of parameters, in the unit's own units"),
+        Key::optional("step", DURATION, "Longest communication step; left out: a whole pass"),
     ],
 };
 

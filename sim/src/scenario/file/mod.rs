@@ -15,6 +15,7 @@ mod error;
 mod explain;
 mod fault;
 mod form;
+mod imported;
 mod keys;
 mod overrides;
 mod planned;

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, nearest};
 use super::form::Quantity;
+use super::imported;
 use super::stability;
 use super::walk::{Echo, Section, Value, Walk};
 use super::words::display;
@@ -18,7 +19,18 @@ use toolroom_wear::{Chipping, Pair, Scatter};
 /// The process of a tool; `None` where a problem was noted.
 pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
     let effects = effects(walk, tool);
-    let (process, set) = (tool.text("process")?, tool.text("parameter_set")?);
+    let process = tool.text("process")?;
+    if let Some(file) = tool.text("fmu") {
+        return imported::process(walk, tool, process, file);
+    }
+    let Some(set) = tool.text("parameter_set") else {
+        if !tool.given("parameter_set") {
+            let example = "\"ni_vk6om\"".to_owned();
+            let fault = Fault::MissingKey { section: tool.path.clone(), key: "parameter_set", example };
+            walk.fault(tool.span.clone(), fault);
+        }
+        return None;
+    };
     match process {
         "turning" => {
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;

@@ -290,7 +290,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let tool = process.map(|process| ToolType {
             name,
             process,
-            parameter_set: section.text("parameter_set").unwrap_or_default().to_owned(),
+            parameter_set: section.text("parameter_set").or(section.text("fmu")).unwrap_or_default().to_owned(),
             edge_cost: section.required("edge_cost"),
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
             scatter,

@@ -110,6 +110,10 @@ fn kind(of: &'static Kind) -> Value {
             "type": "object",
             "additionalProperties": { "type": "object", "additionalProperties": { "type": ["number", "string"] } },
         }),
+        Kind::Texts => json!({
+            "type": "object",
+            "additionalProperties": { "type": ["boolean", "number", "string"] },
+        }),
         Kind::Effects => {
             json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } })
         }

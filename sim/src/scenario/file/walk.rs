@@ -362,7 +362,7 @@ impl Walk {
             }
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
-            | (Kind::Parameters | Kind::Effects, _) => Value::Raw(raw.get_ref().clone()),
+            | (Kind::Parameters | Kind::Texts | Kind::Effects, _) => Value::Raw(raw.get_ref().clone()),
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty

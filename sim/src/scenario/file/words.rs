@@ -105,6 +105,7 @@ pub(super) fn expected(kind: &Kind) -> String {
             format!("{}, or a table of {}", expected(word), names.join(", "))
         }
         Kind::Parameters => "a table of groups of parameters".to_owned(),
+        Kind::Texts => "a table of names and texts".to_owned(),
         Kind::Effects => "a list of effects".to_owned(),
     }
 }
@@ -121,6 +122,7 @@ pub(super) fn example(kind: &Kind) -> String {
         Kind::Table(form) | Kind::Tables(form) => form.title.to_owned(),
         Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
+        Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
         Kind::Effects => "[{ id = \"wear_force\", size = 0.2 }]".to_owned(),
     }
 }

@@ -1,0 +1,221 @@
+//! FMI 3.0, without Event Mode and early return: the unit handles its events itself.
+
+#![allow(unsafe_code)] // calls into a C library
+
+use super::{CallError, Calls, FATAL, Messages, Port};
+use crate::description::ValueType;
+use crate::unit::{Library, Unit};
+use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
+use std::ffi::CStr;
+use std::sync::Arc;
+
+pub(super) struct Three {
+    unit: Arc<Unit>,
+    instance: fmi3Instance,
+    messages: Box<Messages>,
+    state: fmi3FMUState,
+    dead: bool,
+}
+
+// SAFETY: as for FMI 2.0.
+unsafe impl Send for Three {}
+
+impl std::fmt::Debug for Three {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Three").field("instance", &self.instance).finish_non_exhaustive()
+    }
+}
+
+unsafe extern "C" fn log(
+    environment: fmi3InstanceEnvironment,
+    _status: fmi3Status,
+    _category: fmi3String,
+    message: fmi3String,
+) {
+    // SAFETY: the environment is the one that was handed to the unit, or null.
+    unsafe { Messages::take(environment, message) }
+}
+
+/// Calls a setter with one value of its C type.
+macro_rules! set {
+    ($self:ident, $function:ident, $reference:expr, $value:expr) => {{
+        let (reference, value) = ($reference, $value);
+        // SAFETY: the instance is alive, both pointers hold one element for the call.
+        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, &value, 1) };
+        $self.judge(stringify!($function), status)
+    }};
+}
+
+/// Calls a getter for one value.
+macro_rules! get {
+    ($self:ident, $function:ident, $reference:expr, $type:ty) => {{
+        let (reference, mut value) = ($reference, <$type>::default());
+        // SAFETY: as for setting.
+        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, &mut value, 1) };
+        $self.judge(stringify!($function), status).map(|()| value)
+    }};
+}
+
+impl Three {
+    pub fn new(unit: &Arc<Unit>) -> Result<Self, CallError> {
+        let mut three = Self {
+            unit: Arc::clone(unit),
+            instance: std::ptr::null_mut(),
+            messages: Box::default(),
+            state: std::ptr::null_mut(),
+            dead: false,
+        };
+        // SAFETY: every pointer lives as long as the instance.
+        three.instance = unsafe {
+            three.binding().fmi3InstantiateCoSimulation(
+                unit.name.as_ptr(),
+                unit.token.as_ptr(),
+                unit.resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr()),
+                false,
+                false,
+                false,
+                false,
+                std::ptr::null(),
+                0,
+                three.messages.environment(),
+                Some(log),
+                None,
+            )
+        };
+        if three.instance.is_null() {
+            return Err(three.messages.error("fmi3InstantiateCoSimulation", "no instance"));
+        }
+        Ok(three)
+    }
+
+    fn binding(&self) -> &Fmi3Binding {
+        match &self.unit.library {
+            Library::Three(binding) => binding,
+            Library::Two(_) => unreachable!("an instance of FMI 3.0 comes from a library of FMI 3.0"),
+        }
+    }
+
+    fn judge(&mut self, function: &'static str, status: u32) -> Result<(), CallError> {
+        self.dead |= status == FATAL;
+        self.messages.judge(function, status)
+    }
+}
+
+impl Calls for Three {
+    fn initialize(&mut self, start: f64) -> Result<(), CallError> {
+        // SAFETY (here and below): the instance is alive and the pointers hold for the call.
+        let status =
+            unsafe { self.binding().fmi3EnterInitializationMode(self.instance, false, 0.0, start, false, 0.0) };
+        self.judge("fmi3EnterInitializationMode", status)?;
+        let status = unsafe { self.binding().fmi3ExitInitializationMode(self.instance) };
+        self.judge("fmi3ExitInitializationMode", status)
+    }
+
+    fn set(&mut self, port: Port, value: f64) -> Result<(), CallError> {
+        let reference = port.reference;
+        match port.value_type {
+            ValueType::Float64 => set!(self, fmi3SetFloat64, reference, value),
+            ValueType::Float32 => set!(self, fmi3SetFloat32, reference, value as f32),
+            ValueType::Integer(8, true) => set!(self, fmi3SetInt8, reference, value as i8),
+            ValueType::Integer(8, false) => set!(self, fmi3SetUInt8, reference, value as u8),
+            ValueType::Integer(16, true) => set!(self, fmi3SetInt16, reference, value as i16),
+            ValueType::Integer(16, false) => set!(self, fmi3SetUInt16, reference, value as u16),
+            ValueType::Integer(32, true) => set!(self, fmi3SetInt32, reference, value as i32),
+            ValueType::Integer(32, false) => set!(self, fmi3SetUInt32, reference, value as u32),
+            ValueType::Integer(_, false) => set!(self, fmi3SetUInt64, reference, value as u64),
+            ValueType::Integer(_, true) | ValueType::Enumeration => set!(self, fmi3SetInt64, reference, value as i64),
+            ValueType::Boolean => set!(self, fmi3SetBoolean, reference, value != 0.0),
+            ValueType::String | ValueType::Binary | ValueType::Clock => {
+                Err(self.messages.error("fmi3SetFloat64", format!("a {} is no number", port.value_type)))
+            }
+        }
+    }
+
+    fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError> {
+        let pointer: fmi3String = text.as_ptr();
+        set!(self, fmi3SetString, reference, pointer)
+    }
+
+    fn get(&mut self, port: Port) -> Result<f64, CallError> {
+        let reference = port.reference;
+        match port.value_type {
+            ValueType::Float64 => get!(self, fmi3GetFloat64, reference, f64),
+            ValueType::Float32 => get!(self, fmi3GetFloat32, reference, f32).map(f64::from),
+            ValueType::Integer(8, true) => get!(self, fmi3GetInt8, reference, i8).map(f64::from),
+            ValueType::Integer(8, false) => get!(self, fmi3GetUInt8, reference, u8).map(f64::from),
+            ValueType::Integer(16, true) => get!(self, fmi3GetInt16, reference, i16).map(f64::from),
+            ValueType::Integer(16, false) => get!(self, fmi3GetUInt16, reference, u16).map(f64::from),
+            ValueType::Integer(32, true) => get!(self, fmi3GetInt32, reference, i32).map(f64::from),
+            ValueType::Integer(32, false) => get!(self, fmi3GetUInt32, reference, u32).map(f64::from),
+            ValueType::Integer(_, false) => get!(self, fmi3GetUInt64, reference, u64).map(|value| value as f64),
+            ValueType::Integer(_, true) | ValueType::Enumeration => {
+                get!(self, fmi3GetInt64, reference, i64).map(|value| value as f64)
+            }
+            ValueType::Boolean => get!(self, fmi3GetBoolean, reference, bool).map(|flag| f64::from(u8::from(flag))),
+            ValueType::String | ValueType::Binary | ValueType::Clock => {
+                Err(self.messages.error("fmi3GetFloat64", format!("a {} is no number", port.value_type)))
+            }
+        }
+    }
+
+    fn step(&mut self, time: f64, duration: f64) -> Result<(), CallError> {
+        let (mut event, mut terminate, mut early, mut reached) = (false, false, false, 0.0);
+        let status = unsafe {
+            self.binding().fmi3DoStep(
+                self.instance,
+                time,
+                duration,
+                false,
+                &mut event,
+                &mut terminate,
+                &mut early,
+                &mut reached,
+            )
+        };
+        self.judge("fmi3DoStep", status)?;
+        if terminate {
+            return Err(self.messages.error("fmi3DoStep", "the wish to terminate"));
+        }
+        if early {
+            return Err(self.messages.error("fmi3DoStep", "an early return, which was not allowed"));
+        }
+        Ok(())
+    }
+
+    fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError> {
+        let (instance, mut size, mut state) = (self.instance, 0, self.state);
+        let status = unsafe { self.binding().fmi3GetFMUState(instance, &mut state) };
+        self.state = state;
+        self.judge("fmi3GetFMUState", status)?;
+        let status = unsafe { self.binding().fmi3SerializedFMUStateSize(instance, state, &mut size) };
+        self.judge("fmi3SerializedFMUStateSize", status)?;
+        bytes.resize(size, 0);
+        let status = unsafe { self.binding().fmi3SerializeFMUState(instance, state, bytes.as_mut_ptr(), size) };
+        self.judge("fmi3SerializeFMUState", status)
+    }
+
+    fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
+        let (instance, mut state) = (self.instance, self.state);
+        let (start, size) = (bytes.as_ptr(), bytes.len());
+        let status = unsafe { self.binding().fmi3DeserializeFMUState(instance, start, size, &mut state) };
+        self.state = state;
+        self.judge("fmi3DeserializeFMUState", status)?;
+        let status = unsafe { self.binding().fmi3SetFMUState(instance, state) };
+        self.judge("fmi3SetFMUState", status)
+    }
+}
+
+impl Drop for Three {
+    fn drop(&mut self) {
+        if self.instance.is_null() || self.dead {
+            return;
+        }
+        let mut state = self.state;
+        unsafe {
+            if !state.is_null() {
+                self.binding().fmi3FreeFMUState(self.instance, &mut state);
+            }
+            self.binding().fmi3FreeInstance(self.instance);
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Wires between quantities of a process in SI and variables of a unit in its own units.
+
+use crate::description::{ModelDescription, Unit, ValueType, Variable};
+use crate::instance::{CallError, Port, StartValue};
+use std::ffi::CString;
+use toolroom_process::{Field, Kind, ProcessEvent, Wiring, unit};
+
+/// Why a unit does not fit in the place of a process.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WiringError {
+    /// A variable that the unit does not have.
+    #[error("the unit has no {causality} \"{variable}\" for {quantity}; it has: {known}")]
+    UnknownVariable {
+        /// What the variable is for.
+        quantity: String,
+        /// What was looked for.
+        variable: String,
+        /// `input`, `output` or `parameter`.
+        causality: &'static str,
+        /// What there is.
+        known: String,
+    },
+    /// A quantity or event that the process does not have.
+    #[error("the process has no {kind} \"{name}\"; it has: {known}")]
+    UnknownQuantity {
+        /// `input`, `output` or `event`.
+        kind: &'static str,
+        /// What was read.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A variable without unit for a quantity with one.
+    #[error("\"{variable}\" has no unit, {quantity} is in {due}: write \"{variable} [{due}]\"")]
+    NoUnit {
+        /// The quantity.
+        quantity: String,
+        /// The variable.
+        variable: String,
+        /// A unit that would do.
+        due: String,
+    },
+    /// A unit of another dimension.
+    #[error("\"{variable}\" is in {read}, which is no unit of {quantity} ({due})")]
+    WrongUnit {
+        /// The quantity.
+        quantity: String,
+        /// The variable.
+        variable: String,
+        /// Its unit.
+        read: String,
+        /// The unit that is due.
+        due: String,
+    },
+    /// A start value that its parameter cannot take.
+    #[error("start value {value:?} of \"{variable}\" is no {value_type}")]
+    StartValue {
+        /// The parameter.
+        variable: String,
+        /// What was read.
+        value: String,
+        /// Its type.
+        value_type: ValueType,
+    },
+    /// Nothing by which the shop could command the unit.
+    #[error("the unit has no input for cutting_speed: wire one with inputs = {{ cutting_speed = \"…\" }}")]
+    NoSpeed,
+    /// A unit that cannot take steps of any length.
+    #[error(
+        "the unit cannot vary its communication step (canHandleVariableCommunicationStepSize); passes have any duration"
+    )]
+    FixedStep,
+    /// A call that failed while the unit was tried out.
+    #[error(transparent)]
+    Call(#[from] CallError),
+}
+
+/// A wire: `SI value = factor · value + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wire {
+    /// End at the unit.
+    pub port: Port,
+    factor: f64,
+    offset: f64,
+}
+
+impl Wire {
+    /// The SI `value` in the variable's unit.
+    pub fn outward(&self, value: f64) -> f64 {
+        if self.factor == 1.0 && self.offset == 0.0 { value } else { (value - self.offset) / self.factor }
+    }
+
+    /// The variable's `value` in SI.
+    pub fn inward(&self, value: f64) -> f64 {
+        if self.factor == 1.0 && self.offset == 0.0 { value } else { self.factor * value + self.offset }
+    }
+}
+
+/// Fields of the process that the unit has, with their wires.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wires {
+    /// Scalar fields, as the shop sees them.
+    pub fields: Vec<Field>,
+    /// One wire a field; `None` for a field that the driver takes care of itself.
+    pub wires: Vec<Option<Wire>>,
+}
+
+impl Wires {
+    /// Wires `fields` to variables of `causality`, those of `given` by name and the others where
+    /// a variable of the same name is found.
+    pub(crate) fn of(
+        description: &ModelDescription,
+        fields: &[Field],
+        causality: &'static str,
+        given: &std::collections::BTreeMap<String, String>,
+    ) -> Result<Self, WiringError> {
+        let scalars = || fields.iter().filter(|field| field.len == 1);
+        for name in given.keys() {
+            if scalars().all(|field| field.name != name) {
+                let known = scalars().map(|field| field.name).collect::<Vec<_>>().join(", ");
+                return Err(WiringError::UnknownQuantity { kind: causality, name: name.clone(), known });
+            }
+        }
+        let mut wires = Self::default();
+        for field in scalars() {
+            let (variable, unit) = match given.get(field.name) {
+                Some(text) => {
+                    let (name, unit) = split_unit(text);
+                    (named(description, field.name, name, causality)?, unit)
+                }
+                None => match found(description, field.name, causality) {
+                    Some(variable) => (variable, None),
+                    None => continue,
+                },
+            };
+            wires.fields.push(*field);
+            wires.wires.push(Some(wire(description, field, variable, unit)?));
+        }
+        Ok(wires)
+    }
+
+    /// Index of the field called `name`.
+    pub fn index(&self, name: &str) -> Option<usize> {
+        self.fields.iter().position(|field| field.name == name)
+    }
+}
+
+/// `"vc [m/min]"` to its variable and unit.
+fn split_unit(text: &str) -> (&str, Option<&str>) {
+    match text.strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
+        // A name may end with an index: wear[1].
+        Some((name, unit)) if name.ends_with(' ') => (name.trim(), Some(unit.trim())),
+        _ => (text.trim(), None),
+    }
+}
+
+fn named<'d>(
+    description: &'d ModelDescription,
+    quantity: &str,
+    name: &str,
+    causality: &'static str,
+) -> Result<&'d Variable, WiringError> {
+    let fits = |variable: &&Variable| {
+        let same = variable.causality == causality || (causality == "output" && variable.causality == "local");
+        same && variable.dimensions == 0
+    };
+    description.variables.iter().filter(fits).find(|variable| variable.name == name).ok_or_else(|| {
+        let known = description.variables.iter().filter(fits).map(|variable| variable.name.as_str()).take(40);
+        WiringError::UnknownVariable {
+            quantity: quantity.to_owned(),
+            variable: name.to_owned(),
+            causality,
+            known: known.collect::<Vec<_>>().join(", "),
+        }
+    })
+}
+
+/// The variable called `name`, or the only one of this causality whose last part it is.
+fn found<'d>(description: &'d ModelDescription, name: &str, causality: &str) -> Option<&'d Variable> {
+    let fits = |variable: &&Variable| variable.causality == causality && variable.dimensions == 0;
+    let exact = description.variables.iter().filter(fits).find(|variable| variable.name == name);
+    exact.or_else(|| {
+        let last = |variable: &&Variable| variable.name.rsplit_once('.').is_some_and(|(_, last)| last == name);
+        let mut candidates = description.variables.iter().filter(fits).filter(last);
+        candidates.next().filter(|_| candidates.next().is_none())
+    })
+}
+
+fn wire(
+    description: &ModelDescription,
+    field: &Field,
+    variable: &Variable,
+    given: Option<&str>,
+) -> Result<Wire, WiringError> {
+    let port = Port::of(variable);
+    if field.kind != Kind::Real || field.unit == "1" && given.is_none() && variable.unit.is_none() {
+        return Ok(Wire { port, factor: 1.0, offset: 0.0 });
+    }
+    let (quantity, name) = (field.name.to_owned(), variable.name.clone());
+    let wrong = |read: &str| WiringError::WrongUnit {
+        quantity: quantity.clone(),
+        variable: name.clone(),
+        read: read.to_owned(),
+        due: field.display.to_owned(),
+    };
+    if let Some(text) = given {
+        let (zero, one) = (unit::convert(0.0, text, field.unit), unit::convert(1.0, text, field.unit));
+        return if one.is_finite() { Ok(Wire { port, factor: one - zero, offset: zero }) } else { Err(wrong(text)) };
+    }
+    let Some(own) = &variable.unit else {
+        return Err(WiringError::NoUnit { quantity, variable: name, due: field.display.to_owned() });
+    };
+    let base = description.units.get(own).and_then(|unit: &Unit| unit.base);
+    // A unit without base units is known by its name alone.
+    let (factor, offset) = match base {
+        Some(base) if base.powers == powers(field.unit) => (base.factor, base.offset),
+        Some(_) => return Err(wrong(own)),
+        None => {
+            let zero = unit::convert(0.0, own, field.unit);
+            (unit::convert(1.0, own, field.unit) - zero, zero)
+        }
+    };
+    if factor.is_finite() && factor != 0.0 { Ok(Wire { port, factor, offset }) } else { Err(wrong(own)) }
+}
+
+/// Powers of kg, m, s, A, K, mol, cd, rad of an SI unit; a revolution counts as an angle.
+fn powers(si: &str) -> [i32; 8] {
+    let [m, kg, s, k, a, mol, rev, _] = unit::parse(si).map_or([0; 8], |unit| unit.dimension).map(i32::from);
+    [kg, m, s, a, k, mol, 0, rev]
+}
+
+/// Boolean outputs that tell of events, by name or from `given`.
+pub(crate) fn events(
+    description: &ModelDescription,
+    wiring: &Wiring,
+) -> Result<Vec<(ProcessEvent, Port)>, WiringError> {
+    // What ends an edge comes first: it is what counts where two happen in one step.
+    const EVENTS: [ProcessEvent; 3] = [ProcessEvent::Chipping, ProcessEvent::ThermalCollapse, ProcessEvent::WearLimit];
+    for name in wiring.events.keys() {
+        if EVENTS.iter().all(|event| event.name() != name) {
+            let known = EVENTS.map(ProcessEvent::name).join(", ");
+            return Err(WiringError::UnknownQuantity { kind: "event", name: name.clone(), known });
+        }
+    }
+    let mut events = Vec::new();
+    for event in EVENTS {
+        let variable = match wiring.events.get(event.name()) {
+            Some(name) => Some(named(description, event.name(), name, "output")?),
+            None => found(description, event.name(), "output"),
+        };
+        let boolean = variable.filter(|variable| variable.value_type == ValueType::Boolean);
+        events.extend(boolean.map(|variable| (event, Port::of(variable))));
+    }
+    Ok(events)
+}
+
+/// Start values of parameters.
+pub(crate) fn start_values(
+    description: &ModelDescription,
+    wiring: &Wiring,
+) -> Result<Vec<(Port, StartValue)>, WiringError> {
+    let settable = |variable: &&Variable| {
+        matches!(variable.causality.as_str(), "parameter" | "structuralParameter" | "input")
+            || matches!(variable.initial.as_deref(), Some("exact" | "approx"))
+    };
+    let mut values = Vec::new();
+    for (name, text) in &wiring.start {
+        let variable = description.variables.iter().filter(settable).find(|variable| variable.name == *name);
+        let unknown = || WiringError::UnknownVariable {
+            quantity: "a start value".to_owned(),
+            variable: name.clone(),
+            causality: "parameter",
+            known: description
+                .variables
+                .iter()
+                .filter(settable)
+                .map(|v| v.name.as_str())
+                .take(40)
+                .collect::<Vec<_>>()
+                .join(", "),
+        };
+        let variable = variable.ok_or_else(unknown)?;
+        let port = Port::of(variable);
+        let number = match text.trim() {
+            "true" => Some(1.0),
+            "false" => Some(0.0),
+            text => text.parse::<f64>().ok().filter(|value| value.is_finite()),
+        };
+        let value = match (variable.value_type, number) {
+            (ValueType::String, _) => CString::new(text.as_str()).ok().map(StartValue::Text),
+            (ValueType::Binary | ValueType::Clock, _) => None,
+            (_, number) => number.map(StartValue::Number),
+        };
+        let refused =
+            || WiringError::StartValue { variable: name.clone(), value: text.clone(), value_type: variable.value_type };
+        values.push((port, value.ok_or_else(refused)?));
+    }
+    // A string such as the name of a parameter set may set other parameters: it goes first.
+    values.sort_by_key(|(_, value)| !matches!(value, StartValue::Text(_)));
+    Ok(values)
+}

@@ -1,0 +1,269 @@
+//! Units that run, and units that do what units do wrong.
+#![cfg(feature = "fmi")]
+
+mod fixture;
+
+use fixture::unit;
+use std::path::Path;
+use std::sync::Arc;
+use tempfile::TempDir;
+use toolroom_fmu_import::check::{Severity, check};
+use toolroom_fmu_import::simulate::{Experiment, Inputs, SimulateError, simulate};
+use toolroom_fmu_import::{Archive, LoadError, Unit, UnitProcess, WiringError};
+use toolroom_process::{Field, MachineProcess, ModelError, ProcessEvent, Record, Wiring, record};
+
+record! {
+    /// What the shop commands.
+    pub struct Command {
+        /// Cutting speed.
+        cutting_speed: Real["m/s" => "m/min"] = 0.5, 0.0..=50.0;
+        /// Its change in time.
+        cutting_acceleration: Real["m/s2" => "m/min2"] = 0.0, -10.0..=10.0;
+        /// Whether the edge cuts.
+        engaged: Boolean = 1.0;
+        /// Nothing that the unit knows.
+        hardness_ratio: Real["1" => "1"] = 1.0, 0.1..=10.0;
+    }
+}
+
+record! {
+    /// What the shop reads.
+    pub struct Reading {
+        /// Land.
+        flank_wear: Real["m" => "mm"] = 0.0;
+    }
+}
+
+fn wiring() -> Wiring {
+    let pair = |a: &str, b: &str| [(a.to_owned(), b.to_owned())].into();
+    Wiring { outputs: pair("flank_wear", "tool.VB"), events: pair("wear_limit", "tool.worn"), ..Wiring::default() }
+}
+
+fn machine(path: &Path, wiring: &Wiring) -> Result<UnitProcess, WiringError> {
+    let unit = Unit::load(path).expect("it loads");
+    UnitProcess::new(Arc::new(unit), "turning", Command::<f64>::FIELDS, Reading::<f64>::FIELDS, wiring)
+}
+
+fn input(process: &UnitProcess, values: &[(&str, f64)]) -> Vec<f64> {
+    let start = |field: &Field| values.iter().find(|(name, _)| *name == field.name).map_or(field.start, |(_, v)| *v);
+    process.inputs().iter().map(start).collect()
+}
+
+#[test]
+fn the_fixture_is_a_sound_unit() {
+    let folder = TempDir::new().expect("a folder");
+    let report = check(&mut Archive::open(&unit(folder.path(), &[], ("", ""))).expect("a zip file"));
+    assert_eq!(report.count(Severity::Error), 0, "{:?}", report.findings);
+}
+
+#[test]
+fn a_unit_in_its_own_units_is_driven_in_si() {
+    let folder = TempDir::new().expect("a folder");
+    let process = machine(&unit(folder.path(), &[], ("", "")), &wiring()).expect("it fits");
+    let names: Vec<&str> = process.inputs().iter().map(|field| field.name).collect();
+    assert_eq!(names, ["cutting_speed", "engaged", "cutting_acceleration"]);
+    let (mut x, mut u, mut y) = (process.initial(), input(&process, &[("cutting_speed", 2.0)]), vec![0.0]);
+    let advance = process.advance(&mut x, &mut u, 60.0).expect("a step");
+    assert_eq!((advance.elapsed, advance.event), (60.0, None));
+    process.output(&x, &u, &mut y);
+    assert!((y[0] - 120e-6).abs() < 1e-15, "1 um for each of 120 m, not {}", y[0]);
+    // Out of cut nothing wears.
+    let mut resting = input(&process, &[("engaged", 0.0)]);
+    process.advance(&mut x, &mut resting, 1e4).expect("a step");
+    process.output(&x, &u, &mut y);
+    assert!((y[0] - 120e-6).abs() < 1e-15);
+}
+
+#[test]
+fn a_state_goes_back_branches_and_runs_in_threads() {
+    let folder = TempDir::new().expect("a folder");
+    let process = machine(&unit(folder.path(), &[], ("", "")), &wiring()).expect("it fits");
+    assert!(process.goes_back());
+    let run = |from: &[f64], speed: f64, times: &[f64]| {
+        let (mut x, mut y) = (from.to_vec(), vec![0.0]);
+        for time in times {
+            let mut u = input(&process, &[("cutting_speed", speed)]);
+            process.advance(&mut x, &mut u, *time).expect("a step");
+            process.output(&x, &u, &mut y);
+        }
+        (x, y[0])
+    };
+    let (base, _) = run(&process.initial(), 1.0, &[10.0]);
+    let (_, whole) = run(&base, 1.5, &[30.0]);
+    let (_, part) = run(&base, 1.5, &[12.0]);
+    assert!(part < whole);
+    assert_eq!(run(&base, 1.5, &[12.0, 18.0]).1, run(&base, 1.5, &[12.0, 18.0]).1);
+    assert!((run(&base, 1.5, &[12.0, 18.0]).1 - whole).abs() < 1e-18);
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..8).map(|_| scope.spawn(|| run(&base, 1.5, &[30.0]).1)).collect();
+        for thread in threads {
+            assert_eq!(thread.join().expect("no panic"), whole);
+        }
+    });
+}
+
+#[test]
+fn an_event_stops_the_step_within_the_communication_step() {
+    let folder = TempDir::new().expect("a folder");
+    let path = unit(folder.path(), &[], ("", ""));
+    let process = machine(&path, &Wiring { step: Some(1.0), ..wiring() }).expect("it fits");
+    // 1 um for each metre, 1 m/s: 0.3 mm after 300 s.
+    let (mut x, mut u) = (process.initial(), input(&process, &[("cutting_speed", 1.0)]));
+    let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");
+    assert_eq!(advance.event, Some(ProcessEvent::WearLimit));
+    assert!((advance.elapsed - 300.0).abs() <= 1.0, "{}", advance.elapsed);
+    // It is told once: the flag stays, the step goes on.
+    let rest = process.advance(&mut x, &mut u, 50.0).expect("a step");
+    assert_eq!((rest.elapsed, rest.event), (50.0, None));
+}
+
+#[test]
+fn a_ramp_covers_its_path_in_a_unit_that_knows_none() {
+    let folder = TempDir::new().expect("a folder");
+    let process = machine(&unit(folder.path(), &[], ("", "")), &wiring()).expect("it fits");
+    let (mut x, mut y) = (process.initial(), vec![0.0]);
+    let mut u = input(&process, &[("cutting_speed", 1.0), ("cutting_acceleration", 0.01)]);
+    process.advance(&mut x, &mut u, 100.0).expect("a step");
+    process.output(&x, &u, &mut y);
+    assert!((y[0] - 150e-6).abs() < 1e-12, "150 m of path, not {}", y[0]);
+    assert!((u[0] - 2.0).abs() < 1e-12, "the speed at the end is 2 m/s, not {}", u[0]);
+}
+
+#[test]
+fn start_values_and_units_of_the_scenario_reach_the_unit() {
+    let folder = TempDir::new().expect("a folder");
+    let path = unit(folder.path(), &[], (" unit=\"m/min\"", ""));
+    let refused = machine(&path, &wiring()).expect_err("no unit");
+    assert!(refused.to_string().contains("write \"cut.cutting_speed [m/min]\""), "{refused}");
+    let given = Wiring {
+        inputs: [("cutting_speed".to_owned(), "cut.cutting_speed [m/min]".to_owned())].into(),
+        start: [("rate".to_owned(), "2e-6".to_owned())].into(),
+        ..wiring()
+    };
+    let process = machine(&path, &given).expect("it fits");
+    let (mut x, mut u, mut y) = (process.initial(), input(&process, &[("cutting_speed", 1.0)]), vec![0.0]);
+    process.advance(&mut x, &mut u, 50.0).expect("a step");
+    process.output(&x, &u, &mut y);
+    assert!((y[0] - 100e-6).abs() < 1e-15, "{}", y[0]);
+}
+
+#[test]
+fn a_wiring_that_cannot_be_is_refused_with_what_there_is() {
+    let folder = TempDir::new().expect("a folder");
+    let path = unit(folder.path(), &[], ("", ""));
+    let pair = |a: &str, b: &str| [(a.to_owned(), b.to_owned())].into();
+    let cases = [
+        (Wiring { inputs: pair("cutting_speed", "speed"), ..wiring() }, "it has: cut.cutting_speed, cut.engaged"),
+        (Wiring { inputs: pair("cuting_speed", "x"), ..wiring() }, "the process has no input \"cuting_speed\""),
+        (Wiring { inputs: pair("cutting_speed", "cut.cutting_speed [N]"), ..wiring() }, "is in N, which is no unit of"),
+        (Wiring { outputs: pair("flank_wear", "cut.engaged"), ..wiring() }, "no output \"cut.engaged\""),
+        (Wiring { events: pair("explosion", "tool.worn"), ..wiring() }, "no event \"explosion\""),
+        (Wiring { start: pair("rate", "fast"), ..wiring() }, "start value \"fast\" of \"rate\" is no real"),
+        (Wiring { start: pair("gain", "1"), ..wiring() }, "no parameter \"gain\""),
+    ];
+    for (wiring, expected) in cases {
+        let refused = machine(&path, &wiring).expect_err(expected).to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+    let fixed = unit(folder.path(), &[], ("canHandleVariableCommunicationStepSize=\"true\"", ""));
+    assert_eq!(machine(&fixed, &wiring()).expect_err("fixed step"), WiringError::FixedStep);
+}
+
+#[test]
+fn without_fmu_state_a_unit_goes_forward_only() {
+    let folder = TempDir::new().expect("a folder");
+    let path = unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
+    let process = machine(&path, &wiring()).expect("it fits");
+    assert!(!process.goes_back());
+    let (one, two) = (process.initial(), process.initial());
+    let (mut u, mut y) = (input(&process, &[("cutting_speed", 1.0)]), vec![0.0]);
+    let mut x = one.clone();
+    process.advance(&mut x, &mut u, 10.0).expect("forward");
+    process.advance(&mut x, &mut u, 20.0).expect("forward");
+    process.output(&x, &u, &mut y);
+    assert!((y[0] - 30e-6).abs() < 1e-15);
+    let refused = process.advance(&mut one.clone(), &mut u, 5.0).expect_err("back");
+    assert!(refused.to_string().contains("cannot go back"), "{refused}");
+    // Another edge has an instance of its own.
+    let mut other = two;
+    process.advance(&mut other, &mut u, 5.0).expect("forward");
+    process.output(&other, &u, &mut y);
+    assert!((y[0] - 5e-6).abs() < 1e-15);
+}
+
+#[test]
+fn a_failing_step_is_an_error_with_the_words_of_the_unit() {
+    let folder = TempDir::new().expect("a folder");
+    for switches in [&["FAILS"][..], &["FAILS", "LOUD"]] {
+        let process = machine(&unit(folder.path(), switches, ("", "")), &wiring()).expect("it fits");
+        let (mut x, mut u) = (process.initial(), input(&process, &[]));
+        process.advance(&mut x, &mut u, 90.0).expect("a step");
+        let before = x.clone();
+        let ModelError::Unit { reason, unit } = process.advance(&mut x, &mut u, 20.0).expect_err("it fails") else {
+            panic!("another error")
+        };
+        assert_eq!(reason, "fmi2DoStep answered error: the solver gave up");
+        assert!(unit.ends_with("wear.fmu"));
+        assert_eq!(x, before);
+        // The failed instance is gone; the state before is good for another one.
+        process.advance(&mut x, &mut u, 5.0).expect("a step");
+    }
+}
+
+#[test]
+fn a_unit_that_cannot_be_loaded_is_told_why() {
+    let folder = TempDir::new().expect("a folder");
+    let load = |path: &Path| Unit::load(path).map(|_| ()).expect_err("refused");
+    let missing = load(&unit(folder.path(), &["NO_STEP"], ("", "")));
+    assert!(matches!(&missing, LoadError::Symbols { missing, .. } if missing == "fmi2DoStep"), "{missing}");
+    let exchange = load(&unit(folder.path(), &[], ("<CoSimulation", "<ModelExchange")));
+    assert!(matches!(exchange, LoadError::NoCoSimulation { .. }), "{exchange}");
+    let named = load(&unit(folder.path(), &[], ("modelIdentifier=\"wear\"", "modelIdentifier=\"other\"")));
+    assert!(matches!(named, LoadError::Platform { .. }), "{named}");
+    let path = folder.path().join("text.fmu");
+    std::fs::write(&path, "no zip").expect("writable");
+    assert!(matches!(load(&path), LoadError::Archive(_)));
+    let denied = machine(&unit(folder.path(), &["DENIES"], ("", "")), &wiring()).expect_err("no instance");
+    assert_eq!(denied.to_string(), "fmi2Instantiate answered no instance: the licence has run out");
+    let token = machine(&unit(folder.path(), &[], ("{wear}", "{other}")), &wiring()).expect_err("no instance");
+    assert_eq!(token.to_string(), "fmi2Instantiate answered no instance");
+}
+
+#[test]
+fn a_simulation_writes_a_row_for_each_communication_point() {
+    let folder = TempDir::new().expect("a folder");
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &[], ("", ""))).expect("it loads"));
+    let table = "time [s],cut.cutting_speed [m/min],cut.engaged\n0,60,true\n10,60,1\n20,120,false\n";
+    let inputs = Inputs::read(unit.description(), table.as_bytes()).expect("a table");
+    let mut rows = Vec::new();
+    let done = simulate(&unit, &Experiment::default(), Some(&inputs), &mut rows).expect("to the end");
+    assert_eq!((done.stop, done.step, done.steps), (20.0, 1.0, 20));
+    let text = String::from_utf8(rows).expect("UTF-8");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!((lines[0], lines.len()), ("time [s],tool.VB [mm],tool.worn", 22));
+    // 10 s at 1 m/s, then a ramp held over each second: 1.0, 1.1 … 1.9 m/s.
+    let last: f64 = lines[21].split(',').nth(1).and_then(|cell| cell.parse().ok()).expect("a number");
+    assert!((last - (10.0 + 14.5) * 1e-3).abs() < 1e-12, "{last}");
+    for (table, expected) in [
+        ("t,cut.engaged\n0,1\n", "line 1: the first column"),
+        ("time,speed\n0,1\n", "line 1: the unit has no input \"speed\"; it has: cut.cutting_speed, cut.engaged"),
+        ("time,cut.engaged\n0,1\n1,on\n", "line 3: \"on\" is no number"),
+        ("time,cut.engaged\n1,1\n0,1\n", "line 3: time goes back"),
+        ("time,cut.engaged\n0,1,2\n", "line 2"),
+        ("time,cut.engaged\n", "no rows"),
+    ] {
+        let refused = Inputs::read(unit.description(), table.as_bytes()).expect_err(expected).to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
+fn a_simulation_that_fails_leaves_what_came_before() {
+    let folder = TempDir::new().expect("a folder");
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &["FAILS"], ("", ""))).expect("it loads"));
+    let mut rows = Vec::new();
+    let long = Experiment { stop: Some(200.0), step: Some(10.0), ..Experiment::default() };
+    let error = simulate(&unit, &long, None, &mut rows).expect_err("it fails");
+    assert!(matches!(error, SimulateError::Call { time: 100.0, .. }), "{error}");
+    assert_eq!(String::from_utf8(rows).expect("UTF-8").lines().count(), 12);
+}

@@ -1,0 +1,143 @@
+/* A unit of FMI 2.0 in one file: wear grows with speed, and it does on demand what units do wrong.
+   Compiled by the tests with -D switches:
+   FAILS   steps fail from 100 s on          NO_STEP  fmi2DoStep is missing
+   DENIES  no instance is made               LOUD     messages without category, with %s */
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    void (*log)(void *, const char *, int, const char *, const char *, ...);
+    void *allocate, *release, *finished, *environment;
+} Callbacks;
+
+typedef struct {
+    double time, speed, wear, rate;
+    int engaged, worn;
+} State;
+
+typedef struct {
+    State state;
+    const Callbacks *callbacks;
+} Unit;
+
+static const State START = {0.0, 0.5, 0.0, 1e-6, 1, 0};
+
+#define E __attribute__((visibility("default")))
+
+static int refuse(Unit *unit, const char *text) {
+    const Callbacks *c = unit->callbacks;
+#ifdef LOUD
+    c->log(c->environment, "wear", 3, NULL, text);
+#else
+    c->log(c->environment, "wear", 3, "logAll", text);
+#endif
+    return 3;
+}
+
+E const char *fmi2GetTypesPlatform(void) { return "default"; }
+E const char *fmi2GetVersion(void) { return "2.0"; }
+E int fmi2SetDebugLogging(void *u, int on, size_t n, const char *const *c) { return 0; }
+E void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources, const Callbacks *callbacks,
+                        int visible, int logging) {
+#ifdef DENIES
+    callbacks->log(callbacks->environment, name, 3, "logAll", "the licence has run out");
+    return NULL;
+#endif
+    if (strcmp(guid, "{wear}")) return NULL;
+    Unit *unit = calloc(1, sizeof(Unit));
+    unit->state = START;
+    unit->callbacks = callbacks;
+    return unit;
+}
+E void fmi2FreeInstance(void *u) { free(u); }
+E int fmi2SetupExperiment(void *u, int t, double tolerance, double start, int s, double stop) {
+    ((Unit *)u)->state.time = start;
+    return 0;
+}
+E int fmi2EnterInitializationMode(void *u) { return 0; }
+E int fmi2ExitInitializationMode(void *u) { return 0; }
+E int fmi2Terminate(void *u) { return 0; }
+E int fmi2Reset(void *u) {
+    ((Unit *)u)->state = START;
+    return 0;
+}
+E int fmi2GetReal(void *u, const unsigned *r, size_t n, double *v) {
+    State *s = &((Unit *)u)->state;
+    for (size_t i = 0; i < n; i++) v[i] = r[i] == 1 ? s->speed * 60 : r[i] == 2 ? s->wear * 1e3 : s->rate;
+    return 0;
+}
+E int fmi2SetReal(void *u, const unsigned *r, size_t n, const double *v) {
+    State *s = &((Unit *)u)->state;
+    for (size_t i = 0; i < n; i++) {
+        if (r[i] == 1) s->speed = v[i] / 60;
+        else if (r[i] == 3) s->rate = v[i];
+        else return refuse(u, "no such input: %s");
+    }
+    return 0;
+}
+E int fmi2GetBoolean(void *u, const unsigned *r, size_t n, int *v) {
+    State *s = &((Unit *)u)->state;
+    for (size_t i = 0; i < n; i++) v[i] = r[i] == 4 ? s->engaged : s->worn;
+    return 0;
+}
+E int fmi2SetBoolean(void *u, const unsigned *r, size_t n, const int *v) {
+    for (size_t i = 0; i < n; i++) ((Unit *)u)->state.engaged = v[i];
+    return 0;
+}
+E int fmi2GetInteger(void *u, const unsigned *r, size_t n, int *v) { return 3; }
+E int fmi2GetString(void *u, const unsigned *r, size_t n, const char **v) { return 3; }
+E int fmi2SetInteger(void *u, const unsigned *r, size_t n, const int *v) { return 3; }
+E int fmi2SetString(void *u, const unsigned *r, size_t n, const char *const *v) { return 3; }
+E int fmi2GetFMUstate(void *u, void **s) {
+    if (!*s) *s = malloc(sizeof(State));
+    memcpy(*s, &((Unit *)u)->state, sizeof(State));
+    return 0;
+}
+E int fmi2SetFMUstate(void *u, void *s) {
+    memcpy(&((Unit *)u)->state, s, sizeof(State));
+    return 0;
+}
+E int fmi2FreeFMUstate(void *u, void **s) {
+    free(*s);
+    *s = NULL;
+    return 0;
+}
+E int fmi2SerializedFMUstateSize(void *u, void *s, size_t *n) {
+    *n = sizeof(State);
+    return 0;
+}
+E int fmi2SerializeFMUstate(void *u, void *s, char *b, size_t n) {
+    memcpy(b, s, n);
+    return 0;
+}
+E int fmi2DeSerializeFMUstate(void *u, const char *b, size_t n, void **s) {
+    if (n != sizeof(State)) return 3;
+    if (!*s) *s = malloc(sizeof(State));
+    memcpy(*s, b, n);
+    return 0;
+}
+E int fmi2GetDirectionalDerivative(void *u, const unsigned *z, size_t nz, const unsigned *v, size_t nv, const double *d,
+                                   double *o) { return 3; }
+E int fmi2SetRealInputDerivatives(void *u, const unsigned *r, size_t n, const int *o, const double *v) { return 3; }
+E int fmi2GetRealOutputDerivatives(void *u, const unsigned *r, size_t n, const int *o, double *v) { return 3; }
+#ifndef NO_STEP
+E int fmi2DoStep(void *u, double time, double step, int prior) {
+    State *s = &((Unit *)u)->state;
+    double off = time - s->time;
+    if (off > 1e-9 * (1 + time) || off < -1e-9 * (1 + time)) return refuse(u, "the time is another");
+#ifdef FAILS
+    if (time + step > 100) return refuse(u, "the solver gave up");
+#endif
+    if (s->engaged) s->wear += s->rate * s->speed * step;
+    s->worn = s->wear >= 0.3e-3;
+    s->time = time + step;
+    return 0;
+}
+#endif
+E int fmi2CancelStep(void *u) { return 3; }
+E int fmi2GetStatus(void *u, int k, int *v) { return 2; }
+E int fmi2GetRealStatus(void *u, int k, double *v) { return 2; }
+E int fmi2GetIntegerStatus(void *u, int k, int *v) { return 2; }
+E int fmi2GetBooleanStatus(void *u, int k, int *v) { return 2; }
+E int fmi2GetStringStatus(void *u, int k, const char **v) { return 2; }

@@ -1,0 +1,116 @@
+//! `toolroom fmu sim F.fmu`.
+
+use super::refused;
+use crate::args::FmuSimArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
+use toolroom_fmu_import::{LoadError, Unit};
+use toolroom_process::unit::quantity;
+
+pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
+    if voice.json && args.output.is_none() {
+        return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
+    }
+    let unit = Arc::new(Unit::load(&args.file).map_err(not_loaded)?);
+    let experiment = Experiment {
+        start: None,
+        stop: seconds("--stop", args.stop.as_deref())?,
+        step: seconds("--step", args.step.as_deref())?,
+        start_values: start_values(&args.start)?,
+    };
+    let inputs = args.input.as_deref().map(|path| inputs(&unit, path)).transpose()?;
+    let done = match &args.output {
+        Some(path) => {
+            let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
+            let mut table = BufWriter::new(File::create(path).map_err(unwritable)?);
+            let done = simulate(&unit, &experiment, inputs.as_ref(), &mut table);
+            table.flush().map_err(unwritable)?;
+            done.map_err(|error| failed(error, Some(path)))?
+        }
+        None => {
+            let mut table = Vec::new();
+            let done = simulate(&unit, &experiment, inputs.as_ref(), &mut table);
+            voice.data(String::from_utf8_lossy(&table).trim_end())?;
+            done.map_err(|error| failed(error, None))?
+        }
+    };
+    report(args, &unit, done, voice)
+}
+
+fn report(args: &FmuSimArgs, unit: &Unit, done: Done, voice: &Voice) -> Result<(), Failure> {
+    let Done { start, stop, step, steps } = done;
+    if voice.json {
+        return voice.json(&json!({
+            "schema": 1,
+            "file": args.file.display().to_string(),
+            "fmi_version": unit.description().fmi_version,
+            "start [s]": start,
+            "stop [s]": stop,
+            "step [s]": step,
+            "steps": steps,
+            "output": args.output,
+        }));
+    }
+    let to = args.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
+    voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s"));
+    Ok(())
+}
+
+fn inputs(unit: &Unit, path: &Path) -> Result<Inputs, Failure> {
+    let file = File::open(path).map_err(|error| {
+        Failure::argument(format_args!("{} cannot be read: {error}", path.display()), "check --input")
+    })?;
+    Inputs::read(unit.description(), BufReader::new(file)).map_err(|error| {
+        Failure::argument(
+            format_args!("{}: {error}", path.display()),
+            "`toolroom fmu info` lists the inputs of the unit",
+        )
+    })
+}
+
+fn not_loaded(error: LoadError) -> Failure {
+    match error {
+        LoadError::Archive(error) => refused(error),
+        error => Failure::argument(error, "ask `toolroom fmu check` what is wrong with the unit"),
+    }
+}
+
+/// A simulation that did not reach its end; rows before that are written.
+fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
+    match error {
+        SimulateError::Call { .. } => {
+            let kept = output.map_or(String::new(), |path| format!("; {} holds what came before", path.display()));
+            Failure::Work { message: format!("{error}{kept}") }
+        }
+        SimulateError::Output(_) => Failure::Work { message: error.to_string() },
+        error => Failure::argument(error, "see toolroom fmu sim --help"),
+    }
+}
+
+fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
+    let read = |text| {
+        quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
+    };
+    text.map(read).transpose()
+}
+
+fn start_values(pairs: &[String]) -> Result<BTreeMap<String, String>, Failure> {
+    let mut values = BTreeMap::new();
+    for pair in pairs {
+        let Some((name, value)) = pair.split_once('=') else {
+            return Err(Failure::argument(
+                format_args!("`{pair}` is not of the form name=value"),
+                "such as --start tool.set=ni_vk6om",
+            ));
+        };
+        values.insert(name.to_owned(), value.to_owned());
+    }
+    Ok(values)
+}
