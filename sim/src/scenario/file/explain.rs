@@ -80,6 +80,11 @@ pub const CODES: &[(&str, &str)] = &[
         "structure",
         "The vibration modes around a cut come from a lobes file, named from the folder of the scenario. `toolroom lobes FILE` draws it and tells its faults with their places.",
     ),
+    (
+        "unit",
+        "An FMI unit can stand in for turning or milling where it has a Co-Simulation interface, a library for this computer and an input for the cutting speed. `toolroom fmu check` says what is wrong with a unit, docs/guide/fmu-import.md how it is wired.",
+    ),
+    ("beside", "Two keys of which only one can be followed; the message says which one to remove and why."),
     ("model", "The process model refuses the value: it is outside the range for which its equations hold."),
     (
         "effect",
