@@ -39,9 +39,7 @@ impl<U: Unit> Instance<U> {
         let end = time + step;
         let stops_early = matches!(self.interface, Interface::CoSimulation { event_mode: true, early_return: true });
         self.core.time = time;
-        if !self.uses_event_mode() {
-            self.settle_edges();
-        }
+        self.settle_edges();
         let mut held = self.effective_input();
         let mut event = false;
         let mut left = step;
