@@ -16,7 +16,9 @@ pub(crate) struct Configured<U: Unit> {
     pub process: U,
     /// The built-in policy.
     pub policy: AdaptivePolicy,
-    /// Every parameter, in the order of [`Configured::parameter_fields`].
+    /// What vibrates around the cut.
+    machine: U::Machine,
+    /// Every parameter, in the order of [`Configured::fields`].
     pub values: Vec<f64>,
     /// The process with every effect, also those of size zero.
     every: U,
@@ -34,10 +36,14 @@ impl<U: Unit> Configured<U> {
     fn from_text(name: &str, text: &str) -> Result<Self, Fault> {
         let mut every = U::read(text).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
         *every.effects_mut() = Effects::every(U::EFFECTS_OF);
+        // Mounted, so that its parameters are there; the process is mounted where it is asked for.
+        let machine = U::Machine::default();
+        every.mount(Some(&machine)).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
         let mut configured = Self {
             set: name.to_owned(),
             process: every.clone(),
             policy: AdaptivePolicy::default(),
+            machine,
             values: Vec::new(),
             every,
             chosen: Vec::new(),
@@ -49,16 +55,13 @@ impl<U: Unit> Configured<U> {
         Ok(configured)
     }
 
-    /// Name and field of every parameter.
-    pub fn parameter_fields() -> Vec<(String, Field)> {
-        let mut configured = Self::new();
+    /// Name and field of every parameter, as it is now.
+    pub fn fields(&mut self) -> Vec<(String, Field)> {
         let mut all = Vec::new();
-        let effects = configured.every.effects_mut().parameters_mut().len();
-        let mut groups = configured.every.parameters_mut();
-        let first_effect = groups.len() - effects;
-        for (i, (group, record)) in groups.iter_mut().enumerate() {
+        let effects: Vec<&str> = self.every.effects_mut().iter().map(|effect| effect.entry().id).collect();
+        for (group, record) in self.every.parameters_mut() {
             for field in record.fields() {
-                let name = match (i >= first_effect, field.name) {
+                let name = match (effects.contains(&group), field.name) {
                     (false, name) => format!("{group}.{name}"),
                     (true, "size") => format!("effect.{group}"),
                     (true, name) => format!("shape.{group}.{name}"),
@@ -69,7 +72,7 @@ impl<U: Unit> Configured<U> {
         if U::ADAPTIVE {
             all.extend(AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)));
         }
-        for ((_, field), value) in all.iter_mut().zip(&configured.values) {
+        for ((_, field), value) in all.iter_mut().zip(&self.values) {
             field.start = *value;
         }
         all
@@ -79,6 +82,9 @@ impl<U: Unit> Configured<U> {
     fn visit(&mut self, mut visitor: impl FnMut(&mut dyn AnyRecord)) {
         for (_, record) in self.every.parameters_mut() {
             visitor(record);
+        }
+        if U::VIBRATES {
+            visitor(&mut self.machine);
         }
         if U::ADAPTIVE {
             visitor(&mut self.policy);
@@ -96,7 +102,12 @@ impl<U: Unit> Configured<U> {
             }
         });
         self.values = values;
+        let refused = |reason| Fault::Set { name: self.set.clone(), reason };
+        self.every.mount(Some(&self.machine)).map_err(refused)?;
         self.process = self.every.clone();
+        if self.machine.get(0).is_none_or(|chatter| chatter < 0.5) {
+            self.process.mount(None).map_err(refused)?;
+        }
         let active = self.every.effects_mut().iter().filter(|effect| effect.size() != 0.0).copied().collect();
         *self.process.effects_mut() =
             Effects::new(active).map_err(|error| Fault::Set { name: self.set.clone(), reason: error.to_string() })?;
@@ -133,11 +144,11 @@ impl<U: Unit> Configured<U> {
             let reason = "it has another wear law than this unit".to_owned();
             return Err(Fault::Set { name: name.to_owned(), reason });
         }
-        let policy = AdaptivePolicy::<f64>::LEN;
-        if U::ADAPTIVE {
-            let first = self.values.len() - policy;
-            changed.values[first..].copy_from_slice(&self.values[first..]);
-        }
+        // Machine and policy are no part of a set.
+        let count = |there: bool, length: usize| if there { length } else { 0 };
+        let own = count(U::VIBRATES, U::Machine::LEN) + count(U::ADAPTIVE, AdaptivePolicy::<f64>::LEN);
+        let first = self.values.len() - own;
+        changed.values[first..].copy_from_slice(&self.values[first..]);
         for &(i, value) in &self.chosen {
             changed.values[i] = value;
         }

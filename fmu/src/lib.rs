@@ -19,7 +19,7 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`units`], [`Entry`] | the units that are shipped |
-//! | [`Unit`], [`Renewal`], [`AdaptivePolicy`] | what a process adds to be shipped |
+//! | [`Unit`], [`Renewal`], [`AdaptivePolicy`], [`TurningMachine`], [`MillingMachine`] | what a process adds to be shipped |
 //! | [`Instance`], [`Component`] | one instance, typed and by trait object |
 //! | [`Interface`], [`Mode`], [`Status`], [`Fault`] | what it serves, where it is, what it answers |
 //! | [`Variable`], [`Slot`], [`Role`], [`ValueType`] | the variables and their value references |
@@ -70,6 +70,7 @@ pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;
 pub use package::{Binary, PackageError, Platform, Version, file_name, package};
 pub use unit::{AdaptivePolicy, Renewal, Unit};
+pub use units::{MillingMachine, TurningMachine};
 pub use variable::{Role, Slot, ValueType, Variable, variables};
 
 #[cfg(test)]

@@ -1,13 +1,17 @@
 //! What a process adds to be shipped as a unit.
 
 use toolroom_effects::Effects;
-use toolroom_process::{Process, record};
+use toolroom_process::{Process, Record, record};
 
 /// A [`Process`] with what its description needs and its records do not say.
 ///
 /// Names of variables: inputs and outputs `process.FIELD`, states `STATE_GROUP.FIELD`, parameters
 /// `GROUP.FIELD`, effects `effect.ID` for the size and `shape.ID.FIELD` for the rest.
 pub trait Unit: Process + Clone + 'static {
+    /// What vibrates around the cut: parameters `machine.FIELD`. The first field says whether the
+    /// cut is judged for chatter at all.
+    type Machine: Record;
+
     /// Model identifier: name of the package and of its shared library.
     const IDENTIFIER: &'static str;
     /// One line for people.
@@ -26,6 +30,8 @@ pub trait Unit: Process + Clone + 'static {
     const RENEWALS: &'static [Renewal<Self>];
     /// Whether the unit is an ordinary differential equation and offers Model Exchange.
     const CONTINUOUS: bool;
+    /// Whether [`Unit::mount`] has an effect.
+    const VIBRATES: bool;
     /// Whether [`Unit::commanded_speed`] gives a speed.
     const ADAPTIVE: bool;
     /// End and step of the default experiment, s.
@@ -42,6 +48,15 @@ pub trait Unit: Process + Clone + 'static {
 
     /// The effects of the process.
     fn effects_mut(&mut self) -> &mut Effects;
+
+    /// Puts the process on a machine that may chatter, with what wear changes of that as it is;
+    /// `None` takes it off.
+    ///
+    /// # Errors
+    /// What the stability model refuses, in words.
+    fn mount(&mut self, _machine: Option<&Self::Machine>) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Exact derivatives of rates and outputs along (`dx`, `du`), where the equations are written
     /// over dual numbers.

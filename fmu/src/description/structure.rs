@@ -26,7 +26,8 @@ impl Dependencies {
     /// Tries the unit `U`.
     pub fn of<U: Unit>() -> Self {
         let mut process = Configured::<U>::new();
-        let effects: Vec<(usize, f64)> = Configured::<U>::parameter_fields()
+        let effects: Vec<(usize, f64)> = Configured::<U>::new()
+            .fields()
             .iter()
             .enumerate()
             .filter(|(_, (name, _))| name.starts_with("effect."))

@@ -131,7 +131,9 @@ impl<U: Unit> Instance<U> {
     /// An instance, not initialised. `resources` is the folder of the unit's resources.
     pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
         const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
-        let fresh = Arc::new(Configured::new());
+        let mut fresh = Configured::new();
+        let parameters = fresh.fields();
+        let fresh = Arc::new(fresh);
         Self {
             core: Core::fresh(fresh.clone()),
             interface,
@@ -147,7 +149,7 @@ impl<U: Unit> Instance<U> {
             engaged: U::Input::index_of("engaged"),
             speed: U::Input::index_of("cutting_speed"),
             state_offsets: offsets(U::State::FIELDS),
-            parameters: Configured::<U>::parameter_fields(),
+            parameters,
             fresh,
         }
     }

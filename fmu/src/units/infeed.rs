@@ -1,11 +1,14 @@
 //! Plunge grinding as a unit.
 
+use super::TurningMachine;
 use crate::unit::{Renewal, Unit};
 use toolroom_effects::Effects;
 use toolroom_infeed::{Infeed, InfeedProfile, PARAMETER_SETS, Parameters, ProfileState};
 use toolroom_process::Process;
 
 impl Unit for InfeedProfile {
+    // Never asked for.
+    type Machine = TurningMachine;
     const IDENTIFIER: &'static str = "toolroom_infeed";
     const TITLE: &'static str = "Plunge grinding: infeed, deflection, stock, burn and the wheel";
     const ABSTRACT: &'static str = "Plunge grinding as a delay equation around the circumference of the part: what a \
@@ -45,6 +48,7 @@ impl Unit for InfeedProfile {
         },
     ];
     const CONTINUOUS: bool = false;
+    const VIBRATES: bool = false;
     const ADAPTIVE: bool = false;
     const EXPERIMENT: (f64, f64) = (6.0, 0.01);
     const EFFECTS_OF: &'static str = Infeed::NAME;

@@ -1,12 +1,18 @@
 //! Milling as a unit.
 
+use super::MillingMachine;
 use crate::unit::{Renewal, Unit};
-use toolroom_cutting::{MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
+use std::sync::Arc;
+use toolroom_chatter::Mode;
+use toolroom_cutting::{
+    MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState, MillingStructure, Regeneration,
+};
 use toolroom_effects::Effects;
 use toolroom_process::Process;
 use toolroom_process::num_dual::Dual64;
 
 impl Unit for Milling {
+    type Machine = MillingMachine;
     const IDENTIFIER: &'static str = "toolroom_milling";
     const TITLE: &'static str = "Milling: wear, force, power and form error of one cutter";
     const ABSTRACT: &'static str = "Peripheral milling of a wall or a slot with one cutter: mean forces by the linear \
@@ -28,7 +34,7 @@ impl Unit for Milling {
     const VALIDITY: &'static [&'static str] = &[
         "Straight wall, teeth alike but for runout, chip thickness in the range of the force coefficients.",
         "Not modelled: heat, curved walls, the helix beyond the mean, ploughing of thin chips, tilted runout.",
-        "Chatter is not part of the outputs of this unit unless they name it.",
+        "Chatter is judged where machine.chatter is true, by one mode; the verdict is kept at rounded speed and damping.",
     ];
     const STATE_GROUP: &'static str = "tool";
     const SETS: &'static [(&'static str, &'static str)] = MILLING_SETS;
@@ -40,6 +46,7 @@ impl Unit for Milling {
         renew: |milling, _| milling.initial(),
     }];
     const CONTINUOUS: bool = true;
+    const VIBRATES: bool = true;
     const ADAPTIVE: bool = false;
     const EXPERIMENT: (f64, f64) = (3600.0, 1.0);
 
@@ -49,6 +56,24 @@ impl Unit for Milling {
 
     fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
+    }
+
+    fn mount(&mut self, machine: Option<&MillingMachine>) -> Result<(), String> {
+        let Some(machine) = machine else {
+            self.structure = None;
+            return Ok(());
+        };
+        let along = |direction| Mode {
+            direction,
+            natural_frequency: machine.natural_frequency,
+            damping_ratio: machine.damping_ratio,
+            stiffness: machine.stiffness,
+        };
+        let modes = vec![along([1.0, 0.0]), along([0.0, 1.0])];
+        let regeneration = self.structure.as_ref().map_or_else(Regeneration::default, |each| each.regeneration);
+        let structure = MillingStructure::new(modes, machine.helix_angle, machine.process_damping, regeneration);
+        self.structure = Some(Arc::new(structure.map_err(|error| error.to_string())?));
+        Ok(())
     }
 
     fn linearise(

@@ -1,8 +1,11 @@
 //! The units that are shipped.
 
 mod infeed;
+mod machine;
 mod milling;
 mod turning;
+
+pub use machine::{MillingMachine, TurningMachine};
 
 /// A record of dual numbers: values of one record, derivatives of another.
 macro_rules! seeded {

@@ -1,13 +1,17 @@
 //! Turning as a unit.
 
+use super::TurningMachine;
 use crate::unit::{AdaptivePolicy, Renewal, Unit};
-use toolroom_cutting::{Turning, TurningInput, TurningOutput, TurningState};
+use std::sync::Arc;
+use toolroom_chatter::Mode;
+use toolroom_cutting::{Regeneration, Turning, TurningInput, TurningOutput, TurningState, TurningStructure};
 use toolroom_effects::Effects;
 use toolroom_process::Process;
 use toolroom_process::num_dual::Dual64;
 use toolroom_wear::{Cut, PARAMETER_SETS};
 
 impl Unit for Turning {
+    type Machine = TurningMachine;
     const IDENTIFIER: &'static str = "toolroom_turning";
     const TITLE: &'static str = "Turning: wear, force, heat and power of one edge";
     const ABSTRACT: &'static str = "One cutting edge in one workpiece. The flank land grows by force along the path \
@@ -20,13 +24,18 @@ impl Unit for Turning {
         ("softening", "phi = 1/(1/phi_c + (1 - 1/phi_c) · exp(-E_m/R · (1/temperature - 1/reference_temperature)))"),
         ("tool body", "d body/dt = (chip and flank heating - body)/body_time_constant"),
         ("energy", "d energy/dt = cutting_force · cutting_speed"),
-        ("roughness", "roughness_ra = feed_per_rev²/(32 corner_radius)"),
+        ("roughness", "roughness_ra = feed_per_rev²/(32 corner_radius), more under chatter"),
+        (
+            "stability",
+            "stability_margin = 1 - depth_of_cut/limit, limit by the characteristic roots of x'' + 2ζω x' + ω² x = K b (x(t - T) - x)/m",
+        ),
     ];
     const VALIDITY: &'static [&'static str] = &[
         "Constants marked as assumptions in the parameter sets are assumptions: calibrate before trusting an absolute number.",
         "The default set demonstrates that the doubled tool life of Postnov and Shafikov is attainable; it predicts nothing.",
         "Not modelled: built-up edge, thermal growth of workpiece and spindle, notch and crater wear, chip breaking, \
          interruptions within a revolution.",
+        "Chatter is judged where machine.chatter is true, by one mode; the verdict is kept at rounded speed and damping.",
         "The built-in speed policy sees the true wear; a real controller has to estimate it.",
     ];
     const STATE_GROUP: &'static str = "tool";
@@ -39,6 +48,7 @@ impl Unit for Turning {
         renew: |turning, _| turning.initial(),
     }];
     const CONTINUOUS: bool = true;
+    const VIBRATES: bool = true;
     const ADAPTIVE: bool = true;
     const EXPERIMENT: (f64, f64) = (600.0, 0.1);
 
@@ -49,6 +59,28 @@ impl Unit for Turning {
 
     fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
+    }
+
+    fn mount(&mut self, machine: Option<&TurningMachine>) -> Result<(), String> {
+        let Some(machine) = machine else {
+            self.structure = None;
+            return Ok(());
+        };
+        let mode = Mode {
+            direction: [1.0, 0.0],
+            natural_frequency: machine.natural_frequency,
+            damping_ratio: machine.damping_ratio,
+            stiffness: machine.stiffness,
+        };
+        // The diameter is that of the cut, an input.
+        let cut = toolroom_chatter::Turning {
+            process_damping: machine.process_damping,
+            ..toolroom_chatter::Turning::orthogonal(vec![mode], machine.cutting_coefficient, 0.1)
+        };
+        let regeneration = self.structure.as_ref().map_or_else(Regeneration::default, |each| each.regeneration);
+        let structure = TurningStructure::new(cut, None, regeneration).map_err(|error| error.to_string())?;
+        self.structure = Some(Arc::new(structure));
+        Ok(())
     }
 
     fn linearise(
