@@ -1,5 +1,9 @@
 //! The command line as clap reads it.
 
+mod planning;
+
+pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
+
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -96,6 +100,25 @@ pub enum Command {
   toolroom life --fit nasa.csv --edge case --age time --wear VB --limit 0.3 \\
       --regress \"ln(DOC)\" --regress \"ln(feed)\" --regress material=2")]
     Life(LifeArgs),
+    /// Lag and stiffnesses of machine and grinding process from plunge trials
+    #[command(before_help = "Examples:
+  toolroom identify scenarios/data/zb153u_trials.csv
+  toolroom identify trials.csv --force forces.csv --basis force
+  toolroom identify trials.csv --error stock=\"1 um\" --json")]
+    Identify(IdentifyArgs),
+    /// The fastest rough, finish and spark-out cycle within limits, and when to dress
+    #[command(before_help = "Examples:
+  toolroom grind scenarios/grinding/cycle.toml
+  toolroom grind scenarios/grinding/cycle.toml --set conditions.coolant_factor=0.75
+  toolroom grind scenarios/grinding/cycle.toml --set effects.threshold_force=\"5 N\" --json")]
+    Grind(GrindArgs),
+    /// Spindle speeds and feeds along a milled contour: least time, least cost, against handbook regimes
+    #[command(before_help = "Examples:
+  toolroom contour scenarios/contour/rk3.toml
+  toolroom contour scenarios/contour/rk3.toml --pass finish --set economics.edge_cost=\"20 EUR\"
+  toolroom contour setup.toml --gcode part.nc            contour from a part program
+  toolroom contour scenarios/contour/cam.toml --ramps --json")]
+    Contour(ContourArgs),
     /// Published numbers beside computed ones, for every model
     #[command(before_help = "Examples:
   toolroom validate

@@ -1,17 +1,19 @@
 //! `toolroom explain CODE`.
 
 use crate::args::ExplainArgs;
+use crate::codes::PLANNING;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
-use toolroom_sim::scenario::file::{CODES, explain};
+use toolroom_sim::scenario::file::CODES;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
+    let all = || CODES.iter().chain(PLANNING).copied();
     let wanted: Vec<(&str, &str)> = match &args.code {
-        None => CODES.to_vec(),
+        None => all().collect(),
         Some(code) => {
-            let text = explain(code).ok_or_else(|| {
-                let known = CODES.iter().map(|(code, _)| *code).collect::<Vec<_>>().join(", ");
+            let (_, text) = all().find(|(known, _)| known == code).ok_or_else(|| {
+                let known = all().map(|(code, _)| code).collect::<Vec<_>>().join(", ");
                 Failure::argument(format_args!("there is no error code `{code}`"), format_args!("codes: {known}"))
             })?;
             vec![(code, text)]

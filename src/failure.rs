@@ -1,18 +1,21 @@
 //! What can go wrong, in words, with the exit code.
 
+use crate::excerpt::Excerpt;
+use crate::faulty::FaultyFile;
 use crate::speak::Voice;
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use toolroom_sim::scenario::file::{Fault, FaultList, ReadError};
+use toolroom_sim::scenario::file::ReadError;
 
 /// Why a command did not do its work.
 #[derive(Debug)]
 pub enum Failure {
     /// The scenario was not read.
     Scenario(ReadError),
+    /// A file that a model reads was refused.
+    Faulty(Box<FaultyFile>),
     /// An argument that cannot be used.
     Argument {
         /// What is wrong.
@@ -50,20 +53,8 @@ impl Failure {
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {
-            Self::Scenario(ReadError::Faults(list)) => {
-                if voice.json {
-                    // The verb's result would have been JSON: so is its refusal.
-                    let _ = voice.json(&faults_as_json(list));
-                }
-                for diagnostic in diagnostics(list) {
-                    voice.error(format_args!("{:?}", miette::Report::new(diagnostic)));
-                }
-                let count = list.problems.len();
-                let plural = if count == 1 { "" } else { "s" };
-                voice
-                    .error(format_args!("{count} problem{plural} in {}; `toolroom explain CODE` says more", list.file));
-                ExitCode::from(2)
-            }
+            Self::Scenario(ReadError::Faults(list)) => refuse(voice, &list.file, Excerpt::of_scenario(list)),
+            Self::Faulty(file) => refuse(voice, &file.file, Excerpt::of_file(file)),
             Self::Scenario(error) => self.plain(voice, error, None, 2),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
@@ -100,72 +91,24 @@ impl From<ReadError> for Failure {
     }
 }
 
-/// The faults of a scenario for programs.
-fn faults_as_json(list: &FaultList) -> serde_json::Value {
-    let problems: Vec<serde_json::Value> = list
-        .problems
-        .iter()
-        .map(|problem| {
-            let place = list.place(problem);
-            serde_json::json!({
-                "code": problem.fault.code(),
-                "file": list.source(place.origin).0,
-                "line": place.line,
-                "column": place.column,
-                "message": problem.fault.to_string(),
-                "fix": problem.fault.fix(),
-            })
-        })
-        .collect();
-    serde_json::json!({ "schema": 1, "file": list.file, "valid": false, "problems": problems })
-}
-
-/// One fault with the text around it.
-#[derive(Debug)]
-struct Excerpt {
-    fault: Fault,
-    source: NamedSource<String>,
-    label: Option<LabeledSpan>,
-}
-
-fn diagnostics(list: &FaultList) -> impl Iterator<Item = Excerpt> {
-    list.problems.iter().map(|problem| {
-        let place = list.place(problem);
-        let (name, text) = list.source(place.origin);
-        // A fault of the file as a whole points at its first line, an empty file has none.
-        let label = (!text.is_empty()).then(|| LabeledSpan::new_with_span(None, first_line(text, place.span.clone())));
-        Excerpt { fault: problem.fault.clone(), source: NamedSource::new(name, text.to_owned()), label }
-    })
-}
-
-/// A section's span reaches over its lines; the first is enough to find it.
-fn first_line(text: &str, span: std::ops::Range<usize>) -> std::ops::Range<usize> {
-    let length = text.get(span.clone()).and_then(|part| part.find(['\n', '\r'])).unwrap_or(span.len());
-    span.start..span.start + length
-}
-
-impl fmt::Display for Excerpt {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.fault.fmt(f)
+impl From<FaultyFile> for Failure {
+    fn from(file: FaultyFile) -> Self {
+        Self::Faulty(Box::new(file))
     }
 }
 
-impl std::error::Error for Excerpt {}
-
-impl Diagnostic for Excerpt {
-    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        Some(Box::new(self.fault.code()))
+/// Tells the faults of a file, to programs too, and chooses the exit code.
+fn refuse(voice: &Voice, file: &str, faults: Vec<Excerpt>) -> ExitCode {
+    if voice.json {
+        // The verb's result would have been JSON: so is its refusal.
+        let problems: Vec<serde_json::Value> = faults.iter().map(Excerpt::json).collect();
+        let _ = voice.json(&serde_json::json!({ "schema": 1, "file": file, "valid": false, "problems": problems }));
     }
-
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.fault.fix().map(|fix| Box::new(fix) as Box<dyn fmt::Display>)
+    let count = faults.len();
+    for fault in faults {
+        voice.error(format_args!("{:?}", miette::Report::new(fault)));
     }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        Some(Box::new(self.label.clone().into_iter()))
-    }
+    let plural = if count == 1 { "" } else { "s" };
+    voice.error(format_args!("{count} problem{plural} in {file}; `toolroom explain CODE` says more"));
+    ExitCode::from(2)
 }

@@ -40,7 +40,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let computed = compute(&file.content, voice)?;
     let wall = start.elapsed();
     let out = OutputDir::create(&target)?;
-    results::write(out.draft(), args, &file, &computed, wall)?;
+    results::write(&out, args, &file, &computed, wall)?;
     let target = out.publish()?;
     if voice.json {
         voice.json(&results::summary(&file.content, &computed))?;

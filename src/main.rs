@@ -5,20 +5,27 @@
 
 mod args;
 mod check;
+mod codes;
 mod compare;
 mod completions;
+mod contour;
 mod demo;
 mod diff;
 mod effects;
+mod excerpt;
 mod explain;
 mod failure;
+mod faulty;
 mod fmu;
+mod grind;
+mod identify;
 mod life;
 mod lobes;
 mod new;
 mod output;
 mod point;
 mod progress;
+mod records;
 mod report;
 mod results;
 mod run;
@@ -58,6 +65,9 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Point(args) => point::run(&args, voice),
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
+        Command::Identify(args) => identify::run(&args, voice),
+        Command::Grind(args) => grind::run(&args, voice),
+        Command::Contour(args) => contour::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),

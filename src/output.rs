@@ -1,9 +1,14 @@
 //! The directory of results: complete or not there.
 
 use crate::failure::Failure;
+use crate::study::quoted;
+use serde_json::{Value, json};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+use toolroom_analysis::page::Provenance;
+use toolroom_analysis::results::fingerprint;
 
 /// A directory that is filled under another name and takes its own when it is complete, so that
 /// nothing half-written can be taken for a result.
@@ -43,6 +48,35 @@ impl OutputDir {
         &self.draft
     }
 
+    /// Writes a file of the draft.
+    pub fn put(&self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.draft.join(name);
+        fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
+    }
+
+    /// Writes a JSON file of the draft.
+    pub fn put_json(&self, name: &str, value: &Value) -> Result<(), Failure> {
+        self.put(name, &(serde_json::to_string_pretty(value).map_err(Failure::Json)? + "\n"))
+    }
+
+    /// Writes `run.json`: what was computed from what.
+    pub fn record(&self, provenance: &Provenance, wall: Duration) -> Result<(), Failure> {
+        let inputs: Vec<Value> =
+            provenance.inputs.iter().map(|(name, hash)| json!({ "name": name, "hash": hash })).collect();
+        let mut run = json!({
+            "schema": 1,
+            "version": provenance.version,
+            "command": provenance.command,
+            "inputs": inputs,
+            "complete": true,
+            "wall_time [s]": wall.as_secs_f64(),
+        });
+        if let Some(seed) = provenance.seed {
+            run["seed"] = json!(seed);
+        }
+        self.put_json(MARK, &run)
+    }
+
     /// Leaves the draft as it is, under its own name.
     pub fn keep(mut self) -> PathBuf {
         self.published = true;
@@ -64,6 +98,20 @@ impl OutputDir {
         }
         Ok(self.target.clone())
     }
+}
+
+/// The command as it has to be typed, and the input files with their hashes. `arguments` follow
+/// verb and files.
+pub fn provenance(
+    verb: &str,
+    inputs: &[(String, &[u8])],
+    arguments: impl IntoIterator<Item = String>,
+    seed: Option<u64>,
+) -> Provenance {
+    let words = inputs.iter().map(|(name, _)| name.clone()).chain(arguments);
+    let command = words.fold(format!("toolroom {verb}"), |command, word| command + " " + &quoted(&word));
+    let inputs = inputs.iter().map(|(name, bytes)| (name.clone(), fingerprint(bytes))).collect();
+    Provenance { version: env!("CARGO_PKG_VERSION").to_owned(), command, seed, inputs }
 }
 
 impl Drop for OutputDir {

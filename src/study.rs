@@ -113,7 +113,7 @@ fn information(request: &Request<'_>) -> RunInfo {
 }
 
 /// An argument as it has to be typed.
-fn quoted(argument: &str) -> String {
+pub fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:%+,".contains(c);
     if !argument.is_empty() && argument.chars().all(plain) { argument.to_owned() } else { format!("{argument:?}") }
 }

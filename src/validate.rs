@@ -14,6 +14,8 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     claims.extend(toolroom_cutting::milling::claims().into_iter().map(|claim| ("milling", claim)));
     let infeed = toolroom_infeed::claims().map_err(|error| Failure::Work { message: format!("infeed: {error}") })?;
     claims.extend(infeed.into_iter().map(|claim| ("infeed", claim)));
+    let contour = toolroom_contour::claims().map_err(|error| Failure::Work { message: format!("contour: {error}") })?;
+    claims.extend(contour.into_iter().map(|claim| ("contour", claim)));
     let failed = claims.iter().filter(|(_, claim)| !claim.pass()).count();
     if voice.json {
         let rows: Vec<_> = claims

@@ -6,49 +6,28 @@ use super::file::LobesFile;
 use super::picture::{picture, report};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
 use std::time::Duration;
-use toolroom_analysis::page::Provenance;
-use toolroom_analysis::results::fingerprint;
 use toolroom_sim::scenario::file::FormFile;
 
 /// Writes `lobes.svg`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`.
 pub fn write(
-    directory: &Path,
+    out: &OutputDir,
     args: &LobesArgs,
     file: &FormFile<LobesFile>,
     computed: &Computed,
     wall: Duration,
 ) -> Result<(), Failure> {
-    let put = |name: &str, text: &str| {
-        let path = directory.join(name);
-        std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
-    };
-    let pretty = |value: &Value| serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(Failure::Json);
-    let input = args.file.display().to_string();
-    let mut command = format!("toolroom lobes {input}");
-    for change in &args.set {
-        let _ = write!(command, " --set {change:?}");
-    }
-    let hash = fingerprint(file.text.as_bytes());
-    let version = env!("CARGO_PKG_VERSION");
-    let inputs = vec![(input.clone(), hash.clone())];
-    let provenance = Provenance { version: version.to_owned(), command: command.clone(), seed: None, inputs };
-    put("lobes.svg", &picture(&file.content, computed).svg())?;
-    put("lobes.csv", &table(&file.content, computed))?;
-    put("lobes.json", &pretty(&summary(&file.content, computed))?)?;
-    put("report.html", &report(&file.content, &file.echo, computed, provenance).html())?;
-    let run = json!({
-        "schema": 1,
-        "version": version,
-        "command": command,
-        "inputs": [{ "name": input, "hash": hash }],
-        "complete": true,
-        "wall_time [s]": wall.as_secs_f64(),
-    });
-    put("run.json", &pretty(&run)?)
+    let inputs = [(args.file.display().to_string(), file.text.as_bytes())];
+    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let provenance = provenance("lobes", &inputs, changes, None);
+    out.put("lobes.svg", &picture(&file.content, computed).svg())?;
+    out.put("lobes.csv", &table(&file.content, computed))?;
+    out.put_json("lobes.json", &summary(&file.content, computed))?;
+    out.put("report.html", &report(&file.content, &file.echo, computed, provenance.clone()).html())?;
+    out.record(&provenance, wall)
 }
 
 /// The chart for programs: boundaries and operating points; the grid is in the table.

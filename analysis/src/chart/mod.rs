@@ -22,6 +22,7 @@ mod plot;
 mod ranges;
 mod rows;
 mod stacked;
+mod strip;
 mod style;
 mod svg;
 mod table;

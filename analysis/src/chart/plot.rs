@@ -3,6 +3,7 @@
 use super::axis::Axis;
 use super::frame::{self, Entry};
 use super::layer::{Form, Layer, label_references};
+use super::strip::{self, Strip};
 use super::style::Style;
 use super::svg::Canvas;
 use super::table::Table;
@@ -26,13 +27,22 @@ pub struct Plot {
     y: Axis,
     height: f64,
     layers: Vec<Layer>,
+    strips: Vec<Strip>,
 }
 
 impl Plot {
     /// An empty plot.
     #[must_use]
     pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
-        Self { title: title.into(), description: String::new(), x, y, height: 300.0, layers: Vec::new() }
+        Self {
+            title: title.into(),
+            description: String::new(),
+            x,
+            y,
+            height: 300.0,
+            layers: Vec::new(),
+            strips: Vec::new(),
+        }
     }
 
     describe!();
@@ -104,6 +114,19 @@ impl Plot {
         self
     }
 
+    /// Adds a colour strip above the plot: what is in force from where to where along the
+    /// horizontal axis, as intervals (from, to, kind). Kinds of one label share their legend entry.
+    #[must_use]
+    pub fn strip(
+        mut self,
+        label: impl Into<String>,
+        kinds: impl IntoIterator<Item = (String, Style)>,
+        intervals: impl IntoIterator<Item = (f64, f64, usize)>,
+    ) -> Self {
+        self.strips.push(Strip::new(label.into(), kinds.into_iter().collect(), intervals.into_iter().collect()));
+        self
+    }
+
     /// Adds a labelled reference line across the plot.
     #[must_use]
     pub fn horizontal(mut self, value: f64, label: impl Into<String>) -> Self {
@@ -131,9 +154,12 @@ impl Chart for Plot {
         });
         let Some(Some((xs, ys))) = scales else { return frame::empty(&self.title, &self.description) };
         let mut canvas = Canvas::new();
-        let entries: Vec<Entry> = self.layers.iter().filter_map(Layer::entry).collect();
+        let entries: Vec<Entry> =
+            self.layers.iter().filter_map(Layer::entry).chain(strip::entries(&self.strips)).collect();
         let top = frame::header(&mut canvas, &self.title, &entries);
-        let frame = frame::axes(&mut canvas, (&self.x, xs), (&self.y, ys), (top, self.height), 0.0);
+        let below = top + strip::height(&self.strips);
+        let frame = frame::axes(&mut canvas, (&self.x, xs), (&self.y, ys), (below, self.height), 0.0);
+        strip::draw(&self.strips, &mut canvas, &frame, top);
         canvas.open_window(frame.area);
         for layer in &self.layers {
             layer.draw(&mut canvas, &frame);
@@ -157,6 +183,9 @@ impl Chart for Plot {
         let mut table = Table::new(columns);
         for layer in &self.layers {
             layer.tabulate(&mut table);
+        }
+        for strip in &self.strips {
+            strip.tabulate(&mut table);
         }
         table
     }

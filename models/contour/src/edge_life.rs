@@ -2,6 +2,7 @@
 
 use crate::plan::Extras;
 use crate::planner::Candidate;
+use crate::search::Weights;
 use crate::{ContourError, Objective, Plan, Planner};
 
 /// The edge that starts the contour.
@@ -26,14 +27,50 @@ const NO_GEAR: usize = usize::MAX;
 
 /// A partial plan: value so far, life left, and the choice that led here.
 #[derive(Clone, Copy)]
-struct Label {
-    value: f64,
-    left: f64,
-    wasted: f64,
-    gear: usize,
-    feed: usize,
-    changed: bool,
-    from: usize,
+pub(crate) struct Label {
+    pub value: f64,
+    pub left: f64,
+    pub wasted: f64,
+    /// Time lost in ramps so far, s; 0 where ramps are not planned.
+    pub ramps: f64,
+    pub gear: usize,
+    pub feed: usize,
+    pub changed: bool,
+    pub from: usize,
+}
+
+impl Label {
+    /// Nothing cut yet.
+    pub fn start(edge: EdgeLife) -> Self {
+        let left = edge.remaining.clamp(0.0, 1.0);
+        Self { value: 0.0, left, wasted: 0.0, ramps: 0.0, gear: NO_GEAR, feed: 0, changed: false, from: 0 }
+    }
+
+    /// What was paid if the edge is thrown away now, at a price of `edge`.
+    pub fn paid(&self, edge: f64) -> f64 {
+        self.value + edge * self.left
+    }
+
+    /// The same with a fresh edge.
+    pub fn renewed(&self, edge: f64) -> Self {
+        Self { value: self.paid(edge), left: 1.0, wasted: self.wasted + self.left, changed: true, ..*self }
+    }
+
+    /// A section of `length` cut with `candidate`.
+    pub fn cut(&self, candidate: &Candidate, gear: usize, length: f64, weights: &Weights) -> Self {
+        Self {
+            value: self.value + weights.value(candidate) * length,
+            left: self.left - candidate.life * length,
+            gear,
+            feed: candidate.feed,
+            ..*self
+        }
+    }
+
+    /// Whether the edge lasted.
+    pub fn lasted(&self) -> bool {
+        self.left >= -1e-12
+    }
 }
 
 impl Planner<'_> {
@@ -54,21 +91,8 @@ impl Planner<'_> {
         let by_wall: Vec<Vec<Vec<Candidate>>> = (0..self.wall_count())
             .map(|wall| (0..self.speeds.len()).map(|gear| self.efficient(wall, gear)).collect())
             .collect();
-        let start = Label {
-            value: 0.0,
-            left: edge.remaining.clamp(0.0, 1.0),
-            wasted: 0.0,
-            gear: NO_GEAR,
-            feed: 0,
-            changed: false,
-            from: 0,
-        };
-        // Edges wear in the order of travel.
-        let mut travel: Vec<usize> = (0..self.len()).collect();
-        if self.backwards() {
-            travel.reverse();
-        }
-        let mut layers: Vec<Vec<Label>> = vec![vec![start]];
+        let travel = self.travel();
+        let mut layers: Vec<Vec<Label>> = vec![vec![Label::start(edge)]];
         for (step, i) in travel.iter().copied().enumerate() {
             let length = self.centre_length(i);
             let before: Vec<Label> =
@@ -86,25 +110,16 @@ impl Planner<'_> {
                         .map(|label| Label { value: label.value + switch, ..*label }),
                 );
                 // Behind a change only what was paid counts, the edge thrown away included.
-                let paid = |label: &Label| label.value + weights.edge() * label.left;
-                let fresh = entered.iter().min_by(|a, b| paid(a).total_cmp(&paid(b))).map(|label| Label {
-                    value: paid(label) + change,
-                    left: 1.0,
-                    wasted: label.wasted + label.left,
-                    changed: true,
-                    ..*label
+                let paid = |label: &&Label| label.paid(weights.edge());
+                let fresh = entered.iter().min_by(|a, b| paid(a).total_cmp(&paid(b))).map(|label| {
+                    let fresh = label.renewed(weights.edge());
+                    Label { value: fresh.value + change, ..fresh }
                 });
                 entered.extend(fresh);
-                let cut = |label: &Label, candidate: &Candidate| Label {
-                    value: label.value + weights.value(candidate) * length,
-                    left: label.left - candidate.life * length,
-                    gear,
-                    feed: candidate.feed,
-                    ..*label
-                };
+                let cut = |label: &Label, candidate: &Candidate| label.cut(candidate, gear, length, &weights);
                 let all =
                     entered.iter().flat_map(|label| candidates.iter().map(move |candidate| cut(label, candidate)));
-                let within: Vec<Label> = all.filter(|label| label.left >= -1e-12).collect();
+                let within: Vec<Label> = all.filter(Label::lasted).collect();
                 layer.extend(efficient(within, edge.levels.max(1), weights.edge()));
             }
             if layer.is_empty() {
@@ -113,6 +128,20 @@ impl Planner<'_> {
             }
             layers.push(layer);
         }
+        Ok(self.traced_back(&layers, &travel))
+    }
+
+    /// Sections in the order of travel, in which edges wear.
+    pub(crate) fn travel(&self) -> Vec<usize> {
+        let mut travel: Vec<usize> = (0..self.len()).collect();
+        if self.backwards() {
+            travel.reverse();
+        }
+        travel
+    }
+
+    /// The plan that ends in the best label of the last layer; the first layer is the start.
+    pub(crate) fn traced_back(&self, layers: &[Vec<Label>], travel: &[usize]) -> Plan {
         let last = &layers[self.len()];
         let mut at = 0;
         for (i, label) in last.iter().enumerate() {
@@ -120,10 +149,10 @@ impl Planner<'_> {
                 at = i;
             }
         }
-        let wasted_life = last[at].wasted;
+        let (wasted_life, ramp_time) = (last[at].wasted, last[at].ramps);
         let mut settings = vec![self.setting(0, 0); self.len()];
         let mut edge_changes = Vec::new();
-        for (layer, i) in layers[1..].iter().zip(&travel).rev() {
+        for (layer, i) in layers[1..].iter().zip(travel).rev() {
             let label = layer[at];
             settings[*i] = self.setting(label.gear, label.feed);
             if label.changed {
@@ -132,14 +161,14 @@ impl Planner<'_> {
             at = label.from;
         }
         edge_changes.reverse();
-        Ok(self.assemble(&settings, Extras { edge_changes, wasted_life, ..Extras::default() }))
+        self.assemble(&settings, Extras { edge_changes, wasted_life, ramp_time })
     }
 }
 
 /// Labels that no other beats: in value and life left, for an edge that stays, or in what was
 /// paid for work and edge together and life left, for an edge that will be changed. Of more than
 /// `levels` of either kind, the best of every share of the life left.
-fn efficient(labels: Vec<Label>, levels: usize, edge: f64) -> Vec<Label> {
+pub(crate) fn efficient(labels: Vec<Label>, levels: usize, edge: f64) -> Vec<Label> {
     let mut kept = front(&labels, levels, |label| label.value);
     kept.extend(front(&labels, levels, |label| label.value + edge * label.left));
     kept.sort_unstable();

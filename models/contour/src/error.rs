@@ -157,6 +157,14 @@ pub enum ContourError {
         /// Keys that exist.
         known: String,
     },
+    /// A group that there is not.
+    #[error(
+        "there is no group `{group}`; there are machine, cutter, force, life, economics, scatter and pass, each with its keys"
+    )]
+    UnknownGroup {
+        /// What was read.
+        group: String,
+    },
     /// A quantity that must be above zero.
     #[error("`{key}` must be greater than zero")]
     NotPositive {
@@ -203,6 +211,52 @@ pub enum ContourError {
     /// G-code that does not say on which side the cutter runs.
     #[error("neither G41 nor G42 says on which side the cutter runs")]
     GcodeSide,
+}
+
+impl ContourError {
+    /// Short name of the fault, for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Empty | Self::NoPass => "empty-contour",
+            Self::NoLength { .. } => "no-length",
+            Self::Open { .. } => "open-contour",
+            Self::ArcMissesEnd { .. } => "arc-misses-end",
+            Self::SharpInsideCorner { .. } | Self::Reversal { .. } => "unreachable-corner",
+            Self::CutterTooLarge { .. } => "cutter-too-large",
+            Self::Division { .. } | Self::Model(_) | Self::NoSpindleSpeed | Self::NotPositive { .. } => "out-of-range",
+            Self::EmptyFeasibleSet { .. } | Self::NoCommonSetting { .. } | Self::NoHandbookRegime { .. } => {
+                "limits-conflict"
+            }
+            Self::NoRamp { .. } => "no-ramp",
+            Self::EdgeTooShort { .. } => "edge-too-short",
+            Self::SettingCount { .. } | Self::SectionForm { .. } => "section-form",
+            Self::Set(_) | Self::UnknownPass { .. } => "unknown-name",
+            Self::Syntax { .. } => "syntax",
+            Self::Schema { .. } => "schema",
+            Self::Quantity { .. } => "quantity",
+            Self::UnknownKey { .. } | Self::UnknownGroup { .. } => "unknown-key",
+            Self::GcodeUnsupported { .. }
+            | Self::GcodeTwoMotions
+            | Self::GcodeArc
+            | Self::GcodeVariable { .. }
+            | Self::GcodeSide => "gcode",
+        }
+    }
+
+    /// The section at fault, from 0, where there is one.
+    pub fn section(&self) -> Option<usize> {
+        match self {
+            Self::NoLength { section }
+            | Self::ArcMissesEnd { section, .. }
+            | Self::SharpInsideCorner { section, .. }
+            | Self::Reversal { section }
+            | Self::CutterTooLarge { section, .. }
+            | Self::EmptyFeasibleSet { section, .. }
+            | Self::NoRamp { section }
+            | Self::EdgeTooShort { section } => Some(*section),
+            _ => None,
+        }
+    }
 }
 
 /// A fault and its place in a file, from line and column 1.

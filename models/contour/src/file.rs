@@ -4,8 +4,8 @@ use crate::file_form::{
     self, Corners, Direction, NAME, PathErrorModel, Policy, RawFile, RawPathError, RawSection, Table, Text, Value,
 };
 use crate::{
-    Contour, ContourError, CornerPolicy, FileError, Models, Parameters, Pass, PathError, Planner, Point, Trace,
-    VelocityLoop, gcode,
+    ConditionScatter, Contour, ContourError, CornerPolicy, FileError, Models, Parameters, Pass, PathError, Planner,
+    Point, Trace, VelocityLoop, gcode,
 };
 use toml::Spanned;
 use toolroom_process::{AnyRecord, unit};
@@ -17,6 +17,7 @@ use toolroom_process::{AnyRecord, unit};
 /// name = "plate"
 /// title = "Plate with one round corner"
 /// parameter_set = "mill_t15k6_d32"   # then [machine], [cutter], [force], [life], [economics] change it
+/// # [scatter] says how allowance, hardness and table feed scatter in a sensitivity study
 /// closed = false
 /// cutter_side = "right"              # side of the path, seen in the direction of travel
 /// milling = "down"
@@ -61,7 +62,15 @@ pub struct ContourFile {
     pub passes: Vec<(String, Pass)>,
     /// Models.
     pub models: Models,
+    /// How conditions scatter in a sensitivity study.
+    pub scatter: ConditionScatter,
+    /// Line and column, from 1, of every section of the contour in the file, or in the G-code
+    /// program, that draws it.
+    pub places: Vec<(usize, usize)>,
 }
+
+/// A contour with the places of its sections.
+pub(crate) type Placed = (Contour, Vec<(usize, usize)>);
 
 impl ContourFile {
     /// Reads a contour file.
@@ -95,8 +104,42 @@ impl ContourFile {
     /// [`GcodeFileError`] says which of the two is at fault and where.
     pub fn read_with_gcode(text: &str, program: &str) -> Result<Self, GcodeFileError> {
         let raw = parse(text).map_err(GcodeFileError::File)?;
-        let contour = gcode::read(program, raw.cutter_side, raw.closed).map_err(GcodeFileError::Program)?;
-        assemble(text, &raw, |_| Ok(contour)).map_err(GcodeFileError::File)
+        let placed = gcode::read_placed(program, raw.cutter_side, raw.closed).map_err(GcodeFileError::Program)?;
+        assemble(text, &raw, |_| Ok(placed)).map_err(GcodeFileError::File)
+    }
+
+    /// Replaces one value of a record, as `economics.edge_cost` and `20 EUR`; of every pass as
+    /// `pass.tolerance`, of one as `pass.finish.tolerance`.
+    ///
+    /// # Errors
+    /// [`ContourError`] where there is no such key, or the value is none.
+    ///
+    /// ```
+    /// let text = include_str!("../../../scenarios/contour/rk3.toml");
+    /// let mut file = toolroom_contour::ContourFile::read(text).unwrap();
+    /// file.set("pass.finish.tolerance", "0.03 mm").unwrap();
+    /// assert_eq!(file.pass("finish").unwrap().tolerance, 0.03e-3);
+    /// ```
+    pub fn set(&mut self, path: &str, value: &str) -> Result<(), ContourError> {
+        let (group, rest) = path.split_once('.').unwrap_or((path, ""));
+        if group == "scatter" {
+            return file_form::assign("scatter", rest, value, &mut self.scatter);
+        }
+        if group != "pass" {
+            let mut groups = self.parameters.parameters_mut();
+            let Some((group, record)) = groups.iter_mut().find(|(known, _)| *known == group) else {
+                return Err(ContourError::UnknownGroup { group: group.to_owned() });
+            };
+            return file_form::assign(group, rest, value, *record);
+        }
+        let (name, key) = rest.split_once('.').map_or((None, rest), |(name, key)| (Some(name), key));
+        if let Some(name) = name {
+            self.pass(name)?;
+        }
+        for (_, pass) in self.passes.iter_mut().filter(|(known, _)| name.is_none_or(|name| name == known)) {
+            file_form::assign("pass", key, value, pass)?;
+        }
+        Ok(())
     }
 
     /// The pass called `name`.
@@ -164,7 +207,7 @@ fn point(text: &str, key: &'static str, value: &[Text; 2]) -> Result<Point, File
     Ok(Point { x: number(text, key, &value[0], "m")?, y: number(text, key, &value[1], "m")? })
 }
 
-fn draw(text: &str, raw: &RawFile) -> Result<Contour, FileError> {
+fn draw(text: &str, raw: &RawFile) -> Result<Placed, FileError> {
     let start = raw.start.as_ref().map_or(Ok(Point::default()), |start| point(text, "start", start))?;
     let heading = raw.heading.as_ref().map_or(Ok(0.0), |heading| angle(text, "heading", heading))?;
     let Some(side) = raw.cutter_side else {
@@ -177,13 +220,11 @@ fn draw(text: &str, raw: &RawFile) -> Result<Contour, FileError> {
         draw_section(text, section, &mut trace)?;
         places.resize(trace.sections(), section.span().start);
     }
-    trace.finish(side, raw.closed).map_err(|fault| {
-        let at = match fault {
-            ContourError::SharpInsideCorner { section, .. } | ContourError::Reversal { section } => section,
-            _ => places.len().saturating_sub(1),
-        };
+    let contour = trace.finish(side, raw.closed).map_err(|fault| {
+        let at = fault.section().unwrap_or(places.len().saturating_sub(1));
         FileError::at(text, places.get(at).copied().unwrap_or(0), fault)
-    })
+    })?;
+    Ok((contour, toolroom_process::parameters::places(text, &places)))
 }
 
 fn draw_section(text: &str, spanned: &Spanned<RawSection>, trace: &mut Trace) -> Result<(), FileError> {
@@ -230,7 +271,7 @@ fn draw_section(text: &str, spanned: &Spanned<RawSection>, trace: &mut Trace) ->
 fn assemble(
     text: &str,
     raw: &RawFile,
-    contour: impl FnOnce(&RawFile) -> Result<Contour, FileError>,
+    contour: impl FnOnce(&RawFile) -> Result<Placed, FileError>,
 ) -> Result<ContourFile, FileError> {
     let set = raw.parameter_set.as_ref();
     let mut parameters = match set {
@@ -264,9 +305,12 @@ fn assemble(
         file_form::fill(text, "pass", values.get_ref(), &mut pass as &mut dyn AnyRecord)?;
         passes.push((name.clone(), pass));
     }
+    let mut scatter = ConditionScatter::default();
+    file_form::fill(text, "scatter", &raw.scatter, &mut scatter)?;
     let models = models(text, raw)?;
-    let contour = contour(raw)?;
-    Ok(ContourFile { name: raw.name.clone(), title: raw.title.clone(), contour, parameters, passes, models })
+    let (contour, places) = contour(raw)?;
+    let (name, title) = (raw.name.clone(), raw.title.clone());
+    Ok(ContourFile { name, title, contour, parameters, passes, models, scatter, places })
 }
 
 fn models(text: &str, raw: &RawFile) -> Result<Models, FileError> {

@@ -47,6 +47,8 @@ pub(crate) struct RawFile {
     #[serde(default)]
     pub economics: Table,
     #[serde(default)]
+    pub scatter: Table,
+    #[serde(default)]
     pub pass: Vec<Spanned<Table>>,
     #[serde(default)]
     pub section: Vec<Spanned<RawSection>>,
@@ -145,6 +147,33 @@ pub(crate) struct Corners {
 /// Key by which a pass is called.
 pub(crate) const NAME: &str = "name";
 
+/// The field called `key`, and its index.
+fn field_of<'a>(
+    group: &'static str,
+    key: &str,
+    fields: &'a [toolroom_process::Field],
+) -> Result<(usize, &'a toolroom_process::Field), ContourError> {
+    fields.iter().enumerate().find(|(_, field)| field.name == key).ok_or_else(|| {
+        let known = fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
+        ContourError::UnknownKey { group, key: key.to_owned(), known }
+    })
+}
+
+/// Sets one field of `record` from text.
+pub(crate) fn assign(
+    group: &'static str,
+    key: &str,
+    text: &str,
+    record: &mut dyn AnyRecord,
+) -> Result<(), ContourError> {
+    let fields = record.fields();
+    let (i, field) = field_of(group, key, fields)?;
+    let si = unit::quantity(text, field.unit).map_err(|reason| ContourError::Quantity { key: field.name, reason })?;
+    field.check(si)?;
+    record.set_value(i, si);
+    Ok(())
+}
+
 /// Sets the fields of `record` that `table` gives, its name aside.
 pub(crate) fn fill(
     text: &str,
@@ -155,10 +184,7 @@ pub(crate) fn fill(
     let fields = record.fields();
     for (key, value) in table.iter().filter(|(key, _)| *key != NAME) {
         let at = value.span().start;
-        let Some((i, field)) = fields.iter().enumerate().find(|(_, field)| field.name == key) else {
-            let known = fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
-            return Err(FileError::at(text, at, ContourError::UnknownKey { group, key: key.clone(), known }));
-        };
+        let (i, field) = field_of(group, key, fields).map_err(|fault| FileError::at(text, at, fault))?;
         let read = match value.get_ref() {
             Value::Number(number) => unit::quantity(&number.to_string(), field.unit),
             Value::Quantity(quantity) => unit::quantity(quantity, field.unit),

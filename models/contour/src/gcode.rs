@@ -1,5 +1,6 @@
 //! Contours from G-code.
 
+use crate::file::Placed;
 use crate::{Contour, ContourError, CutterSide, FileError, Point, Trace};
 use gcode::{Argument, Code, Value};
 
@@ -21,6 +22,11 @@ use gcode::{Argument, Code, Value};
 /// assert!((contour.sections[1].curvature - 50.0).abs() < 1e-9);
 /// ```
 pub fn read(program: &str, side: Option<CutterSide>, closed: bool) -> Result<Contour, FileError> {
+    Ok(read_placed(program, side, closed)?.0)
+}
+
+/// [`read`] with line and column of the block that draws each section.
+pub(crate) fn read_placed(program: &str, side: Option<CutterSide>, closed: bool) -> Result<Placed, FileError> {
     let syntax = |diagnostics: gcode::Diagnostics| {
         let first = diagnostics.iter().next();
         let at = first.map_or(0, |diagnostic| diagnostic.span.start);
@@ -30,6 +36,7 @@ pub fn read(program: &str, side: Option<CutterSide>, closed: bool) -> Result<Con
     let blocks = gcode::parse(program).map_err(syntax)?.blocks;
     let mut reader = Reader { at: Point::default(), scale: 1e-3, absolute: true, motion: 0, side, trace: None };
     let mut last = 0;
+    let mut places: Vec<usize> = Vec::new();
     for block in &blocks {
         last = block.span.start;
         let mut words: Vec<&Argument> = Vec::new();
@@ -56,10 +63,16 @@ pub fn read(program: &str, side: Option<CutterSide>, closed: bool) -> Result<Con
                 .map_err(|fault| FileError::at(program, word.span.start, fault))?;
         }
         reader.move_by(&coordinates).map_err(|fault| FileError::at(program, last, fault))?;
+        places.resize(reader.trace.as_ref().map_or(0, Trace::sections), last);
     }
     let end = |fault| FileError::at(program, last, fault);
     let side = reader.side.ok_or_else(|| end(ContourError::GcodeSide))?;
-    reader.trace.ok_or_else(|| end(ContourError::Empty))?.finish(side, closed).map_err(end)
+    let trace = reader.trace.ok_or_else(|| end(ContourError::Empty))?;
+    let contour = trace.finish(side, closed).map_err(|fault| {
+        let at = fault.section().and_then(|section| places.get(section)).copied().unwrap_or(last);
+        FileError::at(program, at, fault)
+    })?;
+    Ok((contour, toolroom_process::parameters::places(program, &places)))
 }
 
 /// Coordinate words of a block, program units.

@@ -22,7 +22,7 @@
 //! | [`Pass`], [`Models`], [`PathError`], [`FormError`], [`CornerPolicy`], [`Milling`] | what is cut and how it is modelled |
 //! | [`Engagement`], [`MeanForces`], [`HelicalCut`], [`HandbookForce`] | cutting mechanics |
 //! | [`Constraint`], [`Ratios`], [`Evaluation`] | limits by name, and what a setting does |
-//! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge, baselines, front of time and cost |
+//! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge or both, baselines, front of time and cost |
 //! | [`Planner::part_program`], [`Planner::follow`] | G-code with planned feeds; the path the drives make of it |
 //! | [`Sensitivity`] | gains over scattered conditions |
 //! | [`claims`] | published numbers beside computed ones |
@@ -63,6 +63,7 @@ mod geometry;
 mod handbook;
 mod helix;
 mod junction;
+mod junction_edge;
 mod life;
 mod parameters;
 mod part_program;

@@ -4,6 +4,7 @@ use crate::{Constraint, ContourError, Objective, Pass, Planner, Setting};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, LogNormal, Normal};
+use rayon::prelude::*;
 use toolroom_process::{Record, record};
 
 record! {
@@ -79,7 +80,7 @@ impl Planner<'_> {
             let cost_change = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
             Ok(Draw { pass, productivity_gain, cost_change, broken })
         };
-        Ok(Sensitivity { draws: (0..draws).map(one).collect::<Result<_, _>>()? })
+        Ok(Sensitivity { draws: (0..draws).into_par_iter().map(one).collect::<Result<_, _>>()? })
     }
 }
 

@@ -157,6 +157,64 @@ proptest! {
         let plan = planner.optimal_with_edge(Objective::Cost, edge).unwrap();
         prop_assert!((plan.cost / cheapest - 1.0).abs() < 1e-9, "{} {cheapest}", plan.cost);
     }
+
+    #[test]
+    fn the_plan_with_ramps_on_a_used_edge_is_that_of_complete_enumeration(
+        a in 0.002..0.02f64, b in 0.002..0.01f64, hollow in 0.02..0.06f64, remaining in 0.00001..0.0003f64,
+        acceleration in 0.002..0.05f64, change in 0.1..3.0f64,
+    ) {
+        let (mut parameters, pass) = coarse();
+        parameters.machine.highest_acceleration = acceleration;
+        parameters.economics.edge_change_time = change;
+        parameters.economics.edge_cost = 300.0;
+        let contour = wave(a, b, hollow, 0.02);
+        let models = Models { milling: toolroom_contour::Milling::Up, ..Models::default() };
+        let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
+        let each = [0, 1, 2, 3].map(|i| options(&planner, i));
+        let lengths = [0, 1, 2, 3].map(|i| {
+            let section = &contour.sections[i];
+            section.length * contour.shape(section).centre_path_ratio(parameters.cutter.radius())
+        });
+        let (rate, price) = (parameters.economics.machine_rate, parameters.economics.edge_price());
+        let (mut least, mut cheapest) = (f64::INFINITY, f64::INFINITY);
+        for combination in combinations(&each) {
+            let used = |sections: std::ops::Range<usize>| combination[sections].iter().map(|option| option.2).sum::<f64>();
+            // Before which section the edge is changed, 4 for nowhere: a fresh one lasts.
+            for changed in 0..=4 {
+                let lasts = if changed == 4 { used(0..4) } else { used(0..changed) } <= remaining + 1e-12;
+                let (mut time, mut fits) = (combination.iter().map(|option| option.1).sum::<f64>(), lasts);
+                for i in 0..3 {
+                    let (one, other) = (combination[i].3, combination[i + 1].3);
+                    let mut ramp = |from: f64, to: f64, room: f64| {
+                        let (slow, fast) = (from.min(to), from.max(to));
+                        fits &= (fast * fast - slow * slow) / (2.0 * acceleration) <= 0.5 * room;
+                        (fast - slow).powi(2) / (2.0 * acceleration * fast)
+                    };
+                    let stays = combination[i].0.spindle_speed == combination[i + 1].0.spindle_speed;
+                    if stays && changed != i + 1 {
+                        time += ramp(one, other, if one > other { lengths[i] } else { lengths[i + 1] });
+                    } else {
+                        time += ramp(one, 0.0, lengths[i]) + ramp(0.0, other, lengths[i + 1]);
+                        time += if stays { 0.0 } else { 2.0 };
+                    }
+                }
+                if fits {
+                    let wasted = if changed == 4 { 0.0 } else { remaining - used(0..changed) };
+                    least = least.min(time + if changed == 4 { 0.0 } else { change });
+                    cheapest = cheapest.min(rate * time + price * (used(0..4) + wasted));
+                }
+            }
+        }
+        let edge = EdgeLife { remaining, levels: 100_000 };
+        match planner.optimal_with_ramps_and_edge(Objective::Time, edge) {
+            Ok(plan) => {
+                prop_assert!((plan.time / least - 1.0).abs() < 1e-9, "{} {least}", plan.time);
+                let plan = planner.optimal_with_ramps_and_edge(Objective::Cost, edge).unwrap();
+                prop_assert!((plan.cost / cheapest - 1.0).abs() < 1e-9, "{} {cheapest}", plan.cost);
+            }
+            Err(error) => prop_assert!(least.is_infinite() && matches!(error, ContourError::NoRamp { .. }), "{error}"),
+        }
+    }
 }
 
 #[test]
@@ -168,6 +226,26 @@ fn a_fresh_edge_leaves_the_plan_as_it_is() {
         let with = planner.optimal_with_edge(objective, EdgeLife::default()).unwrap();
         assert_eq!(with, planner.optimal(objective).unwrap());
     }
+}
+
+#[test]
+fn ramps_and_edge_together_are_each_alone_where_the_other_does_not_bind() {
+    let (mut parameters, pass) = coarse();
+    let contour = wave(0.1, 0.05, 0.03, 0.02);
+    let models = Models::default();
+    let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
+    for objective in [Objective::Time, Objective::Cost] {
+        let fresh = planner.optimal_with_ramps_and_edge(objective, EdgeLife::default()).unwrap();
+        let ramps = planner.optimal_with_ramps(objective).unwrap();
+        assert!((fresh.time / ramps.time - 1.0).abs() < 1e-9 && (fresh.cost / ramps.cost - 1.0).abs() < 1e-9);
+    }
+    parameters.machine.highest_acceleration = 1e3;
+    let used = EdgeLife { remaining: 3e-4, levels: 1000 };
+    let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
+    let both = planner.optimal_with_ramps_and_edge(Objective::Cost, used).unwrap();
+    let edge = planner.optimal_with_edge(Objective::Cost, used).unwrap();
+    assert_eq!(both.edge_changes, edge.edge_changes);
+    assert!((both.cost / edge.cost - 1.0).abs() < 1e-5, "{} {}", both.cost, edge.cost);
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Published numbers that this crate reproduces.
 
-use crate::{IdentifyOptions, Infeed, Input, State, identify, paper_trials};
+use crate::{
+    IdentifyOptions, Infeed, Input, State, identify, lag_from_stock, paper_eq8_contradicts_eq3, paper_trials,
+    stiffness_from_k,
+};
 use toolroom_process::{Claim, ModelError, Process};
 
 /// Published numbers beside those that the default parameters give.
@@ -46,6 +49,7 @@ pub fn claims() -> Result<Vec<Claim>, ModelError> {
             claim("process stiffness identified from trial 1 [N/um]", source, 38.37, stiffness * 1e-6, 1e-3);
         }
     }
+    stiffnesses(&mut claim);
     let input = Input::default();
     let cut = State { depth_of_cut: input.infeed_per_rev, ..State::default() };
     let output = grinding.output(&cut, &input);
@@ -58,6 +62,28 @@ pub fn claims() -> Result<Vec<Claim>, ModelError> {
         0.01,
     );
     Ok(claims)
+}
+
+/// Both readings of the system stiffness: eq. (3) solved for J agrees with the force over the lag
+/// measured in trial 1, eq. (8) as printed does not.
+fn stiffnesses(claim: &mut impl FnMut(&str, &str, f64, f64, f64)) {
+    let process_stiffness = 170.0 / 4.43e-6;
+    let over_lag = 170.0 / (16.0 * 4.43e-6 - 66e-6);
+    let lag = lag_from_stock(4.43e-6, 16.0, 0.0, 66e-6).unwrap_or(f64::NAN);
+    claim(
+        "system stiffness of trial 1: eq. (3) solved for J against force over measured lag [N/um]",
+        "Sizyi, Fesenko & Lyubimyi, table 1: 170 N over 16 x 4.43 - 66 um",
+        over_lag * 1e-6,
+        stiffness_from_k(process_stiffness, lag) * 1e-6,
+        1e-3,
+    );
+    claim(
+        "system stiffness by eq. (8) as printed, which contradicts eq. (3) by the factor K [N/um]",
+        "Sizyi, Fesenko & Lyubimyi, eq. (8) and the value that follows it",
+        17.15,
+        paper_eq8_contradicts_eq3(process_stiffness, 0.553) * 1e-6,
+        1e-3,
+    );
 }
 
 /// B of Malkin's burn limit, from the temperature that the process gives at one depth.

@@ -158,6 +158,20 @@ pub enum TableReason {
     },
 }
 
+impl TableReason {
+    /// Short name of the fault, for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoRows | Self::CellCount { .. } | Self::Empty { .. } => "table",
+            Self::MissingColumn { .. } => "missing-key",
+            Self::Misspelt { .. } | Self::TwoColumns { .. } => "unknown-key",
+            Self::Unit { .. } | Self::NotANumber { .. } | Self::AmbiguousComma { .. } => "quantity",
+            Self::TwoRecords { .. } => "duplicate-name",
+            Self::NoSuchTrial { .. } => "unknown-name",
+        }
+    }
+}
+
 /// Likeness above which an unknown column name counts as misspelt (assumption).
 const MISSPELT: f64 = 0.9;
 

@@ -125,13 +125,29 @@ pub enum TrialFault {
     },
 }
 
-/// A number told with six significant digits.
+impl TrialFault {
+    /// Short name of the fault, for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NotFinite { .. } | Self::NotPositive { .. } | Self::Negative { .. } => "out-of-range",
+            Self::TooFewRevolutions { .. } => "too-few-revolutions",
+            Self::StockNotBelowInfeed { .. } => "stock-beyond-infeed",
+            Self::ForceGrowsInSparkOut { .. } => "force-grows",
+            Self::NoLag { .. } => "no-lag",
+        }
+    }
+}
+
+/// A number told with six significant digits, or as many decimals as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded(pub f64);
 
 impl fmt::Display for Rounded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", format!("{:.5e}", self.0).parse().unwrap_or(self.0))
+        match f.precision() {
+            Some(decimals) => write!(f, "{:.decimals$}", self.0),
+            None => write!(f, "{}", format!("{:.5e}", self.0).parse().unwrap_or(self.0)),
+        }
     }
 }
 

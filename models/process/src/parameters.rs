@@ -105,6 +105,22 @@ pub enum ParameterError {
     },
 }
 
+/// [`place`] of many ascending offsets, in one go through the text.
+///
+/// ```
+/// assert_eq!(toolroom_process::parameters::places("ab\ncd\nef", &[1, 4, 4]), [(1, 2), (2, 2), (2, 2)]);
+/// ```
+pub fn places(text: &str, offsets: &[usize]) -> Vec<(usize, usize)> {
+    let (mut line, mut start) = (1, 0);
+    let of = |offset: &usize| {
+        while let Some(end) = text.get(start..).and_then(|rest| rest.find('\n')).filter(|end| start + end < *offset) {
+            (line, start) = (line + 1, start + end + 1);
+        }
+        (line, place(text.get(start..).unwrap_or_default(), offset.saturating_sub(start)).1)
+    };
+    offsets.iter().map(of).collect()
+}
+
 /// Line and column, from 1, of a byte offset in `text`.
 ///
 /// ```

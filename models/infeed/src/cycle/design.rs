@@ -127,6 +127,23 @@ pub enum CycleError {
     },
 }
 
+impl CycleError {
+    /// The limits that conflict, as keys of [`CycleLimits`]; none where the fault is another one.
+    pub fn limits(&self) -> &'static [&'static str] {
+        match self {
+            Self::Model(_) => &[],
+            Self::TooHotAtAnyDepth { limit: "finish_temperature_rise", .. } => &["finish_temperature_rise"],
+            Self::TooHotAtAnyDepth { .. } => &["rough_temperature_rise"],
+            Self::FinishBelowStep { .. } => &["finish_temperature_rise", "infeed_step"],
+            Self::FinishStockBeyondStock { .. } => &["finish_stock", "stock"],
+            Self::SizeBeyondReach { .. } => &["size_error"],
+            Self::TooLong { limit: "stock", .. } => &["stock", "rough_temperature_rise"],
+            Self::TooLong { limit: "blank_roundness_error", .. } => &["blank_roundness_error", "roundness_error"],
+            Self::TooLong { .. } => &["last_depth", "size_error", "roundness_error"],
+        }
+    }
+}
+
 /// Revolutions beyond which no cycle is sought.
 const LONGEST: u32 = 100_000;
 /// Share by which a limit may be passed in rounding.

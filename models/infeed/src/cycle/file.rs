@@ -5,6 +5,7 @@ use crate::{Infeed, Input, Parameters, SetError, State};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
+use toolroom_effects::{Effect, EffectError, Effects};
 use toolroom_process::parameters::{Value, place};
 use toolroom_process::unit::{UnitError, quantity};
 use toolroom_process::{AnyRecord, ModelError, record};
@@ -30,6 +31,7 @@ record! {
 /// schema = 1
 /// title = "Rings, 100 um of stock"
 /// parameter_set = "zb153u_40kh"
+/// effects = [{ id = "threshold_force", size = "20 N" }]  # what the set leaves out
 /// [parameters]                 # deviations from the set
 /// dulling_rate = "0.000667 mm/mm3"
 /// [conditions]                 # fields of the input
@@ -120,6 +122,30 @@ pub enum CycleReason {
     /// A value out of range.
     #[error(transparent)]
     Range(ModelError),
+    /// An effect that cannot act here.
+    #[error(transparent)]
+    Effect(EffectError),
+    /// A table that a cycle file does not have.
+    #[error("there is no table `{table}`; there are parameters, conditions, limits and dressing, each with its keys")]
+    UnknownTable {
+        /// What was read.
+        table: String,
+    },
+}
+
+impl CycleReason {
+    /// Short name of the fault, for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Syntax { .. } => "syntax",
+            Self::Schema { .. } => "schema",
+            Self::Set(_) => "unknown-name",
+            Self::UnknownKey { .. } | Self::UnknownTable { .. } => "unknown-key",
+            Self::Unit { .. } => "quantity",
+            Self::Range(_) => "out-of-range",
+            Self::Effect(_) => "effect",
+        }
+    }
 }
 
 type Entries = BTreeMap<Spanned<String>, Spanned<Value>>;
@@ -131,6 +157,7 @@ struct Raw {
     #[serde(default)]
     title: String,
     parameter_set: Option<Spanned<String>>,
+    effects: Option<Spanned<Vec<Effect>>>,
     #[serde(default)]
     parameters: Entries,
     #[serde(default)]
@@ -175,12 +202,55 @@ impl CycleFile {
         if let (Some(entries), Some(dressing)) = (&raw.dressing, &mut dressing) {
             fill(text, "dressing", entries, dressing, &mut faults);
         }
+        let mut grinding = Infeed { parameters, ..Infeed::default() };
+        if let Some(listed) = raw.effects {
+            let at = listed.span().start;
+            match Effects::new(listed.into_inner()).and_then(|effects| Infeed::new(parameters, effects)) {
+                Ok(with_effects) => grinding = with_effects,
+                Err(error) => faults.push(fault(at, CycleReason::Effect(error))),
+            }
+        }
         if !faults.is_empty() {
             faults.sort_by_key(|fault| (fault.line, fault.column));
             return Err(refuse(faults));
         }
-        let grinding = Infeed { parameters, ..Infeed::default() };
         Ok(Self { title: raw.title, grinding, input, limits, dressing })
+    }
+
+    /// Replaces one value, as `limits.stock` and `50 um`; effects by id, as
+    /// `effects.threshold_force` and `20 N`.
+    ///
+    /// # Errors
+    /// [`CycleReason`] where there is no such key, or the value is none.
+    ///
+    /// ```
+    /// let mut file = toolroom_infeed::CycleFile::read("cycle.toml", "schema = 1").unwrap();
+    /// file.set("limits.stock", "50 um").unwrap();
+    /// assert_eq!(file.limits.stock, 50e-6);
+    /// ```
+    pub fn set(&mut self, path: &str, value: &str) -> Result<(), CycleReason> {
+        let (table, key) = path.split_once('.').unwrap_or((path, ""));
+        if table == "effects" {
+            let effect: Effect = format!("{key}={value}").parse().map_err(CycleReason::Effect)?;
+            let others = self.grinding.effects.iter().filter(|each| each.entry().id != effect.entry().id);
+            let all: Vec<Effect> = others.copied().chain([effect]).collect();
+            let effects = Effects::new(all).map_err(CycleReason::Effect)?;
+            self.grinding = Infeed::new(self.grinding.parameters, effects).map_err(CycleReason::Effect)?;
+            return Ok(());
+        }
+        let (table, record): (&'static str, &mut dyn AnyRecord) = match table {
+            "parameters" => ("parameters", &mut self.grinding.parameters),
+            "conditions" => ("conditions", &mut self.input),
+            "limits" => ("limits", &mut self.limits),
+            "dressing" => ("dressing", self.dressing.get_or_insert_with(DressingPlan::default)),
+            _ => return Err(CycleReason::UnknownTable { table: table.to_owned() }),
+        };
+        let index = index_of(record, table, key)?;
+        let field = &record.fields()[index];
+        let si = quantity(value, field.unit).map_err(|reason| CycleReason::Unit { key: key.to_owned(), reason })?;
+        field.check(si).map_err(CycleReason::Range)?;
+        record.set_value(index, si);
+        Ok(())
     }
 
     /// The fastest cycle on a dressed wheel.
@@ -219,15 +289,14 @@ fn fill(text: &str, table: &'static str, entries: &Entries, record: &mut dyn Any
             let (line, column) = place(text, at);
             faults.push(CycleFault { line, column, reason });
         };
-        let fields = record.fields();
-        let Some(index) = fields.iter().position(|field| field.name == name) else {
-            let likeness = |field: &&toolroom_process::Field| strsim::jaro_winkler(field.name, name);
-            let nearest = fields.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-            let nearest = nearest.map_or("", |field| field.name);
-            fault(key.span().start, CycleReason::UnknownKey { table, key: name.clone(), nearest });
-            continue;
+        let index = match index_of(record, table, name) {
+            Ok(index) => index,
+            Err(reason) => {
+                fault(key.span().start, reason);
+                continue;
+            }
         };
-        let field = &fields[index];
+        let field = &record.fields()[index];
         let start = value.span().start;
         let read = match value.get_ref() {
             Value::Number(number) => quantity(&number.to_string(), field.unit),
@@ -244,4 +313,14 @@ fn fill(text: &str, table: &'static str, entries: &Entries, record: &mut dyn Any
             },
         }
     }
+}
+
+/// Index of a field by its name.
+fn index_of(record: &dyn AnyRecord, table: &'static str, name: &str) -> Result<usize, CycleReason> {
+    let fields = record.fields();
+    fields.iter().position(|field| field.name == name).ok_or_else(|| {
+        let likeness = |field: &&toolroom_process::Field| strsim::jaro_winkler(field.name, name);
+        let nearest = fields.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        CycleReason::UnknownKey { table, key: name.to_owned(), nearest: nearest.map_or("", |field| field.name) }
+    })
 }

@@ -47,8 +47,8 @@ fn settled(lag: f64) -> f64 {
 pub enum Advice {
     /// The lag cannot be told from these trials.
     #[error(
-        "the lag is not identified: its 95 % half width {half_width} leaves the system stiffness unknown to {stiffness} \
-         %; record the force and add a spark-out: its decay gives the lag without stock, infeed or revolutions"
+        "the lag is not identified: its 95 % half width {half_width:.3} leaves the system stiffness unknown to \
+         {stiffness:.0} %; record the force and add a spark-out: its decay gives the lag without stock, infeed or revolutions"
     )]
     NotIdentified {
         /// Half width of the interval of the lag.
@@ -61,7 +61,7 @@ pub enum Advice {
     SingleTrial,
     /// The definition of n matters more than the scatter.
     #[error(
-        "half a revolution more or less moves the lag by {less} to {more}, scatter by {scatter} only; find contact \
+        "half a revolution more or less moves the lag by {less:.3} to {more:.3}, scatter by {scatter:.3} only; find contact \
          with the spindle encoder, and gauge at the angle of retraction or after one revolution of spark-out"
     )]
     HalfRevolution {
@@ -98,7 +98,7 @@ pub enum Advice {
     NoForce,
     /// Stock and force contradict each other.
     #[error(
-        "stock says {stock}, force {force}, {z} standard deviations apart: start of contact, stock by another \
+        "stock says {stock:.4}, force {force:.4}, {z:.1} standard deviations apart: start of contact, stock by another \
          definition, wheel wear or a threshold force"
     )]
     StockAgainstForce {

@@ -13,6 +13,7 @@ pub use scatter::{Bootstrap, Scatter};
 pub use stock::{Pooled, lag_from_stock};
 
 use crate::{Trial, TrialFault, stiffness_from_k};
+use toolroom_process::record;
 
 /// What the lag is taken from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,27 +27,21 @@ pub enum Basis {
     Force,
 }
 
-/// Standard deviations of what is measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeasurementErrors {
-    /// Stock, m.
-    pub stock: f64,
-    /// Infeed per revolution, m.
-    pub infeed_per_rev: f64,
-    /// Start of contact, revolutions.
-    pub revolutions: f64,
-    /// Force, N.
-    pub force: f64,
-}
-
-impl Default for MeasurementErrors {
-    /// A gauge with a graduation of 1 um, a feed to 0.01 um/rev, contact found to 0.1
-    /// revolution, force to 2 N.
+record! {
+    /// Standard deviations of what is measured. Defaults: a gauge with a graduation of 1 um, a
+    /// feed to 0.01 um/rev, contact found to 0.1 revolution, force to 2 N.
     ///
     /// # Source
     /// Assumption; the stock scatters by 0.7 um in the trials of Sizyi, Fesenko & Lyubimyi.
-    fn default() -> Self {
-        Self { stock: 0.5e-6, infeed_per_rev: 0.01e-6, revolutions: 0.1, force: 2.0 }
+    pub struct MeasurementErrors {
+        /// Stock.
+        stock: Real["m" => "um"] = 0.5e-6, 0.0..=1e-3;
+        /// Infeed per revolution.
+        infeed_per_rev: Real["m" => "um"] = 0.01e-6, 0.0..=1e-4;
+        /// Start of contact, revolutions.
+        revolutions: Real = 0.1, 0.0..=10.0;
+        /// Force.
+        force: Real["N" => "N"] = 2.0, 0.0..=1e4;
     }
 }
 

@@ -1,0 +1,98 @@
+//! Arguments of `identify`, `grind` and `contour`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub struct IdentifyArgs {
+    /// Table of trials (CSV): trial_id, infeed_per_rev [um], revolutions, stock_removed [um], …
+    pub data: PathBuf,
+    /// Table of recorded forces (CSV): trial_id, revolution or time [s], normal_force [N]
+    #[arg(long, value_name = "CSV")]
+    pub force: Option<PathBuf>,
+    /// What the lag is taken from
+    #[arg(long, value_enum, default_value_t = IdentifyBasis::Both)]
+    pub basis: IdentifyBasis,
+    /// Standard deviation of a measurement (stock, infeed_per_rev, revolutions, force), repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub error: Vec<String>,
+    /// Bootstrap resamples of more than six trials; fewer trials are enumerated
+    #[arg(long, default_value_t = 10_000, value_parser = resamples)]
+    pub resamples: usize,
+    /// Seed of the resampling
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// A number of resamples that fits into memory.
+fn resamples(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count <= 10_000_000 => Ok(count),
+        _ => Err("a whole number up to 10 000 000 is due".to_owned()),
+    }
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum IdentifyBasis {
+    /// Stock and force, weighted by their errors
+    Both,
+    /// Stock alone
+    Stock,
+    /// Rise and decay of the force alone
+    Force,
+}
+
+impl IdentifyBasis {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Both => "both",
+            Self::Stock => "stock",
+            Self::Force => "force",
+        }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct GrindArgs {
+    /// Cycle file
+    pub file: PathBuf,
+    /// Replace a value of the file: table.key=value with unit, or effects.ID=SIZE, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct ContourArgs {
+    /// Contour file
+    pub file: PathBuf,
+    /// Part program (G-code) that draws the contour, instead of the sections of the file
+    #[arg(long, value_name = "PROGRAM")]
+    pub gcode: Option<PathBuf>,
+    /// Only this pass, repeatable
+    #[arg(long, value_name = "NAME")]
+    pub pass: Vec<String>,
+    /// Replace a value of the file: group.key=value or pass.NAME.key=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Feeds change in ramps within the acceleration of the machine
+    #[arg(long)]
+    pub ramps: bool,
+    /// Share of the edge's life that is left at the start, for plans that change it on the way
+    #[arg(long, value_name = "SHARE")]
+    pub edge: Option<String>,
+    /// Random draws of the conditions in the sensitivity study, 0 for none
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(..=100_000))]
+    pub draws: u32,
+    /// Seed of the draws
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of the results, out/NAME if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}

@@ -1,0 +1,37 @@
+//! `toolroom contour FILE`: plans of least time and least cost along a contour.
+
+mod compute;
+mod conditions;
+mod input;
+mod picture;
+mod report;
+mod results;
+mod text;
+
+use crate::args::ContourArgs;
+use crate::failure::Failure;
+use crate::output::OutputDir;
+use crate::speak::Voice;
+use crate::study::default_out;
+use std::time::Instant;
+
+pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
+    let task = input::read(args)?;
+    let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
+    // An unwritable place is told before the work, and nothing lies there while it lasts.
+    drop(OutputDir::create(&target)?);
+    let start = Instant::now();
+    let studies = compute::studies(&task, args, voice)?;
+    let wall = start.elapsed();
+    let out = OutputDir::create(&target)?;
+    results::write(&out, args, &task, &studies, wall)?;
+    let target = out.publish()?;
+    if voice.json {
+        voice.json(&results::summary(&task, &studies))?;
+    } else {
+        voice.data(text::summary(&task, &studies))?;
+    }
+    voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
+    voice.say(format_args!("wrote {}", target.join("report.html").display()));
+    Ok(())
+}

@@ -1,0 +1,290 @@
+//! The files of a contour plan.
+
+use super::compute::{Baseline, OBJECTIVES, PassStudy, Scattered, totals};
+use super::conditions::{Condition, Gain};
+use super::input::Task;
+use super::report::report;
+use crate::args::ContourArgs;
+use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
+use crate::records::cell;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::time::Duration;
+use toolroom_analysis::results::fingerprint;
+use toolroom_contour::{Constraint, Plan, PlannedSection, Sensitivity};
+
+const MM: f64 = 1e3;
+const UM: f64 = 1e6;
+
+/// Writes `sections.csv`, `conditions.csv`, `draws.csv`, a part program for every pass and
+/// objective, `contour.json`, `report.html` and, last, `run.json`.
+pub fn write(
+    out: &OutputDir,
+    args: &ContourArgs,
+    task: &Task,
+    studies: &[PassStudy<'_>],
+    wall: Duration,
+) -> Result<(), Failure> {
+    let mut arguments: Vec<String> = Vec::new();
+    for (flag, values) in [("--pass", &args.pass), ("--set", &args.set)] {
+        arguments.extend(values.iter().flat_map(|value| [flag.to_owned(), value.clone()]));
+    }
+    if let Some(program) = &args.gcode {
+        arguments.extend(["--gcode".to_owned(), program.display().to_string()]);
+    }
+    arguments.extend(args.ramps.then(|| "--ramps".to_owned()));
+    arguments.extend(args.edge.iter().flat_map(|edge| ["--edge".to_owned(), edge.clone()]));
+    arguments.extend(["--draws".to_owned(), args.draws.to_string()]);
+    let setup = [(task.inputs[0].name.clone(), task.inputs[0].text.as_bytes())];
+    let mut provenance = provenance("contour", &setup, arguments, Some(args.seed));
+    let programs = task.inputs[1..].iter();
+    provenance.inputs.extend(programs.map(|input| (input.name.clone(), fingerprint(input.text.as_bytes()))));
+    out.put("sections.csv", &sections(task, studies))?;
+    out.put("conditions.csv", &conditions(studies))?;
+    if studies.iter().any(|study| !study.scatter.is_empty()) {
+        out.put("draws.csv", &draws(studies))?;
+    }
+    for study in studies {
+        for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
+            let title = format!("{} {} least {objective}", task.file.name, study.name);
+            let program = study.planner.part_program(plan, &title).map_err(|error| task.refused(study.name, &error))?;
+            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
+            let name: String = study.name.chars().map(fit).collect();
+            out.put(&format!("{name}-{objective}.nc"), &program)?;
+        }
+    }
+    out.put_json("contour.json", &summary(task, studies))?;
+    out.put("report.html", &report(task, studies, provenance.clone()).html())?;
+    out.record(&provenance, wall)
+}
+
+/// The result for programs.
+pub fn summary(task: &Task, studies: &[PassStudy<'_>]) -> Value {
+    let file = &task.file;
+    let plans: Vec<Value> = studies
+        .iter()
+        .flat_map(|study| {
+            OBJECTIVES.iter().zip(&study.plans).map(|((objective, _), plan)| plan_json(study, objective, plan))
+        })
+        .collect();
+    let baselines: Vec<Value> = studies
+        .iter()
+        .flat_map(|study| study.baselines.iter().map(|baseline| baseline_json(study, baseline)))
+        .collect();
+    let fronts: Vec<Value> = studies
+        .iter()
+        .map(|study| {
+            let points: Vec<Value> =
+                study.front.iter().map(|plan| json!({ "time [min]": plan.time / 60.0, "cost": plan.cost })).collect();
+            json!({ "pass": study.name, "plans": points })
+        })
+        .collect();
+    json!({
+        "schema": 1,
+        "name": file.name,
+        "title": file.title,
+        "contour": {
+            "sections": file.contour.sections.len(),
+            "length [mm]": file.contour.length() * MM,
+            "centre_length [mm]": file.contour.centre_length(file.parameters.cutter.radius()) * MM,
+            "corners": file.contour.corners.len(),
+        },
+        "plans": plans,
+        "baselines": baselines,
+        "totals": totals(studies)
+            .iter()
+            .map(|total| json!({ "regime": total.name, "time [min]": total.time / 60.0, "cost": total.cost }))
+            .collect::<Vec<_>>(),
+        "pareto": fronts,
+        "conditions": studies.iter().flat_map(|study| study.conditions.iter().map(|each| condition_json(study, each))).collect::<Vec<_>>(),
+        "sensitivity": studies.iter().flat_map(|study| study.scatter.iter().map(|each| scatter_json(study, each))).collect::<Vec<_>>(),
+    })
+}
+
+fn plan_json(study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
+    let handbook = study.handbook();
+    let against: Vec<Value> = study
+        .baselines
+        .iter()
+        .filter_map(|baseline| {
+            let regime = baseline.plan.as_ref().ok()?;
+            Some(json!({
+                "baseline": baseline.name,
+                "productivity_gain": plan.productivity_gain(regime),
+                "cost_change": plan.cost_change(regime),
+            }))
+        })
+        .collect();
+    json!({
+        "pass": study.name,
+        "objective": objective,
+        "time [min]": plan.time / 60.0,
+        "cost": plan.cost,
+        "productivity_gain": handbook.map(|handbook| plan.productivity_gain(handbook)),
+        "cost_change": handbook.map(|handbook| plan.cost_change(handbook)),
+        "against": against,
+        "life_fraction": plan.life_fraction,
+        "edge_share": plan.edge_share(&study.planner),
+        "cutting_time [min]": plan.cutting_time / 60.0,
+        "corner_time [min]": plan.corner_time / 60.0,
+        "speed_change_time [min]": plan.speed_change_time / 60.0,
+        "ramp_time [min]": plan.ramp_time / 60.0,
+        "edge_changes": plan.edge_changes.iter().map(|at| at + 1).collect::<Vec<_>>(),
+        "warnings": plan.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "sections": plan.sections.iter().map(section_json).collect::<Vec<_>>(),
+    })
+}
+
+fn section_json(section: &PlannedSection) -> Value {
+    json!({
+        "spindle_speed [rpm]": section.setting.spindle_speed * 60.0 / TAU,
+        "feed_per_tooth [mm]": section.setting.feed_per_tooth * MM,
+        "feed [mm/min]": section.evaluation.feed * 60.0 * MM,
+        "time [min]": section.time / 60.0,
+        "active_constraint": section.active.map(Constraint::name),
+    })
+}
+
+fn baseline_json(study: &PassStudy<'_>, baseline: &Baseline) -> Value {
+    match &baseline.plan {
+        Ok(plan) => json!({
+            "pass": study.name,
+            "name": baseline.name,
+            "time [min]": plan.time / 60.0,
+            "cost": plan.cost,
+            "life_fraction": plan.life_fraction,
+            "spindle_speed [rpm]": plan.sections.first().map(|section| section.setting.spindle_speed * 60.0 / TAU),
+        }),
+        Err(error) => json!({
+            "pass": study.name,
+            "name": baseline.name,
+            "time [min]": null,
+            "cost": null,
+            "reason": error.to_string(),
+        }),
+    }
+}
+
+fn gain_json(gain: Option<Gain>) -> Value {
+    gain.map_or(Value::Null, |gain| {
+        json!({ "productivity_gain": gain.productivity, "cost_change": gain.cost, "as_reported": gain.as_reported() })
+    })
+}
+
+fn condition_json(study: &PassStudy<'_>, condition: &Condition) -> Value {
+    let [time, cost] = condition.gains;
+    json!({ "pass": study.name, "condition": condition.name, "time": gain_json(time), "cost": gain_json(cost) })
+}
+
+fn scatter_json(study: &PassStudy<'_>, scattered: &Scattered) -> Value {
+    let bands = |sensitivity: &Sensitivity| {
+        let quantiles = |of: &dyn Fn(f64) -> Option<f64>| json!({ "p05": of(0.05), "p25": of(0.25), "p50": of(0.5), "p75": of(0.75), "p95": of(0.95) });
+        let broken: serde_json::Map<String, Value> = Constraint::ALL
+            .into_iter()
+            .map(|constraint| (constraint.name().to_owned(), json!(sensitivity.broken(constraint))))
+            .filter(|(_, share)| share.as_f64() > Some(0.0))
+            .collect();
+        json!({
+            "draws": sensitivity.draws.len(),
+            "productivity_gain": quantiles(&|share| sensitivity.productivity_gain(share)),
+            "cost_change": quantiles(&|share| sensitivity.cost_change(share)),
+            "without_plan": sensitivity.without_plan(),
+            "nominal_plan_breaks": broken,
+        })
+    };
+    let [time, cost] = &scattered.by_objective;
+    json!({ "pass": study.name, "scatter": scattered.name, "time": bands(time), "cost": bands(cost) })
+}
+
+/// Every section of every regime.
+fn sections(task: &Task, studies: &[PassStudy<'_>]) -> String {
+    let mut text = "pass,regime,section,shape,radius [mm],length [mm],spindle_speed [rpm],feed_per_tooth [mm],feed \
+                    [mm/min],time [s],edge_life,active_constraint,deflection [um],path_error [um],roughness [um],power \
+                    [kW],normal_force [N]"
+        .to_owned();
+    for constraint in Constraint::ALL {
+        let _ = write!(text, ",{constraint}_ratio");
+    }
+    text.push('\n');
+    let contour = &task.file.contour;
+    for study in studies {
+        let baselines =
+            study.baselines.iter().filter_map(|each| Some((each.name.to_owned(), each.plan.as_ref().ok()?)));
+        let plans = OBJECTIVES.iter().zip(&study.plans).map(|((name, _), plan)| (format!("least {name}"), plan));
+        for (regime, plan) in baselines.chain(plans) {
+            for (i, (drawn, section)) in contour.sections.iter().zip(&plan.sections).enumerate() {
+                let (shape, at) = (contour.shape(drawn), &section.evaluation);
+                let _ = write!(
+                    text,
+                    "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+                    cell(study.name),
+                    cell(&regime),
+                    i + 1,
+                    shape.name(),
+                    shape.radius().map_or_else(String::new, |radius| (radius * MM).to_string()),
+                    drawn.length * MM,
+                    section.setting.spindle_speed * 60.0 / TAU,
+                    section.setting.feed_per_tooth * MM,
+                    at.feed * 60.0 * MM,
+                    section.time,
+                    section.life_fraction,
+                    section.active.map_or("", Constraint::name),
+                    at.deflection * UM,
+                    at.path_error * UM,
+                    at.roughness * UM,
+                    at.power * 1e-3,
+                    at.forces.normal,
+                );
+                for (_, ratio) in at.ratios.iter() {
+                    let _ = write!(text, ",{ratio}");
+                }
+                text.push('\n');
+            }
+        }
+    }
+    text
+}
+
+fn conditions(studies: &[PassStudy<'_>]) -> String {
+    let mut text = "pass,condition,objective,productivity_gain,cost_change\n".to_owned();
+    for study in studies {
+        for condition in &study.conditions {
+            for ((objective, _), gain) in OBJECTIVES.iter().zip(condition.gains) {
+                let [gain, cost] = [gain.map(|gain| gain.productivity), gain.map(|gain| gain.cost)]
+                    .map(|value| value.map_or_else(String::new, |value| value.to_string()));
+                let _ = writeln!(text, "{},{},{objective},{gain},{cost}", cell(study.name), cell(&condition.name));
+            }
+        }
+    }
+    text
+}
+
+fn draws(studies: &[PassStudy<'_>]) -> String {
+    let mut text = "pass,scatter,objective,draw,allowance [mm],hardness_ratio,table_feed [mm],productivity_gain,\
+                    cost_change,nominal_plan_breaks\n"
+        .to_owned();
+    for study in studies {
+        for scattered in &study.scatter {
+            for ((objective, _), sensitivity) in OBJECTIVES.iter().zip(&scattered.by_objective) {
+                for (k, draw) in sensitivity.draws.iter().enumerate() {
+                    let [gain, cost] = [draw.productivity_gain, draw.cost_change]
+                        .map(|value| value.map_or_else(String::new, |value| value.to_string()));
+                    let broken: Vec<&str> = draw.broken.iter().map(|constraint| constraint.name()).collect();
+                    let _ = writeln!(
+                        text,
+                        "{},{},{objective},{k},{},{},{},{gain},{cost},{}",
+                        cell(study.name),
+                        cell(&scattered.name),
+                        draw.pass.allowance * MM,
+                        draw.pass.hardness_ratio,
+                        draw.pass.table_feed * MM,
+                        broken.join(" "),
+                    );
+                }
+            }
+        }
+    }
+    text
+}

@@ -1,0 +1,101 @@
+//! Faults of files as people and programs read them: message, place, the text around it.
+
+use crate::faulty::FaultyFile;
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use serde_json::{Value, json};
+use std::fmt;
+use std::ops::Range;
+use toolroom_sim::scenario::file::FaultList;
+
+/// One fault with the text around it.
+#[derive(Debug)]
+pub struct Excerpt {
+    code: &'static str,
+    message: String,
+    fix: Option<String>,
+    file: String,
+    line: usize,
+    column: usize,
+    source: NamedSource<String>,
+    label: Option<LabeledSpan>,
+}
+
+impl Excerpt {
+    /// The faults of a scenario.
+    pub fn of_scenario(list: &FaultList) -> Vec<Self> {
+        let excerpt = |problem: &toolroom_sim::scenario::file::Problem| {
+            let place = list.place(problem);
+            let (file, text) = list.source(place.origin);
+            Self {
+                code: problem.fault.code(),
+                message: problem.fault.to_string(),
+                fix: problem.fault.fix(),
+                file: file.to_owned(),
+                line: place.line,
+                column: place.column,
+                source: NamedSource::new(file, text.to_owned()),
+                label: label(text, place.span),
+            }
+        };
+        list.problems.iter().map(excerpt).collect()
+    }
+
+    /// The faults of a file that a model reads.
+    pub fn of_file(faulty: &FaultyFile) -> Vec<Self> {
+        let excerpt = |fault: &crate::faulty::Placed| Self {
+            code: fault.code,
+            message: fault.message.clone(),
+            fix: fault.fix.clone(),
+            file: faulty.file.clone(),
+            line: fault.line,
+            column: fault.column,
+            source: NamedSource::new(&faulty.file, faulty.text.clone()),
+            label: label(&faulty.text, faulty.span(fault)),
+        };
+        faulty.faults.iter().map(excerpt).collect()
+    }
+
+    pub fn json(&self) -> Value {
+        json!({
+            "code": self.code,
+            "file": self.file,
+            "line": self.line,
+            "column": self.column,
+            "message": self.message,
+            "fix": self.fix,
+        })
+    }
+}
+
+/// A fault of the file as a whole points at its first line, an empty file has none. A section's
+/// span reaches over its lines; the first is enough to find it.
+fn label(text: &str, span: Range<usize>) -> Option<LabeledSpan> {
+    let length = text.get(span.clone()).and_then(|part| part.find(['\n', '\r'])).unwrap_or(span.len());
+    (!text.is_empty()).then(|| LabeledSpan::new_with_span(None, span.start..span.start + length))
+}
+
+impl fmt::Display for Excerpt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Excerpt {}
+
+impl Diagnostic for Excerpt {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(self.code))
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.fix.as_ref().map(|fix| Box::new(fix) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(self.label.clone().into_iter()))
+    }
+}

@@ -1,0 +1,87 @@
+//! `toolroom grind FILE`: the fastest cycle within limits, and the dressing interval.
+
+mod picture;
+mod results;
+mod text;
+
+use crate::args::GrindArgs;
+use crate::failure::Failure;
+use crate::faulty::{FaultyFile, Placed, key_place};
+use crate::output::OutputDir;
+use crate::speak::Voice;
+use crate::study::default_out;
+use std::time::Instant;
+use toolroom_infeed::{Cycle, CycleError, CycleFile, CycleFileError, DressingInterval};
+
+/// A grinding task worked out.
+struct Design {
+    name: String,
+    text: String,
+    file: CycleFile,
+    cycle: Cycle,
+    /// By estimated cycles and by the exact cycle of every part.
+    dressing: Option<[DressingInterval; 2]>,
+}
+
+pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
+    let start = Instant::now();
+    let design = design(args)?;
+    let wall = start.elapsed();
+    let target = args.out.clone().unwrap_or_else(|| default_out(&design.name));
+    let out = OutputDir::create(&target)?;
+    results::write(&out, args, &design, wall)?;
+    let target = out.publish()?;
+    if voice.json {
+        voice.json(&results::summary(&design))?;
+    } else {
+        voice.data(text::summary(&design))?;
+    }
+    voice.detail(format_args!("{:.3} s", wall.as_secs_f64()));
+    voice.say(format_args!("wrote {}", target.join("report.html").display()));
+    Ok(())
+}
+
+fn design(args: &GrindArgs) -> Result<Design, Failure> {
+    let path = args.file.display().to_string();
+    let text = std::fs::read_to_string(&args.file).map_err(|error| {
+        Failure::argument(
+            format_args!("{path} cannot be read: {error}"),
+            "give a cycle file, such as scenarios/grinding/cycle.toml",
+        )
+    })?;
+    let mut file = CycleFile::read(&path, &text).map_err(|error| refused_file(&error, &text))?;
+    for change in &args.set {
+        let (key, value) = change.split_once('=').ok_or_else(|| {
+            Failure::argument(format_args!("`{change}` is not of the form key=value"), "--set limits.stock=\"50 um\"")
+        })?;
+        file.set(key.trim(), value.trim()).map_err(|reason| {
+            Failure::argument(
+                format_args!("--set {change}: {reason}"),
+                "keys are table.key, such as limits.stock, or effects.ID",
+            )
+        })?;
+    }
+    let name = args.file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let refuse = |error| conflict(&error, &path, &text);
+    let cycle = file.fastest_cycle().map_err(refuse)?;
+    let dressing = file.dressing_intervals().map_err(refuse)?;
+    Ok(Design { name, text, file, cycle, dressing })
+}
+
+fn refused_file(error: &CycleFileError, text: &str) -> Failure {
+    let placed = |fault: &toolroom_infeed::CycleFault| {
+        Placed::new(fault.reason.code(), (fault.line, fault.column), &fault.reason)
+    };
+    FaultyFile::new(&error.file, text, error.faults.iter().map(placed).collect()).into()
+}
+
+/// Limits that no cycle meets: their place in the file is that of the first of them.
+fn conflict(error: &CycleError, path: &str, text: &str) -> Failure {
+    let code = if error.limits().is_empty() { "out-of-range" } else { "limits-conflict" };
+    let place = key_place(text, "limits", error.limits().first().copied().unwrap_or("limits"));
+    let mut fault = Placed::new(code, place, error);
+    if let [one, other, ..] = error.limits() {
+        fault.fix = Some(format!("change {one} or {other}"));
+    }
+    FaultyFile::new(path, text, vec![fault]).into()
+}

@@ -1,0 +1,114 @@
+//! The files of a cycle design.
+
+use super::Design;
+use super::picture::report;
+use super::text::phase_names;
+use crate::args::GrindArgs;
+use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::time::Duration;
+use toolroom_infeed::DressingInterval;
+
+const UM: f64 = 1e6;
+
+/// Writes `cycle.csv`, `dressing.csv` where it was asked for, `grind.json`, `report.html` and,
+/// last, `run.json`.
+pub fn write(out: &OutputDir, args: &GrindArgs, design: &Design, wall: Duration) -> Result<(), Failure> {
+    let inputs = [(args.file.display().to_string(), design.text.as_bytes())];
+    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let provenance = provenance("grind", &inputs, changes, None);
+    out.put("cycle.csv", &course(design))?;
+    if let Some(intervals) = &design.dressing {
+        out.put("dressing.csv", &dressing(intervals))?;
+    }
+    out.put_json("grind.json", &summary(design))?;
+    out.put("report.html", &report(design, provenance.clone()).html())?;
+    out.record(&provenance, wall)
+}
+
+/// The result for programs.
+pub fn summary(design: &Design) -> Value {
+    let cycle = &design.cycle;
+    let phases: Vec<Value> = phase_names(cycle)
+        .into_iter()
+        .zip(&cycle.phases)
+        .map(|(name, phase)| {
+            json!({
+                "phase": name,
+                "infeed_per_rev [um]": phase.infeed_per_rev * UM,
+                "revolutions": phase.revolutions,
+            })
+        })
+        .collect();
+    let interval = |interval: &DressingInterval| {
+        json!({
+            "parts": interval.parts,
+            "time_per_part [s]": interval.time_per_part,
+            "cycle_time_of_first [s]": interval.cycle_times.first(),
+            "cycle_time_of_last [s]": interval.cycle_times.get(interval.parts as usize - 1),
+        })
+    };
+    json!({
+        "schema": 1,
+        "name": design.name,
+        "title": design.file.title,
+        "cycle": {
+            "revolutions": cycle.revolutions,
+            "time [s]": cycle.time,
+            "phases": phases,
+            "size_error [um]": cycle.size_error * UM,
+            "last_depth [um]": cycle.last_depth * UM,
+            "roundness_error [um]": cycle.roundness_error * UM,
+            "finish_stock [um]": cycle.finish_stock * UM,
+            "peak_temperature_rise [K]": cycle.peak_temperature_rise,
+            "rough_depth_limit [um]": cycle.rough_depth_limit * UM,
+            "finish_depth_limit [um]": cycle.finish_depth_limit * UM,
+        },
+        "dressing": design.dressing.as_ref().map(|[estimate, exact]| json!({
+            "exact_cycles": interval(exact),
+            "estimated_cycles": interval(estimate),
+        })),
+    })
+}
+
+/// The cycle at the end of every revolution.
+fn course(design: &Design) -> String {
+    let mut text = "revolution,time [s],commanded_infeed [um],stock_removed [um],depth_of_cut [um],size_error [um],\
+                    normal_force [N],temperature_rise [K]\n"
+        .to_owned();
+    for (revolution, point) in design.cycle.course.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "{revolution},{},{},{},{},{},{},{}",
+            point.time,
+            point.commanded_infeed * UM,
+            point.stock_removed * UM,
+            point.depth_of_cut * UM,
+            point.size_error * UM,
+            point.normal_force,
+            point.temperature_rise,
+        );
+    }
+    text
+}
+
+/// Mean time of a part by the number of parts between dressings.
+fn dressing([estimate, exact]: &[DressingInterval; 2]) -> String {
+    let mut text =
+        "parts,cycle_time [s],time_per_part [s],estimated_cycle_time [s],estimated_time_per_part [s]\n".to_owned();
+    let cell = |values: &[f64], i: usize| values.get(i).map_or_else(String::new, f64::to_string);
+    for i in 0..exact.course.len().max(estimate.course.len()) {
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{}",
+            i + 1,
+            cell(&exact.cycle_times, i),
+            cell(&exact.course, i),
+            cell(&estimate.cycle_times, i),
+            cell(&estimate.course, i)
+        );
+    }
+    text
+}
