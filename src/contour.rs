@@ -18,8 +18,6 @@ use std::time::Instant;
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let task = input::read(args)?;
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
-    // An unwritable place is told before the work, and nothing lies there while it lasts.
-    drop(OutputDir::create(&target)?);
     let start = Instant::now();
     let studies = compute::studies(&task, args, voice)?;
     let wall = start.elapsed();

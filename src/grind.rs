@@ -68,6 +68,37 @@ fn design(args: &GrindArgs) -> Result<Design, Failure> {
     Ok(Design { name, text, file, cycle, dressing })
 }
 
+impl Design {
+    /// Limits that the cycle breaks in the process itself. The search takes the wheel as it is at
+    /// the start of the part; dulling within the part and warm gauging come on top.
+    fn broken(&self) -> Vec<&'static str> {
+        let (cycle, limits) = (&self.cycle, &self.file.limits);
+        let above = |value: f64, limit: f64| value > limit * (1.0 + 1e-9);
+        [
+            ("rough_temperature_rise", above(cycle.peak_temperature_rise, limits.rough_temperature_rise)),
+            ("finish_stock", above(limits.finish_stock, cycle.finish_stock)),
+            ("last_depth", above(cycle.last_depth, limits.last_depth)),
+            ("size_error", above(cycle.size_error, limits.size_error)),
+            ("roundness_error", above(cycle.roundness_error, limits.roundness_error)),
+        ]
+        .into_iter()
+        .filter_map(|(limit, broken)| broken.then_some(limit))
+        .collect()
+    }
+
+    /// What to know about broken limits before the cycle is used.
+    fn warning(&self) -> Option<String> {
+        let broken = self.broken();
+        (!broken.is_empty()).then(|| {
+            format!(
+                "what the wheel does within the part breaks {}: the search takes the wheel as it is at the start; tighten \
+                 the limit by what is missing",
+                broken.join(", ")
+            )
+        })
+    }
+}
+
 fn refused_file(error: &CycleFileError, text: &str) -> Failure {
     let placed = |fault: &toolroom_infeed::CycleFault| {
         Placed::new(fault.reason.code(), (fault.line, fault.column), &fault.reason)

@@ -3,9 +3,8 @@
 use super::compute::{OBJECTIVES, PassStudy, runs, totals};
 use super::input::Task;
 use super::picture;
-use super::text::percent;
+use super::text::{percent, rpm};
 use crate::records::{input_table, push_record};
-use std::f64::consts::TAU;
 use toolroom_analysis::chart::Table;
 use toolroom_analysis::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_contour::{Constraint, CornerPolicy, FormError, Milling, PathError, Plan};
@@ -193,7 +192,7 @@ fn sections(task: &Task, study: &PassStudy<'_>) -> Table {
             name.into(),
             shape.name().into(),
             shape.radius().map_or(f64::NAN, |radius| radius * MM).into(),
-            (section.setting.spindle_speed * 60.0 / TAU).into(),
+            rpm(section).into(),
             (section.setting.feed_per_tooth * MM).into(),
             (section.evaluation.feed * 60.0 * MM).into(),
             plan.sections[*first..=*last].iter().map(|section| section.time).sum::<f64>().into(),

@@ -4,12 +4,12 @@ use super::compute::{Baseline, OBJECTIVES, PassStudy, Scattered, totals};
 use super::conditions::{Condition, Gain};
 use super::input::Task;
 use super::report::report;
+use super::text::rpm;
 use crate::args::ContourArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::records::cell;
 use serde_json::{Value, json};
-use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::time::Duration;
 use toolroom_analysis::results::fingerprint;
@@ -139,7 +139,7 @@ fn plan_json(study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
 
 fn section_json(section: &PlannedSection) -> Value {
     json!({
-        "spindle_speed [rpm]": section.setting.spindle_speed * 60.0 / TAU,
+        "spindle_speed [rpm]": rpm(section),
         "feed_per_tooth [mm]": section.setting.feed_per_tooth * MM,
         "feed [mm/min]": section.evaluation.feed * 60.0 * MM,
         "time [min]": section.time / 60.0,
@@ -155,7 +155,7 @@ fn baseline_json(study: &PassStudy<'_>, baseline: &Baseline) -> Value {
             "time [min]": plan.time / 60.0,
             "cost": plan.cost,
             "life_fraction": plan.life_fraction,
-            "spindle_speed [rpm]": plan.sections.first().map(|section| section.setting.spindle_speed * 60.0 / TAU),
+            "spindle_speed [rpm]": plan.sections.first().map(rpm),
         }),
         Err(error) => json!({
             "pass": study.name,
@@ -225,7 +225,7 @@ fn sections(task: &Task, studies: &[PassStudy<'_>]) -> String {
                     shape.name(),
                     shape.radius().map_or_else(String::new, |radius| (radius * MM).to_string()),
                     drawn.length * MM,
-                    section.setting.spindle_speed * 60.0 / TAU,
+                    rpm(section),
                     section.setting.feed_per_tooth * MM,
                     at.feed * 60.0 * MM,
                     section.time,

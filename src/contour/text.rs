@@ -4,7 +4,7 @@ use super::compute::{OBJECTIVES, PassStudy, runs, totals};
 use super::input::Task;
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use toolroom_contour::Plan;
+use toolroom_contour::{Plan, PlannedSection};
 
 const MM: f64 = 1e3;
 /// Runs of sections that are told one by one.
@@ -14,6 +14,11 @@ const MOST_RUNS: usize = 24;
 pub fn percent(share: f64) -> String {
     let text = format!("{:+.1} %", 100.0 * share);
     if let Some(rest) = text.strip_prefix('-') { format!("−{rest}") } else { text }
+}
+
+/// Spindle speed of a plan without the rounding of its conversion, rpm.
+pub fn rpm(section: &PlannedSection) -> f64 {
+    (section.setting.spindle_speed * 60.0 / TAU * 1e6).round() / 1e6
 }
 
 pub fn summary(task: &Task, studies: &[PassStudy<'_>]) -> String {
@@ -126,7 +131,7 @@ fn sections(text: &mut String, plan: &Plan, runs: &[(usize, usize)]) {
         let _ = writeln!(
             text,
             "  {name:22} {:>10.0} {:>10.3} {:>13.0}  {}",
-            section.setting.spindle_speed * 60.0 / TAU,
+            rpm(section),
             section.setting.feed_per_tooth * MM,
             section.evaluation.feed * 60.0 * MM,
             section.active.map_or("none", |constraint| constraint.name()),

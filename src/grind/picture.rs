@@ -40,9 +40,12 @@ pub fn report(design: &Design, provenance: Provenance) -> Report {
         report = report.tile(Tile::new("dress after", format!("{} parts", exact.parts), note));
     }
     let [infeed, size, force, temperature] = courses(design);
+    let mut section = Section::new("The cycle").table("Phases", phases(design));
+    if let Some(warning) = design.warning() {
+        section = section.warning(warning);
+    }
     report = report.section(
-        Section::new("The cycle")
-            .table("Phases", phases(design))
+        section
             .figure(Figure::new(&infeed, "The stock follows the command and catches up in spark-out.").data_in("cycle.csv"))
             .figure(Figure::new(&size, "Radius left above the command: deflection, wheel wear and threshold force.").data_in("cycle.csv"))
             .figure(Figure::new(&force, "Normal force at the end of each revolution.").data_in("cycle.csv"))

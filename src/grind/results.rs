@@ -66,6 +66,7 @@ pub fn summary(design: &Design) -> Value {
             "rough_depth_limit [um]": cycle.rough_depth_limit * UM,
             "finish_depth_limit [um]": cycle.finish_depth_limit * UM,
         },
+        "broken_limits": design.broken(),
         "dressing": design.dressing.as_ref().map(|[estimate, exact]| json!({
             "exact_cycles": interval(exact),
             "estimated_cycles": interval(estimate),

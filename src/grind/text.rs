@@ -49,6 +49,9 @@ pub fn summary(design: &Design) -> String {
             exact.parts, exact.time_per_part, estimate.parts, estimate.time_per_part
         );
     }
+    if let Some(warning) = design.warning() {
+        let _ = writeln!(text, "  ! {warning}");
+    }
     text.truncate(text.trim_end().len());
     text
 }
