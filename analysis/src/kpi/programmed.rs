@@ -17,6 +17,7 @@ pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
             let revolutions: f64 = phases.iter().map(|phase| f64::from(phase.revolutions)).sum();
             revolutions * std::f64::consts::TAU / work_rotation_speed
         }
+        Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).sum(),
         Work::Cycle(cycle) => {
             let revolutions: f64 = cycle.programmed.iter().map(|phase| f64::from(phase.revolutions)).sum();
             revolutions * std::f64::consts::TAU / cycle.conditions.work_rotation_speed

@@ -12,6 +12,7 @@
 //! | `set_increment.rs` | set wear increment (mode 2) |
 //! | `tool_change.rs` | when an edge is changed |
 //! | `observer.rs` | what the sensors say about the edge |
+//! | `contour.rs` | spindle speeds and feeds of contours: handbook, best constant, planned |
 //! | `grinding.rs` | plunge cycles: fixed, switched by force, timed by the measured lag; dressing |
 //!
 //! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
@@ -22,6 +23,7 @@
 //! pause. It does not learn from one edge for the next.
 
 mod constant;
+mod contour;
 mod grinding;
 mod observer;
 mod planned;
@@ -30,6 +32,7 @@ mod schedule;
 mod set_increment;
 mod tool_change;
 
+pub use contour::{ContourPlan, ContourSection, PlanError};
 pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::Observer;
 pub use resolve::ResolvedPolicy;
@@ -54,6 +57,9 @@ pub enum PolicyError {
     /// No cycle keeps the limits on a wheel of the dulling that the policy designs for.
     #[error("grinding cycle: {0}")]
     Cycle(#[from] CycleError),
+    /// The contour has no such plan on this machine.
+    #[error(transparent)]
+    Contour(#[from] PlanError),
 }
 
 /// What a controller is shown at the start of a pass.

@@ -3,7 +3,7 @@
 use super::constant::{self, ChangeCost};
 use super::planned::Planned;
 use super::set_increment::SetIncrement;
-use super::{Believed, ChangeRule, Controller, GrindingController, PolicyError, Speed, schedule};
+use super::{Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, schedule};
 use crate::scenario::{
     Cut, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType, Work,
 };
@@ -17,6 +17,8 @@ pub struct ResolvedPolicy {
     controllers: Vec<Controller>,
     /// Controller of every pass (of all operations of all parts) on every machine.
     of_pass: Vec<Vec<u32>>,
+    /// Plans of contours, by machine and pass.
+    contour: Vec<Vec<Option<Arc<ContourPlan>>>>,
     /// Cycles of grinding operations, by pass.
     grinding: Vec<Option<Arc<GrindingController>>>,
 }
@@ -30,8 +32,12 @@ impl ResolvedPolicy {
     pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ShopError> {
         let count = scenario.policies.len();
         let rule = scenario.policies.get(policy).ok_or(ShopError::UnknownPolicy { index: policy, count })?;
-        let mut resolved =
-            Self { controllers: Vec::new(), of_pass: vec![Vec::new(); scenario.machines.len()], grinding: Vec::new() };
+        let mut resolved = Self {
+            controllers: Vec::new(),
+            of_pass: vec![Vec::new(); scenario.machines.len()],
+            contour: vec![Vec::new(); scenario.machines.len()],
+            grinding: Vec::new(),
+        };
         let mut known: Vec<(Key, u32)> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
             let tool = scenario.tools.get(operation.tool).ok_or(ShopError::UnknownIndex {
@@ -49,10 +55,20 @@ impl ResolvedPolicy {
                 resolved.grinding.push(grinding.clone());
                 let cut = match &operation.work {
                     Work::Cutting(cuts) => Some(cuts[pass]),
-                    Work::Grinding { .. } | Work::Cycle(_) => None,
+                    Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
                 };
                 for (index, machine) in scenario.machines.iter().enumerate() {
-                    if !operation.machines.contains(&index) {
+                    let able = operation.machines.contains(&index);
+                    let contour = match &operation.work {
+                        Work::Contour(work) if able => {
+                            let regime = rule.contour.unwrap_or(work.rule);
+                            let plan = ContourPlan::new(work, pass, regime, tool, machine);
+                            Some(Arc::new(plan.map_err(|source| refuse(source.into()))?))
+                        }
+                        _ => None,
+                    };
+                    resolved.contour[index].push(contour);
+                    if !able {
                         resolved.of_pass[index].push(u32::MAX);
                         continue;
                     }
@@ -81,6 +97,11 @@ impl ResolvedPolicy {
         &self.controllers[self.of_pass[machine][pass as usize] as usize]
     }
 
+    /// Plan of a pass around a contour on a machine that may mill it.
+    pub fn contour(&self, machine: usize, pass: u32) -> Option<&ContourPlan> {
+        self.contour[machine][pass as usize].as_deref()
+    }
+
     /// Cycle and dressing of a pass of a grinding operation.
     pub fn grinding(&self, pass: u32) -> Option<&GrindingController> {
         self.grinding[pass as usize].as_deref()
@@ -98,7 +119,7 @@ fn grinding(
         Work::Grinding { phases, .. } => {
             Some(GrindingController::programmed(phases, wheel, rule.dressing, &rule.sensors))
         }
-        Work::Cutting(_) => None,
+        Work::Cutting(_) | Work::Contour(_) => None,
     })
 }
 

@@ -17,7 +17,7 @@ mod stability;
 mod station;
 mod unit;
 
-pub use contour::ContourRule;
+pub use contour::{ContourRule, ContourWork};
 pub use distribution::Distribution;
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};

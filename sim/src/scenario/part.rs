@@ -1,6 +1,6 @@
 //! Parts, routings, arrivals.
 
-use super::CycleWork;
+use super::{ContourWork, CycleWork};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -56,6 +56,8 @@ pub enum Work {
     },
     /// A plunge grinding cycle designed to limits.
     Cycle(Arc<CycleWork>),
+    /// Passes of a mill around a contour.
+    Contour(Arc<ContourWork>),
 }
 
 impl Work {
@@ -65,6 +67,7 @@ impl Work {
             Self::Cutting(cuts) => cuts.len(),
             Self::Grinding { phases, .. } => phases.len(),
             Self::Cycle(_) => CycleWork::PHASES,
+            Self::Contour(work) => work.passes.len(),
         }
     }
 }

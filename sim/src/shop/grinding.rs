@@ -55,7 +55,7 @@ impl<R: Recorder> Shop<'_, R> {
                 write(&mut input, ports.engaged, 1.0);
                 (cycle.programmed[place.pass], cycle.conditions.work_rotation_speed)
             }
-            Work::Cutting(_) => return Ok(()),
+            Work::Cutting(_) | Work::Contour(_) => return Ok(()),
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
         write(&mut input, ports.coolant_age, now);

@@ -129,6 +129,7 @@ fn durations(operation: &Operation, process: &ProcessModel, tool: &ToolPlan) -> 
         Work::Grinding { work_rotation_speed, phases } => {
             phases.iter().map(|phase| phase_duration(phase, *work_rotation_speed)).collect()
         }
+        Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).collect(),
         Work::Cycle(cycle) => {
             let speed = cycle.conditions.work_rotation_speed;
             cycle.programmed.iter().map(|phase| phase_duration(phase, speed)).collect()

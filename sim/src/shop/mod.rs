@@ -30,6 +30,7 @@
 //! another, preventive maintenance. Tools change on the machine that needs them, never in stock.
 
 mod arrival;
+mod contour;
 mod cut;
 mod dispatch;
 mod draws;

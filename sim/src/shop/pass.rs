@@ -67,6 +67,7 @@ impl<R: Recorder> Shop<'_, R> {
         match &scenario.parts[place.part].operations[place.operation].work {
             Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
             Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
+            Work::Contour(_) => self.begin_contour(machine, place, plan.first_pass),
         }
     }
 
@@ -283,8 +284,10 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &self.layout.tools[place.tool].ports;
         let path = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cutting(cuts) => cuts[place.pass].path_length,
+            Work::Contour(work) => work.programmed[place.pass].path_length,
             Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
+        let form_error = self.form_error(machine, place, plan.first_pass);
         let streams = self.streams;
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
@@ -317,7 +320,7 @@ impl<R: Recorder> Shop<'_, R> {
         row.spindle_power = read(output, ports.spindle_power, 0.0);
         row.temperature = read(output, ports.temperature, 0.0);
         row.energy += segment.energy;
-        row.size_error = read(output, ports.size_error, 0.0) - task.correction;
+        row.size_error = form_error.unwrap_or(read(output, ports.size_error, 0.0) - task.correction);
         edge.row.flank_wear = row.flank_wear_end;
         task.size_error = row.size_error;
         for &(after, event) in &segment.passed {

@@ -1,6 +1,7 @@
 //! What can be wrong in a scenario file, and the likely fix of each.
 
-use crate::policy::PolicyError;
+use crate::policy::{PlanError, PolicyError};
+use toolroom_contour::FileError;
 use toolroom_infeed::{CycleError, CycleFileError};
 use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
@@ -229,6 +230,22 @@ pub enum Fault {
         /// The limits that conflict.
         reason: CycleError,
     },
+    /// A contour file with a fault of its own.
+    #[error("{file}, {reason}")]
+    ContourFile {
+        /// The file as written.
+        file: String,
+        /// The fault with its place in that file.
+        reason: FileError,
+    },
+    /// A contour that cannot be milled as planned.
+    #[error("{subject}: {reason}")]
+    Contour {
+        /// Operation.
+        subject: String,
+        /// Why.
+        reason: PlanError,
+    },
     /// A policy that cannot plan the work of a tool.
     #[error("policy \"{policy}\" with tool \"{tool}\": {reason}")]
     Policy {
@@ -327,6 +344,7 @@ impl Fault {
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
             Self::Unit { .. } => "unit",
             Self::Beside { .. } => "beside",
+            Self::ContourFile { .. } | Self::Contour { .. } => "contour",
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Model { .. } => "model",
@@ -367,6 +385,8 @@ impl Fault {
             Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
             Self::Syntax { .. }
             | Self::CycleFile { .. }
+            | Self::ContourFile { .. }
+            | Self::Contour { .. }
             | Self::Policy { .. }
             | Self::Cycle { .. }
             | Self::OutOfRange { .. }

@@ -266,6 +266,20 @@ static OPERATION: Form = Form {
         .when("process", &["turning"]),
         Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
             .when("process", &["turning", "milling"]),
+        Key::optional(
+            "contour",
+            Kind::Text,
+            "Instead of passes: path of a contour file, from the folder of this file; its constants are what the plan believes",
+        )
+        .when("process", &["milling"]),
+        Key::optional("contour_passes", Kind::List(&Kind::Name), "Passes of the contour file in order; left out: all")
+            .when("process", &["milling"]),
+        Key::optional(
+            "plan",
+            Kind::Choice(CONTOUR_RULES),
+            "Regime that is programmed, where the policy has none of its own; left out: handbook_one_feed",
+        )
+        .when("process", &["milling"]),
         Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
             .when("process", &["infeed"]),
         Key::optional("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")

@@ -1,13 +1,17 @@
-//! Work that is planned: cycles designed to limits, and the policies that run them.
+//! Work that is planned: cycles designed to limits, contours, and the policies that run them.
 
 use super::fault::Fault;
 use super::processes::set_record;
 use super::walk::{Section, Span, Value, Walk};
 use crate::policy::ResolvedPolicy;
-use crate::scenario::{ContourRule, CycleWork, DressingRule, GrindingRule, ProcessModel, Scenario, Work};
+use crate::scenario::{
+    ContourRule, ContourWork, CycleWork, DressingRule, GrindingRule, MachineType, ProcessModel, Scenario, ToolType,
+    Work,
+};
 use crate::shop::ShopError;
 use std::sync::Arc;
 use toml::de::DeValue;
+use toolroom_contour::ContourFile;
 use toolroom_infeed::{CycleFile, CycleLimits, Infeed, Input};
 
 /// Keys of a grinding operation that the cycle file contains.
@@ -54,10 +58,58 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
     }
 }
 
+/// Keys of a milling operation that a contour makes superfluous.
+const OF_CONTOUR: &[&str] =
+    &["passes", "pass", "cutting_speed", "feed_per_tooth", "depth_of_cut", "width_of_cut", "path_length"];
+
+/// Passes around the contour of a file; `None` where a problem was noted.
+pub(super) fn contour(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    tool: Option<&ToolType>,
+    machine: Option<&MachineType>,
+) -> Option<Work> {
+    let path = section.text("contour")?;
+    not_beside(walk, section, "contour", OF_CONTOUR);
+    let text = walk.file(section, "contour", path)?;
+    let content = match ContourFile::read(&text) {
+        Ok(content) => content,
+        Err(reason) => {
+            walk.fault(section.span_of("contour"), Fault::ContourFile { file: path.to_owned(), reason });
+            return None;
+        }
+    };
+    let passes = contour_passes(walk, section, &content)?;
+    let rule = contour_rule(section.text("plan")).unwrap_or(ContourRule::HandbookOneFeed);
+    match ContourWork::new(path, content, passes, rule, tool?, machine?) {
+        Ok(work) => Some(Work::Contour(Arc::new(work))),
+        Err(reason) => {
+            walk.fault(section.span_of("contour"), Fault::Contour { subject: section.path.clone(), reason });
+            None
+        }
+    }
+}
+
+/// The passes that `contour_passes` names, in that order; all of the file where it is left out.
+fn contour_passes(walk: &mut Walk, section: &Section<'_>, content: &ContourFile) -> Option<Vec<usize>> {
+    let names = || content.passes.iter().map(|(name, _)| name.as_str());
+    if !section.given("contour_passes") {
+        return Some((0..content.passes.len()).collect());
+    }
+    let named = section.list("contour_passes");
+    let found: Vec<usize> = named
+        .iter()
+        .filter_map(|got| super::resolve::reference(walk, "pass of the contour", Some(got), names()))
+        .collect();
+    (found.len() == named.len() && !found.is_empty()).then_some(found)
+}
+
 /// Whether every policy can plan what it has to: only the whole scenario tells.
 pub(super) fn policies(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
     let operations = || scenario.parts.iter().flat_map(|part| &part.operations);
-    if !walk.problems.is_empty() || !operations().any(|operation| matches!(operation.work, Work::Cycle(_))) {
+    if !walk.problems.is_empty()
+        || !operations().any(|operation| matches!(operation.work, Work::Cycle(_) | Work::Contour(_)))
+    {
         return;
     }
     for (policy, place) in places.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::fault::Fault;
 use super::form::{Kind, Quantity};
-use super::planned::cycle;
+use super::planned::{contour, cycle};
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::walk::{Section, Value, Walk};
 use super::words::display;
@@ -79,9 +79,14 @@ fn operations(
         }
         let candidates = machine_indices(walk, &section, names);
         let able = able_machines(walk, &section, &name, &candidates, machines, tool_name.unwrap_or_default(), process);
-        let model = tool.and_then(|tool| tools[tool].tool.as_ref()).map(|tool| &tool.process);
+        let known = tool.and_then(|tool| tools[tool].tool.as_ref());
+        let model = known.map(|tool| &tool.process);
         let work = match process {
             Some("infeed") => grinding(walk, &section, model),
+            Some("milling") if section.given("contour") => {
+                let machine = able.first().map(|machine| &machines[*machine]);
+                contour(walk, &section, known, machine).unwrap_or(Work::Cutting(Vec::new()))
+            }
             Some(process) => cutting(walk, &section, process, &able, machines, model),
             None => Work::Cutting(Vec::new()),
         };
