@@ -4,6 +4,7 @@
 mod adaptive;
 mod breakdowns;
 mod conservation;
+mod contours;
 mod cycles;
 mod dispatching;
 mod grinding;
