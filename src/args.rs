@@ -93,10 +93,13 @@ pub enum Command {
   toolroom lobes scenarios/chatter/turning-bar.toml --set bar.position=\"100 mm\"
   toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation")]
     Lobes(LobesArgs),
-    /// Tool lives: fits to measured ones
+    /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
+  toolroom life scenarios/life/policies.toml          study of policies, report in out/policies
+  toolroom life study.toml --lives 1000000 --set scatter=\"lab\"
+  toolroom life study.toml --plan plan.json --shards 256      for a cluster
+  toolroom life --run plan.json --shard 17 --out parts        one shard of it; then: toolroom merge parts
   toolroom life --fit lives.csv                       columns life [min], censored, inspected, group
-  toolroom life --fit lives.csv --costs 1 5 --json    best replacement where a failure costs five times
   toolroom life --fit nasa.csv --edge case --age time --wear VB --limit 0.3 \\
       --regress \"ln(DOC)\" --regress \"ln(feed)\" --regress material=2")]
     Life(LifeArgs),
@@ -119,6 +122,11 @@ pub enum Command {
   toolroom contour setup.toml --gcode part.nc            contour from a part program
   toolroom contour scenarios/contour/cam.toml --ramps --json")]
     Contour(ContourArgs),
+    /// Merge the parts of a study that was run in shards
+    #[command(before_help = "Examples:
+  toolroom merge parts
+  toolroom merge parts --out out/study --json")]
+    Merge(MergeArgs),
     /// Published numbers beside computed ones, for every model
     #[command(before_help = "Examples:
   toolroom validate
@@ -358,14 +366,59 @@ pub struct LobesArgs {
 
 #[derive(Args, Debug)]
 pub struct LifeArgs {
-    /// Measured lives, or wear readings with --wear
-    #[arg(long, value_name = "CSV")]
-    pub fit: PathBuf,
+    /// Study file
+    #[arg(required_unless_present_any = ["fit", "run"], conflicts_with_all = ["fit", "run"])]
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub shards: Shards,
+    /// Fit laws to measured lives, or to wear readings with --wear
+    #[arg(long, value_name = "CSV", conflicts_with = "run")]
+    pub fit: Option<PathBuf>,
     #[command(flatten)]
     pub readings: Readings,
     /// Regress ln(life) on a column, on ln(COLUMN), or on COLUMN=VALUE, repeatable
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(long, value_name = "COLUMN", requires = "fit")]
     pub regress: Vec<String>,
+    #[command(flatten)]
+    pub statistics: Statistics,
+    /// Directory of the results, out/NAME if left out; of the parts with --run
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// How a study is run.
+#[derive(Args, Clone, Debug)]
+pub struct Shards {
+    /// Replace a value of the study: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE", conflicts_with_all = ["fit", "run"])]
+    pub set: Vec<String>,
+    /// Lives of every condition under every policy, instead of the study's
+    #[arg(long, conflicts_with_all = ["fit", "run"])]
+    pub lives: Option<u64>,
+    /// Write a plan instead of running
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["fit", "run"])]
+    pub plan: Option<PathBuf>,
+    /// Number of shards
+    #[arg(long, conflicts_with_all = ["fit", "run"], value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub shards: Option<u64>,
+    /// Run one shard of a plan
+    #[arg(long, value_name = "PLAN", requires_all = ["shard", "out"])]
+    pub run: Option<PathBuf>,
+    /// Its number, from 0
+    #[arg(long, requires = "run")]
+    pub shard: Option<u64>,
+    /// Go on with a study that was stopped
+    #[arg(long, conflicts_with_all = ["fit", "run", "plan"])]
+    pub resume: bool,
+    /// Threads, 0 for one per processor; the results do not depend on it
+    #[arg(long, default_value_t = 0)]
+    pub threads: usize,
+}
+
+#[derive(Args, Debug)]
+pub struct MergeArgs {
+    /// Directory of the parts
+    pub dir: PathBuf,
     #[command(flatten)]
     pub statistics: Statistics,
     /// Directory of the results, out/NAME if left out
@@ -399,8 +452,8 @@ pub struct Readings {
 /// What is worked out of lives.
 #[derive(Args, Clone, Debug)]
 pub struct Statistics {
-    /// Cost of a planned replacement and of a failure, in any money
-    #[arg(long, num_args = 2, value_names = ["PLANNED", "FAILURE"], default_values_t = [1.0, 5.0])]
+    /// Cost of a planned replacement and of a failure, in any money; 1 and 5 if left out
+    #[arg(long, num_args = 2, value_names = ["PLANNED", "FAILURE"])]
     pub costs: Vec<f64>,
     /// Confidence of intervals and bands
     #[arg(long, default_value_t = 0.9, value_parser = crate::life::confidence)]

@@ -1,15 +1,36 @@
 //! `toolroom life`: tool lives, measured or simulated.
 
+mod file;
 mod fit;
+mod keys;
+mod page;
+mod study;
 
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
 use crate::speak::Voice;
+use serde_json::Value;
+use std::path::Path;
 use toolroom_analysis::life::analysis::Request;
 use toolroom_analysis::life::replacement::Costs;
 
+pub use study::merge;
+
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
-    fit::run(args, voice)
+    match (&args.fit, &args.file) {
+        (Some(csv), _) => fit::run(args, csv, voice),
+        (None, Some(file)) => study::run(args, file, voice),
+        (None, None) => study::shard(args, voice),
+    }
+}
+
+fn put(directory: &Path, name: &str, text: &str) -> Result<(), Failure> {
+    let path = directory.join(name);
+    std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
+}
+
+fn pretty(value: &Value) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(Failure::Json)
 }
 
 /// A confidence between 50 and 99.9 %: `0.9`, `90 %`.
@@ -24,11 +45,13 @@ pub fn confidence(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What the arguments ask for.
-fn request(statistics: &Statistics) -> Result<Request, Failure> {
-    let [planned, failure] = statistics.costs[..] else {
-        return Err(Failure::argument("--costs takes two numbers", "write for example --costs 1 5"));
+/// What the arguments ask for; `costs` are those of a study file.
+fn request(statistics: &Statistics, costs: Option<Costs>) -> Result<Request, Failure> {
+    let costs = match statistics.costs[..] {
+        [planned, failure] => Costs { planned, failure },
+        _ => costs.unwrap_or(Request::default().costs),
     };
+    let Costs { planned, failure } = costs;
     if !(planned > 0.0 && failure.is_finite() && failure >= planned) {
         let message = format!("--costs {planned} {failure}: a failure costs at least as much as a planned replacement");
         return Err(Failure::argument(message, "write both in one money, for example --costs 1 5"));
@@ -37,7 +60,7 @@ fn request(statistics: &Statistics) -> Result<Request, Failure> {
         confidence: statistics.confidence,
         bootstrap: statistics.bootstrap,
         goodness: statistics.goodness,
-        costs: Costs { planned, failure },
+        costs,
         seed: statistics.seed.unwrap_or(1),
         ..Request::default()
     })

@@ -21,6 +21,7 @@ mod grind;
 mod identify;
 mod life;
 mod lobes;
+mod merge;
 mod new;
 mod output;
 mod point;
@@ -68,6 +69,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Identify(args) => identify::run(&args, voice),
         Command::Grind(args) => grind::run(&args, voice),
         Command::Contour(args) => contour::run(&args, voice),
+        Command::Merge(args) => merge::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),

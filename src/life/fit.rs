@@ -1,6 +1,6 @@
 //! `toolroom life --fit DATA.csv`: laws of measured lives.
 
-use super::request;
+use super::{pretty, put, request};
 use crate::args::LifeArgs;
 use crate::failure::Failure;
 use crate::output::OutputDir;
@@ -30,11 +30,11 @@ struct Group {
     analysis: Result<Analysis, String>,
 }
 
-pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
+pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
-    let request = request(&args.statistics)?;
-    let file = args.fit.display().to_string();
-    let bytes = std::fs::read(&args.fit)
+    let request = request(&args.statistics, None)?;
+    let file = csv.display().to_string();
+    let bytes = std::fs::read(csv)
         .map_err(|error| Failure::argument(format_args!("{file} cannot be read: {error}"), "give a CSV file"))?;
     let measured = read(&file, &bytes, &layout(args)?, &args.regress)
         .map_err(|error| Failure::argument(error, "toolroom life --help shows the columns"))?;
@@ -45,7 +45,7 @@ pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     let groups = groups(&measured, &request)?;
     let regression = regression(args, &measured)?;
     let out = OutputDir::create(&args.out.clone().unwrap_or_else(|| {
-        let stem = args.fit.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let stem = csv.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         default_out(&format!("life-{stem}"))
     }))?;
     let inputs = vec![(file.clone(), fingerprint(&bytes))];
@@ -82,15 +82,6 @@ pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-fn put(directory: &Path, name: &str, text: &str) -> Result<(), Failure> {
-    let path = directory.join(name);
-    std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
-}
-
-fn pretty(value: &Value) -> Result<String, Failure> {
-    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(Failure::Json)
 }
 
 fn layout(args: &LifeArgs) -> Result<Layout, Failure> {

@@ -212,6 +212,16 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
     }
 }
 
+/// The numbers of one column of a table.
+///
+/// # Errors
+/// As [`read`].
+pub fn numbers(file: &str, bytes: &[u8], column: &str) -> Result<Vec<f64>, MeasuredError> {
+    let table = Table::read(file, bytes)?;
+    let column = table.column(column)?;
+    table.rows.iter().map(|row| table.number(row, column)).collect()
+}
+
 /// The age at which readings (age, wear) first reach a limit. Before the first reading an edge is
 /// taken as new at age 0.
 fn crossing(readings: &[(f64, f64)], limit: f64, interpolate: bool) -> Option<Observation> {

@@ -22,6 +22,7 @@
 //! | [`analysis`] | all of it in one go |
 //! | [`measured`] | lives and wear readings from CSV files |
 //! | [`picture`], [`page`] | the same as charts, report sections and JSON |
+//! | [`study`] | Monte Carlo studies |
 //! | [`maximise`] | the search that the fits use |
 //!
 //! Times are in any one unit; results come in the same.
@@ -39,4 +40,5 @@ pub mod picture;
 pub mod regression;
 pub mod replacement;
 pub mod sample;
+pub mod study;
 pub mod survival;

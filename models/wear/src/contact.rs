@@ -110,7 +110,7 @@ impl<'a, N: Number> Contact<'a, N> {
 
     /// Contact temperature at a temperature rise of chip and flank and one of the body, K.
     #[inline]
-    pub(crate) fn temperature(&self, rise: N, body: N) -> N {
+    pub fn temperature(&self, rise: N, body: N) -> N {
         let share = self.pair.temperature.body_share;
         self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.cut.engaged) + share * body
     }

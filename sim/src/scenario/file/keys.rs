@@ -565,7 +565,8 @@ static DRESSING: Form = Form {
 const NOISE: Kind = quantity("1", "1", 0.0, 1.0, "1.5 %");
 
 /// Sensors; the defaults are those of the observer's derivation.
-pub(super) static SENSORS: Form = Form {
+/// Sensors of an adaptive controller.
+pub static SENSORS: Form = Form {
     title: "sensors",
     doc: "What an adaptive controller measures, and how well",
     keys: &[

@@ -137,8 +137,9 @@ fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
     walk.fault(tool.span_of("parameter_set"), fault);
 }
 
-/// `scatter = "lab"`, or a table of deviations from the shop's scatter.
-pub(super) fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
+/// The key `scatter` of a section: `scatter = "lab"`, or a table of deviations from the shop's
+/// scatter.
+pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
     let mut scatter = match tool.text("scatter") {
         Some("none") => Scatter::none(),
         Some("lab") => Scatter::lab(),
@@ -183,8 +184,9 @@ fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
     })
 }
 
-/// `parameters = { group = { name = "1.5 mm" } }` into the groups of a process.
-fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
+/// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the
+/// groups of a process.
+pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
     let Some(Value::Raw(raw)) = tool.got("parameters").map(|got| &got.value) else { return };
     let span = tool.span_of("parameters");
     let example = "{ limits = { wear_limit = \"0.5 mm\" } }";

@@ -130,7 +130,8 @@ fn believed_model(walk: &mut Walk, section: &Section<'_>) -> Option<String> {
     Some(name.to_owned())
 }
 
-fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
+/// The key `sensors` of a section, a table of [`SENSORS`]; left out, the default sensors.
+pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
     let given = matches!(section.got("sensors").map(|got| &got.value), Some(Value::Raw(_)));
     let table = if given { walk.table(section, "sensors") } else { None };
     let table = table.unwrap_or_else(|| {

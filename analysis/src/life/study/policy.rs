@@ -1,0 +1,202 @@
+//! How the speed of an edge is chosen in a study.
+
+use std::sync::Arc;
+use toolroom_sim::scenario::SensorSheet;
+use toolroom_wear::{Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable};
+
+/// A rule, before it is worked out for a cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// The speed of the condition.
+    Programmed,
+    /// One speed that is best for something on the nominal model.
+    Best(Objective),
+    /// Least wear per path at a reference wear (m) on the nominal model (Makarov).
+    Makarov(f64),
+    /// Speed against path, tabulated on the nominal model.
+    Schedule,
+    /// Least wear per path at the estimated wear (mode 1).
+    MinimumWear,
+    /// Path weighed against time at a price (s/m) at the estimated wear.
+    Price(f64),
+    /// Mode 1 at the true wear.
+    Oracle,
+}
+
+/// When the sensors are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// At the end of every pass.
+    Pass,
+    /// Every sampling period of the sensors.
+    Period,
+}
+
+/// Greatest change of speed from pass to pass, share of the reference speed; Postnov & Shafikov
+/// restrict it, the size is an assumption.
+const LARGEST_STEP: f64 = 0.15;
+/// Greatest acceleration within a pass, share of the reference speed per second: 20 m/min per
+/// minute at 40 m/min (assumption).
+const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
+/// Inflation of the noise of the thermo-EMF for its bias, relative (assumption).
+const EMF_INFLATION: f64 = 0.02;
+/// Least noise that the filter reckons with, relative (assumption).
+const LEAST_NOISE: f64 = 1e-3;
+/// Sweeps of the fixed point between the speed at the end of a pass and the wear there.
+const SWEEPS: u32 = 3;
+
+#[derive(Clone, Debug)]
+enum Speed {
+    Constant(f64),
+    Schedule(SpeedSchedule),
+    Planned { law: SpeedTable, oracle: bool },
+}
+
+/// A rule worked out for one nominal cut.
+#[derive(Clone, Debug)]
+pub struct Policy {
+    speed: Speed,
+    pair: Arc<Pair>,
+    cut: Cut,
+    sensors: SensorSheet,
+    reading: Reading,
+    template: Option<Observer>,
+    largest_step: f64,
+}
+
+/// Speed over one pass, linear in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ramp {
+    /// At the start, m/s.
+    pub start: f64,
+    /// At the end, m/s.
+    pub end: f64,
+}
+
+/// What a policy remembers of one edge.
+#[derive(Clone, Debug)]
+pub struct Pilot {
+    observer: Option<Observer>,
+    last_speed: Option<f64>,
+}
+
+impl Policy {
+    /// Works a rule out on the nominal `pair` at the nominal `cut`; `allowance` (m) is the scatter
+    /// of depth that the observer reckons with.
+    pub fn new(rule: Rule, pair: &Pair, cut: &Cut, allowance: f64, sensors: SensorSheet, reading: Reading) -> Self {
+        let limits = pair.limits;
+        let law = |speed: &dyn Fn(f64) -> f64| SpeedTable::tabulate(limits.wear_limit, |wear| limits.clip(speed(wear)));
+        let least = || law(&|wear| pair.minimum_wear_speed(cut, wear));
+        let speed = match rule {
+            Rule::Programmed => Speed::Constant(cut.cutting_speed),
+            Rule::Best(objective) => Speed::Constant(pair.best_constant_speed(cut, objective).cutting_speed),
+            Rule::Makarov(wear) => Speed::Constant(limits.clip(pair.minimum_wear_speed(cut, wear))),
+            Rule::Schedule => {
+                let speed = |wear: f64| limits.clip(pair.minimum_wear_speed(cut, wear));
+                Speed::Schedule(SpeedSchedule::tabulate(pair, speed, cut, 60))
+            }
+            Rule::MinimumWear => Speed::Planned { law: least(), oracle: false },
+            Rule::Price(price) => {
+                Speed::Planned { law: law(&|wear| pair.shadow_price_speed(cut, wear, price)), oracle: false }
+            }
+            Rule::Oracle => Speed::Planned { law: least(), oracle: true },
+        };
+        let noise = ObserverNoise {
+            power_noise: sensors.spindle_power.max(LEAST_NOISE),
+            feed_force_noise: sensors.feed_force.max(LEAST_NOISE),
+            emf_noise: sensors.thermo_emf.hypot(EMF_INFLATION),
+            depth_scatter: allowance,
+            ..ObserverNoise::default()
+        };
+        let observes = matches!(speed, Speed::Planned { oracle: false, .. });
+        Self {
+            template: observes.then(|| Observer::new(pair, noise)),
+            speed,
+            pair: Arc::new(pair.clone()),
+            cut: *cut,
+            sensors,
+            reading,
+            largest_step: LARGEST_STEP * limits.reference_speed,
+        }
+    }
+
+    /// The speed of a policy that never changes it, m/s.
+    pub fn constant(&self) -> Option<f64> {
+        if let Speed::Constant(speed) = self.speed { Some(speed) } else { None }
+    }
+
+    /// The sensors of a policy that reads some.
+    pub fn sensors(&self) -> Option<&SensorSheet> {
+        self.template.as_ref().map(|_| &self.sensors)
+    }
+
+    /// Time between readings in a pass of this duration, s; infinite where nothing is read.
+    pub fn sampling(&self, duration: f64) -> f64 {
+        match (&self.template, self.reading) {
+            (None, _) => f64::INFINITY,
+            (_, Reading::Pass) => duration,
+            (_, Reading::Period) => self.sensors.sampling_period.min(duration),
+        }
+    }
+
+    /// A pilot for a new edge.
+    pub fn pilot(&self) -> Pilot {
+        Pilot { observer: self.template.clone(), last_speed: None }
+    }
+}
+
+impl Pilot {
+    /// The speeds of the next pass of `length` (m) of an edge that has cut `path` (m).
+    pub fn plan(&mut self, policy: &Policy, true_wear: f64, path: f64, length: f64) -> Ramp {
+        if let Some(observer) = &mut self.observer {
+            observer.begin_pass(policy.cut.depth_of_cut);
+        }
+        let ramp = match &policy.speed {
+            Speed::Constant(speed) => Ramp { start: *speed, end: *speed },
+            Speed::Schedule(schedule) => Ramp { start: schedule.speed_at(path), end: schedule.speed_at(path + length) },
+            Speed::Planned { law, oracle } => {
+                let estimate = self.observer.as_ref().map(Observer::estimate);
+                let (wear, factor) = match estimate {
+                    Some(estimate) if !oracle => (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp()),
+                    _ => (true_wear, 1.0),
+                };
+                policy.planned(law, wear, factor, length, self.last_speed)
+            }
+        };
+        self.last_speed = Some(ramp.end);
+        ramp
+    }
+
+    /// Takes a reading `dt` seconds after the last one.
+    pub fn see(&mut self, policy: &Policy, mean_speed: f64, speed: f64, dt: f64, measured: &Measurement) {
+        if let Some(observer) = &mut self.observer {
+            observer.predict(&policy.cut.at_speed(mean_speed), dt);
+            observer.update(&policy.cut.at_speed(speed), measured);
+        }
+    }
+}
+
+impl Policy {
+    /// Speeds by a law of wear at both ends of a pass, the wear at its end by the midpoint rule on
+    /// the nominal model times the estimated factor of this edge. The first pass starts at the
+    /// speed of the law, however far from the programmed one.
+    fn planned(&self, law: &SpeedTable, wear: f64, factor: f64, length: f64, last: Option<f64>) -> Ramp {
+        let limits = &self.pair.limits;
+        let wanted = law.speed_at(wear);
+        let near = last.unwrap_or(wanted);
+        let start = limits.clip(wanted.max(near - self.largest_step).min(near + self.largest_step));
+        // v² changes by 2·a·l over a path.
+        let reach = 2.0 * LARGEST_ACCELERATION * limits.reference_speed * length;
+        let (slowest, fastest) = ((start * start - reach).max(0.0).sqrt(), (start * start + reach).sqrt());
+        let contact = self.pair.contact(&self.cut.at_speed(start));
+        let intensity = |wear: f64, speed: f64| factor * contact.at_speed(speed).steady_wear(wear).intensity(speed);
+        let most = limits.wear_limit;
+        let mut growth = (intensity(wear, start) * length).min(most);
+        let mut end = start;
+        for _ in 0..SWEEPS {
+            end = law.speed_at(wear + growth).max(slowest).min(fastest);
+            growth = (intensity(wear + 0.5 * growth, 0.5 * (start + end)) * length).min(most);
+        }
+        Ramp { start, end: limits.clip(end) }
+    }
+}

@@ -1,0 +1,146 @@
+//! Lives by the block, in parallel.
+
+use super::edge::{LEVELS, Outcome, stream_of};
+use super::points::Points;
+use super::tally::{Digest, Sketch, Sums};
+use super::{Cell, End, Study};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Lives of a block: what one thread takes at a time.
+pub const BLOCK: u64 = 4096;
+/// Lives of a cell whose wear curves are kept, from the first.
+pub const CURVES: u64 = 20_000;
+
+/// What is kept of the lives of one cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tally {
+    /// Lives, s.
+    pub life: Sums,
+    /// Cutting paths, m.
+    pub path: Sums,
+    /// Lives of each end, in the order of [`End::ALL`].
+    pub ends: Vec<Sketch>,
+    /// Paths.
+    pub paths: Sketch,
+    /// First passages of the wear levels, s, of the first [`CURVES`] lives.
+    pub passages: Vec<Sketch>,
+    /// Cycles of replacement at each level, of the same lives.
+    pub cycles: Vec<WearCycles>,
+    /// Lives and squared weights, for importance sampling.
+    pub weights: Sums,
+    /// Weight of edges that failed before the early age of the study, and 0 for the others.
+    pub early: Sums,
+    /// Hash of all lives.
+    pub digest: Digest,
+}
+
+/// Cycles of edges that are replaced when their wear passes a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WearCycles {
+    /// One where the edge ended before.
+    pub failed: Sums,
+    /// Time in cut until then.
+    pub length: Sums,
+}
+
+impl Tally {
+    /// Adds a life.
+    pub fn push(&mut self, index: u64, outcome: &Outcome, early: f64) {
+        if self.ends.is_empty() {
+            self.ends = vec![Sketch::default(); End::ALL.len()];
+            self.passages = vec![Sketch::default(); LEVELS];
+            self.cycles = vec![WearCycles::default(); LEVELS];
+        }
+        let weight = outcome.weight;
+        self.life.push(outcome.life, weight);
+        self.path.push(outcome.path, weight);
+        self.weights.push(weight, 1.0);
+        self.paths.push(outcome.path, weight);
+        let fails_early = outcome.life < early && !outcome.end.censored();
+        self.early.push(if fails_early { weight } else { 0.0 }, 1.0);
+        let end = End::ALL.iter().position(|end| *end == outcome.end).unwrap_or(0);
+        self.ends[end].push(outcome.life, weight);
+        let words = [index, outcome.life.to_bits(), outcome.path.to_bits(), end as u64];
+        self.digest.push(&words);
+        if index < CURVES {
+            for ((passage, sketch), cycles) in outcome.passages.iter().zip(&mut self.passages).zip(&mut self.cycles) {
+                if passage.is_finite() && *passage > 0.0 {
+                    sketch.push(*passage, weight);
+                }
+                // An edge that reaches the level at its very end is spent, not replaced.
+                let in_time = *passage < outcome.life;
+                cycles.failed.push(f64::from(u8::from(!in_time)), weight);
+                cycles.length.push(passage.min(outcome.life), weight);
+            }
+        }
+    }
+
+    /// Adds the lives of another part.
+    pub fn merge(&mut self, other: &Self) {
+        if self.ends.is_empty() {
+            *self = other.clone();
+            return;
+        }
+        if other.ends.is_empty() {
+            return;
+        }
+        self.life.merge(&other.life);
+        self.path.merge(&other.path);
+        self.weights.merge(&other.weights);
+        self.paths.merge(&other.paths);
+        self.early.merge(&other.early);
+        self.digest.merge(&other.digest);
+        let sketches = [(&mut self.ends, &other.ends), (&mut self.passages, &other.passages)];
+        for (own, others) in sketches {
+            own.iter_mut().zip(others).for_each(|(own, other)| own.merge(other));
+        }
+        for (own, other) in self.cycles.iter_mut().zip(&other.cycles) {
+            own.failed.merge(&other.failed);
+            own.length.merge(&other.length);
+        }
+    }
+
+    /// Effective number of lives under weights, (Σw)²/Σw².
+    pub fn effective(&self) -> f64 {
+        let (mean, n) = (self.weights.mean(), self.weights.count() as f64);
+        let squares = self.weights.variance() * (n - 1.0) / n + mean * mean;
+        n * mean * mean / squares
+    }
+}
+
+/// Lives `from..to` of a cell; the outcomes in the order of their numbers, if they are wanted.
+pub fn lives(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tally, Vec<Outcome>) {
+    let starts: Vec<u64> = (from..to).step_by(BLOCK as usize).collect();
+    let parts: Vec<(Tally, Vec<Outcome>)> =
+        starts.into_par_iter().map(|start| block(study, cell, start, to.min(start + BLOCK), keep)).collect();
+    let mut tally = Tally::default();
+    let mut outcomes = Vec::new();
+    for (part, rows) in parts {
+        tally.merge(&part);
+        outcomes.extend(rows);
+    }
+    (tally, outcomes)
+}
+
+fn block(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tally, Vec<Outcome>) {
+    let points = Points::new(study.sampling, study.seed, study.lives);
+    let mut point = vec![0.0; study.dimensions()];
+    let mut tally = Tally::default();
+    let mut outcomes = Vec::with_capacity(if keep { (to - from) as usize } else { 0 });
+    for index in from..to {
+        points.at(index, &mut point);
+        if let Some(copula) = &study.copula {
+            copula.apply(&mut point);
+        }
+        let outcome = study.live(cell, &point, &mut stream_of(study.seed, index));
+        tally.push(index, &outcome, study.early);
+        if keep {
+            outcomes.push(outcome);
+        }
+    }
+    (tally, outcomes)
+}
+
+#[cfg(test)]
+mod tests;

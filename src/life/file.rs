@@ -1,0 +1,416 @@
+//! From the sections of a study file to a study.
+
+use super::keys::STUDY;
+use std::path::Path;
+use toolroom_analysis::life::measured::numbers;
+use toolroom_analysis::life::replacement::Costs;
+use toolroom_analysis::life::study::edge::COORDINATES;
+use toolroom_analysis::life::study::points::Sampling;
+use toolroom_analysis::life::study::policy::{Reading, Rule};
+use toolroom_analysis::life::study::spread::{Copula, Spread};
+use toolroom_analysis::life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
+use toolroom_process::{Record, unit};
+use toolroom_sim::scenario::file::{
+    Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,
+};
+use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
+
+/// What a study file says.
+#[derive(Clone, Debug)]
+pub struct StudyFile {
+    pub study: Study,
+    /// Relative half-width at which the study stops.
+    pub until: Option<f64>,
+    pub costs: Option<Costs>,
+    /// Rows of Sobol indices and paths of Morris.
+    pub sensitivity: Option<(u64, u64)>,
+    pub write_lives: bool,
+}
+
+/// Reads the text of a study; `file` is its name in messages, `directory` where its paths start.
+pub fn parse(file: &str, text: &str, directory: &Path, overrides: &[String]) -> Result<FormFile<StudyFile>, ReadError> {
+    parse_form(file, text, overrides, &STUDY, |walk, root| resolve(walk, root, directory))
+}
+
+fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<StudyFile> {
+    let mut pair = pair(walk, root)?;
+    deviations(walk, root, pair.parameters_mut());
+    let scatter = scatter(walk, root);
+    let conditions = conditions(walk, root, &pair);
+    let ends = walk.table(root, "end").map_or_else(Ends::default, |section| ends(walk, &section));
+    if scatter.chipped_share > 0.0 && pair.chipping.rate == 0.0 {
+        match pair.chipping.for_share(&pair, &conditions[0].1, scatter.chipped_share) {
+            Ok(chipping) => pair.chipping = chipping,
+            Err(reason) => {
+                walk.fault(root.span_of("scatter"), Fault::Model { subject: "chipped_share".to_owned(), reason });
+            }
+        }
+    }
+    let cells = cells(walk, root, &pair, &scatter, &conditions);
+    let fields = fields(walk, root, &pair, directory);
+    let copula = copula(walk, root, &fields);
+    let passes = walk.table(root, "passes");
+    let passes = passes.map_or(Passes { path: 37.7, pause: 0.0 }, |section| Passes {
+        path: section.required("path"),
+        pause: section.required("pause"),
+    });
+    let early = walk.table(root, "early");
+    let tilt = early.as_ref().map_or_else(Tilt::default, |section| Tilt {
+        wear_shift: section.required("wear_shift"),
+        chipping_rate: section.required("chipping_rate"),
+    });
+    let costs = walk.table(root, "replacement").and_then(|section| costs(walk, &section));
+    let sensitivity = walk.table(root, "sensitivity");
+    let sensitivity = sensitivity.and_then(|section| Some((section.count("samples")?, section.count("trajectories")?)));
+    let sampling = match root.text("sampling") {
+        Some("antithetic") => Sampling::Antithetic,
+        Some("latin_hypercube") => Sampling::LatinHypercube,
+        Some("sobol") => Sampling::Sobol,
+        _ => Sampling::Plain,
+    };
+    let name = root.text("name")?.to_owned();
+    let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
+    let study = Study {
+        title,
+        seed: root.count("seed")?,
+        lives: root.count("lives")?,
+        pair,
+        scatter,
+        fields,
+        copula,
+        cells,
+        ends,
+        passes,
+        lagged: root.text("body") == Some("lagged"),
+        sampling,
+        tilt,
+        early: early.and_then(|section| section.si("age")).unwrap_or(0.0),
+        name,
+    };
+    let until = root.si("until");
+    Some(StudyFile { study, until, costs, sensitivity, write_lives: root.flag("write_lives")? })
+}
+
+fn pair(walk: &mut Walk, root: &Section<'_>) -> Option<Pair> {
+    let set = root.text("parameter_set")?;
+    let names = || PARAMETER_SETS.iter().map(|(name, _)| *name);
+    match Pair::named(set) {
+        Ok(pair) => Some(pair),
+        Err(_) => {
+            let fault = Fault::UnknownName {
+                kind: "parameter set",
+                name: set.to_owned(),
+                nearest: nearest(set, names()).map(str::to_owned),
+                known: names().collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(root.span_of("parameter_set"), fault);
+            None
+        }
+    }
+}
+
+/// Every cut of the grids, with its name; at least one.
+fn conditions(walk: &mut Walk, root: &Section<'_>, pair: &Pair) -> Vec<(String, Cut)> {
+    let reference = pair.reference_cut();
+    let mut conditions = Vec::new();
+    for section in walk.sections(root, "condition", None) {
+        let values =
+            |key: &str, reference: f64| section.numbers(key).filter(|list| !list.is_empty()).unwrap_or(vec![reference]);
+        let (speeds, feeds, depths) = (
+            values("cutting_speed", reference.cutting_speed),
+            values("feed_per_rev", reference.feed_per_rev),
+            values("depth_of_cut", reference.depth_of_cut),
+        );
+        let single = speeds.len() * feeds.len() * depths.len() == 1;
+        for &speed in &speeds {
+            for &feed in &feeds {
+                for &depth in &depths {
+                    let mut parts: Vec<String> = section.text("name").map(str::to_owned).into_iter().collect();
+                    if !single || parts.is_empty() {
+                        parts.push(format!("v {}", significant(unit::convert(speed, "m/s", "m/min"))));
+                    }
+                    if feeds.len() > 1 {
+                        parts.push(format!("f {}", significant(feed * 1e3)));
+                    }
+                    if depths.len() > 1 {
+                        parts.push(format!("a {}", significant(depth * 1e3)));
+                    }
+                    conditions.push((parts.join(", "), Cut::nominal(speed, feed, depth)));
+                }
+            }
+        }
+    }
+    if conditions.is_empty() {
+        conditions.push((String::new(), reference));
+    }
+    conditions
+}
+
+fn cells(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    pair: &Pair,
+    scatter: &toolroom_wear::Scatter,
+    conditions: &[(String, Cut)],
+) -> Vec<Cell> {
+    let mut policies = Vec::<(String, Rule, Reading, toolroom_sim::scenario::SensorSheet)>::new();
+    for section in walk.sections(root, "policy", None) {
+        let name = section.text("name").unwrap_or_default().to_owned();
+        if policies.iter().any(|(known, ..)| *known == name) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "policy", name: name.clone() });
+        }
+        let rule = match section.text("speed") {
+            Some("best_path") => Rule::Best(Objective::Path),
+            Some("best_life") => Rule::Best(Objective::Life),
+            Some("best_rate") => Rule::Best(Objective::Rate { change_time: section.required("change_time") }),
+            Some("makarov") => Rule::Makarov(section.required("at_flank_wear")),
+            Some("schedule") => Rule::Schedule,
+            Some("minimum_wear") => Rule::MinimumWear,
+            Some("price") => Rule::Price(section.required("price")),
+            Some("oracle") => Rule::Oracle,
+            _ => Rule::Programmed,
+        };
+        let reading = if section.text("reading") == Some("pass") { Reading::Pass } else { Reading::Period };
+        policies.push((name, rule, reading, sensors(walk, &section)));
+    }
+    if policies.is_empty() {
+        let sensors = toolroom_sim::scenario::SensorSheet::default();
+        policies.push(("programmed".to_owned(), Rule::Programmed, Reading::Pass, sensors));
+    }
+    let made = conditions.iter().flat_map(|(condition, cut)| {
+        policies.iter().map(move |(name, rule, reading, sensors)| {
+            cell((condition, *cut), (name, *rule, *reading), pair, scatter, *sensors)
+        })
+    });
+    made.collect()
+}
+
+fn ends(walk: &mut Walk, section: &Section<'_>) -> Ends {
+    let value = |key: &str| section.si(key).unwrap_or(f64::INFINITY);
+    let mut ends = Ends {
+        wear: value("flank_wear"),
+        force: value("cutting_force"),
+        path: value("path"),
+        time: value("time"),
+        ..Ends::default()
+    };
+    if let Some(rough) = walk.table(section, "roughness") {
+        let (new, limit) = (rough.required("new"), rough.required("limit"));
+        if limit <= new {
+            let micrometres = |value: f64| format!("{} um", significant(value * 1e6));
+            let fault = Fault::Contradiction {
+                first: "new",
+                first_value: micrometres(new),
+                second: "limit",
+                second_value: micrometres(limit),
+                rule: "a new edge is smoother than the limit",
+            };
+            walk.fault(rough.span_of("limit"), fault);
+        }
+        ends.rough_wear = (limit - new) / rough.required("per_wear");
+    }
+    ends
+}
+
+fn costs(walk: &mut Walk, section: &Section<'_>) -> Option<Costs> {
+    let costs = Costs { planned: section.si("planned")?, failure: section.si("failure")? };
+    if costs.failure < costs.planned {
+        let euros = |value: f64| format!("{} EUR", significant(value));
+        let fault = Fault::Contradiction {
+            first: "planned",
+            first_value: euros(costs.planned),
+            second: "failure",
+            second_value: euros(costs.failure),
+            rule: "a failure costs at least as much as a planned replacement",
+        };
+        walk.fault(section.span_of("failure"), fault);
+    }
+    Some(costs)
+}
+
+fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) -> Vec<Field> {
+    let mut pair = pair.clone();
+    let mut targets: Vec<(String, Option<&'static str>, usize, &'static toolroom_process::Field)> = Vec::new();
+    for (group, record) in pair.parameters_mut() {
+        let named = record.fields().iter().enumerate();
+        targets.extend(named.map(|(i, field)| (format!("{group}.{}", field.name), Some(group), i, field)));
+    }
+    let cut = Cut::<f64>::FIELDS.iter().enumerate();
+    targets.extend(cut.map(|(i, field)| (format!("cut.{}", field.name), None, i, field)));
+    let mut fields = Vec::new();
+    for section in walk.sections(root, "field", None) {
+        let Some(name) = section.text("name") else { continue };
+        let Some((_, group, index, field)) = targets.iter().find(|(known, ..)| known == name) else {
+            let fault = Fault::UnknownName {
+                kind: "field",
+                name: name.to_owned(),
+                nearest: nearest(name, targets.iter().map(|target| target.0.as_str())).map(str::to_owned),
+                known: "GROUP.NAME of the parameter set, cut.NAME; see the file of the set".to_owned(),
+            };
+            walk.fault(section.span_of("name"), fault);
+            continue;
+        };
+        if let Some(spread) = spread(walk, &section, field, directory) {
+            fields.push(Field { name: name.to_owned(), group: *group, index: *index, spread });
+        }
+    }
+    fields
+}
+
+/// A value in the unit of a field; `None` with or after a fault.
+fn value(walk: &mut Walk, section: &Section<'_>, key: &str, unit: &'static str) -> Option<f64> {
+    let text = section.text(key)?.to_owned();
+    match unit::quantity(&text, unit) {
+        Ok(value) => Some(value),
+        Err(reason) => {
+            let accepted = unit::accepted(unit);
+            let example = format!("a number with one of {accepted}");
+            walk.fault(section.span_of(key), Fault::Quantity { key: key.to_owned(), reason, example });
+            None
+        }
+    }
+}
+
+fn spread(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    field: &'static toolroom_process::Field,
+    directory: &Path,
+) -> Option<Spread> {
+    let at = |walk: &mut Walk, key: &str| value(walk, section, key, field.unit);
+    let spread = match section.text("distribution")? {
+        "normal" => {
+            Spread::Normal { mean: at(walk, "mean")?, deviation: positive(walk, section, "deviation", field.unit)? }
+        }
+        "lognormal" => {
+            Spread::Lognormal { median: positive(walk, section, "median", field.unit)?, sigma: section.si("sigma")? }
+        }
+        "weibull" => {
+            Spread::Weibull { scale: positive(walk, section, "scale", field.unit)?, shape: section.si("shape")? }
+        }
+        "gamma" => Spread::Gamma { scale: positive(walk, section, "scale", field.unit)?, shape: section.si("shape")? },
+        "empirical" => return empirical(walk, section, field, directory),
+        family => {
+            let (low, high) = (at(walk, "low"), at(walk, "high"));
+            let (low, high) = (low?, high?);
+            let mode = if family == "triangular" { at(walk, "mode")? } else { 0.5 * (low + high) };
+            if !(low < high && (low..=high).contains(&mode)) {
+                let shown = |value: f64| significant(unit::convert(value, field.unit, field.display));
+                let fault = Fault::Contradiction {
+                    first: "low",
+                    first_value: shown(low),
+                    second: "high",
+                    second_value: shown(high),
+                    rule: "the least is below the greatest, the most likely between them",
+                };
+                walk.fault(section.span_of("high"), fault);
+                return None;
+            }
+            match family {
+                "triangular" => Spread::Triangular { low, mode, high },
+                "uniform" => Spread::Uniform { low, high },
+                _ => Spread::Beta { low, high, alpha: section.si("alpha")?, beta: section.si("beta")? },
+            }
+        }
+    };
+    // What a field cannot hold is cut off, whether the file says so or not.
+    let least = if section.given("least") { at(walk, "least")? } else { f64::NEG_INFINITY };
+    let most = if section.given("most") { at(walk, "most")? } else { f64::INFINITY };
+    let (low, high) = (least.max(field.min), most.min(field.max));
+    if spread.quantile(0.0) >= low && spread.quantile(1.0) <= high {
+        return Some(spread);
+    }
+    let cut = Spread::truncated(spread, low, high);
+    if cut.is_none() {
+        let shown = |value: f64| significant(unit::convert(value, field.unit, field.display));
+        let fault = Fault::Contradiction {
+            first: "least",
+            first_value: shown(low),
+            second: "most",
+            second_value: shown(high),
+            rule: "the distribution lies nearly all outside what the field can hold",
+        };
+        walk.fault(section.span_of("name"), fault);
+    }
+    cut
+}
+
+fn positive(walk: &mut Walk, section: &Section<'_>, key: &'static str, unit: &'static str) -> Option<f64> {
+    let value = value(walk, section, key, unit)?;
+    if value > 0.0 {
+        return Some(value);
+    }
+    let read = section.text(key).unwrap_or_default().to_owned();
+    let fault =
+        Fault::OutOfRange { key: key.to_owned(), read, range: "all positive values".to_owned(), meant: Vec::new() };
+    walk.fault(section.span_of(key), fault);
+    None
+}
+
+fn empirical(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    field: &'static toolroom_process::Field,
+    directory: &Path,
+) -> Option<Spread> {
+    let path = directory.join(section.text("file")?);
+    let column = section.text("column")?;
+    let read = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()));
+    let values =
+        read.and_then(|bytes| numbers(&path.display().to_string(), &bytes, column).map_err(|error| error.to_string()));
+    match values {
+        Ok(mut values) => {
+            values.iter_mut().for_each(|value| *value = unit::convert(*value, field.display, field.unit));
+            values.sort_by(f64::total_cmp);
+            Some(Spread::Empirical(values))
+        }
+        Err(reason) => {
+            let name = section.text("file").unwrap_or_default().to_owned();
+            walk.fault(section.span_of("file"), Fault::ParameterSet { name, reason });
+            None
+        }
+    }
+}
+
+fn copula(walk: &mut Walk, root: &Section<'_>, fields: &[Field]) -> Option<Copula> {
+    let sections = walk.sections(root, "correlation", None);
+    if sections.is_empty() {
+        return None;
+    }
+    let names: Vec<&str> = COORDINATES.into_iter().chain(fields.iter().map(|field| field.name.as_str())).collect();
+    let mut entries = Vec::new();
+    for section in &sections {
+        let mut index = |key: &str| {
+            let name = section.text(key)?;
+            let found = names.iter().position(|known| *known == name);
+            if found.is_none() {
+                let fault = Fault::UnknownName {
+                    kind: "input",
+                    name: name.to_owned(),
+                    nearest: nearest(name, names.iter().copied()).map(str::to_owned),
+                    known: names.join(", "),
+                };
+                walk.fault(section.span_of(key), fault);
+            }
+            found
+        };
+        let (first, second) = (index("first"), index("second"));
+        if let (Some(first), Some(second), Some(value)) = (first, second, section.si("value"))
+            && first != second
+        {
+            entries.push((first, second, value));
+        }
+    }
+    let copula = Copula::of(names.len(), &entries);
+    if copula.is_none() {
+        let fault = Fault::Contradiction {
+            first: "correlations",
+            first_value: entries.len().to_string(),
+            second: "inputs",
+            second_value: names.len().to_string(),
+            rule: "the correlation matrix is positive definite",
+        };
+        walk.fault(root.span_of("correlation"), fault);
+    }
+    copula
+}

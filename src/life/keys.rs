@@ -1,0 +1,207 @@
+//! The sections of a study file.
+
+use toolroom_process::Record;
+use toolroom_sim::scenario::file::{Form, Key, Kind, Quantity, SENSORS};
+use toolroom_wear::Scatter;
+
+const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
+}
+
+const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
+}
+
+const TIME: Kind = positive("s", "min", 1e9, "15 min");
+const PATH: Kind = positive("m", "m", 1e9, "600 m");
+const WEAR: Kind = positive("m", "mm", 5e-3, "0.6 mm");
+const SPEED: Kind = positive("m/s", "m/min", 100.0, "30 m/min");
+const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
+const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
+const COST: Kind = positive("EUR", "EUR", 1e9, "12 EUR");
+
+/// Rules by which a study chooses speed.
+pub const SPEEDS: &[&str] =
+    &["programmed", "best_path", "best_life", "best_rate", "makarov", "schedule", "minimum_wear", "price", "oracle"];
+
+/// The whole file.
+pub static STUDY: Form = Form {
+    title: "the study file",
+    doc: "A Monte Carlo tool-life study, for toolroom life",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("name", Kind::Name, "Short name, also of the output folder"),
+        Key::default("title", Kind::Text, "", "One line for people"),
+        Key::default("seed", Kind::Count { min: 0, max: u64::MAX }, "1", "Seed of every random number"),
+        Key::default(
+            "lives",
+            Kind::Count { min: 2, max: 4_000_000_000 },
+            "10000",
+            "Lives of every condition under every policy",
+        ),
+        Key::optional(
+            "until",
+            positive("1", "%", 0.5, "0.5 %"),
+            "Stop when every mean life is known this well (half-width of its interval); `lives` are the most",
+        ),
+        Key::default(
+            "sampling",
+            Kind::Choice(&["plain", "antithetic", "latin_hypercube", "sobol"]),
+            "plain",
+            "How points of the inputs are chosen",
+        ),
+        Key::required("parameter_set", Kind::Name, "Tool and work material: name of a turning parameter set"),
+        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
+        Key::default(
+            "scatter",
+            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
+            "shop",
+            "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
+        ),
+        Key::default(
+            "body",
+            Kind::Choice(&["steady", "lagged"]),
+            "steady",
+            "Whether the body of the tool is warm at once, or warms up and cools in pauses",
+        ),
+        Key::optional("passes", Kind::Table(&PASSES), "Passes and pauses; left out: 37.7 m without pause"),
+        Key::optional("condition", Kind::Tables(&CONDITION), "Conditions; left out: the reference cut"),
+        Key::optional("policy", Kind::Tables(&POLICY), "Policies; left out: the programmed speed"),
+        Key::optional("end", Kind::Table(&END), "What ends an edge besides its wear limit"),
+        Key::optional("field", Kind::Tables(&FIELD), "Further numbers of the model that vary from edge to edge"),
+        Key::optional("correlation", Kind::Tables(&CORRELATION), "Correlations of what varies, by a Gaussian copula"),
+        Key::optional("early", Kind::Table(&EARLY), "Importance sampling of early failures"),
+        Key::optional("replacement", Kind::Table(&REPLACEMENT), "Costs of replacing an edge"),
+        Key::optional("sensitivity", Kind::Table(&SENSITIVITY), "Which inputs the life depends on"),
+        Key::default("write_lives", Kind::Flag, "true", "Write every life to Parquet parts"),
+    ],
+};
+
+static PASSES: Form = Form {
+    title: "[passes]",
+    doc: "Passes into which a life is cut",
+    keys: &[
+        Key::default("path", PATH, "37.7 m", "Path of a pass"),
+        Key::default("pause", quantity("s", "min", 0.0, 1e6, "0.3 min"), "0 min", "Pause after a pass"),
+    ],
+};
+
+static CONDITION: Form = Form {
+    title: "[[condition]]",
+    doc: "A cut, or a grid of cuts where values are lists",
+    keys: &[
+        Key::optional("name", Kind::Name, "Name in tables and pictures"),
+        Key::optional("cutting_speed", Kind::List(&SPEED), "Cutting speed; left out: the reference speed"),
+        Key::optional("feed_per_rev", Kind::List(&FEED), "Feed; left out: the reference feed"),
+        Key::optional("depth_of_cut", Kind::List(&DEPTH), "Depth of cut; left out: the reference depth"),
+    ],
+};
+
+static POLICY: Form = Form {
+    title: "[[policy]]",
+    doc: "How the speed of an edge is chosen",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("speed", Kind::Choice(SPEEDS), "Rule"),
+        Key::required("change_time", TIME, "Time to change an edge").when("speed", &["best_rate"]),
+        Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
+        Key::required("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges")
+            .when("speed", &["price"]),
+        Key::default(
+            "reading",
+            Kind::Choice(&["pass", "period"]),
+            "period",
+            "When the sensors are read: at the end of a pass or every sampling period",
+        )
+        .when("speed", &["minimum_wear", "price"]),
+        Key::optional("sensors", Kind::Table(&SENSORS), "Sensors").when("speed", &["minimum_wear", "price"]),
+    ],
+};
+
+static END: Form = Form {
+    title: "[end]",
+    doc: "What ends an edge besides the wear limit of its parameter set, chipping and collapse",
+    keys: &[
+        Key::optional("flank_wear", WEAR, "Flank wear"),
+        Key::optional("cutting_force", positive("N", "N", 1e7, "900 N"), "Cutting force"),
+        Key::optional("path", PATH, "Cutting path; the edge is still good"),
+        Key::optional("time", TIME, "Time in cut; the edge is still good"),
+        Key::optional("roughness", Kind::Table(&ROUGHNESS), "Roughness that grows with flank wear"),
+    ],
+};
+
+static ROUGHNESS: Form = Form {
+    title: "roughness",
+    doc: "Roughness as a straight line over flank wear (assumption)",
+    keys: &[
+        Key::required("new", quantity("m", "um", 0.0, 1e-3, "0.8 um"), "Roughness of a new edge"),
+        Key::required("per_wear", positive("1", "um/mm", 1.0, "2 um/mm"), "Growth by flank wear"),
+        Key::required("limit", positive("m", "um", 1e-3, "1.6 um"), "Greatest roughness allowed"),
+    ],
+};
+
+const FAMILIES: &[&str] = &["normal", "lognormal", "weibull", "gamma", "triangular", "uniform", "beta", "empirical"];
+
+static FIELD: Form = Form {
+    title: "[[field]]",
+    doc: "A number of the model that varies from edge to edge; values with the unit of the field, quoted",
+    keys: &[
+        Key::required("name", Kind::Name, "`group.name` of the parameter set, or `cut.name`"),
+        Key::required("distribution", Kind::Choice(FAMILIES), "Family"),
+        Key::required("mean", Kind::Text, "Mean").when("distribution", &["normal"]),
+        Key::required("deviation", Kind::Text, "Standard deviation").when("distribution", &["normal"]),
+        Key::required("median", Kind::Text, "Median").when("distribution", &["lognormal"]),
+        Key::required("sigma", positive("1", "1", 10.0, "0.2"), "Standard deviation of the logarithm")
+            .when("distribution", &["lognormal"]),
+        Key::required("scale", Kind::Text, "Scale").when("distribution", &["weibull", "gamma"]),
+        Key::required("shape", positive("1", "1", 1e4, "2.5"), "Shape").when("distribution", &["weibull", "gamma"]),
+        Key::required("low", Kind::Text, "Least").when("distribution", &["triangular", "uniform", "beta"]),
+        Key::required("mode", Kind::Text, "Most likely").when("distribution", &["triangular"]),
+        Key::required("high", Kind::Text, "Greatest").when("distribution", &["triangular", "uniform", "beta"]),
+        Key::required("alpha", positive("1", "1", 1e4, "2"), "First shape").when("distribution", &["beta"]),
+        Key::required("beta", positive("1", "1", 1e4, "3"), "Second shape").when("distribution", &["beta"]),
+        Key::required("file", Kind::Text, "CSV file beside the study, in the display unit of the field")
+            .when("distribution", &["empirical"]),
+        Key::required("column", Kind::Name, "Its column").when("distribution", &["empirical"]),
+        Key::optional("least", Kind::Text, "Values below are cut off"),
+        Key::optional("most", Kind::Text, "Values above are cut off"),
+    ],
+};
+
+static CORRELATION: Form = Form {
+    title: "[[correlation]]",
+    doc: "Correlation of the normal scores of two inputs",
+    keys: &[
+        Key::required("first", Kind::Name, "One input: a field, or `common wear`, `batch hardness`, …"),
+        Key::required("second", Kind::Name, "The other"),
+        Key::required("value", quantity("1", "1", -0.999, 0.999, "0.5"), "Correlation"),
+    ],
+};
+
+static EARLY: Form = Form {
+    title: "[early]",
+    doc: "Importance sampling: draws that fail early come more often and weigh less",
+    keys: &[
+        Key::required("age", TIME, "Age before which a failure is early"),
+        Key::default("wear_shift", quantity("1", "1", 0.0, 6.0, "2"), "0", "Shift of the common wear, in deviations"),
+        Key::default("chipping_rate", positive("1", "1", 1e3, "5"), "1", "How much oftener weak edges are drawn"),
+    ],
+};
+
+static REPLACEMENT: Form = Form {
+    title: "[replacement]",
+    doc: "Costs of replacing an edge",
+    keys: &[
+        Key::required("planned", COST, "Before it fails"),
+        Key::required("failure", COST, "After it has failed in the cut"),
+    ],
+};
+
+static SENSITIVITY: Form = Form {
+    title: "[sensitivity]",
+    doc: "Sobol indices and Morris screening of the life under the first condition and policy",
+    keys: &[
+        Key::default("samples", Kind::Count { min: 64, max: 1_000_000 }, "4096", "Rows behind the Sobol indices"),
+        Key::default("trajectories", Kind::Count { min: 4, max: 100_000 }, "50", "Paths of the Morris screening"),
+    ],
+};

@@ -1,0 +1,292 @@
+//! `toolroom life` and `toolroom merge`: fits of measured lives, studies, shards, refusals.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = toolroom(arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// The words of a refusal with exit code 2.
+fn refused(arguments: &[&str]) -> String {
+    let output = toolroom(arguments);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    stderr(&output)
+}
+
+/// An empty directory of this test.
+fn directory(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("life-{name}"));
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("the target directory is writable");
+    path
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+fn close(value: &Value, expected: f64, relative: f64) {
+    let value = value.as_f64().unwrap_or_else(|| panic!("{value} is no number"));
+    assert!((value / expected - 1.0).abs() < relative, "{value} against {expected}");
+}
+
+fn fit_of<'a>(summary: &'a Value, distribution: &str) -> &'a Value {
+    let fits = summary["fits"].as_array().expect("fits");
+    fits.iter().find(|fit| fit["distribution"] == distribution).expect("the law is fitted")
+}
+
+const STUDY: &str = "schema = 1\nname = \"small\"\nlives = 600\nparameter_set = \"ni_vk6om\"\n\
+    scatter = { allowance = \"0 mm\", piece_hardness = \"0\" }\n\
+    [[condition]]\ncutting_speed = [\"30 m/min\", \"40 m/min\"]\n";
+/// What keeps the statistics of a test short.
+const QUICK: [&str; 2] = ["--bootstrap", "20"];
+
+/// The study of these tests with some more lines, in a directory.
+fn study(at: &Path, more: &str) -> PathBuf {
+    let path = at.join("study.toml");
+    fs::write(&path, format!("{STUDY}{more}")).expect("written");
+    path
+}
+
+#[test]
+fn measured_lives_give_the_published_law() {
+    let at = directory("fit");
+    let lives = at.join("bearings.csv");
+    // J. Lieblein, M. Zelen, J. Research NBS 57 (1956) 273.
+    let ages = "17.88 28.92 33.00 41.52 42.12 45.60 48.40 51.84 51.96 54.12 55.56 67.80 68.64 68.64 68.88 84.12 \
+        93.12 98.64 105.12 105.84 127.92 128.04 173.40";
+    fs::write(&lives, format!("life [min]\n{}\n", ages.split_whitespace().collect::<Vec<_>>().join("\n"))).unwrap();
+    let out = at.join("out");
+    let arguments = ["life", "--fit", text(&lives), "--out", text(&out), "--goodness", "19", "--json"];
+    let summary = json(&[&arguments[..], &QUICK].concat());
+    close(&summary["n"], 23.0, 1e-12);
+    close(&summary["mean [min]"], 72.224, 1e-4);
+    let weibull = fit_of(&summary, "weibull");
+    close(&weibull["parameters"]["shape"], 2.101_85, 1e-4);
+    close(&weibull["parameters"]["scale [min]"], 81.874_56, 1e-4);
+    close(&weibull["log_likelihood"], -113.692, 1e-5);
+    assert!(weibull["p"].as_f64().is_some_and(|p| p > 0.0 && p <= 1.0), "{weibull}");
+    assert!(summary["replacement"]["saving"].as_f64().is_some() && summary["digest"].is_string());
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Probability paper") && page.contains("Cost against the age of replacement"));
+    assert_eq!(summary, serde_json::from_str::<Value>(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap());
+}
+
+#[test]
+fn public_wear_data_give_their_known_numbers() {
+    let data = std::env::var_os("TOOLROOM_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let (nasa, phm, turning) = (
+        data.join("nasa-mill-wear.csv"),
+        data.join("phm2010-milling-wear.csv"),
+        data.join("turning-wear-18-tools.csv"),
+    );
+    if !nasa.is_file() || !phm.is_file() || !turning.is_file() {
+        eprintln!("skipped: no wear data in {}", data.display());
+        return;
+    }
+    let at = directory("public");
+    let fit = |arguments: &[&str]| {
+        let out = at.join("out");
+        json(&[&["life", "--json", "--goodness", "0", "--out", text(&out), "--fit"], arguments, &QUICK].concat())
+    };
+    // NASA milling: ln T = 3.22 - 0.98 ln a_p - 0.36 ln f - 1.47 [steel], deviation 0.24.
+    let columns = ["--edge", "case", "--age", "time", "--wear", "VB", "--limit", "0.3", "--regress", "ln(DOC)"];
+    let more = ["--regress", "ln(feed)", "--regress", "material=2"];
+    let milled = fit(&[&[text(&nasa)], &columns[..], &more].concat());
+    let coefficient = |name: &str| &milled["regression"]["coefficients"][name]["coefficient"];
+    close(coefficient("intercept"), 3.22, 2e-3);
+    close(coefficient("ln(DOC)"), -0.98, 1e-2);
+    close(coefficient("ln(feed)"), -0.36, 1e-2);
+    close(coefficient("material=2"), -1.47, 5e-3);
+    close(&milled["regression"]["sigma"], 0.24, 2e-2);
+    // PHM 2010: 298, 277.5 and 234 cuts to 165 um, CV 0.12.
+    let cutters = fit(&[text(&phm), "--edge", "cutter", "--age", "cut", "--wear", "max_wear", "--limit", "165"]);
+    close(&cutters["mean"], (298.0 + 277.5 + 234.0) / 3.0, 2e-3);
+    close(&cutters["cv"], 0.12, 0.03);
+    // 18 tools to chipping: the last wear is 184.7 um on average, Weibull 4.08 and 203 um.
+    let mut last: Vec<(String, String)> = Vec::new();
+    for line in fs::read_to_string(&turning).unwrap().lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        last.retain(|(tool, _)| tool != cells[0]);
+        last.push((cells[0].to_owned(), cells[3].to_owned()));
+    }
+    let ends = at.join("ends.csv");
+    let rows: Vec<&str> = last.iter().map(|(_, wear)| wear.as_str()).collect();
+    fs::write(&ends, format!("life [um]\n{}\n", rows.join("\n"))).unwrap();
+    let worn = fit(&[text(&ends)]);
+    close(&worn["mean [um]"], 184.7, 1e-3);
+    close(&fit_of(&worn, "weibull")["parameters"]["shape"], 4.08, 3e-3);
+    close(&fit_of(&worn, "weibull")["parameters"]["scale [um]"], 203.0, 2e-3);
+}
+
+#[test]
+fn shards_threads_and_interruptions_change_nothing() {
+    let at = directory("shards");
+    let file = study(&at, "");
+    let run = |out: &str, more: &[&str]| {
+        let out = at.join(out);
+        json(&[&["life", text(&file), "--json", "--out", text(&out)], more, &QUICK].concat())
+    };
+    let whole = run("whole", &["--threads", "1"]);
+    assert_eq!(whole["cells"].as_array().map(Vec::len), Some(2));
+    assert_eq!(run("threads", &["--threads", "2"]), whole);
+    assert_eq!(run("seven", &["--shards", "7"]), whole);
+
+    let plan = at.join("plan.json");
+    let said = toolroom(&["life", text(&file), "--plan", text(&plan), "--shards", "5"]);
+    assert_eq!(said.status.code(), Some(0), "{}", stderr(&said));
+    let parts = at.join("parts");
+    let shard = |k: &str| toolroom(&["life", "--run", text(&plan), "--shard", k, "--out", text(&parts)]);
+    let merge = ["merge", text(&parts), "--json", "--out"];
+    for k in ["4", "0", "2", "1"] {
+        assert_eq!(shard(k).status.code(), Some(0));
+    }
+    let merged = at.join("merged");
+    let arguments = [&merge[..], &[text(&merged)], &QUICK].concat();
+    assert!(refused(&arguments).contains("1 of 5 shards are missing: 3"));
+    assert_eq!(shard("3").status.code(), Some(0));
+    // A shard that is there is not run again: its file keeps its time.
+    let modified = |name: &str| fs::metadata(parts.join(name)).and_then(|data| data.modified()).unwrap();
+    let before = modified("part-000003.parquet");
+    assert_eq!(shard("3").status.code(), Some(0));
+    assert_eq!(modified("part-000003.parquet"), before);
+    assert_eq!(json(&arguments), whole);
+
+    // A study that was killed between shards goes on to the same result.
+    let seven = at.join("seven");
+    fs::remove_file(seven.join("parts/part-000002.json")).unwrap();
+    fs::remove_file(seven.join("parts/part-000005.parquet")).unwrap();
+    assert_eq!(run("seven", &["--shards", "7", "--resume"]), whole);
+
+    // Refusals: a doubled, a foreign and a changed part.
+    let (one, copy) = (parts.join("part-000001.json"), parts.join("part-000001-copy.json"));
+    fs::copy(&one, &copy).unwrap();
+    assert!(refused(&arguments).contains("shard 1 is there twice"));
+    fs::remove_file(&copy).unwrap();
+    fs::copy(at.join("whole/parts/part-000000.json"), &one).unwrap();
+    assert!(refused(&arguments).contains("belongs to another plan"));
+    fs::remove_file(&one).unwrap();
+    assert_eq!(shard("1").status.code(), Some(0));
+    fs::write(parts.join("part-000001.parquet"), b"cut short").unwrap();
+    assert!(refused(&arguments).contains("run shard 1 again"));
+    assert_eq!(shard("1").status.code(), Some(0));
+    assert_eq!(json(&arguments), whole);
+    let error = shard("5");
+    assert_eq!(error.status.code(), Some(2));
+    assert!(stderr(&error).contains("numbered from 0"));
+}
+
+#[test]
+fn a_study_says_what_was_asked_of_it() {
+    let at = directory("study");
+    let more = "[[policy]]\nname = \"constant\"\nspeed = \"programmed\"\n[[policy]]\nname = \"adaptive\"\n\
+        speed = \"minimum_wear\"\nreading = \"pass\"\n[early]\nage = \"8 min\"\nwear_shift = 1.5\n\
+        [replacement]\nplanned = \"10 EUR\"\nfailure = \"50 EUR\"\n[sensitivity]\nsamples = 64\ntrajectories = 4\n";
+    let file = study(&at, more);
+    let out = at.join("out");
+    let summary = json(&[&["life", text(&file), "--json", "--lives", "200", "--out", text(&out)], &QUICK[..]].concat());
+    let cells = summary["cells"].as_array().expect("cells");
+    assert_eq!(cells.len(), 4);
+    assert_eq!((&cells[1]["policy"], &cells[1]["condition"]), (&"adaptive".into(), &"v 30".into()));
+    for key in ["n", "mean [min]", "cv", "quantiles", "fits", "replacement", "digest", "regression", "sensitivity"] {
+        assert!(!summary[key].is_null(), "{key}");
+    }
+    close(&cells[0]["mean [min]"], 22.9, 0.1);
+    assert!(cells[0]["early"]["standard_error"].as_f64().is_some_and(|error| error > 0.0));
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    for title in
+        ["Flank wear over time", "Tool life over speed", "Life with one input at its ends", "Probability paper"]
+    {
+        assert!(page.contains(title), "{title}");
+    }
+    assert!(out.join("parts/part-000000.parquet").is_file() && out.join("cells.csv").is_file());
+}
+
+#[test]
+fn a_precision_sets_the_number_of_lives() {
+    let at = directory("precision");
+    let file = study(&at, "").with_file_name("study.toml");
+    let text_of = fs::read_to_string(&file).unwrap().replace("lives = 600", "lives = 50000\nuntil = \"2 %\"");
+    fs::write(&file, text_of).unwrap();
+    let out = at.join("out");
+    let summary = json(&[&["life", text(&file), "--json", "--out", text(&out)], &QUICK[..]].concat());
+    let lives = summary["n"].as_f64().expect("a number");
+    assert!((500.0..5000.0).contains(&lives), "{lives}");
+    let (mean, error) = (summary["mean [min]"].as_f64().unwrap(), summary["standard_error [min]"].as_f64().unwrap());
+    assert!(1.96 * error / mean < 0.022, "{error} of {mean}");
+}
+
+#[test]
+fn input_that_makes_no_sense_is_refused() {
+    let at = directory("refused");
+    let with = |more: &str| {
+        let file = study(&at, more);
+        refused(&["life", text(&file), "--out", text(&at.join("out"))])
+    };
+    let field = "[[field]]\nname = \"cut.hardness\"\ndistribution = ";
+    assert!(with(&format!("{field}\"gamma\"\nscale = \"-1\"\nshape = 2\n")).contains("positive"));
+    assert!(with(&format!("{field}\"uniform\"\nlow = \"1 mm\"\nhigh = \"2\"\n")).contains("`low`"));
+    assert!(
+        with("[[field]]\nname = \"cut.hardnes\"\ndistribution = \"normal\"\nmean = \"1\"\ndeviation = \"0.1\"\n")
+            .contains("cut.hardness")
+    );
+    let pair = |first: &str, second: &str, value: f64| {
+        format!("[[correlation]]\nfirst = \"{first}\"\nsecond = \"{second}\"\nvalue = {value}\n")
+    };
+    let (a, b, c) = ("common wear", "batch hardness", "initial wear");
+    let impossible = [pair(a, b, 0.9), pair(b, c, 0.9), pair(a, c, -0.9)].concat();
+    assert!(with(&impossible).contains("positive definite"));
+    assert!(with("lifes = 3\n").contains("lifes"));
+    assert!(!at.join("out").exists(), "nothing is written");
+
+    let csv = |name: &str, content: &str| {
+        let path = at.join(name);
+        fs::write(&path, content).unwrap();
+        refused(&["life", "--fit", text(&path), "--out", text(&at.join("out"))])
+    };
+    assert!(csv("censored.csv", "life,censored\n5,1\n7,1\n").contains("all 2 lives are censored"));
+    assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine"));
+    assert!(csv("negative.csv", "life\n5\n-3\n").contains("life number 2 is -3"));
+    assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
+    assert!(refused(&["merge", text(&at)]).contains("plan.json"));
+    assert!(refused(&["life"]).contains("FILE") || refused(&["life"]).contains("required"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_loses_nothing_that_was_complete() {
+    let at = directory("full");
+    let file = study(&at, "");
+    let out = at.join("out");
+    // Files above 64 KiB cannot be written: the plan fits, a part of 4000 lives does not.
+    let arguments = format!("life {} --out {} --shards 2 --lives 4000 --bootstrap 20", text(&file), text(&out));
+    let limited = format!("trap '' XFSZ; ulimit -f 64; exec {} {arguments}", env!("CARGO_BIN_EXE_toolroom"));
+    let output = Command::new("bash").args(["-c", &limited]).env("NO_COLOR", "1").output().expect("a shell");
+    assert_ne!(output.status.code(), Some(0));
+    assert!(stderr(&output).contains("part-000000"), "{}", stderr(&output));
+    assert!(!out.join("summary.json").exists());
+    let drafts = fs::read_dir(out.join("parts")).unwrap().filter_map(Result::ok);
+    let left: Vec<String> = drafts.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    assert_eq!(left, ["plan.json"], "no half-written part is left");
+    let again = toolroom(&arguments.split(' ').chain(["--resume"]).collect::<Vec<_>>());
+    assert_eq!(again.status.code(), Some(0), "{}", stderr(&again));
+}
