@@ -69,9 +69,13 @@ impl<U: Unit> Configured<U> {
                 all.push((name, *field));
             }
         }
+        if U::VIBRATES {
+            all.extend(U::Machine::FIELDS.iter().map(|field| (format!("machine.{}", field.name), *field)));
+        }
         if U::ADAPTIVE {
             all.extend(AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)));
         }
+        debug_assert_eq!(all.len(), self.values.len(), "as visited");
         for ((_, field), value) in all.iter_mut().zip(&self.values) {
             field.start = *value;
         }

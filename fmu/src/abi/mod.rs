@@ -78,3 +78,25 @@ struct Callback<F> {
 // SAFETY: the standards let every function of an instance be called from any thread, one at a
 // time; the importer's callback and environment have to bear that.
 unsafe impl<F: Copy> Send for Callback<F> where Callback<F>: Sink {}
+
+/// The C functions of FMI 2.0 on an instance that is no shipped unit.
+#[cfg(test)]
+pub(crate) mod breaking {
+    use super::{Component, Status, c_void, fmi2, handles};
+
+    pub fn adopt(unit: Box<dyn Component>) -> *mut c_void {
+        handles::keep(unit).expect("a free place")
+    }
+
+    pub fn initialise(unit: *mut c_void) -> Status {
+        fmi2::fmi2EnterInitializationMode(unit).max(fmi2::fmi2ExitInitializationMode(unit))
+    }
+
+    pub fn step(unit: *mut c_void, time: f64, step: f64) -> Status {
+        fmi2::fmi2DoStep(unit, time, step, 1)
+    }
+
+    pub fn free(unit: *mut c_void) {
+        fmi2::fmi2FreeInstance(unit);
+    }
+}

@@ -1,0 +1,356 @@
+//! What a unit does is what its process does.
+
+use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput};
+use toolroom_fmu::{Component, Description, Interface, Log, Slot, Status, ValueType, units};
+use toolroom_process::{Process, Record};
+
+const HELD: Interface = Interface::CoSimulation { event_mode: false, early_return: false };
+const WITH_EVENTS: Interface = Interface::CoSimulation { event_mode: true, early_return: true };
+
+/// A unit with its description.
+struct Bench {
+    unit: Box<dyn Component>,
+    about: Description,
+}
+
+impl Bench {
+    fn new(model: &str, interface: Interface) -> Self {
+        let entry = units().find(|unit| unit.name == model).expect("a shipped unit");
+        Self { unit: entry.instantiate(interface, None, Log::new(None, false)), about: entry.describe() }
+    }
+
+    fn reference(&self, name: &str) -> (ValueType, u32) {
+        let variable = self.about.variables.iter().find(|each| each.name == name).expect("a variable");
+        (variable.value_type, variable.slot.reference())
+    }
+
+    fn get(&mut self, name: &str) -> f64 {
+        let (value_type, reference) = self.reference(name);
+        let mut value = [f64::NAN];
+        self.unit.read(value_type, &[reference], &mut value).expect("a readable variable");
+        value[0]
+    }
+
+    fn set(&mut self, name: &str, value: f64) -> Status {
+        let (value_type, reference) = self.reference(name);
+        self.unit.write(value_type, &[reference], &[value]).expect("a settable variable")
+    }
+
+    fn start(mut self) -> Self {
+        self.unit.enter_initialization().expect("Initialization Mode");
+        self.unit.exit_initialization().expect("a unit that starts");
+        self
+    }
+
+    /// Steps from `from` to `to`.
+    fn run(&mut self, from: f64, to: f64, step: f64) {
+        let count = ((to - from) / step).round() as u32;
+        for i in 0..count {
+            self.unit.do_step(from + f64::from(i) * step, step).expect("a step");
+        }
+    }
+}
+
+#[test]
+fn steps_give_the_states_of_the_process() {
+    let turning = Turning::named("ni_vk6om").expect("a shipped set");
+    let milling = Milling::named("c45_endmill_d12").expect("a shipped set");
+    let (mut x, mut y) = (turning.initial(), milling.initial());
+    let (u, v) = (TurningInput::default(), MillingInput::default());
+    let (mut lathe, mut mill) = (Bench::new("turning", HELD).start(), Bench::new("milling", HELD).start());
+    for i in 0..600 {
+        turning.advance(&mut x, &u, 0.5).expect("a step");
+        milling.advance(&mut y, &v, 0.5).expect("a step");
+        lathe.unit.do_step(f64::from(i) * 0.5, 0.5).expect("a step");
+        mill.unit.do_step(f64::from(i) * 0.5, 0.5).expect("a step");
+    }
+    let close = |name: &str, a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{name}: {a}, process {b}");
+    let (outputs, milled) = (turning.output(&x, &u), milling.output(&y, &v));
+    close("wear", lathe.get("tool.flank_wear"), x.flank_wear);
+    close("energy", lathe.get("tool.energy"), x.energy);
+    close("force", lathe.get("process.cutting_force"), outputs.cutting_force);
+    close("temperature", lathe.get("process.temperature"), outputs.temperature);
+    close("EMF", lathe.get("process.thermo_emf"), outputs.thermo_emf);
+    close("wear of the cutter", mill.get("tool.flank_wear"), y.flank_wear);
+    close("form error", mill.get("process.form_error"), milled.form_error);
+}
+
+#[test]
+fn the_tool_life_of_a_cold_start_is_the_reference_value() {
+    // 14.77972 min at 40 m/min with the default set, by the state equations.
+    let (life, _) = Turning::default().life(&TurningInput::default(), LifeModel::Ode).expect("a life");
+    let mut unit = Bench::new("turning", WITH_EVENTS).start();
+    unit.unit.update_discrete().expect("Event Mode after initialisation");
+    unit.unit.enter_step_mode().expect("Step Mode");
+    let mut time = 0.0;
+    let end = loop {
+        let stepped = unit.unit.do_step(time, 10.0).expect("a step");
+        time = stepped.time;
+        if stepped.event {
+            break stepped;
+        }
+        assert!(!stepped.early && time < 1000.0);
+    };
+    assert!(end.early && (end.time / 60.0 - 14.77972).abs() < 1e-5, "{end:?}");
+    assert!((end.time / life.cutting_time - 1.0).abs() < 1e-6);
+    assert_eq!(unit.get("event.wear_limit"), 1.0);
+    assert!((unit.get("tool.flank_wear") / 0.6e-3 - 1.0).abs() < 1e-9);
+    // The importer handles the event and mounts a new edge.
+    unit.unit.enter_event_mode().expect("Event Mode");
+    unit.set("tool.change", 1.0);
+    assert!(unit.unit.update_discrete().expect("an update").states_changed);
+    unit.unit.enter_step_mode().expect("Step Mode");
+    assert_eq!((unit.get("tool.count"), unit.get("event.wear_limit"), unit.get("tool.flank_wear")), (2.0, 0.0, 0.0));
+    assert!(!unit.unit.do_step(time, 10.0).expect("a step").early);
+}
+
+#[test]
+fn a_unit_without_event_mode_does_the_same_by_itself() {
+    let mut unit = Bench::new("turning", HELD).start();
+    unit.run(0.0, 880.0, 10.0);
+    assert_eq!(unit.get("event.wear_limit"), 0.0);
+    unit.run(880.0, 890.0, 10.0);
+    assert_eq!((unit.get("event.wear_limit"), unit.get("tool.lost")), (1.0, 0.0), "a worn edge cuts on");
+    assert!(unit.get("tool.flank_wear") > 0.6e-3);
+    unit.set("tool.change", 1.0);
+    unit.run(890.0, 900.0, 10.0);
+    assert_eq!((unit.get("tool.count"), unit.get("event.wear_limit")), (2.0, 0.0));
+    let fresh = unit.get("tool.flank_wear");
+    unit.run(900.0, 910.0, 10.0);
+    assert_eq!(unit.get("tool.count"), 2.0, "only the rising edge counts");
+    let mut other = Bench::new("turning", HELD).start();
+    other.run(0.0, 10.0, 10.0);
+    assert_eq!(other.get("tool.flank_wear"), fresh, "as a new edge");
+}
+
+#[test]
+fn a_chipped_edge_cuts_no_more_until_it_is_changed() {
+    let mut unit = Bench::new("turning", HELD).start();
+    unit.set("process.chipping_rate", 1e-2);
+    unit.set("process.chipping_resistance", 0.01);
+    unit.run(0.0, 100.0, 10.0);
+    assert_eq!((unit.get("tool.lost"), unit.get("event.chipping")), (1.0, 1.0));
+    assert_eq!(unit.get("process.cutting_force"), 0.0);
+    let wear = unit.get("tool.flank_wear");
+    unit.run(100.0, 200.0, 10.0);
+    assert_eq!(unit.get("tool.flank_wear"), wear);
+    unit.set("process.chipping_resistance", 1e12);
+    unit.set("tool.change", 1.0);
+    unit.run(200.0, 210.0, 10.0);
+    assert_eq!(unit.get("tool.lost"), 0.0);
+    assert!(unit.get("process.cutting_force") > 0.0);
+}
+
+#[test]
+fn model_exchange_gives_the_right_hand_side() {
+    let turning = Turning::default();
+    let mut unit = Bench::new("turning", Interface::ModelExchange).start();
+    let count = unit.unit.state_count();
+    let mut x = [0.0; 16];
+    unit.unit.states(&mut x[..count]).expect("states");
+    x[0] = 0.2e-3;
+    x[1] = 300.0;
+    unit.unit.enter_continuous_mode().expect("Continuous-Time Mode");
+    unit.unit.set_states(&x[..count]).expect("states");
+    let mut slopes = [0.0; 16];
+    unit.unit.derivatives(&mut slopes[..count]).expect("derivatives");
+    let state = toolroom_cutting::TurningState::from_slice(&x[..count]);
+    let expected = turning.derivative(&state, &TurningInput::default()).expect("an ODE");
+    (0..count).for_each(|i| assert_eq!(Some(slopes[i]), expected.get(i)));
+    // A discrete input between events is latched, with a remark.
+    assert_eq!(unit.set("process.engaged", 0.0), Status::Warning);
+    assert_eq!(unit.get("process.engaged"), 1.0);
+    assert!(unit.unit.completed_step().expect("a step"), "the unit asks for Event Mode");
+    unit.unit.enter_event_mode().expect("Event Mode");
+    assert_eq!(unit.get("process.engaged"), 0.0);
+}
+
+#[test]
+fn the_built_in_policy_commands_the_speed_of_least_wear() {
+    let pair = Turning::default().pair;
+    let mut unit = Bench::new("turning", HELD);
+    unit.set("adaptive.enable", 1.0);
+    let mut unit = unit.start();
+    // It samples every six seconds and holds in between.
+    unit.run(0.0, 294.0, 0.5);
+    let sampled = unit.get("tool.flank_wear");
+    unit.run(294.0, 300.0, 0.5);
+    let (wear, speed) = (unit.get("tool.flank_wear"), unit.get("adaptive.cutting_speed"));
+    let law = pair.limits.clip(pair.minimum_wear_speed(&pair.reference_cut(), sampled));
+    assert!((speed / law - 1.0).abs() < 1e-12, "{speed}, the law {law}");
+    assert!((unit.get("process.spindle_power") / unit.get("process.cutting_force") / speed - 1.0).abs() < 1e-12);
+    // The sampling of the policy, not the step of the importer, decides.
+    let mut coarse = Bench::new("turning", HELD);
+    coarse.set("adaptive.enable", 1.0);
+    let mut coarse = coarse.start();
+    coarse.run(0.0, 300.0, 100.0);
+    let ratio = coarse.get("tool.flank_wear") / wear;
+    assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+}
+
+#[test]
+fn chatter_is_judged_where_it_is_asked_for() {
+    let mut unit = Bench::new("turning", HELD);
+    unit.set("process.depth_of_cut", 3e-3);
+    unit.set("process.cutting_speed", 1.2);
+    let mut unit = unit.start();
+    assert_eq!((unit.get("process.stable"), unit.get("process.stability_margin")), (1.0, 1.0));
+    unit.set("machine.chatter", 1.0);
+    unit.set("machine.process_damping", 0.0);
+    assert_eq!(unit.get("process.stable"), 0.0);
+    assert!(unit.get("process.stability_margin") < 0.0 && unit.get("process.vibration_rms") > 1e-6);
+    unit.set("machine.stiffness", 1e9);
+    assert_eq!(unit.get("process.stable"), 1.0);
+}
+
+#[test]
+fn an_effect_of_size_zero_is_off_and_a_size_switches_it_on() {
+    let force = |size: f64| {
+        let mut unit = Bench::new("turning", HELD);
+        unit.set("effect.wear_force", size);
+        unit.set("tool.flank_wear", 0.3e-3);
+        unit.start().get("process.cutting_force")
+    };
+    let bare = Turning::default();
+    let worn = toolroom_cutting::TurningState { flank_wear: 0.3e-3, ..bare.initial() };
+    let expected = bare.output(&worn, &TurningInput::default()).cutting_force;
+    assert_eq!(force(0.0), expected);
+    assert!((force(0.2) / expected - 1.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_set_leaves_alone_what_was_set_by_itself() {
+    let choose = |order: [usize; 2]| {
+        let mut unit = Bench::new("turning", HELD);
+        for what in order {
+            if what == 0 {
+                let (_, reference) = unit.reference("tool.set");
+                unit.unit.write_text(reference, "c45_t15k6").expect("a shipped set");
+            } else {
+                unit.set("limits.wear_limit", 0.5e-3);
+            }
+        }
+        (unit.get("limits.wear_limit"), unit.get("force.specific_force"))
+    };
+    let (limit, force) = choose([0, 1]);
+    assert_eq!(choose([1, 0]), (limit, force), "in either order");
+    assert_eq!(limit, 0.5e-3);
+    assert_eq!(force, Turning::named("c45_t15k6").expect("a shipped set").pair.force.specific_force);
+}
+
+#[test]
+fn a_restored_state_goes_on_bit_for_bit_also_in_another_instance() {
+    for model in ["turning", "milling", "infeed"] {
+        let mut unit = Bench::new(model, HELD);
+        if model == "turning" {
+            unit.set("adaptive.enable", 1.0);
+            unit.set("effect.run_in", 0.3);
+        }
+        let mut unit = unit.start();
+        unit.run(0.0, 20.0, 0.5);
+        let state = unit.unit.save(0).expect("a saved state");
+        let bytes = unit.unit.serialise(state).expect("bytes");
+        unit.run(20.0, 40.0, 0.5);
+        let at_end = |unit: &mut Bench| {
+            let handle = unit.unit.save(0).expect("a saved state");
+            unit.unit.serialise(handle).expect("bytes")
+        };
+        let end = at_end(&mut unit);
+        unit.unit.restore(state).expect("its own state");
+        unit.run(20.0, 40.0, 0.5);
+        assert_eq!(at_end(&mut unit), end, "{model} again");
+        let mut other = Bench::new(model, HELD);
+        let copy = other.unit.deserialise(&bytes).expect("the same unit's bytes");
+        other.unit.restore(copy).expect("a state");
+        other.run(20.0, 40.0, 0.5);
+        assert_eq!(at_end(&mut other), end, "{model} elsewhere");
+    }
+}
+
+/// Real variables whose slot passes, by reference.
+fn reals(about: &Description, wanted: fn(Slot) -> bool) -> Vec<u32> {
+    let real = about.variables.iter().filter(|each| each.value_type == ValueType::Real && wanted(each.slot));
+    real.map(|each| each.slot.reference()).collect()
+}
+
+/// Jacobian columns of a unit at a point inside its range, with every effect on.
+fn at_a_point(model: &str) -> (Bench, Vec<u32>, Vec<u32>) {
+    let mut unit = Bench::new(model, Interface::ModelExchange);
+    let effects: Vec<String> = unit.about.variables.iter().map(|each| each.name.clone()).collect();
+    for name in effects.iter().filter(|name| name.starts_with("effect.")) {
+        let max = unit.about.variables.iter().find(|each| each.name == **name).map_or(0.0, |each| each.field.max);
+        unit.set(name, (0.02 * max).min(1e-3));
+    }
+    unit.set("tool.flank_wear", 0.23e-3);
+    unit.set("tool.cutting_path", 321.0);
+    unit.set("tool.cutting_time", 432.0);
+    unit.set("process.chipping_rate", 1e-3);
+    if model == "turning" {
+        unit.set("tool.tool_body_temperature_rise", 321.0);
+        unit.set("tool.thermal_damage", 0.21);
+    }
+    let unit = unit.start();
+    let knowns = reals(&unit.about, |slot| matches!(slot, Slot::Input(_) | Slot::State(_)));
+    let unknowns =
+        reals(&unit.about, |slot| matches!(slot, Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_)));
+    (unit, knowns, unknowns)
+}
+
+#[test]
+fn directional_and_adjoint_derivatives_are_the_slopes_and_touch_what_is_declared() {
+    for model in ["turning", "milling"] {
+        let (mut unit, knowns, unknowns) = at_a_point(model);
+        let mut slopes = vec![0.0; unknowns.len()];
+        for &known in &knowns {
+            let mut value = [0.0];
+            unit.unit.read(ValueType::Real, &[known], &mut value).expect("a known");
+            let field = unit.about.variables.iter().find(|each| each.slot.reference() == known).map(|each| each.field);
+            // One that stands at the end of its range is moved inwards.
+            let value =
+                [field.map_or(value[0], |f| value[0].clamp(f.min + 1e-3 * (f.max - f.min).min(1.0), 0.999 * f.max))];
+            let h = 2e-4 * value[0].abs().max(1e-3);
+            let mut at = |offset: f64| {
+                let mut values = vec![0.0; unknowns.len()];
+                unit.set_any(known, value[0] + offset);
+                unit.unit.read(ValueType::Real, &unknowns, &mut values).expect("unknowns");
+                values
+            };
+            let (low, high) = (at(-h), at(h));
+            at(0.0);
+            unit.unit.directional(&unknowns, &[known], &[1.0], &mut slopes).expect("a derivative");
+            for (i, unknown) in unknowns.iter().enumerate() {
+                let difference = (high[i] - low[i]) / (2.0 * h);
+                let scale = slopes[i].abs().max(1e-6 * (high[i].abs() + low[i].abs()) / value[0].abs().max(1e-4));
+                assert!(
+                    (difference - slopes[i]).abs() <= 1e-4 * scale + 1e-14,
+                    "{model}: {unknown} by {known}: difference {difference}, derivative {}",
+                    slopes[i]
+                );
+                let declared = unit.about.dependencies.of_unknown(*unknown).expect("a declared unknown");
+                let touched = high[i].to_bits() != low[i].to_bits();
+                assert!(!touched || declared.contains(&known), "{model}: {unknown} depends on {known}");
+            }
+            // The adjoint of one weight is the same row by row.
+            let mut back = [0.0];
+            let weights: Vec<f64> = (0..unknowns.len()).map(|i| 1.0 / (1.0 + i as f64)).collect();
+            unit.unit.adjoint(&unknowns, &[known], &weights, &mut back).expect("a derivative");
+            let sum: f64 = slopes.iter().zip(&weights).map(|(slope, weight)| slope * weight).sum();
+            assert!((back[0] - sum).abs() <= 1e-12 * sum.abs());
+        }
+    }
+}
+
+impl Bench {
+    /// Sets a known of either kind in Event Mode.
+    fn set_any(&mut self, reference: u32, value: f64) {
+        match Slot::of(reference) {
+            Some(Slot::State(i)) => {
+                let mut states = vec![0.0; self.unit.state_count()];
+                self.unit.states(&mut states).expect("states");
+                states[i] = value;
+                self.unit.set_states(&states).expect("a state");
+            }
+            _ => drop(self.unit.write(ValueType::Real, &[reference], &[value]).expect("an input")),
+        }
+    }
+}
