@@ -3,7 +3,7 @@
 use crate::instance::{CallError, Instance, Port, StartValue};
 use crate::keeping::{Keeping, KeepingError, Maker};
 use crate::unit::Unit;
-use crate::wire::{Wires, WiringError, events, start_values};
+use crate::wire::{Wire, Wires, WiringError, events, inner, start_values};
 use std::sync::Arc;
 use toolroom_process::{Advance, Field, Kind, MachineProcess, ModelError, ProcessEvent, Wiring};
 
@@ -11,10 +11,30 @@ use toolroom_process::{Advance, Field, Kind, MachineProcess, ModelError, Process
 /// (assumption).
 const RAMP_PARTS: f64 = 16.0;
 
+/// The state as the shop holds it.
+const UNIT_STATE: Field = Field {
+    name: "unit_state",
+    unit: "1",
+    display: "1",
+    kind: Kind::Real,
+    len: 1,
+    start: 0.0,
+    min: f64::MIN,
+    max: f64::MAX,
+    doc: "Time, size and bytes of the state of an imported unit.",
+};
+
+/// Mechanical energy that a unit may count; the shop reads it from the state.
+const ENERGY: Field = Field { name: "energy", unit: "J", display: "J", doc: "Mechanical energy spent.", ..UNIT_STATE };
+
+/// Share of a step to which an event is located (about the rounding of its time).
+const EVENT_TIME: f64 = 1e-13;
+
 /// An imported unit that stands in for a native process.
 ///
 /// Its state is what the unit writes with `fmi2SerializeFMUstate` or `fmi3SerializeFMUState`, as
-/// numbers. Without that it goes forward only ([`MachineProcess::goes_back`]).
+/// numbers, and events are located by going back and halving the step. Without that it goes
+/// forward only ([`MachineProcess::goes_back`]), and an event happens at the end of its step.
 #[derive(Debug)]
 pub struct UnitProcess {
     name: &'static str,
@@ -25,7 +45,9 @@ pub struct UnitProcess {
     events: Vec<(ProcessEvent, Port)>,
     step: Option<f64>,
     keeping: Keeping,
-    states: [Field; 1],
+    /// The unit's state, and the energy where the unit counts it.
+    states: Vec<Field>,
+    energy: Option<Wire>,
     fresh: Vec<f64>,
     /// Input elements of speed and its change in time.
     speed: usize,
@@ -58,21 +80,14 @@ impl UnitProcess {
             wires.wires.push(None);
             Some(wires.fields.len() - 1)
         });
-        let outputs = Wires::of(description, outputs, "output", &wiring.outputs)?;
+        let counted: Vec<Field> = outputs.iter().copied().chain([ENERGY]).collect();
+        let mut outputs = Wires::of(description, &counted, "output", &wiring.outputs)?;
+        let energy = outputs.take(ENERGY.name).or_else(|| inner(description, &ENERGY));
         let events = events(description, wiring)?;
         let start_values = start_values(description, wiring)?;
         let (keeping, fresh) = Keeping::of(&Maker { unit: &unit, start_values: &start_values })?;
-        let states = [Field {
-            name: "unit_state",
-            unit: "1",
-            display: "1",
-            kind: Kind::Real,
-            len: keeping.length(),
-            start: 0.0,
-            min: f64::MIN,
-            max: f64::MAX,
-            doc: "Time, size and bytes of the state of an imported unit.",
-        }];
+        let mut states = vec![Field { len: keeping.length(), ..UNIT_STATE }];
+        states.extend(energy.map(|_| ENERGY));
         Ok(Self {
             name,
             unit,
@@ -83,6 +98,7 @@ impl UnitProcess {
             step: wiring.step,
             keeping,
             states,
+            energy,
             fresh,
             speed,
             acceleration,
@@ -130,23 +146,67 @@ impl UnitProcess {
         let parts = (dt / self.longest_step(acceleration, dt)).ceil().max(1.0);
         let native_ramp = self.acceleration.is_some_and(|i| self.inputs.wires[i].is_some());
         let before = self.flags(instance)?;
+        let locates = self.goes_back() && !self.events.is_empty();
+        let mut saved = Vec::new();
         let mut elapsed = 0.0;
         for part in 1..=parts as u64 {
             let end = if part as f64 == parts { dt } else { dt * (part as f64 / parts) };
             let middle = 0.5 * (elapsed + end);
             u[self.speed] = start_speed + acceleration * if native_ramp { elapsed } else { middle };
-            self.set_inputs(instance, u)?;
-            instance.step(time + elapsed, end - elapsed)?;
-            elapsed = end;
-            let now = self.flags(instance)?;
-            let rose = self.events.iter().zip(before.iter().zip(&now)).find(|(_, (before, now))| !**before && **now);
-            if let Some(((event, _), _)) = rose {
+            if locates {
+                instance.serialize(&mut saved)?;
+            }
+            let (from, mut step) = (time + elapsed, end - elapsed);
+            let mut event = self.step(instance, u, from, step, &before)?;
+            if event.is_some() && locates {
+                (step, event) = self.locate(instance, u, from, step, &before, &saved)?;
+            }
+            elapsed = if event.is_some() { elapsed + step } else { end };
+            if event.is_some() {
                 u[self.speed] = start_speed + acceleration * elapsed;
-                return Ok((Advance { elapsed, event: Some(*event) }, Some(time + elapsed)));
+                return Ok((Advance { elapsed, event }, Some(time + elapsed)));
             }
         }
         u[self.speed] = start_speed + acceleration * dt;
         Ok((Advance { elapsed: dt, event: None }, Some(time + dt)))
+    }
+
+    /// One communication step; the first event whose flag is up and was not `before`.
+    fn step(
+        &self,
+        instance: &mut Instance,
+        u: &[f64],
+        from: f64,
+        step: f64,
+        before: &[bool],
+    ) -> Result<Option<ProcessEvent>, CallError> {
+        self.set_inputs(instance, u)?;
+        instance.step(from, step)?;
+        let now = self.flags(instance)?;
+        let rose = self.events.iter().zip(before.iter().zip(now)).find(|(_, (before, now))| !**before && *now);
+        Ok(rose.map(|((event, _), _)| *event))
+    }
+
+    /// Finds the earliest event of a step by halving it, from the state `saved` at its start; the
+    /// instance is left at the event.
+    fn locate(
+        &self,
+        instance: &mut Instance,
+        u: &[f64],
+        from: f64,
+        step: f64,
+        before: &[bool],
+        saved: &[u8],
+    ) -> Result<(f64, Option<ProcessEvent>), CallError> {
+        let (mut quiet, mut loud) = (0.0, step);
+        while loud - quiet > EVENT_TIME * step {
+            let middle = 0.5 * (quiet + loud);
+            instance.deserialize(saved)?;
+            let event = self.step(instance, u, from, middle, before)?;
+            if event.is_some() { loud = middle } else { quiet = middle }
+        }
+        instance.deserialize(saved)?;
+        Ok((loud, self.step(instance, u, from, loud, before)?))
     }
 }
 
@@ -164,14 +224,16 @@ impl MachineProcess for UnitProcess {
         &self.outputs.fields
     }
     fn initial(&self) -> Vec<f64> {
-        self.keeping.begin(&self.maker()).unwrap_or_else(|| self.fresh.clone())
+        let mut x = self.keeping.begin(&self.maker()).unwrap_or_else(|| self.fresh.clone());
+        x.extend(self.energy.map(|_| 0.0));
+        x
     }
     fn goes_back(&self) -> bool {
         self.keeping.goes_back()
     }
     /// Outputs as the unit gives them after its inputs were set; not a number where it refuses.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
-        let mut state = x.to_vec();
+        let mut state = x[..self.keeping.length()].to_vec();
         let values = self.keeping.with(&self.maker(), &mut state, |instance, _| {
             self.set_inputs(instance, u)?;
             let wires = self.outputs.wires.iter().flatten();
@@ -195,10 +257,16 @@ impl MachineProcess for UnitProcess {
             return Ok(Advance { elapsed: 0.0, event: None });
         }
         let mut input = u.to_vec();
-        let advance = self
-            .keeping
-            .with(&self.maker(), x, |instance, time| self.steps(instance, time, &mut input, dt))
-            .map_err(|error| self.refusal(&error))?;
+        let (state, counted) = x.split_at_mut(self.keeping.length());
+        let work = |instance: &mut Instance, time| {
+            let (advance, end) = self.steps(instance, time, &mut input, dt)?;
+            let energy = self.energy.map(|wire| Ok(wire.inward(instance.get(wire.port)?))).transpose()?;
+            Ok(((advance, energy), end))
+        };
+        let (advance, energy) = self.keeping.with(&self.maker(), state, work).map_err(|error| self.refusal(&error))?;
+        if let (Some(slot), Some(energy)) = (counted.first_mut(), energy) {
+            *slot = energy;
+        }
         u.copy_from_slice(&input);
         Ok(advance)
     }

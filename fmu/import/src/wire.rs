@@ -140,10 +140,22 @@ impl Wires {
         Ok(wires)
     }
 
+    /// Takes the field called `name` out and gives its wire.
+    pub(crate) fn take(&mut self, name: &str) -> Option<Wire> {
+        let index = self.index(name)?;
+        self.fields.remove(index);
+        self.wires.remove(index)
+    }
+
     /// Index of the field called `name`.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.fields.iter().position(|field| field.name == name)
     }
+}
+
+/// The wire of a quantity that the unit has inside, under the name of `field`.
+pub(crate) fn inner(description: &ModelDescription, field: &Field) -> Option<Wire> {
+    wire(description, field, found(description, field.name, "local")?, None).ok()
 }
 
 /// `"vc [m/min]"` to its variable and unit.

@@ -17,6 +17,7 @@ pub struct Wiring {
     pub events: BTreeMap<String, String>,
     /// Start values of parameters of the unit, as text, in the unit's own units.
     pub start: BTreeMap<String, String>,
-    /// Longest communication step, s; a whole pass if `None`. Events are seen at its end.
+    /// Longest communication step, s; a whole pass if `None`. A unit without FMU state
+    /// shows its events at the end of a step only.
     pub step: Option<f64>,
 }

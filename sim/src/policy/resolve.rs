@@ -153,8 +153,13 @@ fn controller(
     cut: Option<&Cut>,
     machine: &MachineType,
 ) -> Result<Controller, PolicyError> {
-    let believed = match (tool.process.pair(), cut) {
-        (Some(own), Some(cut)) => Some(believe(rule, tool, own, cut, machine)?),
+    let pair = match &rule.believed_model {
+        // An imported unit tells nobody its parameters; a policy may still name what it believes.
+        Some(name) if tool.process.takes_speed_commands() => Some(Pair::named(name)?),
+        _ => tool.process.pair().cloned(),
+    };
+    let believed = match (pair, cut) {
+        (Some(pair), Some(cut)) => Some(believe(tool, pair, cut, machine)),
         _ => None,
     };
     let cost = ChangeCost {
@@ -244,21 +249,11 @@ fn law(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedTable {
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.
-fn believe(
-    rule: &PolicyRule,
-    tool: &ToolType,
-    own: &Pair,
-    cut: &Cut,
-    machine: &MachineType,
-) -> Result<Believed, PolicyError> {
-    let mut pair = match &rule.believed_model {
-        Some(name) => Pair::named(name)?,
-        None => own.clone(),
-    };
+fn believe(tool: &ToolType, mut pair: Pair, cut: &Cut, machine: &MachineType) -> Believed {
     let (slowest, fastest) = machine.speed_range;
     let limits = &mut pair.limits;
     limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
     limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
     let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
-    Ok(Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance: tool.scatter.allowance })
+    Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance: tool.scatter.allowance }
 }
