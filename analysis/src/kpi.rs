@@ -28,11 +28,9 @@
 //! are the same under every policy.
 
 mod definition;
-mod programmed;
 mod tally;
 
 pub use definition::{Better, Definition, Kpi, kpis};
-pub use programmed::programmed_cutting_times;
 
 use definition::{MACHINE, SHOP};
 use tally::Tally;

@@ -1,7 +1,10 @@
 use super::*;
 use crate::fixture;
+use std::sync::Arc;
+use toolroom_cutting::Milling;
 use toolroom_sim::runlog::{ChangeReason, JobOutcome};
-use toolroom_sim::scenario::ArrivalPattern;
+use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Work};
+use toolroom_sim::shop::programmed_cutting_times;
 
 /// Value of a figure of the shop, or of a machine, in `values` of [`evaluate`].
 fn value(scenario: &Scenario, values: &[f64], id: &str, machine: Option<usize>) -> f64 {
@@ -162,4 +165,27 @@ fn figures_have_distinct_keys_and_units_that_convert() {
     let key = |id: &str| list.iter().find(|kpi| kpi.definition.id == id).map(Kpi::key).unwrap_or_default();
     assert_eq!((key("lead_time").as_str(), key("oee").as_str()), ("lead_time [min]", "oee"));
     assert_eq!(key("mean_cutting_speed"), "mean_cutting_speed [m/min]");
+}
+
+#[test]
+fn turning_takes_path_over_speed_and_grinding_its_revolutions() {
+    // Two cuts of 60 m at 0.5 m/s; 100 revolutions, one a second.
+    let times = programmed_cutting_times(&fixture::scenario());
+    assert_eq!(times.len(), 1);
+    assert!((times[0][0] - 240.0).abs() < 1e-12 && (times[0][1] - 100.0).abs() < 1e-12);
+}
+
+#[test]
+fn milling_takes_path_over_feed_rate() {
+    let mut scenario = fixture::scenario();
+    let milling = Milling::named("c45_endmill_d12").expect("a shipped set");
+    let (teeth, diameter) = (milling.cutter.teeth, milling.cutter.diameter);
+    scenario.tools[0].process = ProcessModel::Milling(Arc::new(milling));
+    let Work::Cutting(cuts) = &mut scenario.parts[0].operations[0].work else { panic!("the fixture turns first") };
+    cuts.truncate(1);
+    cuts[0].width_of_cut = 0.5 * diameter;
+    // Speed 0.5 m/s, feed 0.1 mm a tooth: feed rate = f z v / (π D).
+    let feed_rate = 1e-4 * teeth * 0.5 / (std::f64::consts::PI * diameter);
+    let time = programmed_cutting_times(&scenario)[0][0];
+    assert!((time - 60.0 / feed_rate).abs() < 1e-9 * time, "{time}");
 }

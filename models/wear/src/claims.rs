@@ -19,7 +19,7 @@ pub enum ClaimError {
     Model(#[from] ModelError),
 }
 
-/// Every claim about tool wear, computed now.
+/// Every claim about tool wear, computed now, in units that people read; the claim names them.
 ///
 /// # Errors
 /// [`ClaimError`] where a parameter set or a calculation fails.
@@ -75,27 +75,34 @@ fn paper() -> Result<Vec<Claim>, ClaimError> {
             0.15 / 1.65,
         ),
         claim(
-            "Fig. 2: wear per path of a new edge is least between 770 and 1370 K (demonstration: levels assumed)",
+            "Fig. 2: wear per path of a new edge is least between 770 and 1370 K (demonstration: levels assumed) [K]",
             PAPER,
             1070.0,
             minimum(0.0).temperature,
             300.0 / 1070.0,
         ),
-        claim("Fig. 2: the same at 0.6 mm of flank wear", PAPER, 1070.0, minimum(0.6e-3).temperature, 300.0 / 1070.0),
         claim(
-            "Fig. 2: least wear at 0.2 mm lies on the figure's axis, 1 to 5 um/m",
+            "Fig. 2: the same at 0.6 mm of flank wear [K]",
             PAPER,
-            3e-6,
-            minimum(0.2e-3).wear_intensity,
+            1070.0,
+            minimum(0.6e-3).temperature,
+            300.0 / 1070.0,
+        ),
+        claim(
+            "Fig. 2: least wear at 0.2 mm lies on the figure's axis, 1 to 5 um/m [um/m]",
+            PAPER,
+            3.0,
+            minimum(0.2e-3).wear_intensity * 1e6,
             2.0 / 3.0,
         ),
     ])
 }
 
-/// The speed within the limits at which an edge lasts `minutes`; life falls with speed there.
+/// The speed (m/min) within the limits at which an edge lasts `minutes`; life falls with speed
+/// there.
 fn speed_for_life(pair: &Pair, cut: &Cut, minutes: f64) -> f64 {
     let (low, high) = (pair.limits.lowest_speed, pair.limits.highest_speed);
-    crate::search::root(low, high, |speed| pair.life(&cut.at_speed(speed)).cutting_time - minutes * 60.0)
+    60.0 * crate::search::root(low, high, |speed| pair.life(&cut.at_speed(speed)).cutting_time - minutes * 60.0)
 }
 
 /// Slope of ln T in ln v.
@@ -114,33 +121,33 @@ fn handbook() -> Result<Vec<Claim>, ClaimError> {
     let best = |pair: &Pair, cut: &Cut| pair.best_constant_speed(cut, Objective::Path).cutting_speed;
     let default = Pair::named("ni_vk6om")?;
     let scatter = Scatter::shop().life_moments(&default, &default.reference_cut().at_speed(0.5));
-    let steel_speed = |minutes: f64| 420.0 / (f64::powf(minutes, 0.2) * 1.5f64.powf(0.15) * 0.3f64.powf(0.2)) / 60.0;
+    let steel_speed = |minutes: f64| 420.0 / (f64::powf(minutes, 0.2) * 1.5f64.powf(0.15) * 0.3f64.powf(0.2));
     Ok(vec![
         claim(
-            "steel, T15K6: speed for 60 min of tool life (by construction: the set was calibrated to it)",
+            "steel, T15K6: speed for 60 min of tool life (by construction: the set was calibrated to it) [m/min]",
             HANDBOOK,
             steel_speed(60.0),
             speed_for_life(&steel, &steel_cut, 60.0),
             0.03,
         ),
         claim(
-            "steel, T15K6: speed for 27 min of tool life (tests the slope only)",
+            "steel, T15K6: speed for 27 min of tool life (tests the slope only) [m/min]",
             HANDBOOK,
             steel_speed(27.0),
             speed_for_life(&steel, &steel_cut, 27.0),
             0.03,
         ),
         claim(
-            "steel, T15K6: contact temperature at 180 m/min, thermocouple scale 148.8 v^0.4 s^0.24 t^0.1 degC",
+            "steel, T15K6: contact temperature at 180 m/min, thermocouple scale 148.8 v^0.4 s^0.24 t^0.1 degC [K]",
             HANDBOOK,
             148.8 * 180f64.powf(0.4) * 0.3f64.powf(0.24) * 1.5f64.powf(0.1) + 273.15,
             steel.point(&steel_cut, 0.2e-3).temperature,
             0.06,
         ),
         claim(
-            "nickel alloy, slope of the handbook: speed for 20 min of tool life",
+            "nickel alloy, slope of the handbook: speed for 20 min of tool life [m/min]",
             HANDBOOK,
-            110.0 * 0.28 / (20f64.powf(0.2) * 0.75f64.powf(0.2) * 0.12f64.powf(0.45)) / 60.0,
+            110.0 * 0.28 / (20f64.powf(0.2) * 0.75f64.powf(0.2) * 0.12f64.powf(0.45)),
             speed_for_life(&nickel, &nickel_cut, 20.0),
             0.15,
         ),
@@ -182,10 +189,28 @@ fn reference() -> Result<Vec<Claim>, ClaimError> {
     }
     let constant = separable.best_constant_speed(&cut, Objective::Path);
     Ok(vec![
-        claim("minimum-wear speed at 0.2 mm", REFERENCE, 39.99782 / 60.0, pair.minimum_wear_speed(&cut, 0.2e-3), 1e-6),
-        claim("tool life at 40 m/min, quasi-steady", REFERENCE, 14.932164 * 60.0, pair.life(&cut).cutting_time, 1e-6),
-        claim("tool life at 40 m/min, cold start, integrated in time", REFERENCE, 14.77972 * 60.0, run.elapsed, 1e-6),
-        claim("best constant speed for path", REFERENCE, 30.430343 / 60.0, best.cutting_speed, 1e-6),
+        claim(
+            "minimum-wear speed at 0.2 mm [m/min]",
+            REFERENCE,
+            39.99782,
+            pair.minimum_wear_speed(&cut, 0.2e-3) * 60.0,
+            1e-6,
+        ),
+        claim(
+            "tool life at 40 m/min, quasi-steady [min]",
+            REFERENCE,
+            14.932164,
+            pair.life(&cut).cutting_time / 60.0,
+            1e-6,
+        ),
+        claim(
+            "tool life at 40 m/min, cold start, integrated in time [min]",
+            REFERENCE,
+            14.77972,
+            run.elapsed / 60.0,
+            1e-6,
+        ),
+        claim("best constant speed for path [m/min]", REFERENCE, 30.430343, best.cutting_speed * 60.0, 1e-6),
         claim(
             "fair baseline: life under least wear against the best constant speed",
             REFERENCE,

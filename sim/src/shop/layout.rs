@@ -50,6 +50,7 @@ impl Layout {
     pub fn of(scenario: &Scenario) -> Result<Self, ShopError> {
         check(scenario)?;
         let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+        let programmed = programmed_cutting_times(scenario);
         let mut groups: Vec<&str> = Vec::new();
         let mut first_pass = 0;
         let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
@@ -62,8 +63,7 @@ impl Layout {
                     groups.len() - 1
                 });
                 let machine = &scenario.machines[operation.machines[0]];
-                let process = &scenario.tools[operation.tool].process;
-                let cutting: f64 = durations(operation, process, &tools[operation.tool]).iter().sum();
+                let cutting = programmed[operations.len()][plans.len()];
                 let passes = operation.work.passes() as u32;
                 plans.push(OperationPlan {
                     tool: operation.tool as u32,
@@ -122,19 +122,28 @@ fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
     order
 }
 
-/// Duration of every pass as programmed, s.
-fn durations(operation: &Operation, process: &ProcessModel, tool: &ToolPlan) -> Vec<f64> {
-    match &operation.work {
-        Work::Cutting(cuts) => cuts.iter().map(|cut| cut_duration(cut, process, tool, &tool.cut_input(cut))).collect(),
-        Work::Grinding { work_rotation_speed, phases } => {
-            phases.iter().map(|phase| phase_duration(phase, *work_rotation_speed)).collect()
+/// Time in cut of every operation as programmed, s, by part and operation.
+///
+/// A pass takes path over feed rate where the process has a feed rate (milling), else path over
+/// cutting speed (turning); a grinding phase takes its revolutions over the work speed. An
+/// operation whose tool does not exist has none.
+pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
+    let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+    let time = |operation: &Operation| {
+        let (Some(tool), Some(plan)) = (scenario.tools.get(operation.tool), tools.get(operation.tool)) else {
+            return f64::NAN;
+        };
+        let phases = |phases: &[GrindingPhase], speed: f64| phases.iter().map(|each| phase_duration(each, speed)).sum();
+        match &operation.work {
+            Work::Cutting(cuts) => {
+                cuts.iter().map(|cut| cut_duration(cut, &tool.process, plan, &plan.cut_input(cut))).sum()
+            }
+            Work::Grinding { work_rotation_speed, phases: each } => phases(each, *work_rotation_speed),
+            Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).sum(),
+            Work::Cycle(cycle) => phases(&cycle.programmed, cycle.conditions.work_rotation_speed),
         }
-        Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).collect(),
-        Work::Cycle(cycle) => {
-            let speed = cycle.conditions.work_rotation_speed;
-            cycle.programmed.iter().map(|phase| phase_duration(phase, speed)).collect()
-        }
-    }
+    };
+    scenario.parts.iter().map(|part| part.operations.iter().map(time).collect()).collect()
 }
 
 /// Duration of a whole pass at the constant speed in `input`, s: path over feed rate for

@@ -57,6 +57,7 @@ pub use edge::Edge;
 pub use error::{Refusal, ShopError};
 pub use event::Event;
 pub use job::{Job, Jobs};
+pub use layout::programmed_cutting_times;
 pub use machine::{Machine, Step, Task};
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
