@@ -117,8 +117,8 @@ impl<U: Unit> Instance<U> {
         let indicators = &mut indicators[..U::EVENTS.len()];
         let input = self.effective_input();
         self.core.model.process.event_indicators(&self.core.state, &input, indicators);
-        for i in 0..U::EVENTS.len() {
-            if indicators[i] >= REACHED {
+        for (i, indicator) in indicators.iter().enumerate() {
+            if *indicator >= REACHED {
                 self.note(i);
             }
         }
