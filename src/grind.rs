@@ -49,6 +49,7 @@ fn design(args: &GrindArgs) -> Result<Design, Failure> {
             "give a cycle file, such as scenarios/grinding/cycle.toml",
         )
     })?;
+    let text = text.trim_start_matches('\u{FEFF}').to_owned();
     let mut file = CycleFile::read(&path, &text).map_err(|error| refused_file(&error, &text))?;
     for change in &args.set {
         let (key, value) = change.split_once('=').ok_or_else(|| {

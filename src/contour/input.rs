@@ -53,7 +53,7 @@ fn open(path: &Path, help: &str) -> Result<Text, Failure> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::argument(format_args!("{name} cannot be read: {error}"), help))?;
-    Ok(Text { name, text })
+    Ok(Text { name, text: text.trim_start_matches('\u{FEFF}').to_owned() })
 }
 
 fn refused(input: &Text, error: FileError) -> Failure {

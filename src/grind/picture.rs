@@ -96,13 +96,16 @@ fn courses(design: &Design) -> [Plot; 4] {
     let (cycle, limits) = (&design.cycle, &design.file.limits);
     let over = |value: fn(&CyclePoint) -> f64| cycle.course.iter().map(move |point| (point.time, value(point)));
     let time = || Axis::linear("Time since first contact", "s");
-    let phased = |mut plot: Plot| {
+    let phased = |plot: Plot| {
+        let names = phase_names(cycle);
+        let kinds = names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), Style::nth(i + 3)));
         let mut at = 0;
-        for (name, phase) in phase_names(cycle).into_iter().zip(&cycle.phases) {
-            plot = plot.vertical(cycle.course[at].time, name);
+        let intervals = cycle.phases.iter().enumerate().map(|(i, phase)| {
+            let from = cycle.course[at].time;
             at += phase.revolutions as usize;
-        }
-        plot
+            (from, cycle.course[at].time, i)
+        });
+        plot.strip("phase", kinds, intervals.collect::<Vec<_>>())
     };
     let infeed = Plot::new("Infeed and stock", time(), Axis::linear("Radius", "um"))
         .line(
