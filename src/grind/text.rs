@@ -43,9 +43,10 @@ pub fn summary(design: &Design) -> String {
     row("stock after roughing", cycle.finish_stock * UM, rounded(limits.finish_stock * UM), "um", true);
     row("greatest temperature rise", cycle.peak_temperature_rise, limits.rough_temperature_rise, "K", false);
     if let Some([estimate, exact]) = &design.dressing {
+        let edge = if exact.parts as usize == exact.course.len() { ", the most looked at" } else { "" };
         let _ = writeln!(
             text,
-            "  dress after {} parts: {:.3} s a part with its share of the dressing ({} parts, {:.3} s by estimated cycles)",
+            "  dress after {} parts{edge}: {:.3} s a part with its share of the dressing ({} parts, {:.3} s by estimated cycles)",
             exact.parts, exact.time_per_part, estimate.parts, estimate.time_per_part
         );
     }

@@ -10,7 +10,8 @@ const N_PER_UM: f64 = 1e-6;
 
 pub fn summary(study: &Study) -> String {
     let found = &study.found;
-    let mut text = format!("{}: {} trials\n", study.title, study.trials.len());
+    let plural = if study.trials.len() == 1 { "" } else { "s" };
+    let mut text = format!("{}: {} trial{plural}\n", study.title, study.trials.len());
     let _ = writeln!(
         text,
         "  {:14} {:>9} {:>8} {:>9} {:>9} {:>10} {:>10} {:>7}",
@@ -62,7 +63,9 @@ pub fn summary(study: &Study) -> String {
         }
     }
     if let Some([less, more]) = found.half_revolution_range() {
-        row("half a revolution less, more", format!("K {less:.4}, {more:.4}  (systematic, in no interval above)"));
+        let by_force = found.trials.iter().any(|trial| trial.from_force.is_some());
+        let by = if by_force { "by stock alone" } else { "systematic, in no interval above" };
+        row("half a revolution less, more", format!("K {less:.4}, {more:.4}  ({by})"));
     }
     row("best length of a trial", format!("{} revolutions, sd of K {:.3}", found.best.revolutions, found.best.lag_sd));
     for advice in &found.advice {

@@ -36,6 +36,12 @@ fn benches(c: &mut Criterion) {
     group.bench_function("plan with edge life of 180 sections", |b| {
         b.iter(|| planner.optimal_with_edge(Objective::Time, black_box(edge)));
     });
+    let contour = spiral(18);
+    let planner = Planner::new(&contour, &parameters, &pass, &models).expect("the reference pass is sound");
+    let edge = EdgeLife { remaining: 0.0003, levels: 64 };
+    group.bench_function("plan with ramps and edge life of 18 sections, 64 levels", |b| {
+        b.iter(|| planner.optimal_with_ramps_and_edge(Objective::Cost, black_box(edge)));
+    });
     group.finish();
 }
 

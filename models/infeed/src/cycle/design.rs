@@ -1,7 +1,7 @@
 //! The fastest cycle by exact search.
 
 use super::CycleLimits;
-use crate::{Infeed, Input, State};
+use crate::{Infeed, Input, Rounded, State};
 use toolroom_process::{ModelError, Process, Record};
 
 /// A part of a cycle with constant infeed.
@@ -82,7 +82,7 @@ pub enum CycleError {
     /// The finish limit lies below the first infeed that can be set.
     #[error(
         "finish_temperature_rise and infeed_step conflict: the finish infeed must stay below {depth_limit:.4} um, the \
-         machine sets multiples of {step} um"
+         machine sets multiples of {} um", Rounded(*.step)
     )]
     FinishBelowStep {
         /// Greatest depth of the finish phase.
@@ -92,7 +92,8 @@ pub enum CycleError {
     },
     /// More finish stock than stock.
     #[error(
-        "finish_stock = {finish_stock} um and stock = {stock} um conflict: {removable:.4} um can be removed at most"
+        "finish_stock = {} um and stock = {} um conflict: {removable:.4} um can be removed at most",
+        Rounded(*.finish_stock), Rounded(*.stock)
     )]
     FinishStockBeyondStock {
         /// Finish stock asked for.
@@ -104,8 +105,8 @@ pub enum CycleError {
     },
     /// Threshold force and wheel wear alone leave more than allowed.
     #[error(
-        "size_error = {allowed} um conflicts with threshold force and wheel wear: they alone leave {threshold:.4} um and \
-         {wear:.4} um however long the spark-out"
+        "size_error = {} um conflicts with threshold force and wheel wear: they alone leave {threshold:.4} um and \
+         {wear:.4} um however long the spark-out", Rounded(*.allowed)
     )]
     SizeBeyondReach {
         /// The limit.

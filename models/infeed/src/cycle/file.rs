@@ -226,7 +226,7 @@ impl CycleFile {
     /// ```
     /// let mut file = toolroom_infeed::CycleFile::read("cycle.toml", "schema = 1").unwrap();
     /// file.set("limits.stock", "50 um").unwrap();
-    /// assert_eq!(file.limits.stock, 50e-6);
+    /// assert!((file.limits.stock - 50e-6).abs() < 1e-15);
     /// ```
     pub fn set(&mut self, path: &str, value: &str) -> Result<(), CycleReason> {
         let (table, key) = path.split_once('.').unwrap_or((path, ""));

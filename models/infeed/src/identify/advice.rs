@@ -140,7 +140,9 @@ pub(super) fn advice(trials: &[Trial], found: &Identification) -> Vec<Advice> {
     if trials.len() == 1 {
         advice.push(Advice::SingleTrial);
     }
-    if let Some([less, more]) = found.half_revolution_range()
+    // The force tells its lag without a count of revolutions.
+    let by_stock_alone = found.trials.iter().all(|trial| trial.from_force.is_none());
+    if let Some([less, more]) = found.half_revolution_range().filter(|_| by_stock_alone)
         && (lag - less).max(more - lag) > half_width
     {
         let (less, more) = (Rounded(less - lag), Rounded(more - lag));
