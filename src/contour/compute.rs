@@ -14,6 +14,9 @@ use toolroom_process::unit;
 /// as the plan itself.
 const STUDIED: usize = 1000;
 
+/// States kept of the edge's life where the feed is a state too: seconds for twenty sections.
+const JOINT_LEVELS: usize = 64;
+
 /// What a plan makes least, with its name.
 pub const OBJECTIVES: [(&str, Objective); 2] = [("time", Objective::Time), ("cost", Objective::Cost)];
 
@@ -92,7 +95,9 @@ impl Demands {
             (false, None) => planner.optimal(objective),
             (true, None) => planner.optimal_with_ramps(objective),
             (false, Some(edge)) => planner.optimal_with_edge(objective, edge),
-            (true, Some(edge)) => planner.optimal_with_ramps_and_edge(objective, edge),
+            (true, Some(edge)) => {
+                planner.optimal_with_ramps_and_edge(objective, EdgeLife { levels: JOINT_LEVELS, ..edge })
+            }
         }
     }
 }

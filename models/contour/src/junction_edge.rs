@@ -11,8 +11,9 @@ impl Planner<'_> {
     /// speed.
     ///
     /// The plan is that of complete enumeration while no gear and feed need more than
-    /// `edge.levels` states. It takes a second for some twenty sections; the states are gears times
-    /// feeds times levels.
+    /// `edge.levels` states. An edge that outlasts the contour at any setting needs none, and the
+    /// plan is that with ramps; else twenty sections take seconds, because the states are gears
+    /// times feeds times levels.
     ///
     /// # Errors
     /// As both.
@@ -25,6 +26,15 @@ impl Planner<'_> {
         let by_wall: Vec<Vec<Vec<Candidate>>> = (0..self.wall_count())
             .map(|wall| (0..self.speeds.len()).map(|gear| self.admissible(wall, gear)).collect())
             .collect();
+        let most_used: f64 = (0..self.len())
+            .map(|i| {
+                let lives = by_wall[self.wall_of(i)].iter().flatten().map(|candidate| candidate.life);
+                lives.fold(0.0, f64::max) * self.centre_length(i)
+            })
+            .sum();
+        if most_used <= edge.remaining {
+            return self.optimal_with_ramps(objective);
+        }
         let feed_of = |gear: usize, feed: usize| self.setting(gear, feed).feed(teeth);
         let lost = |label: &Label, time: f64| Label {
             value: label.value + second * time,

@@ -235,7 +235,10 @@ fn ramps_and_edge_together_are_each_alone_where_the_other_does_not_bind() {
     let models = Models::default();
     let planner = Planner::new(&contour, &parameters, &pass, &models).unwrap();
     for objective in [Objective::Time, Objective::Cost] {
-        let fresh = planner.optimal_with_ramps_and_edge(objective, EdgeLife::default()).unwrap();
+        // More than the plan uses, less than the worst settings would.
+        let used = planner.optimal_with_ramps(objective).unwrap().life_fraction;
+        let edge = EdgeLife { remaining: 1.05 * used, levels: 1000 };
+        let fresh = planner.optimal_with_ramps_and_edge(objective, edge).unwrap();
         let ramps = planner.optimal_with_ramps(objective).unwrap();
         assert!((fresh.time / ramps.time - 1.0).abs() < 1e-9 && (fresh.cost / ramps.cost - 1.0).abs() < 1e-9);
     }
