@@ -83,7 +83,7 @@ impl Comparison {
             .map(|(position, &policy)| PolicyResult {
                 policy,
                 name: scenario.policies[policy].name.clone(),
-                role: role(&scenario.policies[policy].speed),
+                role: role(&scenario.policies[policy], scenario),
                 kpis: (0..study.kpis.len()).map(|kpi| t_interval(&study.values(position, kpi), CONFIDENCE)).collect(),
             })
             .collect();

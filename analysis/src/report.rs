@@ -2,6 +2,7 @@
 
 mod difference;
 mod figures;
+mod quality;
 mod shop;
 mod wear;
 
@@ -58,6 +59,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if comparison.policies.len() > 1 {
         report = report.section(difference::section(&source)).section(difference::gain_section(&source));
+    }
+    if let Some(quality) = quality::section(&source) {
+        report = report.section(quality);
     }
     report = report
         .section(wear::section(&source))

@@ -1,6 +1,6 @@
 //! The comparison on a terminal: plain aligned text.
 
-use crate::compare::{Comparison, Difference};
+use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::kpi::{Better, Kpi};
 use crate::statistics::Interval;
@@ -33,8 +33,9 @@ const ROWS: [&str; 10] = [
     "wip",
 ];
 
-/// Figures of the table of more than two policies, with titles short enough for one line.
-const COLUMNS: [(&str, &str); 7] = [
+/// Figures of the table of more than two policies, with titles short enough for one line; the first
+/// [`MOST_COLUMNS`] that say something in this study.
+const COLUMNS: [(&str, &str); 12] = [
     ("parts_per_shift", "parts / shift"),
     ("cost_per_part", "cost / part"),
     ("edges_per_100_parts", "edges / 100 parts"),
@@ -42,7 +43,15 @@ const COLUMNS: [(&str, &str); 7] = [
     ("oee", "OEE"),
     ("tool_life", "life, min"),
     ("path_per_edge", "path, m"),
+    ("dressings_per_100_parts", "dressings / 100 parts"),
+    ("scrap_out_of_tolerance", "size scrap, %"),
+    ("scrap_burnt", "burnt, %"),
+    ("grinding_time", "grinding, s"),
+    ("lead_time", "lead time, min"),
 ];
+
+/// Columns that fit a line.
+const MOST_COLUMNS: usize = 7;
 
 /// The table, the gains and the decision.
 pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style) -> String {
@@ -194,8 +203,14 @@ fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
 }
 
 fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
-    let columns = figures(study, &COLUMNS.map(|(id, _)| id));
-    let head = COLUMNS.iter().map(|(id, title)| match *id {
+    // What is nought or not defined under every policy says nothing.
+    let says = |index: usize| {
+        let mean = |policy: &PolicyResult| policy.kpis[index].mean;
+        comparison.policies.iter().map(mean).any(|mean| mean.is_finite() && mean != 0.0)
+    };
+    let told: Vec<_> = COLUMNS.iter().filter(|(id, _)| study.index(id).is_some_and(says)).take(MOST_COLUMNS).collect();
+    let columns = figures(study, &told.iter().map(|(id, _)| *id).collect::<Vec<_>>());
+    let head = told.iter().map(|(id, title)| match *id {
         "cost_per_part" => format!("{title}, {}", scenario.currency).into(),
         _ => (*title).to_owned().into(),
     });
@@ -212,11 +227,12 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
 
     let _ = writeln!(out, "difference to {} (95 % CI)", comparison.policies[0].name);
     let gains = ["cell gain", "shop gain", "Amdahl"].map(|text| Cell::from(text.to_owned()));
-    let head = rows[0][1..4].iter().cloned().chain(gains);
+    let shown_differences = columns.len().min(3);
+    let head = rows[0][1..=shown_differences].iter().cloned().chain(gains);
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(Cell::default()).chain(head).collect()];
     for difference in &comparison.differences {
         let mut row = vec![comparison.policies[difference.policy].name.clone().into()];
-        for &(index, kpi) in &columns[..3] {
+        for &(index, kpi) in &columns[..shown_differences] {
             let interval = shown(kpi, &difference.kpis[index].difference);
             let digits = decimals(interval.mean, interval.half_width);
             let mut cell = change(kpi, &interval, digits);

@@ -1,16 +1,20 @@
-//! Does adaptive speed pay? On cost per part, against the best rival that needs no sensor.
+//! Does adapting or planning pay? On cost per part, against the best rival that does neither.
 //!
 //! Fair rivals are the best constant speeds for path, life, rate and cost, Makarov's optimum speed
 //! at a stated wear, and a speed schedule without feedback; a constant speed that was merely given
 //! is a rival too, but beating it proves little. An oracle that knows the true wear is a bound, it
 //! neither wins nor loses.
+//!
+//! Where no policy sets a speed, grinding cycles that follow the measured force and contours that are
+//! planned section by section take the place of adaptive speed; fixed cycles, handbook regimes and the
+//! best constant setting are their rivals.
 
 use super::PolicyResult;
 use crate::figure::{decimals, plain, signed};
 use crate::statistics::{CONFIDENCE, Interval, paired};
 use crate::study::Study;
 use toolroom_process::unit::convert;
-use toolroom_sim::scenario::{Scenario, SpeedChoice, SpeedRule};
+use toolroom_sim::scenario::{ContourRule, GrindingRule, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
 
 /// Part of a policy in the decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,12 +29,42 @@ pub enum Role {
     Schedule,
     /// Follows what it measures.
     Adaptive,
+    /// A grinding cycle designed once, for this dulling.
+    FixedCycle(f64),
+    /// A grinding cycle that follows the measured force.
+    AdaptiveCycle,
+    /// A contour at a handbook regime.
+    Handbook,
+    /// A contour planned for something.
+    Planned(&'static str),
     /// Follows the true wear.
     Oracle,
 }
 
+/// Part that a policy plays in a scenario.
+pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
+    let of_speed = of_speed(&policy.speed);
+    if of_speed != Role::Given {
+        return of_speed;
+    }
+    let work = || scenario.parts.iter().flat_map(|part| &part.operations).map(|operation| &operation.work);
+    let contour = work().find_map(|work| if let Work::Contour(work) = work { Some(work.rule) } else { None });
+    let cycles = work().any(|work| matches!(work, Work::Cycle(_)));
+    match (policy.grinding, contour.map(|rule| policy.contour.unwrap_or(rule))) {
+        (GrindingRule::Fixed { dulling }, None) if cycles => Role::FixedCycle(dulling),
+        (GrindingRule::ForceAdaptive { .. } | GrindingRule::TimeConstantAdaptive { .. }, _) if cycles => {
+            Role::AdaptiveCycle
+        }
+        (_, Some(ContourRule::HandbookOneFeed | ContourRule::HandbookPerSection)) => Role::Handbook,
+        (_, Some(ContourRule::BestConstant)) => Role::BestConstant("cost"),
+        (_, Some(ContourRule::Time)) => Role::Planned("time"),
+        (_, Some(ContourRule::Cost)) => Role::Planned("cost"),
+        (_, None) => of_speed,
+    }
+}
+
 /// Part that a speed rule plays.
-pub fn role(speed: &SpeedRule) -> Role {
+fn of_speed(speed: &SpeedRule) -> Role {
     match speed {
         SpeedRule::Programmed | SpeedRule::Constant(SpeedChoice::Given(_)) => Role::Given,
         SpeedRule::Constant(SpeedChoice::BestPath) => Role::BestConstant("path"),
@@ -57,12 +91,26 @@ impl Role {
             }
             Self::Schedule => "schedule without feedback".to_owned(),
             Self::Adaptive => "adaptive".to_owned(),
+            Self::FixedCycle(dulling) => format!("one cycle, designed for {dulling:.2} times a dressed wheel"),
+            Self::AdaptiveCycle => "cycle that follows the force".to_owned(),
+            Self::Handbook => "handbook regime".to_owned(),
+            Self::Planned(aim) => format!("contour planned for {aim}"),
             Self::Oracle => "oracle with the true wear".to_owned(),
         }
     }
 
+    /// Whether it is what the decision is about.
+    fn is_candidate(&self) -> bool {
+        matches!(self, Self::Adaptive | Self::AdaptiveCycle | Self::Planned(_))
+    }
+
     fn is_rival(&self) -> bool {
-        !matches!(self, Self::Adaptive | Self::Oracle)
+        !self.is_candidate() && *self != Self::Oracle
+    }
+
+    /// What wins or loses.
+    fn word(&self) -> &'static str {
+        if matches!(self, Self::Planned(_)) { "planning" } else { "adaptive" }
     }
 }
 
@@ -118,11 +166,11 @@ impl Decision {
                 .min_by(|(_, a), (_, b)| a.kpis[cost].mean.total_cmp(&b.kpis[cost].mean))
                 .map(|(position, _)| position)
         };
-        let adaptive = cheapest(|role| *role == Role::Adaptive);
+        let adaptive = cheapest(Role::is_candidate);
         let rival = cheapest(Role::is_rival);
         let mut notes = fairness(policies);
         let (Some(best), Some(other)) = (adaptive, rival) else {
-            let line = if policies.iter().all(|policy| policy.role != Role::Adaptive) {
+            let line = if !policies.iter().any(|policy| policy.role.is_candidate()) {
                 "no adaptive policy in this study: nothing to decide".to_owned()
             } else if !policies.iter().any(|policy| policy.role.is_rival()) {
                 "no constant or scheduled speed in this study: nothing to compare adaptive speed with".to_owned()
@@ -136,10 +184,10 @@ impl Decision {
         let difference = against(best);
         let outcome = judge(&difference);
         let verdict = match outcome {
-            Outcome::Wins => "adaptive wins",
-            Outcome::Loses => "adaptive loses",
-            Outcome::NoDifference => "no difference",
-            Outcome::Undecided => "undecided (one replication has no interval)",
+            Outcome::Wins => format!("{} wins", policies[best].role.word()),
+            Outcome::Loses => format!("{} loses", policies[best].role.word()),
+            Outcome::NoDifference => "no difference".to_owned(),
+            Outcome::Undecided => "undecided (one replication has no interval)".to_owned(),
         };
         let digits = decimals(policies[other].kpis[cost].mean, difference.half_width);
         let line = format!(
@@ -154,7 +202,7 @@ impl Decision {
         );
         for (position, policy) in policies.iter().enumerate() {
             let difference = against(position);
-            if position != best && policy.role == Role::Adaptive && judge(&difference) == Outcome::Loses {
+            if position != best && policy.role.is_candidate() && judge(&difference) == Outcome::Loses {
                 notes.push(format!(
                     "{} loses to {}: {}",
                     policy.name,

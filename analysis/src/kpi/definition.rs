@@ -183,6 +183,21 @@ pub(super) const SHOP: &[ShopFigure] = &[
     ),
     (
         define(
+            "scrap_out_of_tolerance",
+            "scrap out of tolerance",
+            "1",
+            "%",
+            Less,
+            "Parts whose size error passed the tolerance over finished parts.",
+        ),
+        |_, t| f64::from(t.out_of_tolerance) / t.finished(),
+    ),
+    (
+        define("scrap_burnt", "burnt parts", "1", "%", Less, "Parts with a burnt surface over finished parts."),
+        |_, t| f64::from(t.burnt) / t.finished(),
+    ),
+    (
+        define(
             "oee",
             "OEE",
             "1",
@@ -259,6 +274,17 @@ pub(super) const SHOP: &[ShopFigure] = &[
     (define("path_per_edge", "path / edge", "m", "m", More, "Cutting path per edge used on the lathes."), |_, t| {
         t.cell_path / t.cell_edges
     }),
+    (
+        define(
+            "grinding_time",
+            "grinding time / part",
+            "s",
+            "s",
+            Less,
+            "Time in cut of the wheels per operation that they finished.",
+        ),
+        |_, t| t.wheel_time / t.wheel_parts,
+    ),
     (
         define(
             "edge_failure_share",

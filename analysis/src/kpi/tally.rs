@@ -48,6 +48,8 @@ pub(super) struct Tally {
     pub good: u32,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
+    pub out_of_tolerance: u32,
+    pub burnt: u32,
     pub tardy: u32,
     /// Sum of lead times, s.
     pub lead_time: f64,
@@ -68,6 +70,9 @@ pub(super) struct Tally {
     pub cell_edges: f64,
     pub cell_edge_time: f64,
     pub cell_path: f64,
+    /// Time in cut of wheels, s, and operations that they finished.
+    pub wheel_time: f64,
+    pub wheel_parts: f64,
     /// J.
     pub energy: f64,
 }
@@ -201,6 +206,8 @@ impl Tally {
                 outcome => {
                     self.scrapped += 1;
                     self.scrapped_by_tool += u32::from(outcome == JobOutcome::ToolFailure);
+                    self.out_of_tolerance += u32::from(outcome == JobOutcome::OutOfTolerance);
+                    self.burnt += u32::from(outcome == JobOutcome::Burnt);
                     self.scrap_cost += scenario.parts[job.part as usize].material_cost;
                 }
             }
@@ -221,6 +228,13 @@ impl Tally {
         for row in &log.passes {
             let share = share_after(scenario.warm_up, row.start, row.end);
             inside[row.edge as usize] += row.cutting_time * share;
+            let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
+            if scenario.tools.get(operation.tool).is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_))) {
+                self.wheel_time += row.cutting_time * share;
+                if row.pass as usize + 1 == operation.work.passes() && row.end < log.horizon {
+                    self.wheel_parts += share;
+                }
+            }
             if in_cell[row.machine as usize] {
                 self.cell_edge_time += row.cutting_time * share;
                 self.cell_path += row.path * share;
