@@ -23,7 +23,10 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
                 if let Some(figure) = distribution(source, &place) {
                     section = section.figure(figure);
                 }
-                let caption = format!("{}, first replication", operation.name);
+                let caption = format!(
+                    "{}, first replication: time in cut of a part, size error (mean, 95 % of the parts below, greatest), scrap",
+                    operation.name
+                );
                 section = section.table(caption, table(source, &place));
             }
         }
@@ -94,8 +97,8 @@ fn table(source: &Source<'_>, place: &Place<'_>) -> Table {
         .tools
         .get(place.description.tool)
         .is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
-    let mut head = vec!["policy", "parts", "time in cut, s", "size error, um", "95 % below, um", "greatest, um"];
-    head.extend(["out of tolerance, %", "burnt, %"]);
+    let mut head = vec!["policy", "parts", "cut, s", "mean, um", "95 %, um", "most, um"];
+    head.extend(["off size, %", "burnt, %"]);
     head.push(if grinding { "parts / dressing" } else { "parts / edge" });
     let mut table = Table::new(head);
     for (position, policy) in source.comparison.policies.iter().enumerate() {
