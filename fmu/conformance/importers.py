@@ -1,0 +1,246 @@
+"""One importer in a process of its own: python importers.py NAME FILE [ARGUMENT].
+
+A unit or an importer that crashes takes only this process with it. The result is one line of
+JSON on standard output.
+"""
+
+import json
+import sys
+import time
+
+WEAR = "process.flank_wear"
+POINTS = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0]
+
+
+def fmpy_run(path, interface, step, inputs=None, event_mode=False):
+    """Time, wear and count of edges at the communication points."""
+    import fmpy
+    import numpy
+
+    signals = None
+    if inputs is not None:
+        signals = numpy.genfromtxt(inputs, delimiter=",", names=True, deletechars="", dtype=None, encoding="utf-8")
+        types = [(signals.dtype.names[0], float)] + [(name, bool) for name in signals.dtype.names[1:]]
+        signals = numpy.array([tuple(row) for row in signals], dtype=types)
+    result = fmpy.simulate_fmu(
+        path,
+        fmi_type=interface,
+        stop_time=600.0,
+        step_size=step,
+        output_interval=step if interface == "CoSimulation" else 6.0,
+        relative_tolerance=1e-8,
+        input=signals,
+        output=[WEAR, "process.temperature", "tool.count"],
+        use_event_mode=event_mode,
+        early_return_allowed=event_mode,
+    )
+    return [[float(value) for value in row] for row in result]
+
+
+def ecos(path):
+    from ecospy.EcosSimulation import EcosSimulation
+    from ecospy.EcosSimulationStructure import EcosSimulationStructure
+
+    structure = EcosSimulationStructure()
+    structure.add_model("unit", path)
+    simulation = EcosSimulation(structure=structure, step_size=1.0)
+    simulation.init()
+    rows = []
+    for _ in POINTS:
+        simulation.step(100)
+        rows.append([simulation.get_time(), simulation.get_real(f"unit::{WEAR}")])
+    simulation.terminate()
+    simulation.free()
+    return rows
+
+
+def libcosim(path):
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    execution = CosimExecution.from_step_size(1_000_000_000)
+    slave = execution.add_local_slave(CosimLocalSlave(path, "unit"))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    references = {each.name.decode(): each.reference for each in execution.slave_variables(slave)}
+    rows = []
+    for point in POINTS:
+        execution.step(100)
+        values = observer.last_real_values(slave_index=slave, variable_references=[references[WEAR]])
+        rows.append([point, values[0]])
+    return rows
+
+
+class Instance:
+    """An instance of FMI 3.0 or 2.0 Co-Simulation in FMPy, ready to step."""
+
+    def __init__(self, path):
+        import fmpy
+        from fmpy.fmi2 import FMU2Slave
+        from fmpy.fmi3 import FMU3Slave
+
+        self.description = fmpy.read_model_description(path)
+        self.references = {each.name: each.valueReference for each in self.description.modelVariables}
+        kind = FMU2Slave if self.description.fmiVersion.startswith("2") else FMU3Slave
+        self.fmu = kind(
+            guid=self.description.guid,
+            unzipDirectory=fmpy.extract(path),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )
+        self.two = kind is FMU2Slave
+        self.fmu.instantiate()
+        if self.two:
+            self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def step(self, time_, step):
+        self.fmu.doStep(time_, step)
+
+    def get(self, name):
+        references = [self.references[name]]
+        return (self.fmu.getReal(references) if self.two else self.fmu.getFloat64(references))[0]
+
+    def save(self):
+        state = self.fmu.getFMUstate() if self.two else self.fmu.getFMUState()
+        return (self.fmu.serializeFMUstate if self.two else self.fmu.serializeFMUState)(state)
+
+    def restore(self, data):
+        state = (self.fmu.deSerializeFMUstate if self.two else self.fmu.deserializeFMUState)(data)
+        (self.fmu.setFMUstate if self.two else self.fmu.setFMUState)(state)
+
+
+def save(path, file):
+    """Steps to 300 s, saves, goes on to 600 s."""
+    unit = Instance(path)
+    for i in range(300):
+        unit.step(float(i), 1.0)
+    data = bytes(unit.save())
+    with open(file, "wb") as out:
+        out.write(data)
+    for i in range(300, 600):
+        unit.step(float(i), 1.0)
+    return {"wear": unit.get(WEAR).hex(), "bytes": len(data)}
+
+
+def restore(path, file):
+    """In another process: goes on from the saved state; damaged bytes have to be refused."""
+    unit = Instance(path)
+    with open(file, "rb") as source:
+        data = source.read()
+    refused = 0
+    damaged = [data[:-1], data[: len(data) // 2], b"", bytes([data[0] ^ 1]) + data[1:]]
+    damaged.append(data[:40] + bytes([data[40] ^ 4]) + data[41:])
+    for each in damaged:
+        try:
+            unit.restore(each)
+        except Exception:
+            refused += 1
+            unit = Instance(path)
+    unit.restore(data)
+    for i in range(300, 600):
+        unit.step(float(i), 1.0)
+    return {"wear": unit.get(WEAR).hex(), "refused": refused, "damaged": len(damaged)}
+
+
+def dependencies(path):
+    """Pairs of output and input where a change shows that the description does not declare."""
+    import fmpy
+
+    unit = Instance(path)
+    for i in range(60):
+        unit.step(float(i), 1.0)
+    data = unit.save()
+    variables = unit.description.modelVariables
+    inputs = [each for each in variables if each.causality == "input" and each.type in ("Real", "Float64")]
+    structure = {each.variable.name: each for each in unit.description.outputs}
+    outputs = [name for name, each in structure.items() if each.variable.type in ("Real", "Float64")]
+    references = [unit.references[name] for name in outputs]
+    read = unit.fmu.getReal if unit.two else unit.fmu.getFloat64
+    write = unit.fmu.setReal if unit.two else unit.fmu.setFloat64
+    hidden, tried = [], 0
+    for each in inputs:
+        reference = [each.valueReference]
+        unit.restore(data)
+        base, start = list(read(references)), read(reference)[0]
+        least, most = float(each.min or -1e300), float(each.max or 1e300)
+        shown = set()
+        for value in (start * 1.01, start * 0.9, start + 1e-3 * (1 + abs(start))):
+            if not least <= value <= most:
+                continue
+            unit.restore(data)
+            write(reference, [value])
+            shown |= {name for name, one, other in zip(outputs, base, read(references)) if one != other}
+        for name in outputs:
+            tried += 1
+            known = structure[name].dependencies
+            declared = known is None or any(one.name == each.name for one in known)
+            if name in shown and not declared:
+                hidden.append([name, each.name])
+    return {"tried": tried, "hidden": hidden}
+
+
+def cycles(path, count):
+    """Growth of memory over `count` instances, in kB."""
+    unit = Instance(path)
+    fmu, two = unit.fmu, unit.two
+
+    def resident():
+        with open("/proc/self/statm") as source:
+            return int(source.read().split()[1]) * 4
+
+    def once():
+        (fmu.fmi2FreeInstance if two else fmu.fmi3FreeInstance)(fmu.component)
+        fmu.instantiate()
+        if two:
+            fmu.setupExperiment(startTime=0.0)
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        fmu.doStep(0.0, 1.0)
+
+    for _ in range(200):
+        once()
+    before = resident()
+    for _ in range(int(count)):
+        once()
+    return {"growth_kB": resident() - before}
+
+
+def speed(path, output):
+    """Seconds of a step and of reading one output through FMPy."""
+    unit = Instance(path)
+    count = 5000
+    start = time.perf_counter()
+    for i in range(count):
+        unit.step(i * 0.1, 0.1)
+    step = (time.perf_counter() - start) / count
+    start = time.perf_counter()
+    for _ in range(count):
+        unit.get(output)
+    return {"step_us": 1e6 * step, "get_us": 1e6 * (time.perf_counter() - start) / count}
+
+
+def validate(path):
+    from fmpy.validation import validate_fmu
+
+    return list(validate_fmu(path))
+
+
+ACTIONS = {
+    "validate": validate,
+    "cs": lambda path, step: fmpy_run(path, "CoSimulation", float(step)),
+    "me": lambda path: fmpy_run(path, "ModelExchange", 1.0),
+    "inputs": lambda path, inputs: fmpy_run(path, "CoSimulation", 0.1, inputs),
+    "events": lambda path, inputs: fmpy_run(path, "CoSimulation", 0.1, inputs, event_mode=True),
+    "ecos": ecos,
+    "libcosim": libcosim,
+    "save": save,
+    "restore": restore,
+    "dependencies": dependencies,
+    "cycles": cycles,
+    "speed": speed,
+}
+
+if __name__ == "__main__":
+    print("\n" + json.dumps(ACTIONS[sys.argv[1]](*sys.argv[2:])))

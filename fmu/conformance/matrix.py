@@ -1,0 +1,287 @@
+"""Conformance of the exported units, by importers that come from a package registry.
+
+    python -m venv venv && venv/bin/pip install -r fmu/conformance/requirements.txt
+    venv/bin/python fmu/conformance/matrix.py --toolroom target/release/toolroom
+
+Every row says what was compared and with which result; a row that needs a program that is not
+here says so. Exit code 1 where a row fails. The rows without an importer (T0, T6, T8, T12, T13)
+are tests and benches of the crates: see docs/guide/fmu-import.md.
+"""
+
+import argparse
+import csv
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+VERSIONS = (2, 3)
+
+
+class Failed(Exception):
+    """A row that does not hold."""
+
+
+class Skipped(Exception):
+    """A row that cannot be tried here."""
+
+
+class Matrix:
+    def __init__(self, toolroom, folder):
+        self.toolroom = toolroom
+        self.folder = folder
+        self.rows = []
+
+    # -- helpers
+
+    def run(self, *command, **options):
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, **options)
+        if done.returncode:
+            said = (done.stderr.strip() or done.stdout.strip()).splitlines()[-3:]
+            raise Failed(f"{Path(str(command[0])).name} {command[1]}: exit {done.returncode}: {' | '.join(said)}")
+        return done.stdout
+
+    def importer(self, action, *arguments):
+        """Runs one action of importers.py in a process of its own."""
+        environment = dict(os.environ)
+        # The wheel of Ecos lacks libtbb; that of tbb puts it into lib of the environment.
+        libraries = [str(Path(sys.prefix) / "lib"), environment.get("LD_LIBRARY_PATH", "")]
+        environment["LD_LIBRARY_PATH"] = ":".join(path for path in libraries if path)
+        text = self.run(sys.executable, HERE / "importers.py", action, *arguments, env=environment)
+        return json.loads([line for line in text.splitlines() if line[:1] in "[{"][-1])
+
+    def unit(self, version, model="turning"):
+        return self.folder / f"toolroom_{model}_fmi{version}.fmu"
+
+    def member(self, version, name):
+        """A file of the turning unit on disk."""
+        path = self.folder / f"{version}_{Path(name).name}"
+        with zipfile.ZipFile(self.unit(version)) as archive:
+            path.write_bytes(archive.read(name))
+        return path
+
+    def reference(self, version):
+        """Reference input and output of the package: the native core at the same steps."""
+        start = "extra/org.fmi-standard.fmi-ls-ref/toolroom_turning_"
+        with open(self.member(version, start + "out.csv"), newline="") as source:
+            rows = {float(row["time"]): row for row in csv.DictReader(source)}
+        return self.member(version, start + "in.csv"), rows
+
+    def native(self, seconds):
+        """Wear of an edge after some seconds at the unit's start values, in one go, m."""
+        cut = ["--set", "cutting_speed=40 m/min", "--set", "feed_per_rev=0.12 mm/rev", "--set", "depth_of_cut=0.75 mm"]
+        text = self.run(self.toolroom, "point", "turning", "--tool", "ni_vk6om", *cut, "--advance", f"{seconds} s", "--json")
+        return json.loads(text)["state"]["flank_wear [mm]"] * 1e-3
+
+    def row(self, name, what, action):
+        start = time.perf_counter()
+        try:
+            self.rows.append((name, what, "pass", action()))
+        except Skipped as skipped:
+            self.rows.append((name, what, "not here", str(skipped)))
+        except (Failed, subprocess.TimeoutExpired, KeyError, ValueError, IndexError) as failed:
+            self.rows.append((name, what, "FAIL", f"{type(failed).__name__}: {failed}"))
+        wall = time.perf_counter() - start
+        print(f"{name:5} {self.rows[-1][2]:9} {what}: {self.rows[-1][3]} ({wall:.1f} s)", flush=True)
+
+    # -- rows
+
+    def symbols(self, version):
+        entry = "binaries/linux64/toolroom_turning.so" if version == 2 else "binaries/x86_64-linux/toolroom_turning.so"
+        if not shutil.which("nm"):
+            raise Skipped("nm")
+        names = self.run("nm", "-D", "--defined-only", self.member(version, entry)).split()[2::3]
+        others = [name for name in names if not name.startswith("fmi")]
+        if len(names) != 119 or others:
+            raise Failed(f"{len(names)} symbols, not of FMI: {others[:5]}")
+        return "119 functions of FMI and nothing else"
+
+    def validate(self, version):
+        problems = self.importer("validate", self.unit(version))
+        if problems:
+            raise Failed("; ".join(problems))
+        for model in ("turning", "milling", "infeed"):
+            self.run(self.toolroom, "fmu", "check", self.unit(version, model))
+        return "FMPy: no problems found; fmu check of all three units: no error"
+
+    def trajectory(self, version):
+        # Up to its change of the edge the reference is the native core at the steps of the experiment.
+        _, expected = self.reference(version)
+        rows = [row for row in self.importer("cs", self.unit(version), "0.1") if row[0] < 300.0]
+        worst = compare(rows, expected, least=40)
+        near(worst, 1e-9, "against the native core at the same steps")
+        whole = abs(self.importer("cs", self.unit(version), "1.0")[-1][1] / self.native(600) - 1)
+        near(whole, 1e-7, "against toolroom point in one go, whose integrator takes other steps")
+        return f"CS: {worst:.1e} against the native core at the same steps, {whole:.1e} against toolroom point"
+
+    def exchange(self, version):
+        rows = self.importer("me", self.unit(version))
+        worst = max(abs(row[1] / self.native(row[0]) - 1) for row in rows if row[0] in (60.0, 300.0, 600.0))
+        near(worst, 1e-5, "against toolroom point")
+        return f"ME (CVode): {worst:.1e} against toolroom point at 60, 300 and 600 s"
+
+    def change(self, version):
+        inputs, expected = self.reference(version)
+        rows = self.importer("inputs", self.unit(version), inputs)
+        worst = compare(rows, expected)
+        near(worst, 1e-9, "against the reference results of the package")
+        said = f"tool.change by table: {worst:.1e} against the package's reference results, edges {rows[-1][3]:.0f}"
+        if rows[-1][3] != 2:
+            raise Failed(f"tool.count is {rows[-1][3]}")
+        if version == 3:
+            events = compare(self.importer("events", self.unit(version), inputs), expected)
+            near(events, 1e-9, "with Event Mode")
+            said += f"; with Event Mode {events:.1e}"
+        return said
+
+    def state(self, version):
+        file = self.folder / f"state{version}"
+        saved = self.importer("save", self.unit(version), file)
+        restored = self.importer("restore", self.unit(version), file)
+        if saved["wear"] != restored["wear"]:
+            raise Failed(f"{saved['wear']} became {restored['wear']}")
+        if restored["refused"] != restored["damaged"]:
+            raise Failed(f"{restored['refused']} of {restored['damaged']} damaged states were refused")
+        return f"{saved['bytes']} bytes go on in another process bit for bit; damaged ones are refused"
+
+    def structure(self, version):
+        found = self.importer("dependencies", self.unit(version))
+        if found["hidden"]:
+            raise Failed(f"not declared: {found['hidden'][:5]}")
+        return f"{found['tried']} pairs of output and input: none depends without saying so"
+
+    def memory(self, version):
+        growth = self.importer("cycles", self.unit(version), 3000)["growth_kB"]
+        if growth >= 1024:
+            raise Failed(f"{growth} kB more after 3000 instances")
+        return f"3000 instances: {growth} kB"
+
+    def ecos(self, version):
+        return self.against("ecos", version)
+
+    def libcosim(self, version):
+        if version == 3:
+            raise Skipped("libcosimpy 0.0.6 crashes on every unit of FMI 3.0")
+        return self.against("libcosim", version)
+
+    def against(self, importer, version):
+        rows = self.importer(importer, self.unit(version))
+        fmpy = {row[0]: row[1] for row in self.importer("cs", self.unit(version), "1.0")}
+        worst = 0.0
+        for at, wear in rows:
+            # Ecos rounds its end time; its own time says which point it is.
+            worst = max(worst, abs(wear / fmpy[round(at)] - 1))
+        near(worst, 1e-9, "against FMPy")
+        return f"{worst:.1e} against FMPy at six points up to {rows[-1][0]:.0f} s"
+
+    def package_twice(self):
+        again = self.folder / "again"
+        self.run(self.toolroom, "fmu", "export", "turning", "--out", again)
+        digests = []
+        for version in VERSIONS:
+            pair = [hashlib.sha256(path.read_bytes()).hexdigest() for path in (self.unit(version), again / self.unit(version).name)]
+            if pair[0] != pair[1]:
+                raise Failed(f"FMI {version}: {pair[0][:12]} and {pair[1][:12]}")
+            digests.append(pair[0][:12])
+        return f"same bytes: {', '.join(digests)}"
+
+    def simulated_here(self, version):
+        table = self.folder / f"sim{version}.csv"
+        done = subprocess.run(
+            [self.toolroom, "fmu", "sim", str(self.unit(version)), "--stop", "600 s", "--step", "1 s", "--output", str(table)],
+            capture_output=True,
+            text=True,
+        )
+        if "built without" in done.stderr:
+            raise Skipped("toolroom built with --features fmu-import")
+        if done.returncode:
+            raise Failed(done.stderr.strip())
+        with open(table, newline="") as source:
+            rows = [(float(row["time [s]"]), float(row["process.flank_wear [m]"])) for row in csv.DictReader(source)]
+        fmpy = {row[0]: row[1] for row in self.importer("cs", self.unit(version), "1.0")}
+        worst = max(abs(wear / fmpy[at] - 1) for at, wear in rows if at > 0)
+        near(worst, 1e-12, "against FMPy")
+        return f"toolroom fmu sim (fmi crate): {worst:.1e} against FMPy"
+
+    def speeds(self):
+        gain = self.folder / "Gain.fmu"
+        self.run(Path(sys.executable).with_name("pythonfmu"), "build", "-f", HERE / "gain.py", "-d", self.folder)
+        said = []
+        units = [("toolroom FMI 2", self.unit(2), "process.flank_wear"), ("toolroom FMI 3", self.unit(3), "process.flank_wear")]
+        for name, path, output in [*units, ("pythonfmu gain", gain, "y")]:
+            found = self.importer("speed", path, output)
+            said.append(f"{name} {found['step_us']:.1f} us a step, {found['get_us']:.1f} us a value")
+        return "through FMPy: " + "; ".join(said)
+
+    def on_path(self, program, arguments):
+        if not shutil.which(program):
+            raise Skipped(f"{program} is not on PATH")
+        for version in VERSIONS:
+            self.run(program, *[str(self.unit(version)) if part == "F" else part for part in arguments])
+        return "clean"
+
+
+def near(worst, bound, what):
+    if not worst <= bound:
+        raise Failed(f"{worst:.2e} {what}, {bound:.0e} is allowed")
+
+
+def compare(rows, expected, least=90):
+    """Greatest relative difference of wear and temperature at the times of the reference."""
+    worst, seen = 0.0, 0
+    for at, wear, temperature, _ in rows:
+        row = expected.get(round(at, 9))
+        if row is None:
+            continue
+        # At the change itself a table may be read before or after it.
+        if abs(at - 300.0) < 1e-6:
+            continue
+        seen += 1
+        for value, name in ((wear, "process.flank_wear"), (temperature, "process.temperature")):
+            due = float(row[name])
+            worst = max(worst, abs(value - due) / abs(due) if due else abs(value))
+    if seen < least:
+        raise Failed(f"only {seen} common times")
+    return worst
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--toolroom", required=True, help="the program that exports the units")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        matrix = Matrix(Path(options.toolroom).resolve(), Path(folder))
+        for model in ("turning", "milling", "infeed"):
+            matrix.run(matrix.toolroom, "fmu", "export", model, "--out", folder)
+        for version in VERSIONS:
+            of = f"FMI {version}"
+            matrix.row("T1", f"{of} symbols", lambda: matrix.symbols(version))
+            matrix.row("T2", f"{of} description", lambda: matrix.validate(version))
+            matrix.row("T3", f"{of} trajectory", lambda: matrix.trajectory(version))
+            matrix.row("T3", f"{of} trajectory", lambda: matrix.exchange(version))
+            matrix.row("T4", f"{of} tool change", lambda: matrix.change(version))
+            matrix.row("T5", f"{of} state", lambda: matrix.state(version))
+            matrix.row("T7", f"{of} dependencies", lambda: matrix.structure(version))
+            matrix.row("T9", f"{of} memory", lambda: matrix.memory(version))
+            matrix.row("T10", f"{of} Ecos", lambda: matrix.ecos(version))
+            matrix.row("T10", f"{of} libcosim", lambda: matrix.libcosim(version))
+            matrix.row("T11", f"{of} own importer", lambda: matrix.simulated_here(version))
+        matrix.row("T13", "speed", matrix.speeds)
+        matrix.row("T14", "package", matrix.package_twice)
+        matrix.row("T15", "fmusim", lambda: matrix.on_path("fmusim", ["validate", "F"]))
+        matrix.row("T15", "OMSimulator", lambda: matrix.on_path("OMSimulator", ["--mode=cs", "--suppressPath=true", "--stopTime=600", "F"]))
+        matrix.row("T15", "fmuCheck", lambda: matrix.on_path("fmuCheck.linux64", ["-l", "4", "F"]))
+        failed = sum(1 for row in matrix.rows if row[2] == "FAIL")
+        print(f"{len(matrix.rows)} rows, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
