@@ -61,8 +61,8 @@ fn names(dir: &Path) -> Vec<String> {
     names
 }
 
-const SHIPPED: [&str; 6] =
-    ["template", "demo", "constant-vs-adaptive", "steel-shafts", "adverse", "grinder-bottleneck"];
+const SHIPPED: [&str; 7] =
+    ["template", "demo", "constant-vs-adaptive", "steel-shafts", "adverse", "grinder-bottleneck", "fmu-lathe-native"];
 
 #[test]
 fn every_shipped_scenario_is_valid() {

@@ -4,7 +4,10 @@
 //! ```text
 //!   F.fmu ──► Archive ──► ModelDescription ──► check: findings by rule
 //!               │                │
-//!               └──► Binary ─────┘
+//!               ├──► Binary ─────┘
+//!               │                                       ┌──► simulate: a table of outputs
+//!               └──► Unit (library) ──► Instance (calls)┤
+//!                    with feature fmi                   └──► UnitProcess: MachineProcess of the shop
 //! ```
 //!
 //! | item | what it is |
@@ -13,6 +16,9 @@
 //! | [`ModelDescription`], [`Variable`] | what a unit says about itself, FMI 2.0 and 3.0 |
 //! | [`Platform`], [`Binary`] | for which platforms it has a library, and what that library hands out |
 //! | [`check::check`], [`check::Finding`] | the rules behind failures that users of FMI report |
+//! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, one instance, one variable of it |
+//! | `UnitProcess`, `wire::Wires` | with the feature `fmi`: a unit in the place of a native process, in SI |
+//! | `simulate::simulate` | with the feature `fmi`: a unit by itself |
 //!
 //! ```
 //! use toolroom_fmu_import::ModelDescription;
