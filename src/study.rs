@@ -104,12 +104,18 @@ fn information(request: &Request<'_>) -> RunInfo {
     if let Some(share) = request.args.until {
         reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
     }
-    RunInfo {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        command,
-        reproduce,
-        inputs: vec![(request.input.clone(), results::fingerprint(request.file.text.as_bytes()))],
-    }
+    RunInfo { version: env!("CARGO_PKG_VERSION").to_owned(), command, reproduce, inputs: inputs(request) }
+}
+
+/// The scenario file and the files that it names, with their fingerprints.
+fn inputs(request: &Request<'_>) -> Vec<(String, String)> {
+    let scenario = (request.input.clone(), results::fingerprint(request.file.text.as_bytes()));
+    let named = request.file.files.iter().map(|path| {
+        // Gone since it was read: its name at least.
+        let bytes = std::fs::read(path).unwrap_or_default();
+        (path.display().to_string(), results::fingerprint(&bytes))
+    });
+    std::iter::once(scenario).chain(named).collect()
 }
 
 /// An argument as it has to be typed.

@@ -187,3 +187,24 @@ fn the_shipped_scenarios_give_their_numbers() {
         }
     }
 }
+
+#[test]
+fn the_record_of_a_run_tells_the_contour_that_it_milled() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = with_contour(folder.path(), &rk3());
+    let hash = |name: &str| {
+        let out = folder.path().join(name);
+        let args =
+            ["run", &scenario, "--policy", "handbook", "--replications", "1", "--quiet", "--set", "shop.horizon=1 h"];
+        let output = toolroom(&[&args[..], &["--out", &out.display().to_string()]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let run = std::fs::read_to_string(out.join("run.json")).expect("run.json");
+        let run: Value = serde_json::from_str(&run).expect("JSON");
+        let inputs = run["inputs"].as_array().expect("inputs").clone();
+        let contour = inputs.iter().find(|input| input["name"].as_str().is_some_and(|name| name.ends_with("own.toml")));
+        contour.expect("the contour file among the inputs")["hash"].clone()
+    };
+    let before = hash("before");
+    std::fs::write(folder.path().join("own.toml"), rk3().replace("\"3.5 mm\"", "\"3.0 mm\"")).expect("a contour file");
+    assert_ne!(before, hash("after"));
+}

@@ -17,7 +17,7 @@ pub struct LobesFile {
 }
 
 pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
-    let FormFile { content, echo, text } = lobes::read(path, overrides)?;
+    let FormFile { content, echo, text, files } = lobes::read(path, overrides)?;
     let lobes::LobesFile { name, title, cut, chart, points } = content;
-    Ok(FormFile { content: LobesFile { name, title, cut: cut.into(), chart, points }, echo, text })
+    Ok(FormFile { content: LobesFile { name, title, cut: cut.into(), chart, points }, echo, text, files })
 }

@@ -24,6 +24,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: 
         _ => return None, // the key does not apply, which is noted
     };
     let path = walk.folder.join(file);
+    walk.files.push(path.clone());
     match import(&UnitRequest { path: &path, process, inputs, outputs, wiring: &wiring }) {
         Ok(unit) => Some(ProcessModel::Other(unit)),
         Err(reason) => {

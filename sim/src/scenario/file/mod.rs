@@ -43,7 +43,7 @@ pub use walk::{Echo, Problem, Section, Walk};
 pub use words::significant;
 
 use super::Scenario;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use toolroom_process::parameters::place;
 
@@ -58,6 +58,8 @@ pub struct ScenarioFile {
     pub output: Output,
     /// The text, for records of what was run.
     pub text: String,
+    /// Other files that it names: cycles, contours, structures, units.
+    pub files: Vec<PathBuf>,
 }
 
 /// The section `[output]`.
@@ -102,12 +104,14 @@ pub struct FormFile<T> {
     pub echo: Vec<Echo>,
     /// The text, for records of what was computed.
     pub text: String,
+    /// Other files that it names.
+    pub files: Vec<PathBuf>,
 }
 
 impl ScenarioFile {
     fn new(file: FormFile<(Scenario, Output)>) -> Self {
-        let FormFile { content: (scenario, output), echo, text } = file;
-        Self { scenario, echo, output, text }
+        let FormFile { content: (scenario, output), echo, text, files } = file;
+        Self { scenario, echo, output, text, files }
     }
 }
 
@@ -169,7 +173,9 @@ pub fn parse_form<T>(
         resolve(&mut walk, &root)
     };
     match resolved {
-        Some(content) if walk.problems.is_empty() => Ok(FormFile { content, echo: walk.echo, text: text.to_owned() }),
+        Some(content) if walk.problems.is_empty() => {
+            Ok(FormFile { content, echo: walk.echo, text: text.to_owned(), files: walk.files })
+        }
         _ => {
             walk.problems.sort_by_key(|problem| problem.span.start);
             let list = FaultList {

@@ -12,6 +12,7 @@ use toolroom_cutting::{Milling, MillingStructure, Regeneration, Turning, Turning
 fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
     let name = tool.text("structure")?.to_owned();
     let path = walk.folder.join(&name);
+    walk.files.push(path.clone());
     match lobes::read(&path, &[]) {
         Ok(file) => Some(file.content.cut),
         Err(error) => {

@@ -152,6 +152,8 @@ pub struct Walk {
     pub(super) currency: String,
     /// Folder of the file, from which the files that it names are found.
     pub(super) folder: PathBuf,
+    /// Files that it names.
+    pub(super) files: Vec<PathBuf>,
 }
 
 impl Walk {
@@ -163,7 +165,10 @@ impl Walk {
     /// The text of a file that the value under `key` names; `None` where a problem was noted.
     pub(super) fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
         let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
-        match std::fs::read(self.folder.join(path)).map_err(refuse) {
+        let place = self.folder.join(path);
+        let bytes = std::fs::read(&place).map_err(refuse);
+        self.files.push(place);
+        match bytes {
             Ok(bytes) => match super::text::decode(path, &bytes) {
                 Ok(text) => return Some(text),
                 Err(_) => self.fault(section.span_of(key), Fault::NotUtf8 { file: path.to_owned() }),
