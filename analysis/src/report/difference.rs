@@ -104,18 +104,18 @@ fn relative(source: &Source<'_>) -> Option<Figure> {
 
 /// Why the shop gains less than the cell.
 pub(super) fn gain_section(source: &Source<'_>) -> Section {
-    let mut section = Section::new("Cell gain and shop gain").paragraph(
-        "The cell gain is the ratio of the parts that the lathes alone would make, with nothing but cutting and tool \
+    // Without a lathe the cell is the whole shop.
+    let lathes = source.scenario.tools.iter().any(|tool| tool.process.takes_speed_commands());
+    let cell = if lathes { "lathes" } else { "machines" };
+    let mut section = Section::new("Cell gain and shop gain").paragraph(format!(
+        "The cell gain is the ratio of the parts that the {cell} alone would make, with nothing but cutting and tool \
          changes. The shop gain is the ratio of the parts that leave the shop. Amdahl's law limits the shop gain: \
-         only the share of time spent in cut and tool change on the lathes shrinks, and only until another station \
+         only the share of time spent in cut and tool change on the {cell} shrinks, and only until another station \
          is the bottleneck or no more parts are offered.",
-    );
+    ));
     if let Some(station) = source.comparison.bottleneck() {
         let where_ = if station.in_cell {
-            format!(
-                "its machines are lathes, {} % of whose occupied time is cutting and tool change",
-                plain(100.0 * station.cell_share, 0)
-            )
+            format!("of its occupied time {} % is cutting and tool change", plain(100.0 * station.cell_share, 0))
         } else {
             "the policy does not set the speed there, so a faster cell feeds a queue".to_owned()
         };

@@ -27,7 +27,8 @@
 //! # What is not modelled
 //! Transport and buffers (a part is at the next queue at once, queues are endless), operators and
 //! shared tool cribs, sequence-dependent setup matrices, rework, preemption of one job by
-//! another, preventive maintenance. Tools change on the machine that needs them, never in stock.
+//! another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 mod arrival;
 mod contour;
