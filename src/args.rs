@@ -122,6 +122,13 @@ pub enum Command {
   toolroom contour setup.toml --gcode part.nc            contour from a part program
   toolroom contour scenarios/contour/cam.toml --ramps --json")]
     Contour(ContourArgs),
+    /// Run one shard of a plan made by life or compare with --plan
+    #[command(before_help = "Examples:
+  toolroom compare shop.toml --replications 1000 --plan plan.json --shards 50
+  toolroom shard plan.json 17 --out parts            anywhere, in any order, as often as you like
+  seq 0 49 | xargs -P 8 -I{} toolroom shard plan.json {} --out parts --threads 1
+  toolroom merge parts")]
+    Shard(ShardArgs),
     /// Merge the parts of a study that was run in shards
     #[command(before_help = "Examples:
   toolroom merge parts
@@ -416,6 +423,20 @@ pub struct Shards {
 }
 
 #[derive(Args, Debug)]
+pub struct ShardArgs {
+    /// Plan
+    pub plan: PathBuf,
+    /// Number of the shard, from 0
+    pub shard: u64,
+    /// Directory of the parts
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Threads, 0 for one per processor; the results do not depend on it
+    #[arg(long, default_value_t = 0)]
+    pub threads: usize,
+}
+
+#[derive(Args, Debug)]
 pub struct MergeArgs {
     /// Directory of the parts
     pub dir: PathBuf,
@@ -523,6 +544,12 @@ pub struct CompareArgs {
     /// Repeat the comparison at several values of a key; nothing is written
     #[arg(short = 'P', num_args = 4, value_names = ["KEY", "LO", "HI", "STEP"], allow_negative_numbers = true)]
     pub sweep: Vec<String>,
+    /// Write a plan of the replications instead of running them
+    #[arg(long, value_name = "FILE", conflicts_with = "sweep")]
+    pub plan: Option<PathBuf>,
+    /// Number of shards, one a replication if left out
+    #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub shards: Option<u64>,
 }
 
 #[derive(Args, Debug)]

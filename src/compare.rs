@@ -1,11 +1,17 @@
 //! `toolroom compare FILE`: every policy on common random numbers.
 
-use crate::args::CompareArgs;
+use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
+use crate::shard::refused;
 use crate::speak::Voice;
 use crate::study::{Request, chosen, default_out, perform};
 use crate::sweep;
-use toolroom_sim::scenario::file::read;
+use std::path::Path;
+use std::sync::Arc;
+use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
+use toolroom_analysis::study::{KnownRuns, StoredRun, stored_runs};
+use toolroom_sim::Scenario;
+use toolroom_sim::scenario::file::{ScenarioFile, parse, read};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -21,6 +27,9 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         return Err(Failure::argument("there is only one policy, nothing to compare", help));
     }
     let input = args.scenario.file.display().to_string();
+    if let Some(target) = &args.plan {
+        return plan(args, &file.scenario, &file.text, &policies, target, voice);
+    }
     let request = Request {
         command: format!("compare {input}"),
         input,
@@ -30,6 +39,99 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         logged: 1,
         out: default_out(&file.scenario.name),
         file,
+        known: Arc::default(),
+    };
+    perform(&request, voice)
+}
+
+/// `--plan FILE`: the replications cut into shards.
+fn plan(
+    args: &CompareArgs,
+    scenario: &Scenario,
+    text: &str,
+    policies: &[usize],
+    target: &Path,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    if args.study.until.is_some() {
+        let help = "give the number with --replications; a precision needs all replications at hand";
+        return Err(Failure::argument("--until cannot be planned in shards", help));
+    }
+    let replications = u64::from(scenario.replications);
+    let plan = Plan {
+        schema: 1,
+        kind: "compare".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        name: scenario.name.clone(),
+        file: args.scenario.file.display().to_string(),
+        directory: String::new(),
+        text: text.to_owned(),
+        overrides: args.scenario.changes.overrides(),
+        policies: policies.iter().map(|policy| scenario.policies[*policy].name.clone()).collect(),
+        seed: scenario.seed,
+        pieces: replications,
+        shards: args.shards.unwrap_or(replications).min(replications),
+    };
+    write_plan(target, &plan).map_err(refused)?;
+    let shown = target.display();
+    voice.say(format_args!("wrote {shown}: {} shards   next: toolroom shard {shown} 0 --out parts", plan.shards));
+    Ok(())
+}
+
+/// The scenario of a plan, its policies by index.
+fn planned(plan: &Plan) -> Result<(ScenarioFile, Vec<usize>), Failure> {
+    let file = parse(&plan.file, &plan.text, &plan.overrides)?;
+    let policies = chosen(&file.scenario, &plan.policies)?;
+    Ok((file, policies))
+}
+
+/// One shard of a planned comparison.
+pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
+    let (file, policies) = planned(plan)?;
+    let mut failed = None;
+    let ran = shards::run(plan, number, out, |(from, to), _| {
+        // Replications are 32-bit numbers by the form of the file.
+        let runs = stored_runs(&file.scenario, &policies, from as u32, to as u32).unwrap_or_else(|error| {
+            failed = Some(Failure::Work { message: error.to_string() });
+            Vec::new()
+        });
+        if failed.is_some() {
+            let source = std::io::Error::other("the shop stopped");
+            return Err(ShardError::File { path: out.to_owned(), source });
+        }
+        let digest = runs.iter().fold(0, |digest: u64, run| digest.wrapping_add(run.digest));
+        Ok(Computed { content: runs, digest, rows: false })
+    });
+    match failed {
+        Some(failure) => Err(failure),
+        None => ran.map_err(refused),
+    }
+}
+
+/// Merges the parts of a planned comparison: the same files and digest as without a plan.
+pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
+    let (file, policies) = planned(plan)?;
+    let runs = shards::parts::<Vec<StoredRun>>(plan, parts).map_err(refused)?.into_iter().flatten();
+    let known: KnownRuns = runs.map(|run| ((run.replication, run.policy), run)).collect();
+    let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
+    let args = StudyArgs {
+        policy: plan.policies.clone(),
+        out: out.map(Path::to_owned),
+        threads: 0,
+        until: None,
+        format: None,
+        logged: None,
+    };
+    let request = Request {
+        command: format!("compare {}", plan.file),
+        input: plan.file.clone(),
+        changes: &changes,
+        args: &args,
+        policies,
+        logged: 1,
+        out: default_out(&file.scenario.name),
+        file,
+        known: Arc::new(known),
     };
     perform(&request, voice)
 }

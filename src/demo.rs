@@ -21,6 +21,7 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         logged: 1,
         out: default_out("demo"),
         file,
+        known: std::sync::Arc::default(),
     };
     perform(&request, voice)?;
     voice.say("your own shop: toolroom new myshop");

@@ -8,19 +8,28 @@ mod study;
 
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
+use crate::shard as shards;
 use crate::speak::Voice;
 use serde_json::Value;
 use std::path::Path;
 use toolroom_analysis::life::analysis::Request;
 use toolroom_analysis::life::replacement::Costs;
 
-pub use study::merge;
+pub use study::{merge, shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     match (&args.fit, &args.file) {
         (Some(csv), _) => fit::run(args, csv, voice),
         (None, Some(file)) => study::run(args, file, voice),
-        (None, None) => study::shard(args, voice),
+        (None, None) => {
+            let (Some(plan), Some(number), Some(out)) = (&args.shards.run, args.shards.shard, &args.out) else {
+                return Err(Failure::argument(
+                    "--run needs --shard and --out",
+                    "write --run plan.json --shard 0 --out parts",
+                ));
+            };
+            shards::perform(plan, number, out, args.shards.threads, voice)
+        }
     }
 }
 

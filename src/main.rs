@@ -31,6 +31,7 @@ mod report;
 mod results;
 mod run;
 mod schema;
+mod shard;
 mod speak;
 mod stop;
 mod study;
@@ -69,6 +70,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Identify(args) => identify::run(&args, voice),
         Command::Grind(args) => grind::run(&args, voice),
         Command::Contour(args) => contour::run(&args, voice),
+        Command::Shard(args) => shard::run(&args, voice),
         Command::Merge(args) => merge::run(&args, voice),
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),

@@ -2,9 +2,17 @@
 
 use crate::args::MergeArgs;
 use crate::failure::Failure;
-use crate::life;
+use crate::shard::checked;
 use crate::speak::Voice;
+use crate::{compare, life};
+use toolroom_analysis::shards::read_plan;
 
 pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
-    life::merge(&args.dir, args.out.as_deref(), &args.statistics, voice)
+    let plan = read_plan(&args.dir.join("plan.json"))
+        .map_err(|error| Failure::argument(error, "give the directory into which shards were run with --out"))?;
+    checked(&plan)?;
+    match plan.kind.as_str() {
+        "compare" => compare::merge(&plan, &args.dir, args.out.as_deref(), voice),
+        _ => life::merge(&plan, &args.dir, args.out.as_deref(), &args.statistics, voice),
+    }
 }

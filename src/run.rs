@@ -19,6 +19,7 @@ pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
         logged: file.scenario.replications,
         out: default_out(&file.scenario.name),
         file,
+        known: std::sync::Arc::default(),
     };
     perform(&request, voice)
 }

@@ -7,10 +7,11 @@ use crate::progress::Bar;
 use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toolroom_analysis::logs::Format;
 use toolroom_analysis::results::{self, RunInfo, record};
 use toolroom_analysis::statistics;
-use toolroom_analysis::study::{Precision, StudyOptions};
+use toolroom_analysis::study::{KnownRuns, Precision, StudyOptions};
 use toolroom_analysis::summary::summary;
 use toolroom_analysis::terminal::{Style, table};
 use toolroom_sim::Scenario;
@@ -31,6 +32,8 @@ pub struct Request<'a> {
     pub logged: u32,
     /// Output directory, unless the arguments say otherwise.
     pub out: PathBuf,
+    /// Runs made elsewhere.
+    pub known: Arc<KnownRuns>,
 }
 
 /// Runs, writes, prints.
@@ -42,6 +45,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         threads: args.threads,
         until: args.until.map(|relative_half_width| Precision { relative_half_width }),
         logged: args.logged.unwrap_or(request.logged),
+        known: Arc::clone(&request.known),
         ..StudyOptions::of(scenario)
     };
     let out = OutputDir::create(args.out.as_deref().unwrap_or(&request.out))?;

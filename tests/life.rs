@@ -290,3 +290,25 @@ fn a_full_disk_loses_nothing_that_was_complete() {
     let again = toolroom(&arguments.split(' ').chain(["--resume"]).collect::<Vec<_>>());
     assert_eq!(again.status.code(), Some(0), "{}", stderr(&again));
 }
+
+#[test]
+fn a_shop_in_shards_is_the_shop_in_one_piece() {
+    let at = directory("shop");
+    let scenario = format!("{}/scenarios/demo.toml", env!("CARGO_MANIFEST_DIR"));
+    let policies = ["--policy", "v0 at 0.2 mm", "--policy", "productivity"];
+    let common = ["compare", &scenario, "--replications", "5"];
+    let whole = at.join("whole");
+    let whole = json(&[&common[..], &policies, &["--json", "--out", text(&whole)]].concat());
+    let plan = at.join("plan.json");
+    let planned = toolroom(&[&common[..], &policies, &["--plan", text(&plan), "--shards", "3"]].concat());
+    assert_eq!(planned.status.code(), Some(0), "{}", stderr(&planned));
+    let parts = at.join("parts");
+    for k in ["2", "0", "1"] {
+        let shard = toolroom(&["shard", text(&plan), k, "--out", text(&parts), "--threads", "1"]);
+        assert_eq!(shard.status.code(), Some(0), "{}", stderr(&shard));
+    }
+    let merged = json(&["merge", text(&parts), "--json", "--out", text(&at.join("merged"))]);
+    assert_eq!(merged, whole);
+    fs::remove_file(parts.join("part-000001.json")).unwrap();
+    assert!(refused(&["merge", text(&parts), "--out", text(&at.join("merged"))]).contains("missing: 1"));
+}

@@ -15,6 +15,7 @@
 //! | [`statistics`] | means, t intervals, paired differences, ratios |
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`life`] | tool lives: fits with intervals, reliability, replacement, regression |
+//! | [`shards`] | work in parts on many hosts: plan, parts with sidecars, merging |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
@@ -53,6 +54,7 @@ pub mod logs;
 pub mod page;
 pub mod report;
 pub mod results;
+pub mod shards;
 pub mod statistics;
 pub mod study;
 pub mod summary;

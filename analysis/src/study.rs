@@ -7,6 +7,10 @@
 //! Replications run in chunks of fixed size, so that neither the results nor the decision to stop
 //! depend on the number of threads, and only the logs of one chunk are in memory.
 
+mod stored;
+
+pub use stored::{KnownRuns, StoredRun, stored_runs};
+
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
 use crate::statistics::{CONFIDENCE, t_interval};
@@ -36,6 +40,8 @@ pub struct StudyOptions {
     pub until: Option<Precision>,
     /// Replications whose full logs are written, from the first on.
     pub logged: u32,
+    /// Runs made elsewhere, which are not made again unless their log is wanted.
+    pub known: Arc<KnownRuns>,
 }
 
 impl StudyOptions {
@@ -47,6 +53,7 @@ impl StudyOptions {
             threads: 0,
             until: None,
             logged: 1,
+            known: Arc::default(),
         }
     }
 }
@@ -184,6 +191,16 @@ pub fn run_study(
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Result<Study, StudyError> {
+    check(scenario, options)?;
+    let resolved = resolve(scenario, &options.policies)?;
+    let simulate = |policy: usize, replication| {
+        Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+    };
+    study_with(scenario, options, logs, progress, stop, &simulate)
+}
+
+/// The policies worked out.
+fn resolve(scenario: &Scenario, policies: &[usize]) -> Result<BTreeMap<usize, Arc<ResolvedPolicy>>, StudyError> {
     let resolve = |&policy: &usize| {
         let resolved = ResolvedPolicy::of(scenario, policy);
         resolved.map(|resolved| (policy, Arc::new(resolved))).map_err(|source| StudyError::Shop {
@@ -192,13 +209,7 @@ pub fn run_study(
             source: Box::new(source),
         })
     };
-    check(scenario, options)?;
-    let resolved: BTreeMap<usize, Arc<ResolvedPolicy>> =
-        options.policies.iter().map(resolve).collect::<Result<_, _>>()?;
-    let simulate = |policy: usize, replication| {
-        Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
-    };
-    study_with(scenario, options, logs, progress, stop, &simulate)
+    policies.iter().map(resolve).collect()
 }
 
 /// One finished run.
@@ -232,6 +243,11 @@ where
     let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, ShopError>> {
         if stop.load(Ordering::Relaxed) {
             return None;
+        }
+        let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
+        if let Some(known) = known {
+            progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
+            return Some(Ok(known.run()));
         }
         let run = simulate(policy, replication).map(|log| Run {
             values: kpi::evaluate(scenario, &log),

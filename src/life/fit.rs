@@ -264,7 +264,7 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
             let _ = writeln!(
                 text,
                 "  {:24} {:>10} {:>8} {p:>8}  {}",
-                picture::label(fitted.fit.law.family()),
+                format!("{}{}", picture::label(fitted.fit.law.family()), if fitted.fit.regular() { "" } else { " *" }),
                 n(fitted.fit.aicc()),
                 n(fitted.distance),
                 parameters.collect::<Vec<_>>().join(", ")
@@ -272,6 +272,9 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
         }
         for (family, reason) in &analysis.refused {
             let _ = writeln!(text, "  {:24} not fitted: {reason}", picture::label(*family));
+        }
+        if analysis.fits.iter().any(|fitted| !fitted.fit.regular()) {
+            let _ = writeln!(text, "  * not regular: it follows single lives and predicts little");
         }
         let banded = |at: &toolroom_analysis::life::analysis::Interval| {
             format!("{} ({} … {})", n(at.value), n(at.low), n(at.high))

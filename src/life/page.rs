@@ -15,11 +15,12 @@ use toolroom_analysis::life::sample::{Observation, Sample};
 use toolroom_analysis::life::study::edge::{LEVELS, level_share, stream_of};
 use toolroom_analysis::life::study::run::{Tally, lives};
 use toolroom_analysis::life::study::sensitivity::{SobolIndex, morris, sobol};
-use toolroom_analysis::life::study::shard::{Merged, Plan, sample};
+use toolroom_analysis::life::study::shard::{Merged, sample};
 use toolroom_analysis::life::study::tally::ERROR;
 use toolroom_analysis::life::study::{Cell, End, Study};
 use toolroom_analysis::page::{Figure, Provenance, Report, Section};
 use toolroom_analysis::results::fingerprint;
+use toolroom_analysis::shards::Plan;
 use toolroom_sim::scenario::file::{FormFile, significant};
 
 /// What a result is made of.
@@ -397,7 +398,7 @@ fn report(
     if let Some(fan) = fan(study, worked) {
         cells = cells.figure(Figure::new(
             &fan,
-            "Time at which 5, 50 and 95 % of edges have passed a level of wear, of those that passed it.",
+            "Time at which 5, 50 and 95 % of all edges have passed a level of wear; a line ends where fewer get there.",
         ));
     }
     report = report.section(cells);
@@ -458,8 +459,8 @@ fn fan(study: &Study, worked: &[Worked<'_>]) -> Option<impl Chart + use<>> {
     let mut drawn = false;
     for (i, cell) in worked.iter().take(SHOWN).enumerate() {
         for (share, label) in [(0.05, ""), (0.5, "median"), (0.95, "")] {
-            let curve: Vec<(f64, f64)> = (0..LEVELS.min(cell.tally.passages.len()))
-                .map(|level| (cell.tally.passages[level].quantile(share) / 60.0, limit * level_share(level) * 1e3))
+            let curve: Vec<(f64, f64)> = (0..LEVELS)
+                .map(|level| (cell.tally.passage(level, share) / 60.0, limit * level_share(level) * 1e3))
                 .filter(|(time, _)| time.is_finite())
                 .collect();
             drawn |= curve.len() > 1;

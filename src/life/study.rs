@@ -7,6 +7,7 @@ use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::progress::Bar;
+use crate::shard::{pool, refused};
 use crate::speak::Voice;
 use crate::stop;
 use crate::study::default_out;
@@ -15,7 +16,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 use toolroom_analysis::life::study::run::lives;
-use toolroom_analysis::life::study::shard::{self, Plan, ShardError};
+use toolroom_analysis::life::study::shard;
+use toolroom_analysis::shards::{Plan, read_plan, write_plan};
 use toolroom_analysis::study::Progress;
 use toolroom_sim::scenario::file::FormFile;
 
@@ -62,12 +64,13 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         directory: directory.display().to_string(),
         text,
         overrides,
+        policies: Vec::new(),
         seed: study.seed,
-        lives: study.lives,
+        pieces: study.lives,
         shards,
     };
     if let Some(target) = &args.shards.plan {
-        shard::write_plan(target, &plan).map_err(refused)?;
+        write_plan(target, &plan).map_err(refused)?;
         let shown = target.display();
         voice.say(format_args!(
             "wrote {shown}: {shards} shards of {} lives   next: toolroom life --run {shown} --shard 0 --out parts",
@@ -102,58 +105,28 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     finish(&plan, &parsed, &parts, &out, &request, voice)
 }
 
-/// `--run PLAN --shard K`.
-pub fn shard(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
-    let (Some(path), Some(number), Some(out)) = (&args.shards.run, args.shards.shard, &args.out) else {
-        return Err(Failure::argument("--run needs --shard and --out", "write --run plan.json --shard 0 --out parts"));
-    };
-    let plan = shard::read_plan(path).map_err(refused)?;
-    let parsed = study_of(&plan)?;
-    fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
-    let there = out.join("plan.json");
-    if there.exists() {
-        let other = shard::read_plan(&there).map_err(refused)?;
-        if other.hash() != plan.hash() {
-            let error = ShardError::OtherPlan { path: there, found: other.hash(), expected: plan.hash() };
-            return Err(refused(error));
-        }
-    } else {
-        shard::write_plan(&there, &plan).map_err(refused)?;
-    }
-    let threads = pool(args.shards.threads)?;
-    let content = &parsed.content;
-    threads.install(|| shard::run(&content.study, &plan, number, out, content.write_lives)).map_err(refused)?;
-    voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
-    Ok(())
+/// One shard of a planned study.
+pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
+    let content = study_of(plan)?.content;
+    shard::run(&content.study, plan, number, out, content.write_lives).map_err(refused)
 }
 
-/// `toolroom merge DIR`.
-pub fn merge(parts: &Path, out: Option<&Path>, statistics: &Statistics, voice: &Voice) -> Result<(), Failure> {
-    let plan = shard::read_plan(&parts.join("plan.json"))
-        .map_err(|error| Failure::argument(error, "give the directory into which shards were run with --out"))?;
-    let parsed = study_of(&plan)?;
+/// Merges the parts of a planned study.
+pub fn merge(
+    plan: &Plan,
+    parts: &Path,
+    out: Option<&Path>,
+    statistics: &Statistics,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let parsed = study_of(plan)?;
     let request = request(statistics, parsed.content.costs)?;
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
-    finish(&plan, &parsed, parts, &out, &request, voice)
+    finish(plan, &parsed, parts, &out, &request, voice)
 }
 
 fn study_of(plan: &Plan) -> Result<FormFile<StudyFile>, Failure> {
-    if plan.kind != "life" || plan.schema != 1 {
-        let message = format!("the plan is of kind \"{}\", schema {}", plan.kind, plan.schema);
-        return Err(Failure::argument(message, "make a plan with toolroom life FILE --plan plan.json"));
-    }
-    if plan.version != env!("CARGO_PKG_VERSION") {
-        let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));
-        return Err(Failure::argument(message, "use one version for plan, shards and merge"));
-    }
     Ok(parse(&plan.file, &plan.text, Path::new(&plan.directory), &plan.overrides)?)
-}
-
-fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure::Work { message: format!("no threads: {error}") })
 }
 
 /// Lives that bring the half-width of every mean life to `relative` of it, by the scatter of a
@@ -179,7 +152,7 @@ fn begin(out: &Path, plan: &Plan, resume: bool) -> Result<PathBuf, Failure> {
         return Err(Failure::argument(message, "choose another directory with --out DIR; nothing was changed"));
     }
     if resume && parts.join("plan.json").is_file() {
-        let there = shard::read_plan(&parts.join("plan.json")).map_err(refused)?;
+        let there = read_plan(&parts.join("plan.json")).map_err(refused)?;
         if there.hash() != plan.hash() {
             let message =
                 format!("{} holds another study: its file, changes, seed, lives or shards differ", parts.display());
@@ -189,7 +162,7 @@ fn begin(out: &Path, plan: &Plan, resume: bool) -> Result<PathBuf, Failure> {
         fs::remove_dir_all(&parts).map_err(failed)?;
     }
     fs::create_dir_all(&parts).map_err(failed)?;
-    shard::write_plan(&parts.join("plan.json"), plan).map_err(refused)?;
+    write_plan(&parts.join("plan.json"), plan).map_err(refused)?;
     Ok(parts)
 }
 
@@ -219,15 +192,4 @@ fn finish(
     }
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-/// What shards refuse: files that cannot be written are work that failed, the rest is input.
-fn refused(error: ShardError) -> Failure {
-    match error {
-        ShardError::File { path, source } => Failure::Unwritable { path, source },
-        ShardError::Parquet { .. } => {
-            Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
-        }
-        _ => Failure::argument(error, "run the missing shards, or merge the parts of one plan only"),
-    }
 }

@@ -66,7 +66,8 @@ pub struct Interval {
 /// What a sample says.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// Laws, the most credible by AICc first.
+    /// Laws, the most credible by AICc first; those that are not regular come last, see
+    /// [`Fit::regular`].
     pub fits: Vec<Fitted>,
     /// Families that the sample does not determine, and why.
     pub refused: Vec<(Family, SampleError)>,
@@ -125,10 +126,11 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
     if fits.is_empty() {
         return Err(refused.pop().map_or(SampleError::Empty, |(_, error)| error));
     }
-    // Of equally credible laws the one with fewer parameters.
+    // Regular fits first; of equally credible laws the one with fewer parameters.
     fits.sort_by(|a, b| {
         let parameters = |fit: &Fit| fit.law.family().parameters();
-        a.aicc().total_cmp(&b.aicc()).then(parameters(a).cmp(&parameters(b)))
+        let credible = a.aicc().total_cmp(&b.aicc()).then(parameters(a).cmp(&parameters(b)));
+        b.regular().cmp(&a.regular()).then(credible)
     });
     let best = fits[0].clone();
     let law = best.law;

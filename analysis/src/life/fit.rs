@@ -76,7 +76,7 @@ pub fn fit(sample: &Sample, family: Family) -> Result<Fit, SampleError> {
         .max_by(|a, b| a.value.total_cmp(&b.value));
     match best {
         Some(peak) => Ok(Fit::new(sample, family, unit, peak)),
-        None => Err(SampleError::TooFew { distinct: 1, parameters: family.parameters() }),
+        None => Err(SampleError::NoMaximum),
     }
 }
 
@@ -119,6 +119,19 @@ impl Fit {
         let k = self.law.family().parameters() as f64;
         let free = self.size - k - 1.0;
         if free <= 0.0 { f64::INFINITY } else { 2.0 * (k - self.log_likelihood) + 2.0 * k * (k + 1.0) / free }
+    }
+
+    /// Whether the usual theory holds: not where a Weibull law with three parameters starts so
+    /// steeply that its location follows the shortest life alone, nor where a risk of two is at
+    /// the bound of what it may be. Such a fit describes the lives and predicts little.
+    pub fn regular(&self) -> bool {
+        match self.law {
+            Law::Weibull3 { shape, .. } => shape > 2.0,
+            Law::CompetingRisks { wear_sigma, chipping_shape, .. } => {
+                wear_sigma > 1.02 * NARROWEST && chipping_shape < 0.98 * STEEPEST
+            }
+            _ => true,
+        }
     }
 
     /// Profile-likelihood intervals of the parameters, in the order of [`Law::parameters`].
@@ -226,12 +239,13 @@ fn starts(sample: &Sample, family: Family) -> (f64, Vec<Vec<f64>>) {
     let mean =
         |f: &dyn Fn(f64) -> f64| sample.lives().iter().map(|(life, weight)| weight * f(life.age())).sum::<f64>() / size;
     let centre = mean(&f64::ln);
-    let sigma = mean(&|age| (age.ln() - centre).powi(2)).sqrt().clamp(0.02, 3.0);
-    let average = mean(&|age| age);
-    let deviation = mean(&|age| (age - average).powi(2)).sqrt().max(1e-3 * average);
-    // A share `ended` of all edges has been seen to end: the level lies the higher, the less.
-    let ended = (sample.ended() / size).max(0.02);
+    // A share `ended` of all edges has been seen to end: the level lies the higher, the less, and
+    // the more of the scatter is out of sight.
+    let ended = (sample.ended() / size).max(0.001);
     let lift = -0.5 * ended.ln();
+    let sigma = mean(&|age| (age.ln() - centre).powi(2)).sqrt().max(0.4 * lift).clamp(0.02, 3.0);
+    let average = mean(&|age| age);
+    let deviation = mean(&|age| (age - average).powi(2)).sqrt().max(0.4 * lift * average).max(1e-3 * average);
     let unit = centre.exp();
     let shape = (1.28 / sigma).ln();
     match family {

@@ -29,6 +29,7 @@
 
 pub mod analysis;
 pub mod bootstrap;
+mod claims;
 pub mod fit;
 pub mod goodness;
 pub mod law;
@@ -42,3 +43,5 @@ pub mod replacement;
 pub mod sample;
 pub mod study;
 pub mod survival;
+
+pub use claims::claims;

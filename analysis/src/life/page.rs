@@ -170,6 +170,12 @@ pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words,
          distance, p the share of samples of the law that are farther from their own fit",
         fits(analysis, words),
     );
+    for fitted in analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
+        let name = picture::label(fitted.fit.law.family());
+        laws = laws.note(format!(
+            "The {name} law stands last whatever its AICc: its likelihood is not regular here, and it predicts little."
+        ));
+    }
     for (family, reason) in &analysis.refused {
         laws = laws.note(format!("No {} law: {reason}.", picture::label(*family)));
     }

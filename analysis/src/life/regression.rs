@@ -138,7 +138,7 @@ pub fn regress<S: Into<String>>(
     };
     let mut start = vec![0.0; p + 1];
     start[p] = -0.5;
-    let peak = maximise(&log_likelihood, &start).ok_or(SampleError::TooFew { distinct: 1, parameters: p + 1 })?;
+    let peak = maximise(&log_likelihood, &start).ok_or(SampleError::NoMaximum)?;
     let dependent = || RegressionError::Dependent { names: names.join(", ") };
     let covariance = peak.covariance().ok_or_else(dependent)?;
     // Back to the covariates as they were given.

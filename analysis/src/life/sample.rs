@@ -70,6 +70,9 @@ pub enum SampleError {
         /// Longest of them.
         longest: f64,
     },
+    /// A likelihood that is 0 wherever the search starts.
+    #[error("no start with a likelihood above 0 was found: the lives lie too far apart for this law")]
+    NoMaximum,
     /// Too little for a law.
     #[error("{distinct} different lives that ended do not determine {parameters} parameters")]
     TooFew {

@@ -170,8 +170,15 @@ impl Scatter {
     /// The wear noise `dt` seconds after it was `noise` (0 on average): the exact transition
     /// `noise·e^(-dt/τ) + σ·sqrt(1 - e^(-2dt/τ))·z`. Start from [`Scatter::sample_noise`].
     pub fn next_noise<R: Rng + ?Sized>(&self, noise: f64, dt: f64, rng: &mut R) -> f64 {
-        let decay = (-dt / self.life_noise_time).exp();
-        noise * decay + self.life_noise * (-(-2.0 * dt / self.life_noise_time).exp_m1()).sqrt() * normal(rng)
+        let (decay, spread) = self.noise_transition(dt);
+        noise * decay + spread * normal(rng)
+    }
+
+    /// Share of the wear noise that is left after `dt` seconds, and the standard deviation of what
+    /// comes anew: [`Scatter::next_noise`] for whoever takes many equal steps.
+    pub fn noise_transition(&self, dt: f64) -> (f64, f64) {
+        let time = dt / self.life_noise_time;
+        ((-time).exp(), self.life_noise * (-(-2.0 * time).exp_m1()).sqrt())
     }
 
     /// Draws stationary wear noise.

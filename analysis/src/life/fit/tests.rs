@@ -107,6 +107,13 @@ fn a_late_start_is_found() {
 }
 
 #[test]
+fn a_law_that_only_follows_the_shortest_life_is_not_regular() {
+    let ages = [127.0, 130.0, 134.0, 141.0, 152.0, 170.0, 203.0].map(Failed);
+    let fitted = fit(&Sample::new(ages).unwrap(), Family::Weibull3).unwrap();
+    assert!(!fitted.regular() && fit(&bearings(), Family::Weibull).unwrap().regular(), "{:?}", fitted.law);
+}
+
+#[test]
 fn two_risks_are_told_apart() {
     let truth = Law::CompetingRisks { wear_median: 22.0, wear_sigma: 0.2, chipping_shape: 1.3, chipping_scale: 45.0 };
     let n = 4000;
@@ -115,6 +122,20 @@ fn two_risks_are_told_apart() {
     let fitted = fit(&sample, Family::CompetingRisks).unwrap();
     for ((name, value, _), (_, truth, _)) in fitted.law.parameters().into_iter().zip(truth.parameters()) {
         assert!((value / truth - 1.0).abs() < 0.05, "{name}: {value}");
+    }
+}
+
+#[test]
+fn a_few_ends_among_many_censored_lives_fit_every_law() {
+    let law = Law::Lognormal { median: 400.0, sigma: 0.9 };
+    let lives = (0..2000).map(|i| {
+        let life = law.quantile((f64::from(i) + 0.5) / 2000.0);
+        if life > 60.0 { Censored(60.0) } else { Between(life * 0.998, life * 1.002) }
+    });
+    let sample = Sample::new(lives).unwrap();
+    for family in [Family::Weibull, Family::Lognormal, Family::Normal, Family::Gamma, Family::InverseGaussian] {
+        let failed = fit(&sample, family).unwrap().law.failed(60.0);
+        assert!((failed * 2000.0 / sample.ended() - 1.0).abs() < 0.05, "{family:?}: {failed}");
     }
 }
 

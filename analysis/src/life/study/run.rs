@@ -12,6 +12,9 @@ pub const BLOCK: u64 = 4096;
 /// Lives of a cell whose wear curves are kept, from the first.
 pub const CURVES: u64 = 20_000;
 
+/// Time that stands for none in a sketch of times, s.
+const SOONEST: f64 = 1e-3;
+
 /// What is kept of the lives of one cell.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
@@ -65,8 +68,9 @@ impl Tally {
         self.digest.push(&words);
         if index < CURVES {
             for ((passage, sketch), cycles) in outcome.passages.iter().zip(&mut self.passages).zip(&mut self.cycles) {
-                if passage.is_finite() && *passage > 0.0 {
-                    sketch.push(*passage, weight);
+                if passage.is_finite() {
+                    // An edge that was mounted with more wear passed the level at once.
+                    sketch.push(passage.max(SOONEST), weight);
                 }
                 // An edge that reaches the level at its very end is spent, not replaced.
                 let in_time = *passage < outcome.life;
@@ -99,6 +103,13 @@ impl Tally {
             own.failed.merge(&other.failed);
             own.length.merge(&other.length);
         }
+    }
+
+    /// Time at which a share of all edges has passed a level of wear, s; NaN where fewer do.
+    pub fn passage(&self, level: usize, share: f64) -> f64 {
+        let (Some(passed), Some(cycles)) = (self.passages.get(level), self.cycles.get(level)) else { return f64::NAN };
+        let all = cycles.length.weight();
+        if passed.weight() < share * all { f64::NAN } else { passed.quantile(share * all / passed.weight()) }
     }
 
     /// Effective number of lives under weights, (Σw)²/Σw².

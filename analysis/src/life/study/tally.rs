@@ -41,6 +41,11 @@ impl Sums {
         self.count
     }
 
+    /// Sum of the weights.
+    pub fn weight(&self) -> f64 {
+        self.weight as f64 / STEPS
+    }
+
     /// Weighted mean; NaN without values.
     pub fn mean(&self) -> f64 {
         if self.weight == 0 { f64::NAN } else { self.value as f64 / self.weight as f64 }

@@ -1,0 +1,69 @@
+//! `toolroom shard PLAN K`: one shard of a plan, whatever it plans.
+
+use crate::args::ShardArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use crate::{compare, life};
+use std::fs;
+use std::path::Path;
+use toolroom_analysis::shards::{Plan, ShardError, read_plan, write_plan};
+
+pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
+    perform(&args.plan, args.shard, &args.out, args.threads, voice)
+}
+
+/// Runs a shard and leaves the plan beside its part.
+pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
+    let plan = read_plan(path).map_err(refused)?;
+    checked(&plan)?;
+    fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
+    let there = out.join("plan.json");
+    if there.exists() {
+        let other = read_plan(&there).map_err(refused)?;
+        if other.hash() != plan.hash() {
+            let error = ShardError::OtherPlan { path: there, found: other.hash(), expected: plan.hash() };
+            return Err(refused(error));
+        }
+    } else {
+        write_plan(&there, &plan).map_err(refused)?;
+    }
+    let threads = pool(threads)?;
+    threads.install(|| match plan.kind.as_str() {
+        "compare" => compare::shard(&plan, number, out),
+        _ => life::shard(&plan, number, out),
+    })?;
+    voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
+    Ok(())
+}
+
+/// Refuses plans that this program does not know.
+pub fn checked(plan: &Plan) -> Result<(), Failure> {
+    if !matches!(plan.kind.as_str(), "life" | "compare") || plan.schema != 1 {
+        let message = format!("the plan is of kind \"{}\", schema {}", plan.kind, plan.schema);
+        return Err(Failure::argument(message, "make a plan with toolroom life or compare FILE --plan plan.json"));
+    }
+    if plan.version != env!("CARGO_PKG_VERSION") {
+        let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));
+        return Err(Failure::argument(message, "use one version for plan, shards and merge"));
+    }
+    Ok(())
+}
+
+/// Threads, 0 for one per processor.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::Work { message: format!("no threads: {error}") })
+}
+
+/// What shards refuse: files that cannot be written are work that failed, the rest is input.
+pub fn refused(error: ShardError) -> Failure {
+    match error {
+        ShardError::File { path, source } => Failure::Unwritable { path, source },
+        ShardError::Parquet { .. } => {
+            Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
+        }
+        _ => Failure::argument(error, "run the missing shards, or merge the parts of one plan only"),
+    }
+}
