@@ -166,7 +166,8 @@ impl Sketch {
         for (i, count) in self.counts.iter().enumerate() {
             sum += *count as f64;
             if *count > 0 && sum >= share * total {
-                return ((f64::from(self.first) + i as f64 + 0.5) * Self::width()).exp();
+                // As far from the lower bound of the class as from the upper one, in relative terms.
+                return ((f64::from(self.first) + i as f64) * Self::width()).exp() * (1.0 + ERROR);
             }
         }
         f64::NAN
