@@ -69,8 +69,8 @@ pub enum LoadError {
 
 /// The functions of a library.
 pub(crate) enum Library {
-    Two(Fmi2Binding),
-    Three(Fmi3Binding),
+    Two(Box<Fmi2Binding>),
+    Three(Box<Fmi3Binding>),
 }
 
 /// A unit of FMI 2.0 or 3.0 for Co-Simulation, ready to be instantiated.
@@ -125,9 +125,13 @@ impl Unit {
         // SAFETY: the library is what the user asked to run; its functions were looked up above.
         let loaded = unsafe {
             if description.major == 2 {
-                Fmi2Binding::new(&file).map(Library::Two).map_err(|error| refused(error.to_string()))?
+                Fmi2Binding::new(&file)
+                    .map(|binding| Library::Two(Box::new(binding)))
+                    .map_err(|error| refused(error.to_string()))?
             } else {
-                Fmi3Binding::new(&file).map(Library::Three).map_err(|error| refused(error.to_string()))?
+                Fmi3Binding::new(&file)
+                    .map(|binding| Library::Three(Box::new(binding)))
+                    .map_err(|error| refused(error.to_string()))?
             }
         };
         let text = |text: String| CString::new(text).map_err(|_| refused("a name with a zero byte".to_owned()));

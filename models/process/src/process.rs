@@ -78,6 +78,7 @@ pub trait Process: Send + Sync {
     ///
     /// # Errors
     /// As [`Process::advance`].
+    #[allow(clippy::type_complexity)] // an alias could not say more
     fn advance_watched(
         &self,
         x: &mut Self::State,
@@ -157,6 +158,7 @@ pub trait MachineProcess: Send + Sync {
     ///
     /// # Errors
     /// As [`MachineProcess::advance`].
+    #[allow(clippy::type_complexity)] // an alias could not say more
     fn advance_watched(
         &self,
         x: &mut [f64],
