@@ -143,6 +143,10 @@ pub(crate) fn pass(job: u32, operation: u32, pass: u32, machine: u32, edge: u32,
         spindle_power: 250.0,
         temperature: 1000.0,
         energy: 1000.0,
+        chatter_time: 0.0,
+        stability_margin: f64::NAN,
+        vibration_amplitude: 0.0,
+        roughness: 0.0,
         size_error: 1e-6,
     }
 }

@@ -11,7 +11,8 @@ use toolroom_sim::runlog::{EventRow, MachineState, RunLog};
 use toolroom_sim::scenario::Scenario;
 
 /// Events that are worth an instant.
-const INSTANTS: [&str; 9] = [
+const INSTANTS: [&str; 10] = [
+    "chatter_onset",
     "tool_change",
     "dressing",
     "failure",

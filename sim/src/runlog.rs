@@ -91,6 +91,8 @@ pub enum JobOutcome {
     OutOfTolerance,
     /// Scrapped at inspection: grinding burnt the surface.
     Burnt,
+    /// Scrapped at inspection: rough by chatter.
+    Chatter,
     /// Scrapped by a breakdown of the machine.
     Breakdown,
     /// Not finished at the end of the run.
@@ -105,6 +107,7 @@ impl JobOutcome {
             Self::ToolFailure => "tool_failure",
             Self::OutOfTolerance => "out_of_tolerance",
             Self::Burnt => "burnt",
+            Self::Chatter => "chatter",
             Self::Breakdown => "breakdown",
             Self::InProcess => "in_process",
         }
@@ -160,6 +163,14 @@ pub struct PassRow {
     pub energy: f64,
     /// Size error at the end, m.
     pub size_error: f64,
+    /// Time in an unstable cut, s.
+    pub chatter_time: f64,
+    /// Least stability margin, 1 − depth/limit; NaN where stability is not judged.
+    pub stability_margin: f64,
+    /// Greatest amplitude of the vibration, m.
+    pub vibration_amplitude: f64,
+    /// Greatest roughness Ra, m.
+    pub roughness: f64,
 }
 
 /// One cutting edge, or one dressing cycle of a wheel.
@@ -230,7 +241,7 @@ pub struct EventRow {
     pub time: f64,
     /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
     /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`.
+    /// `shift_end`, `setup`, `chatter_onset`.
     pub event: &'static str,
     /// Machine.
     pub machine: Option<u32>,

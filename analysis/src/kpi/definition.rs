@@ -198,6 +198,28 @@ pub(super) const SHOP: &[ShopFigure] = &[
     ),
     (
         define(
+            "scrap_from_chatter",
+            "scrap from chatter",
+            "1",
+            "%",
+            Less,
+            "Parts too rough by chatter over finished parts; not defined where no structure is given.",
+        ),
+        |_, t| if t.judged_time > 0.0 { f64::from(t.scrapped_by_chatter) / t.finished() } else { f64::NAN },
+    ),
+    (
+        define(
+            "chatter_share",
+            "time in chatter",
+            "1",
+            "%",
+            Less,
+            "Time in an unstable cut over time in cuts whose stability is judged.",
+        ),
+        |_, t| t.chatter_time / t.judged_time,
+    ),
+    (
+        define(
             "oee",
             "OEE",
             "1",

@@ -50,6 +50,10 @@ pub(super) struct Tally {
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
     pub burnt: u32,
+    pub scrapped_by_chatter: u32,
+    /// Time in cut of passes whose stability is judged, and in an unstable cut, s.
+    pub judged_time: f64,
+    pub chatter_time: f64,
     pub tardy: u32,
     /// Sum of lead times, s.
     pub lead_time: f64,
@@ -149,7 +153,12 @@ impl Tally {
         let programmed = programmed_cutting_times(scenario);
         let mut latest: Vec<Option<&PassRow>> = vec![None; log.jobs.len()];
         for row in &log.passes {
-            self.energy += row.energy * share_after(scenario.warm_up, row.start, row.end);
+            let share = share_after(scenario.warm_up, row.start, row.end);
+            self.energy += row.energy * share;
+            if !row.stability_margin.is_nan() {
+                self.judged_time += row.cutting_time * share;
+                self.chatter_time += row.chatter_time * share;
+            }
             let before = latest[row.job as usize].replace(row);
             if let Some(before) = before.filter(|before| before.operation != row.operation) {
                 self.add_operation(scenario, &programmed, before, true);
@@ -208,6 +217,7 @@ impl Tally {
                     self.scrapped_by_tool += u32::from(outcome == JobOutcome::ToolFailure);
                     self.out_of_tolerance += u32::from(outcome == JobOutcome::OutOfTolerance);
                     self.burnt += u32::from(outcome == JobOutcome::Burnt);
+                    self.scrapped_by_chatter += u32::from(outcome == JobOutcome::Chatter);
                     self.scrap_cost += scenario.parts[job.part as usize].material_cost;
                 }
             }

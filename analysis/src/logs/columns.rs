@@ -125,6 +125,10 @@ pub fn operations() -> Vec<Column<PassRow>> {
         real("temperature", "K", "K", |row| row.temperature),
         real("energy", "J", "kJ", |row| row.energy),
         real("size_error", "m", "um", |row| row.size_error),
+        real("chatter_time", "s", "min", |row| row.chatter_time),
+        real("stability_margin", "1", "1", |row| row.stability_margin),
+        real("vibration_amplitude", "m", "um", |row| row.vibration_amplitude),
+        real("roughness_ra", "m", "um", |row| row.roughness),
     ];
     run().into_iter().chain(columns).collect()
 }

@@ -24,7 +24,8 @@ fn style(state: MachineState) -> (&'static str, Style) {
 }
 
 /// Marks and the events that they stand for.
-const MARKS: [(&str, &[&str], Marker); 3] = [
+const MARKS: [(&str, &[&str], Marker); 4] = [
+    ("chatter sets in", &["chatter_onset"], Marker::Plus),
     ("tool change", &["tool_change", "dressing"], Marker::Triangle),
     ("edge lost", &["chipping", "thermal_collapse"], Marker::Cross),
     ("part scrapped", &["scrap"], Marker::Diamond),

@@ -2,7 +2,7 @@
 
 use crate::error::{ChatterError, within};
 use crate::lobes::Axis;
-use crate::{Milling, Mode};
+use crate::{Milling, Mode, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -46,21 +46,10 @@ impl Milling {
     /// # Errors
     /// Deviations outside 0 … 1.
     pub fn scattered(&self, scatter: &Scatter, seed: u64, sample: u64) -> Result<Self, ChatterError> {
-        within("natural_frequency scatter", scatter.natural_frequency, 0.0, 1.0)?;
-        within("damping_ratio scatter", scatter.damping_ratio, 0.0, 1.0)?;
-        within("coefficients scatter", scatter.coefficients, 0.0, 1.0)?;
-        let mut draw = Draw { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 };
+        scatter.check()?;
+        let mut draw = Draw::new(seed, sample);
         let mut cut = self.clone();
-        for mode in &mut cut.modes {
-            let frequency = draw.factor(scatter.natural_frequency);
-            let damping = draw.factor(scatter.damping_ratio);
-            *mode = Mode {
-                natural_frequency: mode.natural_frequency * frequency,
-                stiffness: mode.stiffness * frequency * frequency,
-                damping_ratio: (mode.damping_ratio * damping).min(0.99),
-                ..*mode
-            };
-        }
+        draw.scatter(&mut cut.modes, scatter);
         cut.force.tangential *= draw.factor(scatter.coefficients);
         cut.force.radial *= draw.factor(scatter.coefficients);
         Ok(cut)
@@ -78,16 +67,10 @@ impl Milling {
         samples: u64,
         seed: u64,
     ) -> Result<Probability, ChatterError> {
-        within("samples", samples as f64, 1.0, 1e9)?;
-        let stable: Result<Vec<bool>, ChatterError> = (0..samples)
-            .into_par_iter()
-            .map(|sample| {
-                let cut = self.scattered(scatter, seed, sample)?;
-                Ok(cut.at_speed(spindle_speed)?.screen(depth)?.stable)
-            })
-            .collect();
-        let value = stable?.into_iter().filter(|stable| *stable).count() as f64 / samples as f64;
-        Ok(Probability { value, standard_error: (value * (1.0 - value) / samples as f64).sqrt() })
+        share_stable(samples, |sample| {
+            let cut = self.scattered(scatter, seed, sample)?;
+            Ok(cut.at_speed(spindle_speed)?.screen(depth)?.stable)
+        })
     }
 
     /// Speeds of `speed` with the probability that `depth` (m) is stable there, the most probable
@@ -104,23 +87,110 @@ impl Milling {
         samples: u64,
         seed: u64,
     ) -> Result<Vec<RobustSpeed>, ChatterError> {
-        let speeds = speed.values("speed")?;
-        let mut ranked = Vec::with_capacity(speeds.len());
-        for spindle_speed in speeds {
-            let probability = self.stability_probability(spindle_speed, depth, scatter, samples, seed)?;
-            ranked.push(RobustSpeed { spindle_speed, probability });
-        }
-        let values: Vec<f64> = ranked.iter().map(|r| r.probability.value).collect();
-        let neighbourhood = |i: usize| {
-            let (from, to) = (i.saturating_sub(3), (i + 4).min(values.len()));
-            values[from..to].iter().sum::<f64>() / (to - from) as f64
-        };
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| {
-            values[*b].total_cmp(&values[*a]).then(neighbourhood(*b).total_cmp(&neighbourhood(*a))).then(a.cmp(b))
-        });
-        Ok(order.into_iter().map(|i| ranked[i]).collect())
+        ranked(speed, |speed| self.stability_probability(speed, depth, scatter, samples, seed))
     }
+}
+
+impl Turning {
+    /// The cut with its constants scattered, the same for the same `seed` and `sample`.
+    ///
+    /// # Errors
+    /// Deviations outside 0 … 1.
+    pub fn scattered(&self, scatter: &Scatter, seed: u64, sample: u64) -> Result<Self, ChatterError> {
+        scatter.check()?;
+        let mut draw = Draw::new(seed, sample);
+        let mut cut = self.clone();
+        draw.scatter(&mut cut.modes, scatter);
+        cut.cutting_coefficient *= draw.factor(scatter.coefficients);
+        Ok(cut)
+    }
+
+    /// Probability that `width` (m) at `spindle_speed` (rad/s) is stable.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`] and [`Turning::scattered`]; no samples.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_chatter::{Mode, Scatter, Turning};
+    /// let mode = Mode { direction: [1.0, 0.0], natural_frequency: 540.9, damping_ratio: 0.038, stiffness: 6.48e6 };
+    /// let cut = Turning::orthogonal(vec![mode], 1384e6, 0.035);
+    /// let scatter = Scatter { natural_frequency: 0.02, damping_ratio: 0.2, coefficients: 0.1 };
+    /// let limit = cut.limit(600.0).unwrap().depth;
+    /// let probable = |width| cut.stability_probability(600.0, width, &scatter, 100, 1).unwrap().value;
+    /// assert!(probable(0.5 * limit) > 0.95 && probable(2.0 * limit) < 0.05);
+    /// ```
+    pub fn stability_probability(
+        &self,
+        spindle_speed: f64,
+        width: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Probability, ChatterError> {
+        share_stable(samples, |sample| {
+            let cut = self.scattered(scatter, seed, sample)?;
+            Ok(cut.verdict_without_margin(spindle_speed, width)?.stable)
+        })
+    }
+
+    /// Speeds of `speed` with the probability that `width` (m) is stable there, ordered as by
+    /// [`Milling::robust_speeds`].
+    ///
+    /// # Errors
+    /// As [`Turning::stability_probability`]; an axis that is none.
+    pub fn robust_speeds(
+        &self,
+        speed: &Axis,
+        width: f64,
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Vec<RobustSpeed>, ChatterError> {
+        ranked(speed, |speed| self.stability_probability(speed, width, scatter, samples, seed))
+    }
+}
+
+impl Scatter {
+    fn check(&self) -> Result<(), ChatterError> {
+        within("natural_frequency scatter", self.natural_frequency, 0.0, 1.0)?;
+        within("damping_ratio scatter", self.damping_ratio, 0.0, 1.0)?;
+        within("coefficients scatter", self.coefficients, 0.0, 1.0)?;
+        Ok(())
+    }
+}
+
+/// Share of samples that are stable.
+fn share_stable(
+    samples: u64,
+    stable: impl Fn(u64) -> Result<bool, ChatterError> + Sync + Send,
+) -> Result<Probability, ChatterError> {
+    within("samples", samples as f64, 1.0, 1e9)?;
+    let stable: Result<Vec<bool>, ChatterError> = (0..samples).into_par_iter().map(stable).collect();
+    let value = stable?.into_iter().filter(|stable| *stable).count() as f64 / samples as f64;
+    Ok(Probability { value, standard_error: (value * (1.0 - value) / samples as f64).sqrt() })
+}
+
+/// Speeds by their probability; of equals the one with the most probable neighbours first.
+fn ranked(
+    speed: &Axis,
+    probability: impl Fn(f64) -> Result<Probability, ChatterError>,
+) -> Result<Vec<RobustSpeed>, ChatterError> {
+    let speeds = speed.values("speed")?;
+    let mut ranked = Vec::with_capacity(speeds.len());
+    for spindle_speed in speeds {
+        ranked.push(RobustSpeed { spindle_speed, probability: probability(spindle_speed)? });
+    }
+    let values: Vec<f64> = ranked.iter().map(|r| r.probability.value).collect();
+    let neighbourhood = |i: usize| {
+        let (from, to) = (i.saturating_sub(3), (i + 4).min(values.len()));
+        values[from..to].iter().sum::<f64>() / (to - from) as f64
+    };
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| {
+        values[*b].total_cmp(&values[*a]).then(neighbourhood(*b).total_cmp(&neighbourhood(*a))).then(a.cmp(b))
+    });
+    Ok(order.into_iter().map(|i| ranked[i]).collect())
 }
 
 /// Normal numbers by counter: the n-th draw of a key is always the same.
@@ -130,6 +200,24 @@ struct Draw {
 }
 
 impl Draw {
+    fn new(seed: u64, sample: u64) -> Self {
+        Self { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 }
+    }
+
+    /// Scatters every mode for itself, at constant modal mass.
+    fn scatter(&mut self, modes: &mut [Mode], scatter: &Scatter) {
+        for mode in modes {
+            let frequency = self.factor(scatter.natural_frequency);
+            let damping = self.factor(scatter.damping_ratio);
+            *mode = Mode {
+                natural_frequency: mode.natural_frequency * frequency,
+                stiffness: mode.stiffness * frequency * frequency,
+                damping_ratio: (mode.damping_ratio * damping).min(0.99),
+                ..*mode
+            };
+        }
+    }
+
     /// Uniform in 0 … 1, zero excluded (SplitMix64, Steele, Lea and Flood 2014).
     fn uniform(&mut self) -> f64 {
         self.counter += 1;

@@ -10,6 +10,7 @@
 //! | `schedule.rs` | speed against cumulative path |
 //! | `planned.rs` | minimum wear (mode 1), literal balance, productivity, oracle |
 //! | `set_increment.rs` | set wear increment (mode 2) |
+//! | `stability.rs` | what is done about chatter, on top of the speed |
 //! | `tool_change.rs` | when an edge is changed |
 //! | `observer.rs` | what the sensors say about the edge |
 //! | `contour.rs` | spindle speeds and feeds of contours: handbook, best constant, planned |
@@ -30,12 +31,14 @@ mod planned;
 mod resolve;
 mod schedule;
 mod set_increment;
+mod stability;
 mod tool_change;
 
 pub use contour::{ContourPlan, ContourSection, PlanError};
 pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::Observer;
 pub use resolve::ResolvedPolicy;
+pub use stability::Stability;
 pub use tool_change::ChangeRule;
 
 use crate::Stream;
@@ -44,6 +47,7 @@ use planned::Planned;
 use rand_distr::{Distribution as _, StandardNormal};
 use set_increment::SetIncrement;
 use std::sync::Arc;
+use toolroom_chatter::{ChatterError, SpeedVariation};
 use toolroom_infeed::CycleError;
 use toolroom_wear::{Pair, PairError, SpeedSchedule};
 
@@ -54,6 +58,9 @@ pub enum PolicyError {
     /// The believed model is not a shipped parameter set.
     #[error("believed model: {0}")]
     BelievedModel(#[from] PairError),
+    /// The stability model refused the nominal structure.
+    #[error("chatter: {0}")]
+    Chatter(#[from] ChatterError),
     /// No cycle keeps the limits on a wheel of the dulling that the policy designs for.
     #[error("grinding cycle: {0}")]
     Cycle(#[from] CycleError),
@@ -77,6 +84,8 @@ pub struct Observation<'a> {
     pub last_speed: Option<f64>,
     /// What the sensors said so far, where the controller has some.
     pub observer: Option<&'a Observer>,
+    /// Speed to which the machine has gone in this kind of pass because of chatter, m/s.
+    pub reaction: Option<f64>,
     /// True flank wear, m; `None` but for [`SpeedRule::Oracle`](crate::scenario::SpeedRule::Oracle).
     pub true_wear: Option<f64>,
 }
@@ -95,17 +104,26 @@ pub struct Conditions {
     pub start_speed: f64,
     /// At its end, m/s; linear in time between them.
     pub end_speed: f64,
+    /// Layers in which the depth is cut, one pass each.
+    pub layers: u32,
+    /// Sinusoidal variation of the spindle speed.
+    pub variation: Option<SpeedVariation>,
 }
 
 impl Conditions {
     /// One speed from start to end.
     pub fn constant(speed: f64) -> Self {
-        Self { start_speed: speed, end_speed: speed }
+        Self::ramp(speed, speed)
     }
 
-    /// Time for `path` metres, s.
+    /// A speed that changes evenly over the pass.
+    pub fn ramp(start_speed: f64, end_speed: f64) -> Self {
+        Self { start_speed, end_speed, layers: 1, variation: None }
+    }
+
+    /// Time for `path` metres in every layer, s.
     pub fn duration(&self, path: f64) -> f64 {
-        2.0 * path / (self.start_speed + self.end_speed)
+        2.0 * path * f64::from(self.layers) / (self.start_speed + self.end_speed)
     }
 }
 
@@ -123,6 +141,8 @@ pub struct Controller {
     observes: bool,
     /// Whether it is shown the true wear.
     oracle: bool,
+    /// What it does about chatter.
+    stability: Option<Stability>,
 }
 
 /// A believed model at a nominal cut.
@@ -188,7 +208,21 @@ impl Controller {
             (_, None) => Conditions::constant(self.range.1), // only made with a believed model
         };
         let limited = |speed: f64| speed.max(self.range.0).min(self.range.1);
-        Conditions { start_speed: limited(conditions.start_speed), end_speed: limited(conditions.end_speed) }
+        let conditions = Conditions::ramp(limited(conditions.start_speed), limited(conditions.end_speed));
+        match &self.stability {
+            Some(rule) => rule.applied(conditions, seen, self.range),
+            None => conditions,
+        }
+    }
+
+    /// What this controller does about chatter.
+    pub fn stability(&self) -> Option<&Stability> {
+        self.stability.as_ref()
+    }
+
+    /// The speed to go to after chatter at a measured `frequency` (Hz) and `speed`, m/s.
+    pub fn reaction(&self, frequency: f64, speed: f64, tried: &[f64]) -> Option<f64> {
+        self.stability.as_ref()?.reaction(frequency, speed, tried, self.range)
     }
 
     /// Whether this controller is shown the true wear.
@@ -299,6 +333,7 @@ mod tests {
                 edge_parts: 3,
                 last_speed: last,
                 observer: observer.as_ref(),
+                reaction: None,
                 true_wear: controller.sees_true_wear().then_some(wear),
             };
             let conditions = controller.choose(&seen);

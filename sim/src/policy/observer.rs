@@ -14,6 +14,10 @@ const LEAST_NOISE: f64 = 1e-3;
 /// 2.5 % of the filter's derivation (assumption).
 const EMF_INFLATION: f64 = 0.02;
 
+/// Share of the force's fluctuation under chatter that is left in a sample (assumption): what a
+/// sensor averages over a tenth of a second does not see all of it.
+const ALIASED: f64 = 0.1;
+
 /// The Kalman filter of one edge, fed with samples when a stretch of cutting is over.
 #[derive(Clone, Debug)]
 pub struct Observer {
@@ -65,9 +69,10 @@ impl Observer {
     /// Takes one sample as the sensors show it: with their biases, the gain `emf_gain` of this
     /// edge's thermocouple, and noise.
     pub fn see(&mut self, sample: &Sample, sensors: &SensorSheet, emf_gain: f64, noise: &mut Stream) {
+        let chatter = ALIASED * sample.force_ripple;
         let mut shown = |value: f64, bias: f64, deviation: f64| {
             let z: f64 = StandardNormal.sample(noise);
-            value * (1.0 + bias) * (1.0 + deviation * z)
+            value * (1.0 + bias) * (1.0 + deviation.hypot(chatter) * z)
         };
         let measured = Measurement {
             spindle_power: shown(sample.spindle_power, sensors.spindle_power_bias, sensors.spindle_power),

@@ -32,7 +32,7 @@ pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, speed_at: impl F
     let flank_wear = seen.flank_wear().unwrap_or(0.0);
     let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
     let plan = pair.plan_pass_along(cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, speed_at);
-    Conditions { start_speed: plan.start_speed, end_speed: plan.end_speed }
+    Conditions::ramp(plan.start_speed, plan.end_speed)
 }
 
 fn ramp_limits(pair: &Pair) -> RampLimits {

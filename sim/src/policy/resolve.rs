@@ -3,7 +3,9 @@
 use super::constant::{self, ChangeCost};
 use super::planned::Planned;
 use super::set_increment::SetIncrement;
-use super::{Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, schedule};
+use super::{
+    Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
+};
 use crate::scenario::{
     Cut, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType, Work,
 };
@@ -190,7 +192,12 @@ fn controller(
     };
     let oracle = rule.speed == SpeedRule::Oracle && believed.is_some();
     let adaptive = matches!(speed, Speed::Planned(_) | Speed::SetIncrement(_));
+    let stability = match cut {
+        Some(cut) => Stability::of(rule.stability, &tool.process, cut, machine.speed_range)?,
+        None => None,
+    };
     Ok(Controller {
+        stability,
         observes: (adaptive || matches!(change, ChangeRule::Predicted(_))) && !oracle,
         oracle,
         speed,

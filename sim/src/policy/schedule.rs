@@ -18,8 +18,5 @@ pub(super) fn tabulate(believed: &Believed) -> SpeedSchedule {
 
 /// Speed at the path of the edge now and after the pass.
 pub(super) fn conditions(schedule: &SpeedSchedule, seen: &Observation<'_>) -> Conditions {
-    Conditions {
-        start_speed: schedule.speed_at(seen.edge_path),
-        end_speed: schedule.speed_at(seen.edge_path + seen.path),
-    }
+    Conditions::ramp(schedule.speed_at(seen.edge_path), schedule.speed_at(seen.edge_path + seen.path))
 }

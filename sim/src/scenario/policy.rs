@@ -139,6 +139,8 @@ pub struct SensorSheet {
     pub spindle_power_bias: f64,
     /// Standard deviation of a flank wear reading, m.
     pub flank_wear: f64,
+    /// Relative standard deviation of a measured chatter frequency, 1.
+    pub dominant_frequency: f64,
     /// Standard deviation of the normal force in grinding, N.
     pub normal_force: f64,
     /// Systematic relative error of that force, 1.
@@ -159,6 +161,7 @@ impl Default for SensorSheet {
             feed_force_bias: 0.0,
             spindle_power_bias: 0.0,
             flank_wear: 1e-5,
+            dominant_frequency: 0.005,
             normal_force: 2.0,
             normal_force_bias: 0.0,
         }

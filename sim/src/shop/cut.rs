@@ -1,6 +1,7 @@
 //! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
 //! when it ends, planned again for a shorter time when it is interrupted.
 
+use super::chatter::{self, Vibration};
 use super::ports::{Ports, elements, read, write};
 use super::program::Program;
 use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
@@ -18,6 +19,8 @@ pub struct Sample {
     pub feed_force: f64,
     /// Thermo-EMF, V.
     pub thermo_emf: f64,
+    /// Root mean square of the force about its mean by chatter, over the mean.
+    pub force_ripple: f64,
 }
 
 /// A stretch of cutting under one command: where it starts, where it ends, what happens.
@@ -47,6 +50,10 @@ pub struct Segment {
     pub energy: f64,
     /// Sensor samples.
     pub samples: Vec<Sample>,
+    /// Vibration, where the process judges it.
+    pub vibration: Option<Vibration>,
+    /// When a controller that has heard chatter stops it, s.
+    pub stop: Option<f64>,
 }
 
 /// Why a segment could not be planned.
@@ -137,6 +144,8 @@ impl Segment {
             self.energy = self.state[i] - before;
         }
         self.elapsed = time;
+        self.stop = None;
+        self.vibration = ports.structure.then(|| chatter::along(self, process, ports, state));
         Ok(())
     }
 
@@ -169,6 +178,7 @@ fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample 
         spindle_power: read(output, ports.spindle_power, 0.0),
         feed_force: read(output, ports.feed_force, 0.0),
         thermo_emf: read(output, ports.thermo_emf, 0.0),
+        force_ripple: read(output, ports.force_ripple, 0.0),
     }
 }
 

@@ -3,7 +3,9 @@
 use super::edge::Edge;
 use super::job::Job;
 use super::ports::{Ports, write};
+use crate::scenario::StructureScatter;
 use crate::{Entity, Purpose, Streams};
+use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
 
 /// Owners of what an edge draws, parts of its own name.
@@ -14,6 +16,8 @@ pub(super) mod owner {
     pub const READINGS: u64 = 1;
     /// Wear noise within the life, numbered by pass.
     pub const WEAR_NOISE: u64 = 2;
+    /// Readings of a chatter frequency, numbered by pass.
+    pub const CHATTER: u64 = 3;
     /// Noise of the normal force in grinding, numbered by revolution; owned by the operation.
     pub const NORMAL_FORCE: u64 = 3;
 }
@@ -40,6 +44,18 @@ pub(super) fn depth(scatter: &Scatter, streams: &Streams, operation: Entity, pas
         return nominal;
     }
     scatter.sample_depth(nominal, &mut streams.at(operation, Purpose::Workpiece, u64::from(pass)))
+}
+
+/// Factors of a machine on the natural frequencies and damping ratios of its structure about
+/// `tool`; lognormal.
+pub(super) fn structure(scatter: &StructureScatter, streams: &Streams, machine: Entity, tool: usize) -> (f64, f64) {
+    let mut stream = streams.open(machine.part(1 << 33 | tool as u64), Purpose::Tool);
+    let mut factor = |deviation: f64| {
+        let z: f64 = StandardNormal.sample(&mut stream);
+        let sigma = deviation.mul_add(deviation, 1.0).ln().sqrt();
+        (sigma * z - 0.5 * sigma * sigma).exp()
+    };
+    (factor(scatter.natural_frequency), factor(scatter.damping_ratio).clamp(0.1, 10.0))
 }
 
 impl Edge {

@@ -96,8 +96,9 @@ impl Layout {
 
 impl ToolPlan {
     fn of(process: &ProcessModel) -> Self {
+        let structure = process.has_structure();
         let process = process.machine_process();
-        let ports = Ports::of(process);
+        let ports = Ports { structure, ..Ports::of(process) };
         let mut input: Vec<f64> = start_values(process.inputs()).collect();
         write(&mut input, ports.engaged, 1.0);
         Self { ports, input }
@@ -110,6 +111,10 @@ impl ToolPlan {
         write(&mut input, self.ports.feed, cut.feed);
         write(&mut input, self.ports.depth_of_cut, cut.depth_of_cut);
         write(&mut input, self.ports.width_of_cut, cut.width_of_cut);
+        if cut.diameter > 0.0 {
+            write(&mut input, self.ports.workpiece_diameter, cut.diameter);
+        }
+        write(&mut input, self.ports.position, cut.position);
         input
     }
 }

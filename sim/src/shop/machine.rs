@@ -1,5 +1,6 @@
 //! A machine and what it is doing.
 
+use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
 use super::edge::Edge;
 use super::queue::Queue;
@@ -38,6 +39,8 @@ pub struct Machine {
     pub state_since: SimTime,
     /// The pass in work; buffers are used again.
     pub segment: Segment,
+    /// What it has learnt about chatter.
+    pub reactions: Vec<Reaction>,
 }
 
 /// An operation in a machine.
@@ -71,6 +74,10 @@ pub struct Task {
     pub hardness: f64,
     /// Size error at the end of the last pass, m.
     pub size_error: f64,
+    /// Layers in which the pass in work is cut.
+    pub layers: u32,
+    /// The surface of the last pass.
+    pub surface: Surface,
     /// Whether the surface is burnt.
     pub burnt: bool,
     /// Whether a broken edge spoiled the part.
@@ -129,6 +136,7 @@ impl Machine {
             state_job: None,
             state_since: SimTime::ZERO,
             segment: Segment::default(),
+            reactions: Vec::new(),
         }
     }
 

@@ -31,6 +31,7 @@
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 mod arrival;
+mod chatter;
 mod contour;
 mod cut;
 mod dispatch;
@@ -53,6 +54,7 @@ mod shift;
 mod tooling;
 mod world;
 
+pub use chatter::{Reaction, Surface, Vibration};
 pub use cut::{Sample, Segment};
 pub use edge::Edge;
 pub use error::{Refusal, ShopError};

@@ -1,5 +1,6 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
+use super::chatter::Surface;
 use super::machine::{Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
@@ -43,6 +44,8 @@ impl<R: Recorder> Shop<'_, R> {
             lost_edges: 0,
             hardness: 1.0,
             size_error: 0.0,
+            layers: 1,
+            surface: Surface::default(),
             burnt: false,
             spoiled: false,
             correction: 0.0,
@@ -158,12 +161,16 @@ impl<R: Recorder> Shop<'_, R> {
         }
         let job = self.world.jobs.at_mut(task.slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
-        let tolerance = self.scenario.parts[part].operations[index].size_tolerance;
+        let operation = &self.scenario.parts[part].operations[index];
+        let tolerance = operation.size_tolerance;
+        let rough = task.surface.roughness > operation.roughness_limit;
         let bad = if task.spoiled {
             Some(JobOutcome::ToolFailure)
+        } else if rough && task.surface.chattered {
+            Some(JobOutcome::Chatter)
         } else if task.burnt {
             Some(JobOutcome::Burnt)
-        } else if task.size_error.abs() > tolerance {
+        } else if rough || task.size_error.abs() > tolerance {
             Some(JobOutcome::OutOfTolerance)
         } else {
             None

@@ -98,7 +98,8 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     fn begin_cut(&mut self, machine: usize, place: Place, first_pass: u32, cut: &Cut) -> Result<(), ShopError> {
-        let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
+        let pass = first_pass + place.pass as u32;
+        let controller = self.controllers.of_pass(machine, pass);
         let ports = &self.layout.tools[place.tool].ports;
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
@@ -109,6 +110,7 @@ impl<R: Recorder> Shop<'_, R> {
             edge_parts: edge.row.parts,
             last_speed: edge.last_speed,
             observer: edge.observer.as_ref(),
+            reaction: state.reactions.iter().find(|each| each.pass == pass).map(|each| each.speed),
             true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
         };
         let conditions = controller.choose(&seen);
@@ -117,7 +119,7 @@ impl<R: Recorder> Shop<'_, R> {
         let mut input = tool_plan.cut_input(cut);
         write(&mut input, ports.cutting_speed, conditions.start_speed);
         let duration = if ports.feed_rate.is_some() {
-            cut_duration(cut, &tool.process, tool_plan, &input) * task.share_left
+            cut_duration(cut, &tool.process, tool_plan, &input) * task.share_left * f64::from(conditions.layers)
         } else {
             let duration = conditions.duration(seen.path);
             let change = conditions.end_speed - conditions.start_speed;
@@ -133,10 +135,23 @@ impl<R: Recorder> Shop<'_, R> {
             observer.begin_pass(cut);
         }
         let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
-        let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut);
+        let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut)
+            / f64::from(conditions.layers);
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
         edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        if ports.structure {
+            let owner = self.layout.machines[machine];
+            let factors = draws::structure(&tool.structure_scatter, &self.streams, owner, place.tool);
+            write(&mut input, ports.natural_frequency_factor, factors.0);
+            write(&mut input, ports.modal_damping_factor, factors.1);
+        }
+        if let Some(variation) = conditions.variation {
+            write(&mut input, ports.speed_variation, variation.amplitude);
+            write(&mut input, ports.variation_revolutions, f64::from(variation.revolutions));
+        }
+        task.renew_surface();
+        task.layers = conditions.layers;
         task.step = Step::Pass;
         task.left = duration;
         state.segment.start_input = input;
@@ -184,6 +199,10 @@ impl<R: Recorder> Shop<'_, R> {
             temperature: 0.0,
             energy: 0.0,
             size_error: 0.0,
+            chatter_time: 0.0,
+            stability_margin: if ports.structure { f64::INFINITY } else { f64::NAN },
+            vibration_amplitude: 0.0,
+            roughness: 0.0,
         });
     }
 
@@ -207,7 +226,10 @@ impl<R: Recorder> Shop<'_, R> {
         let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
         match result {
             Ok(()) => {
-                task.left = segment.elapsed;
+                let pass = plan.first_pass + place.pass as u32;
+                let known = state.reactions.iter().find(|each| each.pass == pass);
+                segment.stop = segment.stop(controller.stability(), known);
+                task.left = segment.stop.unwrap_or(segment.elapsed);
                 Ok(())
             }
             Err(fault) => Err(self.cut_error(machine, place, fault)),
@@ -250,6 +272,9 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn end_pass(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
         let segment = &self.world.machines[machine].segment;
+        if let Some(stop) = segment.stop {
+            return self.react(machine, place, stop);
+        }
         let share = segment.share(&self.layout.tools[place.tool].ports, segment.elapsed);
         let lost = segment.lost;
         self.take_over(machine, place, share);
@@ -297,6 +322,7 @@ impl<R: Recorder> Shop<'_, R> {
         edge.state.copy_from_slice(&segment.state);
         edge.clock = clock;
         edge.row.cutting_time += segment.elapsed;
+        let path = path * f64::from(task.layers);
         edge.row.path += cut * path;
         edge.last_speed = ports.cutting_speed.map(|i| segment.input[i]);
         if let Some(observer) = &mut edge.observer {
@@ -322,6 +348,9 @@ impl<R: Recorder> Shop<'_, R> {
         row.energy += segment.energy;
         row.size_error = form_error.unwrap_or(read(output, ports.size_error, 0.0) - task.correction);
         edge.row.flank_wear = row.flank_wear_end;
+        if let Some(vibration) = &segment.vibration {
+            vibration.note(row, &mut task.surface);
+        }
         task.size_error = row.size_error;
         for &(after, event) in &segment.passed {
             match event {
@@ -337,6 +366,8 @@ impl<R: Recorder> Shop<'_, R> {
                 edge: Some(edge.number),
             });
         }
+        let number = edge.number;
+        self.log_onset(machine, place, number);
         self.ground(machine, place, plan.first_pass);
     }
 

@@ -33,6 +33,22 @@ pub(super) struct Ports {
     pub temperature: Option<usize>,
     pub thermo_emf: Option<usize>,
     pub size_error: Option<usize>,
+    pub workpiece_diameter: Option<usize>,
+    pub position: Option<usize>,
+    pub natural_frequency_factor: Option<usize>,
+    pub modal_damping_factor: Option<usize>,
+    pub speed_variation: Option<usize>,
+    pub variation_revolutions: Option<usize>,
+    pub chatter_time: Option<usize>,
+    pub stable: Option<usize>,
+    pub stability_margin: Option<usize>,
+    pub vibration_amplitude: Option<usize>,
+    pub dominant_frequency: Option<usize>,
+    pub chatter_growth_rate: Option<usize>,
+    pub force_ripple: Option<usize>,
+    pub roughness: Option<usize>,
+    /// Whether the process judges the stability of its cuts.
+    pub structure: bool,
 }
 
 impl Ports {
@@ -66,6 +82,21 @@ impl Ports {
             temperature: element(y, &["temperature"]),
             thermo_emf: element(y, &["thermo_emf"]),
             size_error: element(y, &["size_error"]),
+            workpiece_diameter: element(u, &["workpiece_diameter"]),
+            position: element(u, &["position"]),
+            natural_frequency_factor: element(u, &["natural_frequency_factor"]),
+            modal_damping_factor: element(u, &["modal_damping_factor"]),
+            speed_variation: element(u, &["speed_variation"]),
+            variation_revolutions: element(u, &["variation_revolutions"]),
+            chatter_time: element(x, &["chatter_time"]),
+            stable: element(y, &["stable"]),
+            stability_margin: element(y, &["stability_margin"]),
+            vibration_amplitude: element(y, &["vibration_amplitude"]),
+            dominant_frequency: element(y, &["dominant_frequency"]),
+            chatter_growth_rate: element(y, &["chatter_growth_rate"]),
+            force_ripple: element(y, &["force_ripple"]),
+            roughness: element(y, &["roughness_ra"]),
+            structure: false,
         }
     }
 }

@@ -584,6 +584,12 @@ pub static SENSORS: Form = Form {
             "Standard deviation of a flank wear reading",
         ),
         Key::default(
+            "dominant_frequency",
+            NOISE,
+            "0.5 %",
+            "Relative standard deviation of a measured chatter frequency",
+        ),
+        Key::default(
             "normal_force",
             quantity("N", "N", 0.0, 1e5, "2 N"),
             "2 N",

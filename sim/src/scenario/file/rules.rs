@@ -147,6 +147,7 @@ pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
         feed_force_bias: table.required("feed_force_bias"),
         spindle_power_bias: table.required("spindle_power_bias"),
         flank_wear: table.required("flank_wear"),
+        dominant_frequency: table.required("dominant_frequency"),
         normal_force: table.required("normal_force"),
         normal_force_bias: table.required("normal_force_bias"),
     }
