@@ -164,6 +164,15 @@ fn rounded(value: f64, step: f64) -> (i32, f64) {
     (index as i32, (index * step).exp())
 }
 
+/// Steps of [`DAMPING_STEP`] in one grade of process damping at varying speed.
+const GRADE: f64 = 6.0;
+
+/// Process damping over coefficient on a coarser grid, for verdicts that cost much.
+fn coarse_damping(ratio: f64) -> f64 {
+    let step = GRADE * DAMPING_STEP;
+    LITTLE_DAMPING * (((ratio / LITTLE_DAMPING).asinh() / step).floor() * step).sinh()
+}
+
 /// Process damping over coefficient on its grid.
 fn rounded_damping(ratio: f64) -> (i32, f64) {
     let index = ((ratio / LITTLE_DAMPING).asinh() / DAMPING_STEP).round();

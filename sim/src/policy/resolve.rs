@@ -104,6 +104,11 @@ impl ResolvedPolicy {
         self.contour[machine][pass as usize].as_deref()
     }
 
+    /// Number of that controller: equal for passes that cut alike on machines of one kind.
+    pub fn kind_of_pass(&self, machine: usize, pass: u32) -> u32 {
+        self.of_pass[machine][pass as usize]
+    }
+
     /// Cycle and dressing of a pass of a grinding operation.
     pub fn grinding(&self, pass: u32) -> Option<&GrindingController> {
         self.grinding[pass as usize].as_deref()

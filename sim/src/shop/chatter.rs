@@ -42,10 +42,10 @@ pub struct Vibration {
 /// What a machine has learnt about chatter in one kind of pass.
 #[derive(Clone, Debug)]
 pub struct Reaction {
-    /// The pass, counted over all operations of all parts.
-    pub pass: u32,
-    /// Speeds that chattered, m/s.
-    pub tried: Vec<f64>,
+    /// What is cut: the number of its controller.
+    pub kind: u32,
+    /// Speeds that chattered, m/s, with the amplitude that was heard, m.
+    pub tried: Vec<(f64, f64)>,
     /// Speed that is commanded now, m/s.
     pub speed: f64,
     /// Whether no other speed is left to try.
@@ -138,7 +138,8 @@ impl<R: Recorder> Shop<'_, R> {
             let state = &self.world.machines[machine];
             let segment = &state.segment;
             let frequency = segment.vibration.as_ref().map_or(0.0, |vibration| vibration.frequency);
-            (frequency, read(&segment.start_input, ports.cutting_speed, 0.0))
+            let amplitude = segment.vibration.as_ref().map_or(0.0, |vibration| vibration.amplitude);
+            (frequency, read(&segment.start_input, ports.cutting_speed, 0.0), amplitude)
         };
         self.halt_pass(machine, stop)?;
         self.close_pass(machine);
@@ -149,15 +150,22 @@ impl<R: Recorder> Shop<'_, R> {
             self.streams.at(edge.entity.part(owner::CHATTER), Purpose::Measurement, u64::from(edge.row.passes));
         let z: f64 = StandardNormal.sample(&mut noise);
         let (frequency, speed) = (heard.0 * (1.0 + controller.sensors().dominant_frequency * z), heard.1);
-        let index = state.reactions.iter().position(|each| each.pass == pass).unwrap_or_else(|| {
-            state.reactions.push(Reaction { pass, tried: Vec::new(), speed, exhausted: false });
+        let kind = self.controllers.kind_of_pass(machine, pass);
+        let index = state.reactions.iter().position(|each| each.kind == kind).unwrap_or_else(|| {
+            state.reactions.push(Reaction { kind, tried: Vec::new(), speed, exhausted: false });
             state.reactions.len() - 1
         });
         let known = &mut state.reactions[index];
-        known.tried.push(speed);
-        match controller.reaction(frequency, speed, &known.tried).filter(|_| known.tried.len() <= MOST_TRIALS) {
+        known.tried.push((speed, heard.2));
+        let tried: Vec<f64> = known.tried.iter().map(|(speed, _)| *speed).collect();
+        match controller.reaction(frequency, speed, &tried).filter(|_| tried.len() <= MOST_TRIALS) {
             Some(other) => known.speed = other,
-            None => known.exhausted = true,
+            None => {
+                // Nowhere quiet: where it was the least loud.
+                let quietest = known.tried.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+                known.speed = quietest.map_or(speed, |(speed, _)| *speed);
+                known.exhausted = true;
+            }
         }
         self.next_pass(machine)
     }

@@ -100,6 +100,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn begin_cut(&mut self, machine: usize, place: Place, first_pass: u32, cut: &Cut) -> Result<(), ShopError> {
         let pass = first_pass + place.pass as u32;
         let controller = self.controllers.of_pass(machine, pass);
+        let kind = self.controllers.kind_of_pass(machine, pass);
         let ports = &self.layout.tools[place.tool].ports;
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
@@ -110,7 +111,7 @@ impl<R: Recorder> Shop<'_, R> {
             edge_parts: edge.row.parts,
             last_speed: edge.last_speed,
             observer: edge.observer.as_ref(),
-            reaction: state.reactions.iter().find(|each| each.pass == pass).map(|each| each.speed),
+            reaction: state.reactions.iter().find(|each| each.kind == kind).map(|each| each.speed),
             true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
         };
         let conditions = controller.choose(&seen);
@@ -226,8 +227,8 @@ impl<R: Recorder> Shop<'_, R> {
         let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
         match result {
             Ok(()) => {
-                let pass = plan.first_pass + place.pass as u32;
-                let known = state.reactions.iter().find(|each| each.pass == pass);
+                let kind = self.controllers.kind_of_pass(machine, plan.first_pass + place.pass as u32);
+                let known = state.reactions.iter().find(|each| each.kind == kind);
                 segment.stop = segment.stop(controller.stability(), known);
                 task.left = segment.stop.unwrap_or(segment.elapsed);
                 Ok(())

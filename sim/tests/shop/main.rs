@@ -3,6 +3,7 @@
 
 mod adaptive;
 mod breakdowns;
+mod chatter;
 mod conservation;
 mod contours;
 mod cycles;

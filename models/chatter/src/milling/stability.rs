@@ -266,6 +266,23 @@ impl<'a> AtSpeed<'a> {
         Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
     }
 
+    /// [`AtSpeed::limit`] for less effort: `steps` even depths are sampled and the first that ends
+    /// unstable is narrowed down to a thousandth of a step.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::limit`].
+    pub fn rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
+        positive("greatest depth", greatest)?;
+        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
+        let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
+        let Some([before, after]) = found.first() else {
+            return Err(ChatterError::NoLimit { searched: greatest });
+        };
+        let depth = root(&mut excess, *before, *after, 1e-3 / steps as f64)?;
+        let (dominant, period) = self.dominant(depth, Effort::Screening)?;
+        Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
+    }
+
     /// All crossings of the boundary below `greatest` depth that `steps` equal steps show, to a
     /// thousandth of a step.
     pub(crate) fn crossings(&mut self, greatest: f64, steps: usize) -> Result<Vec<Crossing>, ChatterError> {

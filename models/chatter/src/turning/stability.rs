@@ -100,6 +100,17 @@ impl Turning {
         variation: SpeedVariation,
         width: f64,
     ) -> Result<StabilityVerdict, ChatterError> {
+        self.judge_varying(spindle_speed, variation, width, 1e-8)
+    }
+
+    /// The verdict with an eigenvalue of this residual.
+    fn judge_varying(
+        &self,
+        spindle_speed: f64,
+        variation: SpeedVariation,
+        width: f64,
+        residual: f64,
+    ) -> Result<StabilityVerdict, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
@@ -107,7 +118,7 @@ impl Turning {
         let revolutions = variation.revolutions;
         let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
         let mut storage = MapStorage::default();
-        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), 1e-8)?;
+        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?;
         let per_revolution = dominant.value.norm().powf(1.0 / f64::from(revolutions));
         let multiplier = Complex::from_polar(per_revolution, dominant.value.arg() / f64::from(revolutions));
         let mut verdict = StabilityVerdict::from_multiplier(multiplier, TAU / spindle_speed, dominant.residual);
@@ -116,10 +127,10 @@ impl Turning {
     }
 
     /// Least width (m) up to `greatest` that is unstable at a speed that varies about
-    /// `spindle_speed` (rad/s), to a thousandth.
+    /// `spindle_speed` (rad/s), to three parts in a thousand of the step that it is found in.
     ///
     /// # Errors
-    /// As [`Turning::verdict_at_varying_speed`]; [`ChatterError::NoLimit`] where none of 16 even
+    /// As [`Turning::verdict_at_varying_speed`]; [`ChatterError::NoLimit`] where none of 8 even
     /// steps is unstable.
     pub fn limit_at_varying_speed(
         &self,
@@ -128,13 +139,13 @@ impl Turning {
         greatest: f64,
     ) -> Result<StabilityLimit, ChatterError> {
         positive("greatest width", greatest)?;
-        let verdict = |width: f64| self.verdict_at_varying_speed(spindle_speed, variation, width);
+        let verdict = |width: f64| self.judge_varying(spindle_speed, variation, width, 1e-3);
         let mut excess = |width: f64| Ok(verdict(width)?.spectral_radius.ln());
-        let found = brackets(&mut excess, (0.0, -1.0), greatest, 16, true)?;
+        let found = brackets(&mut excess, (0.0, -1.0), greatest, 8, true)?;
         let Some([before, after]) = found.first() else {
             return Err(ChatterError::NoLimit { searched: greatest });
         };
-        let depth = root(&mut excess, *before, *after, 1e-3)?;
+        let depth = root(&mut excess, *before, *after, 3e-3)?;
         let chatter_frequency = verdict(depth)?.chatter_frequency;
         Ok(StabilityLimit { depth, kind: ChatterKind::Hopf, chatter_frequency })
     }

@@ -1,6 +1,9 @@
 //! What vibrates in milling.
 
-use super::{Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, rounded, rounded_damping, scattered};
+use super::{
+    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
+    scattered,
+};
 use std::f64::consts::TAU;
 use toolroom_chatter::{
     AtSpeed, ChatterError, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation,
@@ -18,6 +21,8 @@ pub struct MillingStructure {
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
     forced: Memo<Key, f64>,
+    /// By steps of the depth.
+    growth: Memo<(Key, i32), f64>,
 }
 
 /// What a verdict depends on, rounded.
@@ -63,6 +68,10 @@ pub(crate) struct Tooth {
     pub variation: Option<SpeedVariation>,
 }
 
+/// Depths that are sampled for a limit at constant speed, and at varying speed, where the islands of
+/// lobes are blurred and a verdict costs far more.
+const STEPS: usize = 24;
+const VARYING_STEPS: usize = 6;
 /// Depths over the present one to which limits are searched, at least.
 const SEARCHED: f64 = 2.0;
 
@@ -91,6 +100,7 @@ impl MillingStructure {
             regeneration,
             boundaries: Memo::default(),
             forced: Memo::default(),
+            growth: Memo::default(),
         })
     }
 
@@ -101,9 +111,15 @@ impl MillingStructure {
         (tangential, (self.process_damping + at.process_damping + land) / tangential)
     }
 
+    /// Process damping in the grades at which it is judged: coarse ones at varying speed.
+    fn graded(&self, damping: f64, at: &Tooth) -> f64 {
+        if at.variation.is_some() { coarse_damping(damping) } else { damping }
+    }
+
     fn key(&self, at: &Tooth) -> Key {
         let (tangential, damping) = self.worn(at);
         let helical = self.helix_angle != 0.0;
+        let damping = self.graded(damping, at);
         Key {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
             damping: rounded_damping(damping).0,
@@ -130,7 +146,7 @@ impl MillingStructure {
             Cutter { helix_angle: self.helix_angle, runout: at.runout, ..Cutter::straight(key.teeth, at.diameter) };
         let direction = if at.down { Direction::Down } else { Direction::Up };
         let force = MillingForce {
-            process_damping: rounded_damping(damping).1 * judged,
+            process_damping: rounded_damping(self.graded(damping, at)).1 * judged,
             ..MillingForce::new(judged, judged * at.radial / at.tangential)
         };
         let cut = Milling {
@@ -150,8 +166,8 @@ impl MillingStructure {
             let period = TAU / (speed * at.teeth as f64);
             let searched = 2f64.powi(key.searched);
             let found = match at.variation {
-                None => cut.at_speed(speed)?.limit(searched),
-                Some(variation) => cut.at_varying_speed(speed, variation)?.limit(searched),
+                None => cut.at_speed(speed)?.rough_limit(searched, STEPS),
+                Some(variation) => cut.at_varying_speed(speed, variation)?.rough_limit(searched, VARYING_STEPS),
             };
             match found {
                 Ok(limit) => Ok(Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period)),
@@ -203,16 +219,20 @@ impl MillingStructure {
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
     pub(crate) fn growth_rate(&self, at: &Tooth) -> f64 {
+        let key = self.key(at);
+        let (tangential, _) = self.worn(at);
+        let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
+        let (step, depth) = rounded(at.depth / scale, STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
-            let (cut, speed, scale) = self.judged(at, &self.key(at))?;
+            let (cut, speed, _) = self.judged(at, &key)?;
             let mut at_speed: AtSpeed<'_> = match at.variation {
                 None => cut.at_speed(speed)?,
                 Some(variation) => cut.at_varying_speed(speed, variation)?,
             };
-            let verdict = at_speed.verdict(at.depth / scale)?;
+            let verdict = at_speed.verdict(depth)?;
             Ok(verdict.spectral_radius.ln() / verdict.period)
         };
-        judge().unwrap_or(0.0)
+        self.growth.of((key, step), || judge().unwrap_or(0.0))
     }
 }
 

@@ -1,6 +1,9 @@
 //! What vibrates in turning.
 
-use super::{Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, rounded, rounded_damping, scattered};
+use super::{
+    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
+    scattered,
+};
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
 use toolroom_chatter::{Bar, ChatterError, ChatterKind, Mode, SpeedVariation, Turning};
@@ -34,6 +37,8 @@ pub struct TurningStructure {
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
     chucks: Memo<ChuckKey, f64>,
+    /// By steps of the depth.
+    growth: Memo<(Key, i32), f64>,
 }
 
 /// What a verdict depends on, rounded.
@@ -58,6 +63,8 @@ struct ChuckKey {
 
 /// Places along a bar at which its compliance is taken.
 const PLACES: f64 = 64.0;
+/// Of these, every so many at varying speed, where verdicts cost much.
+const COARSE: u32 = 8;
 /// Depths over the limit of constant speed to which the limit of varying speed is searched.
 const SEARCHED: f64 = 4.0;
 /// Ratio of depth to limit at which the limit cycle of a modulated chuck is taken; assumption.
@@ -93,7 +100,14 @@ impl TurningStructure {
     /// # Errors
     /// What the stability model refuses.
     pub fn new(cut: Turning, bar: Option<(Bar, f64)>, regeneration: Regeneration) -> Result<Self, ChatterError> {
-        let structure = Self { cut, bar, regeneration, boundaries: Memo::default(), chucks: Memo::default() };
+        let structure = Self {
+            cut,
+            bar,
+            regeneration,
+            boundaries: Memo::default(),
+            chucks: Memo::default(),
+            growth: Memo::default(),
+        };
         // Refuses now what would be refused in every verdict.
         match structure.at_place(structure.bar.map_or(0.0, |(_, place)| place))?.limit(1.0) {
             Err(ChatterError::NoLimit { .. }) | Ok(_) => Ok(structure),
@@ -129,11 +143,18 @@ impl TurningStructure {
         at.coefficient * (1.0 + self.regeneration.coefficient_growth * at.wear_ratio)
     }
 
+    /// Process damping over the coefficient (m), in the grades at which it is judged: coarse
+    /// ones at varying speed.
+    fn damping_ratio(&self, at: &Edge) -> f64 {
+        let ratio = self.process_damping(at) / (self.coefficient(at) * self.cut.cutting_coefficient);
+        if at.variation.is_some() { coarse_damping(ratio) } else { ratio }
+    }
+
     fn key(&self, at: &Edge) -> Key {
-        let ratio = self.process_damping(at) / self.coefficient(at);
+        let ratio = self.damping_ratio(at);
         let place = self.bar.map_or(0, |(bar, place)| {
             let place = if at.position > 0.0 { at.position } else { place };
-            ((place / bar.length * PLACES).round() as u32).clamp(1, PLACES as u32 - 1)
+            place_on(bar.length, place, at.variation.is_some())
         });
         Key {
             speed: rounded(at.spindle_speed, SPEED_STEP).0,
@@ -151,9 +172,9 @@ impl TurningStructure {
     fn nominal(&self, at: &Edge, key: &Key) -> Result<(Turning, f64), ChatterError> {
         let place = self.bar.map_or(0.0, |(bar, _)| f64::from(key.place) / PLACES * bar.length);
         let cut = self.at_place(place)?;
-        let ratio = rounded_damping(self.process_damping(at) / self.coefficient(at)).1;
+        let damping = rounded_damping(self.damping_ratio(at)).1 * cut.cutting_coefficient;
         let modes = scattered(&cut.modes, at.frequency_factor, at.damping_factor);
-        let cut = Turning { modes, process_damping: ratio, diameter: at.diameter, ..cut };
+        let cut = Turning { modes, process_damping: damping, diameter: at.diameter, ..cut };
         Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1))
     }
 
@@ -230,17 +251,25 @@ impl TurningStructure {
 
     /// Rate at which a disturbance grows (1/s): negative in a stable cut.
     pub(crate) fn growth_rate(&self, at: &Edge) -> f64 {
+        let key = self.key(at);
+        let (step, depth) = rounded(at.depth * self.coefficient(at), STIFFNESS_STEP);
         let judge = || -> Result<f64, ChatterError> {
-            let (cut, speed) = self.nominal(at, &self.key(at))?;
-            let depth = at.depth * self.coefficient(at);
+            let (cut, speed) = self.nominal(at, &key)?;
             let verdict = match at.variation {
                 Some(variation) => cut.verdict_at_varying_speed(speed, variation, depth)?,
                 None => cut.verdict_without_margin(speed, depth)?,
             };
             Ok(verdict.spectral_radius.ln() / verdict.period)
         };
-        judge().unwrap_or(0.0)
+        self.growth.of((key, step), || judge().unwrap_or(0.0))
     }
+}
+
+/// Number of the place along a bar of `length` at which its compliance is taken.
+fn place_on(length: f64, place: f64, coarse: bool) -> u32 {
+    let step = if coarse { COARSE } else { 1 };
+    let number = (place / length * PLACES / f64::from(step)).round() as u32 * step;
+    number.clamp(1, PLACES as u32 - 1)
 }
 
 /// The mode as the system of one degree of freedom in a chuck of three jaws, without lag.
