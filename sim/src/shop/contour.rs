@@ -39,6 +39,7 @@ impl<R: Recorder> Shop<'_, R> {
             edge_parts: edge.row.parts,
             last_speed: edge.last_speed,
             observer: edge.observer.as_ref(),
+            reaction: None,
             true_wear: None,
         };
         if edge.row.passes > 0 && controller.change_due(&seen, &Conditions::constant(first.0), duration) {
