@@ -177,7 +177,7 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
             let (age, wear) = (table.column(age)?, table.column(wear)?);
             let group = group.as_ref().map(|name| table.column(name)).transpose()?;
             let mut order: Vec<String> = Vec::new();
-            let mut edges: BTreeMap<String, Vec<(&Row, f64, Option<f64>)>> = BTreeMap::new();
+            let mut edges: BTreeMap<String, Vec<Reading<'_>>> = BTreeMap::new();
             for row in &table.rows {
                 let name = names.iter().map(|column| row.cells[*column].as_str()).collect::<Vec<_>>().join(" ");
                 let at = table.number(row, age)?;
@@ -211,6 +211,9 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
         }
     }
 }
+
+/// One look at an edge: its row, its age and its wear where it was read.
+type Reading<'a> = (&'a Row, f64, Option<f64>);
 
 /// The numbers of one column of a table.
 ///
