@@ -17,6 +17,9 @@ const STUDIED: usize = 1000;
 /// States kept of the edge's life where the feed is a state too: seconds for twenty sections.
 const JOINT_LEVELS: usize = 64;
 
+/// Sections beyond which that is said.
+const JOINT_SECTIONS: usize = 40;
+
 /// What a plan makes least, with its name.
 pub const OBJECTIVES: [(&str, Objective); 2] = [("time", Objective::Time), ("cost", Objective::Cost)];
 
@@ -120,6 +123,10 @@ fn study<'a>(
     let file = &task.file;
     let refuse = |error: ContourError| task.refused(name, &error);
     let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models).map_err(refuse)?;
+    let sections = file.contour.sections.len();
+    if demands.ramps && demands.edge.is_some() && sections > JOINT_SECTIONS {
+        voice.say(format_args!("ramps and edge life together over {sections} sections may take minutes"));
+    }
     let plans = [
         demands.plan(&planner, Objective::Time).map_err(refuse)?,
         demands.plan(&planner, Objective::Cost).map_err(refuse)?,
@@ -131,7 +138,7 @@ fn study<'a>(
         Baseline { name: "best constant, time", plan: planner.best_constant(Objective::Time) },
         Baseline { name: "best constant, cost", plan: planner.best_constant(Objective::Cost) },
     ];
-    let few = file.contour.sections.len() <= STUDIED;
+    let few = sections <= STUDIED;
     if !few {
         voice.say(format_args!("more than {STUDIED} sections: conditions and scatter are not studied"));
     }
