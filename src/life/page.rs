@@ -140,7 +140,7 @@ fn overview(worked: &[Worked<'_>]) -> Table {
             cell.cell.policy.as_str().into(),
             (tally.life.count() as f64).into(),
             life.into(),
-            (Z * tally.life.standard_error() / 60.0).into(),
+            (Z * tally.standard_error() / 60.0).into(),
             tally.life.variation().into(),
             path.into(),
             tally.path.variation().into(),
@@ -256,7 +256,7 @@ fn summary(
         // Moments of the lives themselves, not of classes or laws.
         object.insert("n".to_owned(), json!(tally.life.count()));
         object.insert("mean [min]".to_owned(), json!(tally.life.mean() / 60.0));
-        object.insert("standard_error [min]".to_owned(), json!(tally.life.standard_error() / 60.0));
+        object.insert("standard_error [min]".to_owned(), json!(tally.standard_error() / 60.0));
         object.insert("cv".to_owned(), json!(tally.life.variation()));
         let all = |share: f64| {
             let mut lives = tally.ends[0].clone();
@@ -337,7 +337,7 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
             "  {:32} {:>10} {:>8} {:>7} {:>10} {:>7} {b10:>9} {:>7} %",
             name(cell.cell),
             number(tally.life.mean() / 60.0, 4),
-            number(Z * tally.life.standard_error() / 60.0, 2),
+            number(Z * tally.standard_error() / 60.0, 2),
             number(tally.life.variation(), 3),
             number(tally.path.mean(), 4),
             number(tally.path.variation(), 3),

@@ -1,8 +1,9 @@
 //! One edge: how it differs from nominal, and its life under a policy.
 
 use super::policy::Policy;
-use super::{End, Study};
+use super::{End, Study, Tilt};
 use crate::life::normal;
+use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::LazyLock;
 use toolroom_sim::{Entity, Purpose, Stream, Streams};
@@ -63,17 +64,22 @@ pub struct Edge {
 
 impl Edge {
     /// The edge of a point; `pair` and `cut` carry the fields that the point has changed.
-    pub fn of(study: &Study, cut: &Cut, point: &[f64]) -> Self {
+    pub fn of(study: &Study, cut: &Cut, point: &[f64], stream: &mut Stream) -> Self {
         let scatter = &study.scatter;
         let z = |i: usize| normal::quantile(point[i]);
-        // Tilted draws meet early failures more often and count for less.
-        let shift = study.tilt.wear_shift;
-        let common = z(0) + shift;
-        let tilted = (0.5 * shift * shift - shift * common).exp();
-        let exponential = -(-point[8]).ln_1p();
-        let rate = study.tilt.chipping_rate;
-        let resistance = exponential / rate;
-        let hazard_weight = (-resistance).exp() / (rate * (-exponential).exp());
+        let (mut common, mut resistance, mut weight) = (z(0), -(-point[8]).ln_1p(), 1.0);
+        let Tilt { wear_shift, chipping_rate } = study.tilt;
+        if study.tilt != Tilt::default() {
+            // Every second edge on average is drawn with the tilt, and all of them weigh by the
+            // mixture of both: no weight is above 2 (T. Hesterberg, Technometrics 37 (1995) 185).
+            if stream.random::<f64>() < 0.5 {
+                common += wear_shift;
+                resistance /= chipping_rate;
+            }
+            let shifted = (wear_shift * common - 0.5 * wear_shift * wear_shift).exp();
+            let weaker = chipping_rate * ((1.0 - chipping_rate) * resistance).exp();
+            weight = 2.0 / (1.0 + shifted * weaker);
+        }
         let clip = |hardness: f64| hardness.clamp(1.0 - scatter.hardness_clip, 1.0 + scatter.hardness_clip);
         let batch_hardness = clip(1.0 + scatter.batch_hardness * z(3));
         Self {
@@ -89,7 +95,7 @@ impl Edge {
             initial_wear: scatter.initial_wear * (scatter.initial_wear_scatter * z(7)).exp(),
             resistance,
             batch_hardness,
-            weight: tilted * hazard_weight,
+            weight,
         }
     }
 
@@ -112,7 +118,7 @@ pub fn stream_of(seed: u64, index: u64) -> Stream {
 
 /// Lives an edge under a policy.
 pub fn live(study: &Study, pair: &Pair, cut: &Cut, policy: &Policy, point: &[f64], stream: &mut Stream) -> Outcome {
-    let edge = Edge::of(study, cut, point);
+    let edge = Edge::of(study, cut, point, stream);
     match policy.constant() {
         Some(speed) if study.steady() => steady_life(study, pair, &edge, speed, stream),
         _ => Machining::new(study, pair, &edge, policy, stream).run(),

@@ -119,7 +119,8 @@ pub struct Passes {
     pub pause: f64,
 }
 
-/// Importance sampling of early failures: draws that fail early come more often and weigh less.
+/// Importance sampling of early failures: half of the edges are drawn so that they fail early, and
+/// weigh less.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tilt {
     /// Shift of the common wear factor, in its standard deviations.

@@ -112,6 +112,11 @@ impl Tally {
         if passed.weight() < share * all { f64::NAN } else { passed.quantile(share * all / passed.weight()) }
     }
 
+    /// Standard error of the mean life, s.
+    pub fn standard_error(&self) -> f64 {
+        (self.life.variance() / self.effective()).sqrt()
+    }
+
     /// Effective number of lives under weights, (Σw)²/Σw².
     pub fn effective(&self) -> f64 {
         let (mean, n) = (self.weights.mean(), self.weights.count() as f64);

@@ -113,12 +113,15 @@ fn tilted_draws_know_the_same_probability_better() {
     (scatter.allowance, scatter.piece_hardness) = (0.0, 0.0);
     let plain = study(scatter, &[Rule::Programmed], false, 0.0);
     let mut tilted = plain.clone();
-    tilted.tilt = Tilt { wear_shift: 2.5, chipping_rate: 1.0 };
-    let share = |study: &Study| lives(study, &study.cells[0], 0, 20_000, false).0.early;
-    let (one, other) = (share(&plain), share(&tilted));
+    tilted.tilt = Tilt { wear_shift: 2.5, chipping_rate: 4.0 };
+    let share = |study: &Study| lives(study, &study.cells[0], 0, 20_000, false).0;
+    let (plain, tilted) = (share(&plain), share(&tilted));
+    let errors = plain.standard_error().hypot(tilted.standard_error());
+    assert!((plain.life.mean() - tilted.life.mean()).abs() < 4.0 * errors, "{:?} {:?}", plain.life, tilted.life);
+    let (one, other) = (plain.early, tilted.early);
     let errors = one.standard_error().hypot(other.standard_error());
     assert!((one.mean() - other.mean()).abs() < 4.0 * errors && one.mean() > 0.0, "{one:?} {other:?}");
-    assert!(other.standard_error() < 0.5 * one.standard_error(), "{one:?} {other:?}");
+    assert!(other.standard_error() < 0.7 * one.standard_error(), "{one:?} {other:?}");
 }
 
 #[test]
