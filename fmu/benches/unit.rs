@@ -7,6 +7,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use importer::{fmi3FreeInstance, fmi3GetFMUState, fmi3GetFloat64, fmi3SetFMUState, ready3, reference, step3, token};
 use std::hint::black_box;
 use std::ptr::null_mut;
+use toolroom_cutting::{Turning, TurningInput};
+use toolroom_process::Process;
 
 fn steps(criterion: &mut Criterion) {
     for (model, length) in [("turning", 0.01), ("turning", 0.1), ("turning", 1.0), ("milling", 0.1), ("infeed", 0.01)] {
@@ -30,6 +32,20 @@ fn steps(criterion: &mut Criterion) {
         // SAFETY: the arguments are what the standard asks for.
         unsafe { fmi3FreeInstance(unit) };
     }
+}
+
+/// What the process itself takes for a step of 0.1 s: the rest is the unit's.
+fn process(criterion: &mut Criterion) {
+    let (turning, input) = (Turning::named("ni_vk6om").expect("a shipped set"), TurningInput::default());
+    let mut state = turning.initial();
+    criterion.bench_function("turning/process alone 0.1 s", |bencher| {
+        bencher.iter(|| {
+            turning.advance(&mut state, &input, 0.1).expect("a step");
+            if state.cutting_time > 200.0 {
+                state = turning.initial();
+            }
+        });
+    });
 }
 
 fn values(criterion: &mut Criterion) {
@@ -68,5 +84,5 @@ fn values(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, steps, values);
+criterion_group!(benches, steps, process, values);
 criterion_main!(benches);

@@ -5,6 +5,7 @@ use crate::description::{self, Description};
 use crate::instance::Instance;
 use crate::log::Log;
 use crate::unit::Unit;
+use crate::variable::{Variable, variables};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 use toolroom_cutting::{Milling, Turning};
@@ -19,6 +20,7 @@ pub struct Entry {
     token: fn() -> u128,
     known_token: OnceLock<u128>,
     describe: fn() -> Description,
+    variables: fn() -> Vec<Variable>,
     make: fn(Interface, Option<PathBuf>, Log) -> Box<dyn Component>,
 }
 
@@ -30,6 +32,7 @@ impl Entry {
             token: description::token::<U>,
             known_token: OnceLock::new(),
             describe: Description::of::<U>,
+            variables: variables::<U>,
             make: |interface, resources, log| Box::new(Instance::<U>::new(interface, resources, log)),
         }
     }
@@ -37,6 +40,11 @@ impl Entry {
     /// Instantiation token: changes with every change of the variables.
     pub fn token(&self) -> String {
         description::token_text(*self.known_token.get_or_init(self.token))
+    }
+
+    /// Every variable, without which depends on which.
+    pub fn variables(&self) -> Vec<Variable> {
+        (self.variables)()
     }
 
     /// Everything that the package says about the unit.

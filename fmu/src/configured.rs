@@ -3,6 +3,8 @@
 use crate::fault::Fault;
 use crate::unit::{AdaptivePolicy, Unit};
 use std::path::Path;
+use std::sync::Arc;
+use toolroom_cutting::Regeneration;
 use toolroom_effects::Effects;
 use toolroom_process::{AnyRecord, Field, Record};
 
@@ -18,8 +20,12 @@ pub(crate) struct Configured<U: Unit> {
     pub policy: AdaptivePolicy,
     /// What vibrates around the cut.
     machine: U::Machine,
-    /// Every parameter, in the order of [`Configured::fields`].
+    /// Every parameter, in the order of `fields`.
     pub values: Vec<f64>,
+    /// Name and field of every parameter, as the set has it.
+    pub fields: Arc<[(String, Field)]>,
+    /// What wear changes of the vibration.
+    regeneration: Regeneration,
     /// The process with every effect, also those of size zero.
     every: U,
     /// Parameters that were set by themselves; a later set leaves them alone.
@@ -28,7 +34,7 @@ pub(crate) struct Configured<U: Unit> {
 
 impl<U: Unit> Configured<U> {
     /// The default set.
-    pub fn new() -> Self {
+    pub fn shipped() -> Self {
         let (name, text) = U::SETS[0];
         Self::from_text(name, text).unwrap_or_else(|fault| panic!("the shipped set {name} is broken: {fault}"))
     }
@@ -36,27 +42,27 @@ impl<U: Unit> Configured<U> {
     fn from_text(name: &str, text: &str) -> Result<Self, Fault> {
         let mut every = U::read(text).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
         *every.effects_mut() = Effects::every(U::EFFECTS_OF);
-        // Mounted, so that its parameters are there; the process is mounted where it is asked for.
-        let machine = U::Machine::default();
-        every.mount(Some(&machine)).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
         let mut configured = Self {
             set: name.to_owned(),
             process: every.clone(),
             policy: AdaptivePolicy::default(),
-            machine,
+            machine: U::Machine::default(),
             values: Vec::new(),
+            fields: Arc::new([]),
+            regeneration: Regeneration::default(),
             every,
             chosen: Vec::new(),
         };
         let mut values = Vec::new();
         configured.visit(|record| values.extend((0..record.fields().len()).filter_map(|i| record.value(i))));
         configured.values = values;
+        configured.fields = configured.described().into();
         configured.settle()?;
         Ok(configured)
     }
 
     /// Name and field of every parameter, as it is now.
-    pub fn fields(&mut self) -> Vec<(String, Field)> {
+    fn described(&mut self) -> Vec<(String, Field)> {
         let mut all = Vec::new();
         let effects: Vec<&str> = self.every.effects_mut().iter().map(|effect| effect.entry().id).collect();
         for (group, record) in self.every.parameters_mut() {
@@ -71,6 +77,8 @@ impl<U: Unit> Configured<U> {
         }
         if U::VIBRATES {
             all.extend(U::Machine::FIELDS.iter().map(|field| (format!("machine.{}", field.name), *field)));
+            let wear = Regeneration::<f64>::FIELDS.iter();
+            all.extend(wear.map(|field| (format!("regeneration.{}", field.name), *field)));
         }
         if U::ADAPTIVE {
             all.extend(AdaptivePolicy::<f64>::FIELDS.iter().map(|field| (format!("adaptive.{}", field.name), *field)));
@@ -89,6 +97,7 @@ impl<U: Unit> Configured<U> {
         }
         if U::VIBRATES {
             visitor(&mut self.machine);
+            visitor(&mut self.regeneration);
         }
         if U::ADAPTIVE {
             visitor(&mut self.policy);
@@ -107,10 +116,9 @@ impl<U: Unit> Configured<U> {
         });
         self.values = values;
         let refused = |reason| Fault::Set { name: self.set.clone(), reason };
-        self.every.mount(Some(&self.machine)).map_err(refused)?;
         self.process = self.every.clone();
-        if self.machine.get(0).is_none_or(|chatter| chatter < 0.5) {
-            self.process.mount(None).map_err(refused)?;
+        if U::VIBRATES && self.machine.get(0).is_some_and(|chatter| chatter > 0.5) {
+            self.process.mount(&self.machine, self.regeneration).map_err(refused)?;
         }
         let active = self.every.effects_mut().iter().filter(|effect| effect.size() != 0.0).copied().collect();
         *self.process.effects_mut() =
@@ -150,7 +158,8 @@ impl<U: Unit> Configured<U> {
         }
         // Machine and policy are no part of a set.
         let count = |there: bool, length: usize| if there { length } else { 0 };
-        let own = count(U::VIBRATES, U::Machine::LEN) + count(U::ADAPTIVE, AdaptivePolicy::<f64>::LEN);
+        let own = count(U::VIBRATES, U::Machine::LEN + Regeneration::<f64>::LEN)
+            + count(U::ADAPTIVE, AdaptivePolicy::<f64>::LEN);
         let first = self.values.len() - own;
         changed.values[first..].copy_from_slice(&self.values[first..]);
         for &(i, value) in &self.chosen {
@@ -164,14 +173,14 @@ impl<U: Unit> Configured<U> {
 
     /// The parameters of a saved state.
     pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Result<Self, Fault> {
-        let mut configured = Self::new();
+        let mut configured = Self::shipped();
         if configured.set != set {
             configured.choose_set(set, resources)?;
         }
         if values.len() != configured.values.len() {
             return Err(Fault::Corrupt { reason: "another number of parameters" });
         }
-        let start = Self::new().values;
+        let start = &Self::shipped().values;
         configured.chosen = values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();
         configured.values = values;
         configured.settle()?;

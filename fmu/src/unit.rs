@@ -1,5 +1,6 @@
 //! What a process adds to be shipped as a unit.
 
+use toolroom_cutting::Regeneration;
 use toolroom_effects::Effects;
 use toolroom_process::{Process, Record, record};
 
@@ -49,12 +50,11 @@ pub trait Unit: Process + Clone + 'static {
     /// The effects of the process.
     fn effects_mut(&mut self) -> &mut Effects;
 
-    /// Puts the process on a machine that may chatter, with what wear changes of that as it is;
-    /// `None` takes it off.
+    /// Puts the process on a machine that may chatter.
     ///
     /// # Errors
     /// What the stability model refuses, in words.
-    fn mount(&mut self, _machine: Option<&Self::Machine>) -> Result<(), String> {
+    fn mount(&mut self, _machine: &Self::Machine, _regeneration: Regeneration) -> Result<(), String> {
         Ok(())
     }
 

@@ -251,7 +251,7 @@ pub fn variables<U: Unit>() -> Vec<Variable> {
         value_type: ValueType::String,
         ..Variable::new("tool.set".to_owned(), Slot::Set, Role::Fixed, field("set", Kind::Real, 0.0, doc))
     });
-    let parameters = Configured::<U>::new().fields();
+    let parameters = Configured::<U>::shipped().fields.to_vec();
     all.extend(
         parameters
             .into_iter()

@@ -1,7 +1,7 @@
 //! What a unit does is what its process does.
 
 use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput};
-use toolroom_fmu::{Component, Description, Interface, Log, Slot, Status, ValueType, units};
+use toolroom_fmu::{Component, Interface, Log, Slot, Status, ValueType, Variable, units};
 use toolroom_process::{Process, Record};
 
 const HELD: Interface = Interface::CoSimulation { event_mode: false, early_return: false };
@@ -10,17 +10,17 @@ const WITH_EVENTS: Interface = Interface::CoSimulation { event_mode: true, early
 /// A unit with its description.
 struct Bench {
     unit: Box<dyn Component>,
-    about: Description,
+    variables: Vec<Variable>,
 }
 
 impl Bench {
     fn new(model: &str, interface: Interface) -> Self {
         let entry = units().find(|unit| unit.name == model).expect("a shipped unit");
-        Self { unit: entry.instantiate(interface, None, Log::new(None, false)), about: entry.describe() }
+        Self { unit: entry.instantiate(interface, None, Log::new(None, false)), variables: entry.variables() }
     }
 
     fn reference(&self, name: &str) -> (ValueType, u32) {
-        let variable = self.about.variables.iter().find(|each| each.name == name).expect("a variable");
+        let variable = self.variables.iter().find(|each| each.name == name).expect("a variable");
         (variable.value_type, variable.slot.reference())
     }
 
@@ -268,17 +268,17 @@ fn a_restored_state_goes_on_bit_for_bit_also_in_another_instance() {
 }
 
 /// Real variables whose slot passes, by reference.
-fn reals(about: &Description, wanted: fn(Slot) -> bool) -> Vec<u32> {
-    let real = about.variables.iter().filter(|each| each.value_type == ValueType::Real && wanted(each.slot));
+fn reals(variables: &[Variable], wanted: fn(Slot) -> bool) -> Vec<u32> {
+    let real = variables.iter().filter(|each| each.value_type == ValueType::Real && wanted(each.slot));
     real.map(|each| each.slot.reference()).collect()
 }
 
 /// Jacobian columns of a unit at a point inside its range, with every effect on.
 fn at_a_point(model: &str) -> (Bench, Vec<u32>, Vec<u32>) {
     let mut unit = Bench::new(model, Interface::ModelExchange);
-    let effects: Vec<String> = unit.about.variables.iter().map(|each| each.name.clone()).collect();
+    let effects: Vec<String> = unit.variables.iter().map(|each| each.name.clone()).collect();
     for name in effects.iter().filter(|name| name.starts_with("effect.")) {
-        let max = unit.about.variables.iter().find(|each| each.name == **name).map_or(0.0, |each| each.field.max);
+        let max = unit.variables.iter().find(|each| each.name == **name).map_or(0.0, |each| each.field.max);
         unit.set(name, (0.02 * max).min(1e-3));
     }
     unit.set("tool.flank_wear", 0.23e-3);
@@ -290,9 +290,9 @@ fn at_a_point(model: &str) -> (Bench, Vec<u32>, Vec<u32>) {
         unit.set("tool.thermal_damage", 0.21);
     }
     let unit = unit.start();
-    let knowns = reals(&unit.about, |slot| matches!(slot, Slot::Input(_) | Slot::State(_)));
+    let knowns = reals(&unit.variables, |slot| matches!(slot, Slot::Input(_) | Slot::State(_)));
     let unknowns =
-        reals(&unit.about, |slot| matches!(slot, Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_)));
+        reals(&unit.variables, |slot| matches!(slot, Slot::Output(_) | Slot::Derivative(_) | Slot::Indicator(_)));
     (unit, knowns, unknowns)
 }
 
@@ -300,11 +300,13 @@ fn at_a_point(model: &str) -> (Bench, Vec<u32>, Vec<u32>) {
 fn directional_and_adjoint_derivatives_are_the_slopes_and_touch_what_is_declared() {
     for model in ["turning", "milling"] {
         let (mut unit, knowns, unknowns) = at_a_point(model);
+        let entry = units().find(|unit| unit.name == model).expect("a shipped unit");
+        let declared = entry.describe().dependencies;
         let mut slopes = vec![0.0; unknowns.len()];
         for &known in &knowns {
             let mut value = [0.0];
             unit.unit.read(ValueType::Real, &[known], &mut value).expect("a known");
-            let field = unit.about.variables.iter().find(|each| each.slot.reference() == known).map(|each| each.field);
+            let field = unit.variables.iter().find(|each| each.slot.reference() == known).map(|each| each.field);
             // One that stands at the end of its range is moved inwards.
             let value =
                 [field.map_or(value[0], |f| value[0].clamp(f.min + 1e-3 * (f.max - f.min).min(1.0), 0.999 * f.max))];
@@ -326,9 +328,9 @@ fn directional_and_adjoint_derivatives_are_the_slopes_and_touch_what_is_declared
                     "{model}: {unknown} by {known}: difference {difference}, derivative {}",
                     slopes[i]
                 );
-                let declared = unit.about.dependencies.of_unknown(*unknown).expect("a declared unknown");
+                let known_by = declared.of_unknown(*unknown).expect("a declared unknown");
                 let touched = high[i].to_bits() != low[i].to_bits();
-                assert!(!touched || declared.contains(&known), "{model}: {unknown} depends on {known}");
+                assert!(!touched || known_by.contains(&known), "{model}: {unknown} depends on {known}");
             }
             // The adjoint of one weight is the same row by row.
             let mut back = [0.0];

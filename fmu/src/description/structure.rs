@@ -8,10 +8,13 @@ use crate::instance::nominal_of;
 use crate::unit::Unit;
 use crate::variable::Slot;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use toolroom_process::{Field, Kind, Record};
 
 /// Points at which dependencies are looked for.
 const POINTS: u64 = 24;
+/// Points with a verdict on chatter.
+const JUDGED_POINTS: u64 = 2;
 
 /// Knowns of each unknown that is continuous: outputs, derivatives, indicators.
 #[derive(Clone, Debug, Default)]
@@ -25,30 +28,41 @@ impl Dependencies {
 
     /// Tries the unit `U`.
     pub fn of<U: Unit>() -> Self {
-        let mut process = Configured::<U>::new();
-        let effects: Vec<(usize, f64)> = Configured::<U>::new()
-            .fields()
-            .iter()
-            .enumerate()
-            .filter(|(_, (name, _))| name.starts_with("effect."))
-            .map(|(i, (_, field))| (i, (0.2 * nominal_of(field.display, field.unit)).min(field.max)))
-            .collect();
-        // Sizes of a fifth lie in the range of every effect, which a test holds.
-        if process.assign(&effects).is_err() {
-            return Self::default();
+        let mut found = Self::default();
+        for unknown in unknowns::<U>() {
+            found.0.insert(unknown.reference(), Vec::new());
         }
-        let process = process.process;
-        let mut found: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut process = Configured::<U>::shipped();
+        let fields = Arc::clone(&process.fields);
+        let size = |field: &Field| (0.2 * nominal_of(field.display, field.unit)).min(field.max);
+        let set = |wanted: fn(&str) -> bool| {
+            let chosen = fields.iter().enumerate().filter(move |(_, (name, _))| wanted(name));
+            chosen.map(|(i, (_, field))| (i, if field.kind == Kind::Boolean { 1.0 } else { size(field) }))
+        };
+        // A fifth of a display unit lies in the range of every effect's size.
+        let effects: Vec<_> = set(|name| name.starts_with("effect.")).collect();
+        if process.assign(&effects).is_ok() {
+            found.try_points(&process.process, POINTS, Scatter::Everything);
+        }
+        // Verdicts on chatter take long, those at varying speed very long.
+        let chatter: Vec<_> = set(|name| name == "machine.chatter").collect();
+        if !chatter.is_empty() && process.assign(&chatter).is_ok() {
+            found.try_points(&process.process, JUDGED_POINTS, Scatter::WhatIsNotZero);
+        }
+        found.0.values_mut().for_each(|knowns| knowns.sort_unstable());
+        found
+    }
+
+    /// Moves each known at points of the range and notes what changes.
+    fn try_points<U: Unit>(&mut self, process: &U, points: u64, scatter: Scatter) {
         let unknowns = unknowns::<U>();
-        for unknown in &unknowns {
-            found.insert(unknown.reference(), Vec::new());
-        }
-        for point in 0..POINTS {
-            let (x, u) = (scattered::<U::State>(point), scattered::<U::Input>(point + 1000));
-            let before = evaluate(&process, &x, &u);
+        for point in 0..points {
+            let x = scattered::<U::State>(point, Scatter::Everything);
+            let u = scattered::<U::Input>(point + 1000, scatter);
+            let before = evaluate(process, &x, &u);
             let mut compare = |known: Slot, x: &U::State, u: &U::Input| {
-                for ((unknown, before), after) in unknowns.iter().zip(&before).zip(evaluate(&process, x, u)) {
-                    let knowns = found.entry(unknown.reference()).or_default();
+                for ((unknown, before), after) in unknowns.iter().zip(&before).zip(evaluate(process, x, u)) {
+                    let knowns = self.0.entry(unknown.reference()).or_default();
                     if before.to_bits() != after.to_bits() && !knowns.contains(&known.reference()) {
                         knowns.push(known.reference());
                     }
@@ -59,16 +73,21 @@ impl Dependencies {
             }
             let mut at = 0;
             for (i, field) in U::State::FIELDS.iter().enumerate() {
-                // An array as a whole: one element in the middle stands for it, and one that is used.
+                // Elements at both ends and in the middle stand for an array.
                 for element in [at, at + field.len / 2, at + field.len - 1] {
                     compare(Slot::State(i), &nudged(&x, element, field), &u);
                 }
                 at += field.len;
             }
         }
-        found.values_mut().for_each(|knowns| knowns.sort_unstable());
-        Self(found)
     }
+}
+
+/// Which elements of a record are moved away from their start values.
+#[derive(Clone, Copy, PartialEq)]
+enum Scatter {
+    Everything,
+    WhatIsNotZero,
 }
 
 fn unknowns<U: Unit>() -> Vec<Slot> {
@@ -91,7 +110,7 @@ fn evaluate<U: Unit>(process: &U, x: &U::State, u: &U::Input) -> Vec<f64> {
 }
 
 /// A point of the range around the start values.
-fn scattered<R: Record>(point: u64) -> R {
+fn scattered<R: Record>(point: u64, scatter: Scatter) -> R {
     let mut record = R::default();
     let mut seed = point.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut share = || {
@@ -105,6 +124,7 @@ fn scattered<R: Record>(point: u64) -> R {
             Kind::Boolean => f64::from(share() > 0.3),
             Kind::Integer => field.start,
             Kind::Real if field.start != 0.0 => field.start * (0.6 + 0.8 * share()),
+            Kind::Real if scatter == Scatter::WhatIsNotZero => 0.0,
             Kind::Real => scale * nominal_of(field.display, field.unit) * share(),
         };
         record.set(i, value.clamp(field.min, field.max));

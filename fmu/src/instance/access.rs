@@ -11,7 +11,7 @@ use crate::unit::Unit;
 use crate::variable::{Slot, ValueType, can_be_lost, variables};
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
-use toolroom_process::{Field, Record};
+use toolroom_process::{Field, Kind, Record};
 
 /// What setting a variable does in the present mode.
 #[derive(PartialEq)]
@@ -55,9 +55,24 @@ impl<U: Unit> Instance<U> {
         }
     }
 
+    /// A real output, which is what importers read most.
+    #[inline]
+    fn real_output(&mut self, reference: u32) -> Option<f64> {
+        let Some(Slot::Output(i)) = Slot::of(reference) else { return None };
+        let field = U::Output::FIELDS.get(i)?;
+        if field.kind == Kind::Real { self.outputs().get(i).copied() } else { None }
+    }
+
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
         let (mut at, total) = (0, values.len());
         for &reference in references {
+            if let (ValueType::Real, Some(value)) = (value_type, self.real_output(reference))
+                && let Some(target) = values.get_mut(at)
+            {
+                *target = value;
+                at += 1;
+                continue;
+            }
             let (slot, len) = self.find(value_type, reference)?;
             let target = values.get_mut(at..at + len);
             self.read_slot(slot, target.ok_or(Fault::Length { values: total, expected: at + len })?)?;
@@ -73,9 +88,7 @@ impl<U: Unit> Instance<U> {
             Slot::Output(i) => target[0] = self.outputs()[i],
             Slot::State(i) => {
                 let first = self.state_offsets[i];
-                for (k, value) in target.iter_mut().enumerate() {
-                    *value = core.state.get(first + k).unwrap_or(f64::NAN);
-                }
+                target.copy_from_slice(&self.states()[first..first + target.len()]);
             }
             Slot::Derivative(i) => {
                 let rates = self.rates()?;

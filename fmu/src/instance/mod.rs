@@ -109,6 +109,9 @@ pub struct Instance<U: Unit> {
     /// Outputs at the present state and input, where they are worked out.
     outputs: Vec<f64>,
     outputs_valid: bool,
+    /// The state as numbers, where they are up to date.
+    states: Vec<f64>,
+    states_valid: bool,
     /// Discrete inputs that wait for an event.
     waiting: Vec<(usize, f64)>,
     saved: Vec<Option<Saved<U>>>,
@@ -122,7 +125,7 @@ pub struct Instance<U: Unit> {
     /// First element of each state field.
     state_offsets: Vec<usize>,
     /// Name and field of every parameter.
-    parameters: Vec<(String, Field)>,
+    parameters: Arc<[(String, Field)]>,
     /// The parameters that the unit starts from.
     fresh: Arc<Configured<U>>,
 }
@@ -131,9 +134,7 @@ impl<U: Unit> Instance<U> {
     /// An instance, not initialised. `resources` is the folder of the unit's resources.
     pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
         const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
-        let mut fresh = Configured::new();
-        let parameters = fresh.fields();
-        let fresh = Arc::new(fresh);
+        let fresh = Arc::new(Configured::shipped());
         Self {
             core: Core::fresh(fresh.clone()),
             interface,
@@ -142,6 +143,8 @@ impl<U: Unit> Instance<U> {
             stopped: false,
             outputs: vec![0.0; U::Output::LEN],
             outputs_valid: false,
+            states: vec![0.0; U::State::LEN],
+            states_valid: false,
             waiting: Vec::new(),
             saved: Vec::new(),
             saves: 0,
@@ -149,7 +152,7 @@ impl<U: Unit> Instance<U> {
             engaged: U::Input::index_of("engaged"),
             speed: U::Input::index_of("cutting_speed"),
             state_offsets: offsets(U::State::FIELDS),
-            parameters,
+            parameters: Arc::clone(&fresh.fields),
             fresh,
         }
     }
@@ -185,9 +188,19 @@ impl<U: Unit> Instance<U> {
         &self.outputs
     }
 
+    /// The elements of the state.
+    fn states(&mut self) -> &[f64] {
+        if !self.states_valid {
+            self.core.state.write_to(&mut self.states);
+            self.states_valid = true;
+        }
+        &self.states
+    }
+
     /// What was worked out of state and input is no longer true.
     fn changed(&mut self) {
         self.outputs_valid = false;
+        self.states_valid = false;
     }
 
     fn say(&self, category: Category, text: impl FnOnce() -> String) {

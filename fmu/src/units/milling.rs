@@ -58,11 +58,7 @@ impl Unit for Milling {
         &mut self.effects
     }
 
-    fn mount(&mut self, machine: Option<&MillingMachine>) -> Result<(), String> {
-        let Some(machine) = machine else {
-            self.structure = None;
-            return Ok(());
-        };
+    fn mount(&mut self, machine: &MillingMachine, regeneration: Regeneration) -> Result<(), String> {
         let along = |direction| Mode {
             direction,
             natural_frequency: machine.natural_frequency,
@@ -70,7 +66,6 @@ impl Unit for Milling {
             stiffness: machine.stiffness,
         };
         let modes = vec![along([1.0, 0.0]), along([0.0, 1.0])];
-        let regeneration = self.structure.as_ref().map_or_else(Regeneration::default, |each| each.regeneration);
         let structure = MillingStructure::new(modes, machine.helix_angle, machine.process_damping, regeneration);
         self.structure = Some(Arc::new(structure.map_err(|error| error.to_string())?));
         Ok(())

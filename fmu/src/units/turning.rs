@@ -61,11 +61,7 @@ impl Unit for Turning {
         &mut self.effects
     }
 
-    fn mount(&mut self, machine: Option<&TurningMachine>) -> Result<(), String> {
-        let Some(machine) = machine else {
-            self.structure = None;
-            return Ok(());
-        };
+    fn mount(&mut self, machine: &TurningMachine, regeneration: Regeneration) -> Result<(), String> {
         let mode = Mode {
             direction: [1.0, 0.0],
             natural_frequency: machine.natural_frequency,
@@ -77,7 +73,6 @@ impl Unit for Turning {
             process_damping: machine.process_damping,
             ..toolroom_chatter::Turning::orthogonal(vec![mode], machine.cutting_coefficient, 0.1)
         };
-        let regeneration = self.structure.as_ref().map_or_else(Regeneration::default, |each| each.regeneration);
         let structure = TurningStructure::new(cut, None, regeneration).map_err(|error| error.to_string())?;
         self.structure = Some(Arc::new(structure));
         Ok(())

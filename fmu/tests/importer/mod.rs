@@ -146,7 +146,7 @@ pub fn token(model: &str) -> CString {
 /// Value reference of a variable.
 pub fn reference(model: &str, name: &str) -> u32 {
     let unit = units().find(|unit| unit.name == model).expect("a shipped unit");
-    let variables = unit.describe().variables;
+    let variables = unit.variables();
     variables.iter().find(|variable| variable.name == name).expect("a variable").slot.reference()
 }
 
