@@ -151,6 +151,9 @@ pub enum Command {
     #[command(before_help = "Examples:
   toolroom schema > scenario.schema.json")]
     Schema,
+    /// Where a nominal model and measured records differ, which effect is missing, how far the gap shrinks
+    #[command(subcommand)]
+    Gap(GapCommand),
     /// Explain the code of an error
     #[command(before_help = "Examples:
   toolroom explain quantity
@@ -253,6 +256,77 @@ pub enum FmuPlatform {
 pub struct FmuFileArgs {
     /// Unit of FMI 2.0 or 3.0
     pub file: PathBuf,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum GapCommand {
+    /// Name the missing effect, or say that it cannot be told
+    #[command(before_help = "Examples:
+  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --out out/gap
+  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json")]
+    Diagnose(DiagnoseArgs),
+    /// What such runs could show before anything is measured
+    #[command(before_help = "Examples:
+  toolroom gap identifiability --model scenarios/gap/turning.toml --data planned.csv")]
+    Identifiability(IdentifiabilityArgs),
+    /// Write the nominal model with the named effects switched on
+    #[command(before_help = "Examples:
+  toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
+    Apply(ApplyArgs),
+}
+
+/// A nominal model and records.
+#[derive(Args, Debug)]
+pub struct GapData {
+    /// Nominal model: a scenario with a section [gap]
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Records: a CSV or Parquet file, or a directory that holds it
+    #[arg(long, alias = "design", value_name = "DATA")]
+    pub data: PathBuf,
+    /// Column whose levels are left out together; edges or dressing cycles, if left out
+    #[arg(long, value_name = "COLUMN")]
+    pub group: Option<String>,
+    /// Replace a value of the model: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct DiagnoseArgs {
+    #[command(flatten)]
+    pub data: GapData,
+    /// Share of the groups that is kept out of the fit and only predicted
+    #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
+    pub holdout: Option<f64>,
+    /// Records of other groups on which the closure is scored
+    #[arg(long, value_name = "DATA2")]
+    pub holdout_data: Option<PathBuf>,
+    /// Seed of the null distribution and of the intervals
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of diagnosis.json and report.html
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct IdentifiabilityArgs {
+    #[command(flatten)]
+    pub data: GapData,
+}
+
+#[derive(Args, Debug)]
+pub struct ApplyArgs {
+    /// Nominal model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// A finished diagnosis
+    #[arg(long, value_name = "diagnosis.json")]
+    pub diagnosis: PathBuf,
+    /// File to write
+    #[arg(long, value_name = "MODEL2.toml")]
+    pub out: PathBuf,
 }
 
 #[derive(Args, Debug)]

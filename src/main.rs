@@ -17,6 +17,7 @@ mod explain;
 mod failure;
 mod faulty;
 mod fmu;
+mod gap;
 mod grind;
 mod identify;
 mod life;
@@ -76,6 +77,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),
         Command::Schema => schema::run(voice),
+        Command::Gap(command) => gap::run(&command, voice),
         Command::Explain(args) => explain::run(&args, voice),
         Command::Completions(args) => completions::run(&args, voice),
     }

@@ -9,6 +9,7 @@
 mod contour;
 mod distribution;
 pub mod file;
+mod gap;
 mod grinding;
 pub mod lobes;
 mod part;
@@ -19,6 +20,7 @@ mod unit;
 
 pub use contour::{ContourRule, ContourWork};
 pub use distribution::Distribution;
+pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};

@@ -624,5 +624,40 @@ pub(super) static SCENARIO: Form = Form {
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
         Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
+        Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
+    ],
+};
+
+/// Standard deviation of a logarithm, or relative.
+const DEVIATION: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
+
+/// Priors and sensors of a gap diagnosis.
+pub static GAP: Form = Form {
+    title: "[gap]",
+    doc: "Priors (standard deviations of logarithms) and sensors of a diagnosis against measured records",
+    keys: &[
+        Key::optional(
+            "process",
+            Kind::Choice(&["turning", "milling", "infeed", "empirical"]),
+            "Process that is diagnosed; that of the first tool, if left out",
+        ),
+        Key::default("force", DEVIATION, "0.08", "Force coefficients"),
+        Key::default("temperature", DEVIATION, "0.05", "Temperature coefficients"),
+        Key::default("wear_level", DEVIATION, "0.15", "Level of the wear rate"),
+        Key::default("stiffness", DEVIATION, "0.10", "Stiffnesses of grinding"),
+        Key::default("edge_wear", DEVIATION, "0.25", "Scale of the scatter of wear from edge to edge"),
+        Key::default("edge_force", DEVIATION, "0.02", "Scatter of force from edge to edge"),
+        Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),
+    ],
+};
+
+static SENSOR: Form = Form {
+    title: "[[gap.sensor]]",
+    doc: "Errors of the sensor of one channel",
+    keys: &[
+        Key::required("channel", Kind::Name, "Column of the records"),
+        Key::default("relative", DEVIATION, "0", "Standard deviation, relative to the value"),
+        Key::optional("absolute", Kind::Text, "Standard deviation with its unit, `3 K`"),
+        Key::optional("resolution", Kind::Text, "Least step with its unit, `0.01 mm`"),
     ],
 };

@@ -35,14 +35,14 @@ pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
 pub use fault::{Fault, nearest};
 pub use form::{Form, Key, Kind, Need, Quantity, When};
-pub use keys::SENSORS;
+pub use keys::{GAP, SENSORS};
 pub use processes::{deviations, scatter};
-pub use rules::sensors;
+pub use rules::{gap as gap_section, sensors};
 pub use schema::schema;
 pub use walk::{Echo, Problem, Section, Walk};
 pub use words::significant;
 
-use super::Scenario;
+use super::{GapSection, Scenario};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use toolroom_process::parameters::place;
@@ -56,6 +56,8 @@ pub struct ScenarioFile {
     pub echo: Vec<Echo>,
     /// What is to be written.
     pub output: Output,
+    /// Priors and sensors of a gap diagnosis.
+    pub gap: Option<GapSection>,
     /// The text, for records of what was run.
     pub text: String,
     /// Other files that it names: cycles, contours, structures, units.
@@ -109,9 +111,9 @@ pub struct FormFile<T> {
 }
 
 impl ScenarioFile {
-    fn new(file: FormFile<(Scenario, Output)>) -> Self {
-        let FormFile { content: (scenario, output), echo, text, files } = file;
-        Self { scenario, echo, output, text, files }
+    fn new(file: FormFile<(Scenario, Output, Option<GapSection>)>) -> Self {
+        let FormFile { content: (scenario, output, gap), echo, text, files } = file;
+        Self { scenario, echo, output, gap, text, files }
     }
 }
 

@@ -4,7 +4,8 @@ use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Value, Walk};
 use super::{Output, planned, processes, routing, rules, stability};
 use crate::scenario::{
-    Distribution, FailureClock, FailureMode, Interruption, MachineType, Scenario, Shift, ShiftCalendar, ToolType,
+    Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Scenario, Shift, ShiftCalendar,
+    ToolType,
 };
 
 /// Machines, tools and calendars under their names, as references see them.
@@ -18,7 +19,7 @@ pub(super) struct Names {
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
-pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output)> {
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output, Option<GapSection>)> {
     let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
@@ -32,6 +33,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
+    let gap = rules::gap(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -70,7 +72,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         currency,
     };
     planned::policies(walk, &scenario, &places);
-    Some((scenario, output))
+    Some((scenario, output, gap))
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.

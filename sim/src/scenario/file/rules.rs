@@ -8,7 +8,8 @@ use super::resolve::{Names, named, reference};
 use super::stability;
 use super::walk::{Section, Span, Value, Walk};
 use crate::scenario::{
-    Arrival, ArrivalPattern, DispatchRule, MachineType, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
+    Arrival, ArrivalPattern, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet, SpeedChoice,
+    SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
 
@@ -151,6 +152,29 @@ pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
         normal_force: table.required("normal_force"),
         normal_force_bias: table.required("normal_force_bias"),
     }
+}
+
+/// The section `[gap]`, where there is one.
+pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
+    let section = walk.table(root, "gap")?;
+    let text = |section: &Section<'_>, key: &str| section.text(key).map(str::to_owned);
+    let sensors = walk.sections(&section, "sensor", None);
+    let sensors = sensors.iter().map(|sensor| SensorErrors {
+        channel: text(sensor, "channel").unwrap_or_default(),
+        relative: sensor.required("relative"),
+        absolute: text(sensor, "absolute"),
+        resolution: text(sensor, "resolution"),
+    });
+    Some(GapSection {
+        process: text(&section, "process"),
+        force: section.required("force"),
+        temperature: section.required("temperature"),
+        wear_level: section.required("wear_level"),
+        stiffness: section.required("stiffness"),
+        edge_wear: section.required("edge_wear"),
+        edge_force: section.required("edge_force"),
+        sensors: sensors.collect(),
+    })
 }
 
 pub(super) fn output(walk: &mut Walk, root: &Section<'_>) -> Output {

@@ -1,0 +1,155 @@
+//! Noise and scatter that every model of a diagnosis is judged by.
+
+use super::fit::{Fit, fit, offset_residual};
+use super::gram::{factor, part, part_column};
+use super::{Forward, Gram, Linear, Noise, Point, evidence, generic};
+
+/// Factors on the scale of an estimated local scatter that are tried.
+const SCALES: [f64; 6] = [0.15, 0.3, 0.5, 0.75, 1.1, 1.6];
+/// Prior standard deviation of generic signatures in the saturated model, relative (assumption).
+const GENERIC_PRIOR: f64 = 0.03;
+
+/// The common ground of a diagnosis.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    /// Noise of every channel.
+    pub noise: Noise,
+    /// Factor on the prior standard deviation of each local factor.
+    pub local_scale: Vec<f64>,
+    /// What the saturated model leaves.
+    pub floor: Vec<f64>,
+    /// The model linearised at its nominal point, but for the wear of each edge, which is brought
+    /// near its readings: an edge whose model has run away has no slope.
+    pub nominal: Linear,
+}
+
+impl Basis {
+    /// Noise from what a saturated model leaves: nuisance, all candidates, all generic signatures.
+    /// `at` is the fit around which it is built.
+    pub fn new(model: &dyn Forward, at: &Fit, before: &Self) -> Self {
+        let measured = model.measured();
+        let linear = &at.linear;
+        let dictionary = generic::dictionary(model, linear);
+        let columns: Vec<&[f64]> = linear
+            .nuisance
+            .iter()
+            .chain(&linear.effects)
+            .map(Vec::as_slice)
+            .chain(dictionary.iter().map(|signature| signature.column.as_slice()))
+            .collect();
+        let residual = offset_residual(model, linear, &at.active);
+        let local_scale = scatter(model, linear, &before.noise, &residual);
+        let gram = Gram::new(measured, &before.noise, linear, &columns, &residual, &local_scale);
+        let (nuisance, effects) = (linear.nuisance.len(), linear.effects.len());
+        let all: Vec<usize> = (0..columns.len()).collect();
+        let plain = part(&gram.total, &all, &all);
+        let mut ridge = plain.clone();
+        for i in all.iter().copied() {
+            ridge[(i, i)] += match i {
+                i if i < nuisance => 1.0,
+                i if i < nuisance + effects => 1.0 / 9.0,
+                _ => GENERIC_PRIOR.powi(-2),
+            };
+        }
+        let ridge = factor(ridge);
+        let solution = ridge.solve(&part_column(&gram.total, &all, gram.last()));
+        let used = ridge.solve(&plain).trace();
+        let mut left = residual;
+        for (column, x) in columns.iter().zip(solution.iter()) {
+            left.iter_mut().zip(*column).for_each(|(left, slope)| *left -= slope * x);
+        }
+        remove_locals(model, linear, &before.noise, &local_scale, &mut left);
+        let fitted: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
+        let locals = measured.fitted_groups().count() * linear.locals.len();
+        let freedom = 1.0 - (used + locals as f64) / fitted as f64;
+        Self {
+            noise: Noise::estimate(measured, &left, freedom),
+            local_scale,
+            floor: left,
+            nominal: before.nominal.clone(),
+        }
+    }
+
+    /// The sensor sheet and the priors as they stand.
+    pub fn of_sheet(model: &dyn Forward) -> Self {
+        Self {
+            noise: Noise::of_sheet(model.measured()),
+            local_scale: vec![1.0; model.locals().len()],
+            floor: vec![0.0; model.measured().len()],
+            nominal: Linear::new(model, warm(model)),
+        }
+    }
+
+    /// Fits the nominal model from the nominal point.
+    pub fn start(&self, model: &dyn Forward) -> Fit {
+        fit(model, &self.noise, self.nominal.clone(), &[], &self.local_scale)
+    }
+}
+
+/// Rounds in which the wear of edges is brought near its readings.
+const WARMING: usize = 5;
+
+/// The nominal point with the wear factor of every edge near what its last reading says.
+fn warm(model: &dyn Forward) -> Point {
+    let mut point = Point::nominal(model);
+    let measured = model.measured();
+    let kind = model.locals().iter().position(|local| local.estimated);
+    let wear = measured.channels.iter().position(|channel| channel.name == "flank_wear");
+    let (Some(kind), Some(wear)) = (kind, wear) else { return point };
+    let deviation = model.locals()[kind].deviation;
+    for _ in 0..WARMING {
+        let raw = model.simulate(&point);
+        for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {
+            let last = run.end - 1;
+            let observation = &measured.observations[last];
+            if observation.value > 0.0 && raw[last] > 0.0 {
+                let x = &mut point.locals[kind][measured.group_of_row[observation.row]];
+                *x = (*x + 0.6 * (observation.value / raw[last]).ln() / deviation).clamp(-6.0, 6.0);
+            }
+        }
+    }
+    point
+}
+
+/// Scatter of the estimated local factors, by the evidence of a model with all candidates.
+fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]) -> Vec<f64> {
+    let measured = model.measured();
+    let mut scale = vec![1.0; model.locals().len()];
+    let columns: Vec<&[f64]> = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice).collect();
+    let at: Vec<usize> = (0..columns.len()).collect();
+    for kind in (0..scale.len()).filter(|kind| model.locals()[*kind].estimated) {
+        let weight = |factor: f64| {
+            let mut trial = scale.clone();
+            trial[kind] = factor;
+            let gram = Gram::new(measured, noise, linear, &columns, residual, &trial);
+            evidence::marginal(&gram, &measured.fitted, &at, linear.nuisance.len()) - 0.5 * factor * factor
+        };
+        let weights: Vec<f64> = SCALES.iter().map(|factor| weight(*factor)).collect();
+        let best = (0..SCALES.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
+        scale[kind] = SCALES[best];
+    }
+    scale
+}
+
+/// Takes the local factors that fit best out of `left`.
+fn remove_locals(model: &dyn Forward, linear: &Linear, noise: &Noise, local_scale: &[f64], left: &mut [f64]) {
+    let measured = model.measured();
+    if linear.locals.is_empty() {
+        return;
+    }
+    let white_left = noise.whiten(measured, left);
+    let white: Vec<Vec<f64>> = linear.locals.iter().map(|column| noise.whiten(measured, column)).collect();
+    for span in measured.spans.iter().filter(|span| !span.is_empty()) {
+        let dot = |a: &[f64], b: &[f64]| span.clone().map(|i| a[i] * b[i]).sum::<f64>();
+        let count = white.len();
+        let mut matrix = nalgebra::DMatrix::from_fn(count, count, |i, j| dot(&white[i], &white[j]));
+        for i in 0..count {
+            matrix[(i, i)] += local_scale[i].powi(-2);
+        }
+        let right = nalgebra::DVector::from_fn(count, |i, _| dot(&white[i], &white_left));
+        let solution = factor(matrix).solve(&right);
+        for (column, x) in linear.locals.iter().zip(solution.iter()) {
+            span.clone().for_each(|i| left[i] -= column[i] * x);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! How far the gap shrinks on groups that the fit did not see.
+
+use super::evidence::{left_out_solutions, solution};
+use super::fit::offset_residual;
+use super::noise::HUBER;
+use super::trial::{Trial, columns};
+use super::{Basis, Closure, Forward};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Resamples of groups for an interval.
+const RESAMPLES: usize = 400;
+
+/// Residuals of every observation predicted without its own group: the fit that predicts a group
+/// has not seen it, and its own factors are unknown. The form allowance protects the attribution
+/// only: it is no part of the model that is scored.
+pub fn held_out_residuals(model: &dyn Forward, trial: &Trial, folds: &[Vec<usize>]) -> Vec<f64> {
+    let measured = model.measured();
+    let linear = &trial.fit.linear;
+    let nuisance = linear.nuisance.len();
+    let parameters = model.parameters().iter().map(|parameter| parameter.allowance);
+    let allowance: Vec<bool> = parameters.chain(model.surfaces().iter().map(|surface| surface.allowance)).collect();
+    let mut at = columns(&trial.fit, &trial.fit.active);
+    at.retain(|i| *i >= nuisance || !allowance[*i]);
+    let solutions = left_out_solutions(&trial.gram, folds, &at, nuisance);
+    let mut left = offset_residual(model, linear, &trial.fit.active);
+    let column = |i: usize| if i < nuisance { &linear.nuisance[i] } else { &linear.effects[i - nuisance] };
+    // Groups outside the fit are predicted by the fit to all that is inside.
+    let whole = solution(&trial.gram, &at, nuisance);
+    for (index, group) in trial.gram.groups.iter().enumerate() {
+        let fold = folds.iter().position(|fold| fold.contains(&index));
+        let solution = fold.map_or(&whole, |fold| &solutions[fold]);
+        for (i, x) in at.iter().zip(solution.iter()) {
+            let slope = column(*i);
+            measured.spans[*group].clone().for_each(|row| left[row] -= slope[row] * x);
+        }
+    }
+    left
+}
+
+/// Sums of squares of the groups on which a closure is scored.
+struct Sums {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    floor: Vec<f64>,
+    count: Vec<f64>,
+}
+
+/// Closure by channel and over those that are `touched` (all, if none is named); the total is in
+/// units of noise.
+pub fn closures(
+    model: &dyn Forward,
+    basis: &Basis,
+    base: &[f64],
+    chosen: &[f64],
+    scored: &[usize],
+    touched: &[&str],
+    seed: u64,
+) -> (Closure, Vec<(&'static str, Closure)>) {
+    let measured = model.measured();
+    let sums = |channel: Option<usize>| {
+        let counts = |i: usize| match channel {
+            Some(channel) => measured.observations[i].channel == channel,
+            None => touched.is_empty() || touched.contains(&measured.channels[measured.observations[i].channel].name),
+        };
+        let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
+        for group in scored {
+            let inside = measured.spans[*group].clone();
+            let inside = inside.filter(|i| counts(*i));
+            let (mut before, mut after, mut floor, mut count) = (0.0, 0.0, 0.0, 0.0);
+            for i in inside {
+                let unit = basis.noise.deviation(measured, i);
+                let scale = if channel.is_none() { unit } else { 1.0 };
+                before += huber(base[i] / unit) * (unit / scale).powi(2);
+                after += huber(chosen[i] / unit) * (unit / scale).powi(2);
+                floor += (unit / scale).powi(2);
+                count += 1.0;
+            }
+            sums.before.push(before);
+            sums.after.push(after);
+            sums.floor.push(floor);
+            sums.count.push(count);
+        }
+        sums
+    };
+    let channels = measured.channels.iter().enumerate();
+    let channels = channels.map(|(index, channel)| (channel.name, closure(&sums(Some(index)), seed))).collect();
+    (closure(&sums(None), seed), channels)
+}
+
+/// Square up to far outliers, then linear: a single reading does not decide about a gap.
+fn huber(standard: f64) -> f64 {
+    let far = 4.0 * HUBER;
+    if standard.abs() <= far { standard * standard } else { far * (2.0 * standard.abs() - far) }
+}
+
+fn closure(sums: &Sums, seed: u64) -> Closure {
+    let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
+    let root = |values: &[f64], groups: &[usize]| {
+        let count: f64 = groups.iter().map(|i| sums.count[*i]).sum();
+        (groups.iter().map(|i| values[*i]).sum::<f64>() / count).sqrt()
+    };
+    let closed = |groups: &[usize]| 1.0 - root(&sums.after, groups) / root(&sums.before, groups);
+    let (before, after, floor) = (root(&sums.before, &groups), root(&sums.after, &groups), root(&sums.floor, &groups));
+    let value = closed(&groups);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draws: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            let sample: Vec<usize> = groups.iter().map(|_| groups[random.random_range(0..groups.len())]).collect();
+            closed(&sample)
+        })
+        .filter(|draw| draw.is_finite())
+        .collect();
+    draws.sort_by(f64::total_cmp);
+    let quantile = |share: f64| {
+        draws.get(((draws.len() as f64 * share) as usize).min(draws.len().saturating_sub(1))).copied().unwrap_or(value)
+    };
+    // Resampling few groups gives intervals that are too short: those of Student against those of
+    // the normal, with one degree of freedom less for the mean.
+    let count = groups.len() as f64;
+    let wider = crate::statistics::student(0.9, count - 1.0) / 1.645 * (count / (count - 1.0)).sqrt();
+    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { 3.0 }).min(1.0);
+    let closable = before * before - floor * floor;
+    Closure {
+        before,
+        after,
+        closed: value,
+        ci90: [stretch(quantile(0.05)), stretch(quantile(0.95))],
+        of_closable: if closable > 0.0 { (before * before - after * after) / closable } else { f64::NAN },
+    }
+}

@@ -1,0 +1,271 @@
+//! From fitted trials to a verdict.
+
+use super::evidence::{Evidence, gain, predictive_gain};
+use super::trial::{Remainder, Trial, remainder};
+use super::{Basis, Forward, GapVerdict};
+
+/// Gain of log posterior density that a named effect needs beside the price of having been chosen.
+pub(crate) const GATE: f64 = 4.0;
+/// Single effects that are fitted anew.
+const REFITTED: usize = 5;
+/// Shapes of one effect among them.
+const SHAPES: usize = 2;
+/// Single effects to which a second one is sought.
+const PAIRED: usize = 3;
+/// Share of the gain that structure beside a named effect may have.
+const REMAINDER: f64 = 0.8;
+/// Size over its standard error between groups that a named effect needs: all groups must speak
+/// for it, not one.
+const AGREED: f64 = 2.0;
+/// Lead over another effect beyond which groups left out need not be asked.
+const CLEAR: f64 = 8.0;
+/// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
+const PROMISED: f64 = 4.0;
+const SLACK: f64 = 20.0;
+/// Cosine of projected signatures above which two effects are the same to the data.
+const SAME: f64 = 0.95;
+/// Fewest groups that can name an effect.
+pub const FEWEST_GROUPS: usize = 5;
+
+/// A single effect with its gain over the nominal model.
+#[derive(Clone, Debug)]
+pub struct Single {
+    /// Candidate.
+    pub candidate: usize,
+    /// Its id.
+    pub id: &'static str,
+    /// Score at the nominal fit.
+    pub score: f64,
+    /// Evidence.
+    pub evidence: Evidence,
+    /// Index among the refitted trials, where it was.
+    pub trial: Option<usize>,
+}
+
+/// Everything on which a verdict rests.
+pub struct Decision {
+    /// The answer.
+    pub verdict: GapVerdict,
+    /// The nominal model, calibrated.
+    pub base: Trial,
+    /// Singles by falling gain.
+    pub singles: Vec<Single>,
+    /// Refitted trials: singles, then pairs.
+    pub trials: Vec<Trial>,
+    /// The chosen trial; `None` keeps the nominal model.
+    pub chosen: Option<usize>,
+    /// What the dictionary finds beside the nominal model.
+    pub before: Remainder,
+    /// What it finds beside the chosen trial.
+    pub after: Option<Remainder>,
+    /// Why, in words.
+    pub reasons: Vec<String>,
+}
+
+impl Decision {
+    /// The trial that the diagnosis goes on with.
+    pub fn model(&self) -> &Trial {
+        self.chosen.map_or(&self.base, |index| &self.trials[index])
+    }
+
+    /// Gain of a trial over the nominal model, the choice among many paid for.
+    pub fn gain_of(&self, trial: &Trial, candidates: usize) -> f64 {
+        gain(&trial.evidence, &self.base.evidence) - price(candidates, trial.fit.active.len())
+    }
+
+    /// Candidates that the data cannot tell from `candidate`, by other ids.
+    pub fn class(&self, model: &dyn Forward, candidate: usize) -> Vec<(&'static str, String)> {
+        let own = self.singles.iter().find(|single| single.candidate == candidate);
+        let Some(own) = own else { return Vec::new() };
+        let id = model.candidates()[candidate].id;
+        let cosine = self.base.scores().cosine;
+        let own_gain = gain(&own.evidence, &self.base.evidence);
+        let mut class: Vec<(&'static str, String)> = Vec::new();
+        for other in &self.singles {
+            let other_id = model.candidates()[other.candidate].id;
+            if other_id == id || class.iter().any(|(known, _)| *known == other_id) {
+                continue;
+            }
+            let lead = gain(&own.evidence, &other.evidence);
+            let (left_out, error) = predictive_gain(&own.evidence, &other.evidence);
+            let other_gain = gain(&other.evidence, &self.base.evidence);
+            let close = lead < GATE || (lead < CLEAR && left_out < 2.0 * error);
+            let alike = cosine[(candidate, other.candidate)];
+            if alike > SAME {
+                class.push((other_id, format!("{other_id} leaves the same signature (cosine {alike:.2})")));
+            } else if other.evidence.admissible && close && other_gain > own_gain / 3.0 {
+                class.push((other_id, format!("{other_id} explains nearly as much (log evidence {lead:.1} less)")));
+            }
+        }
+        class
+    }
+}
+
+/// What it costs to have chosen among `candidates`.
+fn price(candidates: usize, effects: usize) -> f64 {
+    let count = candidates as f64;
+    match effects {
+        0 => 0.0,
+        1 => count.max(1.0).ln(),
+        _ => (0.5 * count * (count - 1.0)).max(1.0).ln(),
+    }
+}
+
+/// Chooses a model and says why.
+pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Trial, seed: u64) -> Decision {
+    let count = model.candidates().len();
+    let scores = base.scores();
+    let before = remainder(model, basis, folds, &base, seed);
+    let mut singles: Vec<Single> = (0..count)
+        .map(|candidate| Single {
+            candidate,
+            id: model.candidates()[candidate].id,
+            score: scores.score[candidate],
+            evidence: base.with(folds, candidate),
+            trial: None,
+        })
+        .collect();
+    singles.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let mut trials: Vec<Trial> = Vec::new();
+    let mut refitted: Vec<&'static str> = Vec::new();
+    for single in &mut singles {
+        let id = model.candidates()[single.candidate].id;
+        if trials.len() == REFITTED || single.score < 2.0 {
+            break;
+        }
+        if refitted.iter().filter(|known| **known == id).count() == SHAPES {
+            continue;
+        }
+        refitted.push(id);
+        let trial = Trial::new(model, basis, folds, &base.fit, &[single.candidate]);
+        single.evidence = trial.evidence.clone();
+        single.trial = Some(trials.len());
+        trials.push(trial);
+    }
+    let base_evidence = base.evidence.clone();
+    let value = |evidence: &Evidence| {
+        if evidence.admissible { gain(evidence, &base_evidence) } else { f64::NEG_INFINITY }
+    };
+    singles.sort_by(|a, b| value(&b.evidence).total_cmp(&value(&a.evidence)));
+    let mut decision = Decision {
+        verdict: GapVerdict::NoGap,
+        base,
+        singles,
+        trials,
+        chosen: None,
+        before,
+        after: None,
+        reasons: Vec::new(),
+    };
+    pairs(model, basis, folds, &mut decision);
+    choose(model, basis, folds, &mut decision, seed);
+    decision
+}
+
+/// Adds the best second effect to each of the best singles.
+fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision) {
+    let count = model.candidates().len();
+    let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
+    let mut tried: Vec<Vec<usize>> = Vec::new();
+    for first in best {
+        let single = &decision.trials[first];
+        if decision.gain_of(single, count) < GATE || !single.evidence.admissible {
+            continue;
+        }
+        let scores = single.scores();
+        let own = model.candidates()[single.fit.active[0]].id;
+        let second = (0..count)
+            .filter(|other| model.candidates()[*other].id != own && scores.score[*other] > 2.5)
+            .map(|other| (other, single.with(folds, other)))
+            .filter(|(_, evidence)| evidence.admissible)
+            .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((second, lead)) = second else { continue };
+        let mut active = vec![single.fit.active[0], second];
+        active.sort_unstable();
+        if lead < 2.0 || tried.contains(&active) {
+            continue;
+        }
+        tried.push(active.clone());
+        let from = single.fit.clone();
+        decision.trials.push(Trial::new(model, basis, folds, &from, &active));
+    }
+}
+
+/// Whether the gain of a trial is of the order that the scores of its effects at the nominal fit
+/// promise; a far greater one means that the nominal fit was caught somewhere else.
+fn credible(model: &dyn Forward, decision: &Decision, trial: &Trial) -> bool {
+    let promised: f64 = trial
+        .fit
+        .active
+        .iter()
+        .filter_map(|index| decision.singles.iter().find(|single| single.candidate == *index))
+        .map(|single| 0.5 * single.score * single.score)
+        .sum();
+    decision.gain_of(trial, model.candidates().len()) < PROMISED * promised + SLACK
+}
+
+/// Whether the groups agree on every effect of a trial.
+fn agreed(model: &dyn Forward, folds: &[Vec<usize>], trial: &Trial) -> bool {
+    let errors = trial.jackknife(folds);
+    trial.sizes(model).iter().zip(errors).all(|(size, error)| *size > AGREED * error)
+}
+
+fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
+    let count = model.candidates().len();
+    let best_of = |decision: &Decision, effects: usize| {
+        (0..decision.trials.len())
+            .filter(|i| decision.trials[*i].fit.active.len() == effects && decision.trials[*i].evidence.admissible)
+            .max_by(|a, b| {
+                let value = |i: usize| decision.gain_of(&decision.trials[i], count);
+                value(*a).total_cmp(&value(*b))
+            })
+    };
+    let mut chosen = best_of(decision, 1);
+    if let (Some(single), Some(pair)) = (chosen, best_of(decision, 2)) {
+        let lead = gain(&decision.trials[pair].evidence, &decision.trials[single].evidence);
+        let lead = lead - (price(count, 2) - price(count, 1));
+        if lead > GATE && agreed(model, folds, &decision.trials[pair]) {
+            chosen = Some(pair);
+        }
+    }
+    let groups = model.measured().fitted_groups().count();
+    let strongest = decision.before.strongest;
+    let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
+    let generic_gain = gain(&decision.before.evidence, &decision.base.evidence);
+    let generic_gain = generic_gain - (decision.before.dictionary.len().max(1) as f64).ln();
+    let structured = structure > decision.before.threshold && generic_gain > GATE;
+    if let Some(index) = chosen {
+        let trial = &decision.trials[index];
+        let value = decision.gain_of(trial, count);
+        let after = remainder(model, basis, folds, trial, seed);
+        let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
+        let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
+        let passes = value > GATE && agreed(model, folds, trial);
+        let beaten = generic_gain - value > GATE;
+        let beside = remaining > REMAINDER * value && left > after.threshold;
+        if passes && groups < FEWEST_GROUPS {
+            decision.reasons.push(format!("{groups} groups are too few to name an effect; at least {FEWEST_GROUPS}"));
+        } else if passes && beaten {
+            decision.reasons.push("a generic signature predicts groups left out better than any effect".to_owned());
+        } else if passes && !credible(model, decision, trial) {
+            decision.reasons.push("the calibration of the nominal model did not settle: no effect is named".to_owned());
+        } else if passes && beside {
+            decision.reasons.push(format!("beside the best effect as much structure is left (score {left:.1})"));
+        } else if passes {
+            decision.chosen = Some(index);
+            decision.verdict = GapVerdict::Effect;
+            decision.after = Some(after);
+            return;
+        }
+        if passes {
+            decision.after = Some(after);
+            decision.verdict = GapVerdict::Unknown;
+            return;
+        }
+    }
+    if structured {
+        decision.reasons.push("structure is left that no effect of the catalogue explains".to_owned());
+        decision.verdict = GapVerdict::Unknown;
+    }
+}

@@ -1,0 +1,424 @@
+//! The whole way from a nominal model and records to a diagnosis.
+
+use super::closure::{closures, held_out_residuals};
+use super::decide::{Decision, decide};
+use super::evidence::{folds, gain, predictive_gain};
+use super::trial::Trial;
+use super::{
+    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
+    Transform, report_units,
+};
+use toolroom_effects::{CatalogueEntry, Effect};
+use toolroom_sim::effects::SHOP_EFFECTS;
+
+/// Score at which an effect counts as detectable.
+pub(crate) const DETECTABLE: f64 = 5.0;
+/// Normal quantile of a 90 % interval.
+const NINETY: f64 = 1.645;
+/// Cells of the map that are reported.
+const CELLS: usize = 12;
+/// Calibration that went further than this is reported, in prior standard deviations.
+const FAR: f64 = 2.0;
+
+/// A diagnosis with what it rests on.
+pub struct Diagnosed {
+    /// What it says.
+    pub diagnosis: Diagnosis,
+    /// The decision behind it.
+    pub decision: Decision,
+    /// Noise and scatter.
+    pub basis: Basis,
+    /// Residuals of groups left out: nominal model, and with the named effects.
+    pub held_out: [Vec<f64>; 2],
+}
+
+/// Catalogue row of an id.
+pub(crate) fn entry(id: &str) -> Option<&'static CatalogueEntry> {
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).find(|entry| entry.id == id)
+}
+
+/// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
+pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
+    let sheet = Basis::of_sheet(model);
+    let first = sheet.start(model);
+    let rough = Basis::new(model, &first, &sheet);
+    // A strong effect may not be taken for noise: the noise is read off beside the best effect.
+    let probe = Trial::of(model, &rough, &[], first);
+    let scores = probe.scores();
+    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
+    let basis = match best.filter(|index| scores.score[*index] > DETECTABLE) {
+        Some(index) => Basis::new(model, &Trial::new(model, &rough, &[], &probe.fit, &[index]).fit, &rough),
+        None => Basis::new(model, &probe.fit, &rough),
+    };
+    let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale);
+    let spread = Trial::of(model, &basis, &[], refit.clone());
+    let folds = folds(&spread.gram, &model.measured().fitted);
+    let base = Trial::of(model, &basis, &folds, refit);
+    let mut decision = decide(model, &basis, &folds, base, seed);
+    for _ in 0..RESTARTS {
+        let Some(better) = restarted(model, &basis, &folds, &decision) else { break };
+        decision = decide(model, &basis, &folds, better, seed);
+    }
+    let base_left = held_out_residuals(model, &decision.base, &folds);
+    let chosen_left = held_out_residuals(model, decision.model(), &folds);
+    let measured = model.measured();
+    let outside: Vec<usize> = (0..measured.groups.len())
+        .filter(|group| !measured.fitted[*group] && !measured.spans[*group].is_empty())
+        .collect();
+    let scored = if outside.is_empty() { measured.fitted_groups().collect() } else { outside };
+    let active = &decision.model().fit.active;
+    let rows = active.iter().filter_map(|index| entry(model.candidates()[*index].id));
+    let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect();
+    let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
+    let named = named(model, &decision, &folds);
+    let masked = masked(model, &decision);
+    let notes = decision.reasons.clone();
+    let mut diagnosis = Diagnosis {
+        verdict: decision.verdict,
+        effects: named,
+        cells: cells(model, &decision),
+        total,
+        channels,
+        held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
+        budget: budget(model, &basis, &decision),
+        masked,
+        next: NextExperiment::default(),
+        calibration: calibration(model, &decision),
+        ranking: ranking(model, &decision),
+        notes,
+    };
+    if diagnosis.verdict == GapVerdict::NoGap && hidden_by_calibration(&diagnosis) {
+        diagnosis.verdict = GapVerdict::Masked;
+        diagnosis.notes.push("calibration went far from nominal, where a masked effect would push it".to_owned());
+    }
+    diagnosis.next = next(&diagnosis);
+    Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
+}
+
+/// Times that the nominal model is fitted anew from the fits with effects.
+const RESTARTS: usize = 3;
+
+/// A better fit of the nominal model, started where the fits with effects ended: a model that lacks
+/// something may have been caught far away, and its gap may not be blamed on an effect.
+fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &Decision) -> Option<Trial> {
+    let near = |trial: &Trial| trial.fit.cost < decision.base.fit.cost - 1.0;
+    let fits = decision.trials.iter().filter(|trial| near(trial)).take(3).map(|trial| {
+        let mut point = trial.fit.linear.point.clone();
+        point.effects.iter_mut().for_each(|size| *size = 0.0);
+        super::fit::fit(model, &basis.noise, super::Linear::new(model, point), &[], &basis.local_scale)
+    });
+    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best))
+}
+
+fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<NamedEffect> {
+    if decision.verdict != GapVerdict::Effect {
+        return Vec::new();
+    }
+    let trial = decision.model();
+    let posterior = trial.deviations();
+    let between = trial.jackknife(folds);
+    let probabilities = inclusion(model, decision);
+    let scores = decision.base.scores();
+    let value = decision.gain_of(trial, model.candidates().len());
+    let one = |(place, index): (usize, &usize)| {
+        let candidate = &model.candidates()[*index];
+        let size = trial.fit.linear.point.effects[*index];
+        let deviation = posterior[place].max(between[place]) * candidate.typical;
+        let (factor, unit) = report_units(candidate.id);
+        let class = decision.class(model, *index);
+        let names = trial.fit.active.iter().map(|other| model.candidates()[*other].id);
+        let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
+        NamedEffect {
+            id: candidate.id,
+            shape: candidate.shape.clone(),
+            size: size * factor,
+            unit,
+            ci90: [(size - NINETY * deviation).max(0.0) * factor, (size + NINETY * deviation) * factor],
+            probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| *p),
+            z: scores.length[*index] * size / candidate.typical,
+            gain: [value, predictive_gain(&trial.evidence, &decision.base.evidence).0],
+            class: std::iter::once(candidate.id).chain(others.clone().map(|(id, _)| *id)).collect(),
+            class_reason: others.map(|(_, reason)| reason.clone()).collect::<Vec<_>>().join("; "),
+        }
+    };
+    trial.fit.active.iter().enumerate().map(one).collect()
+}
+
+/// Probability of each id: models weighted by their gain, the choice among many paid for, with the
+/// nominal model and the best generic signature among them.
+fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64)> {
+    let count = model.candidates().len();
+    let generic = gain(&decision.before.evidence, &decision.base.evidence)
+        - (decision.before.dictionary.len().max(1) as f64).ln();
+    let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0), (Vec::new(), generic)];
+    let single = |single: &super::decide::Single| {
+        (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - (count.max(1) as f64).ln())
+    };
+    models.extend(decision.singles.iter().filter(|single| single.evidence.admissible).map(single));
+    let pairs = decision.trials.iter().filter(|trial| trial.fit.active.len() > 1 && trial.evidence.admissible);
+    models.extend(pairs.map(|trial| (trial.fit.active.clone(), decision.gain_of(trial, count))));
+    let greatest = models.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
+    let total: f64 = models.iter().map(|(_, value)| (value - greatest).exp()).sum();
+    let ids: Vec<&'static str> = model.candidates().iter().map(|candidate| candidate.id).collect();
+    let with = |id: &str| {
+        let has = |active: &Vec<usize>| active.iter().any(|index| ids[*index] == id);
+        models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
+    };
+    ids.iter().map(|id| (*id, with(id))).collect()
+}
+
+fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
+    let scores = decision.base.scores();
+    let price = (model.candidates().len().max(1) as f64).ln();
+    let one = |single: &super::decide::Single| {
+        let candidate = &model.candidates()[single.candidate];
+        let (factor, unit) = report_units(candidate.id);
+        let value = gain(&single.evidence, &decision.base.evidence);
+        let (left_out, left_out_error) = predictive_gain(&single.evidence, &decision.base.evidence);
+        let size = single.trial.map_or(scores.estimate[single.candidate] * candidate.typical, |trial| {
+            decision.trials[trial].fit.linear.point.effects[single.candidate]
+        });
+        Ranked {
+            id: candidate.id,
+            shape: candidate.shape.clone(),
+            size: size * factor,
+            unit,
+            z: single.score,
+            gain: value - price,
+            left_out: [left_out, left_out_error],
+        }
+    };
+    decision.singles.iter().filter(|single| single.evidence.admissible).map(one).collect()
+}
+
+/// The strongest cells of the map, one for each pair of channel and covariate.
+fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
+    let measured = model.measured();
+    let remainder = &decision.before;
+    let mut order: Vec<usize> = (0..remainder.dictionary.len()).collect();
+    order.sort_by(|a, b| remainder.scores.score[*b].abs().total_cmp(&remainder.scores.score[*a].abs()));
+    let relative = |trial: &Trial, column: &[f64]| {
+        let linear = &trial.fit.linear;
+        let (mut sum, mut count) = (0.0, 0.0);
+        let greatest = column.iter().fold(0.0_f64, |greatest, value| greatest.max(value.abs()));
+        for (i, observation) in measured.observations.iter().enumerate() {
+            if column[i].abs() < 0.5 * greatest || greatest == 0.0 {
+                continue;
+            }
+            let value = match measured.channels[observation.channel].transform {
+                Transform::Log => linear.residual[i],
+                Transform::Linear => linear.residual[i] / linear.raw[i].abs().max(f64::MIN_POSITIVE),
+            };
+            sum += value * value;
+            count += 1.0;
+        }
+        if count > 0.0 { (sum / count).sqrt() } else { f64::NAN }
+    };
+    let cell = |index: &usize| {
+        let signature = &remainder.dictionary[*index];
+        let (group, regime) = match signature.covariate.split_once('=') {
+            Some(_) => (signature.covariate.clone(), "all".to_owned()),
+            None => ("all".to_owned(), signature.covariate.clone()),
+        };
+        Cell {
+            channel: signature.channel.clone(),
+            group,
+            regime,
+            score: remainder.scores.score[*index],
+            rms_before: relative(&decision.base, &signature.column),
+            rms_after: relative(decision.model(), &signature.column),
+        }
+    };
+    order
+        .iter()
+        .filter(|index| remainder.scores.score[**index].abs() > 0.5 * remainder.threshold)
+        .take(CELLS)
+        .map(cell)
+        .collect()
+}
+
+fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
+    let point = &decision.model().fit.linear.point;
+    let parameters = model.parameters().iter().zip(&point.parameters);
+    let parameters = parameters.map(|(parameter, x)| (&parameter.name, parameter.deviation, parameter.allowance, *x));
+    let surfaces = model.surfaces().iter().zip(&point.surfaces);
+    let surfaces = surfaces.map(|(surface, x)| (&surface.name, surface.deviation, surface.allowance, *x));
+    let mut list: Vec<Calibrated> = parameters
+        .chain(surfaces)
+        .filter(|(_, _, allowance, x)| !allowance || x.abs() > FAR)
+        .map(|(name, deviation, _, x)| Calibrated {
+            parameter: name.clone(),
+            value: (deviation * x).exp(),
+            prior_sd_moved: x,
+        })
+        .collect();
+    list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
+    list
+}
+
+/// Effects that such data can hardly show at their ordinary size.
+fn masked(model: &dyn Forward, decision: &Decision) -> Vec<MaskedEffect> {
+    let mut list: Vec<MaskedEffect> = Vec::new();
+    for (row, typical) in identified(model, &decision.base) {
+        let hidden = row.minimal_detectable > typical;
+        // Of several shapes of an effect the one that shows best speaks for all.
+        match list.iter_mut().find(|other| other.id == row.id) {
+            Some(other) if row.minimal_detectable < other.minimal_detectable => *other = row.masked(),
+            Some(_) => {}
+            None if hidden => list.push(row.masked()),
+            None => {}
+        }
+    }
+    list
+}
+
+/// What records of such a design can show of one effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identifiable {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Shape; may be empty.
+    pub shape: String,
+    /// Share of its signature that calibration, allowance and group factors take up.
+    pub masking: f64,
+    /// Least size that would reach a score of 5, display unit.
+    pub minimal_detectable: f64,
+    /// Unit of that.
+    pub unit: &'static str,
+    /// Effects with nearly the same signature.
+    pub confused: Vec<&'static str>,
+    /// What leaving it out would do to the calibration.
+    pub bias: String,
+    /// Experiment that tells it from its worst confounder.
+    pub separating_test: &'static str,
+}
+
+impl Identifiable {
+    fn masked(&self) -> MaskedEffect {
+        MaskedEffect {
+            id: self.id,
+            shape: self.shape.clone(),
+            masking: self.masking,
+            minimal_detectable: self.minimal_detectable,
+            unit: self.unit,
+            separating_test: self.separating_test,
+            bias: self.bias.clone(),
+        }
+    }
+}
+
+/// Cosine of projected signatures from which two effects count as confused.
+const CONFUSED: f64 = 0.9;
+
+/// What records of the design of `model` could show, by the sensor sheet alone: no measured value
+/// counts.
+pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
+    let basis = Basis::of_sheet(model);
+    let linear = super::Linear::new(model, super::Point::nominal(model));
+    let fit = super::Fit { linear, active: Vec::new(), cost: 0.0 };
+    let trial = Trial::of(model, &basis, &[], fit);
+    identified(model, &trial).into_iter().map(|(row, _)| row).collect()
+}
+
+fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
+    let scores = trial.scores();
+    let nuisance = trial.fit.linear.nuisance.len();
+    let at: Vec<usize> = (0..nuisance).collect();
+    let mut matrix = super::gram::part(&trial.gram.total, &at, &at);
+    (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
+    let matrix = super::gram::factor(matrix);
+    let name = |i: usize| {
+        let parameters = model.parameters();
+        parameters.get(i).map_or_else(|| model.surfaces()[i - parameters.len()].name.as_str(), |p| p.name.as_str())
+    };
+    let row = |(index, candidate): (usize, &super::Candidate)| {
+        let entry = entry(candidate.id)?;
+        let (factor, unit) = report_units(candidate.id);
+        let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
+        let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
+        let bias = worst.map_or_else(String::new, |worst| {
+            format!("at ordinary size it moves `{}` by {:.1} prior standard deviations", name(worst), moved[worst])
+        });
+        let mut confused: Vec<&'static str> = (0..model.candidates().len())
+            .filter(|other| scores.cosine[(index, *other)] > CONFUSED && model.candidates()[*other].id != candidate.id)
+            .map(|other| model.candidates()[other].id)
+            .collect();
+        confused.dedup();
+        let row = Identifiable {
+            id: candidate.id,
+            shape: candidate.shape.clone(),
+            masking: scores.masking[index],
+            minimal_detectable: DETECTABLE / scores.length[index] * candidate.typical * factor,
+            unit,
+            confused,
+            bias,
+            separating_test: entry.separating_test,
+        };
+        Some((row, candidate.typical * factor))
+    };
+    model.candidates().iter().enumerate().filter_map(row).collect()
+}
+
+fn hidden_by_calibration(diagnosis: &Diagnosis) -> bool {
+    let far = diagnosis.calibration.iter().any(|each| each.prior_sd_moved.abs() > 4.0);
+    far && diagnosis.masked.iter().any(|masked| masked.masking > 0.97)
+}
+
+fn next(diagnosis: &Diagnosis) -> NextExperiment {
+    let confused = diagnosis.effects.iter().find(|effect| effect.class.len() > 1);
+    if let Some(effect) = confused {
+        let other = effect.class[1];
+        let test = entry(effect.id).map_or("", |entry| entry.separating_test);
+        let separates = vec![[effect.id.to_owned(), other.to_owned()]];
+        return NextExperiment { design: format!("{test}; three edges"), minutes: 60.0, separates };
+    }
+    let Some(masked) = diagnosis.masked.iter().find(|_| diagnosis.verdict != GapVerdict::Effect) else {
+        return NextExperiment::default();
+    };
+    let confounder = entry(masked.id).map_or("", |entry| entry.confounder);
+    NextExperiment {
+        design: format!("{}; three edges", masked.separating_test),
+        minutes: 60.0,
+        separates: vec![[masked.id.to_owned(), confounder.to_owned()]],
+    }
+}
+
+/// Mean squares after each stage of explanation.
+fn budget(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Budget {
+    let measured = model.measured();
+    let mean_square = |residual: &[f64]| {
+        let inside = measured.fitted_groups().flat_map(|group| measured.spans[group].clone());
+        let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), i| {
+            (sum + (residual[i] / basis.noise.deviation(measured, i)).powi(2), count + 1.0)
+        });
+        sum / count
+    };
+    let point = &decision.base.fit.linear.point;
+    let mut plain = super::Point::nominal(model);
+    let nominal = mean_square(&super::linear::residuals(model, &plain));
+    for ((x, fitted), parameter) in plain.parameters.iter_mut().zip(&point.parameters).zip(model.parameters()) {
+        *x = if parameter.allowance { 0.0 } else { *fitted };
+    }
+    for ((x, fitted), surface) in plain.surfaces.iter_mut().zip(&point.surfaces).zip(model.surfaces()) {
+        *x = if surface.allowance { 0.0 } else { *fitted };
+    }
+    let calibrated = mean_square(&super::linear::residuals(model, &plain));
+    let mut allowed = point.clone();
+    allowed.locals.iter_mut().flatten().for_each(|x| *x = 0.0);
+    let allowed = mean_square(&super::linear::residuals(model, &allowed));
+    let mut explained = decision.model().fit.linear.point.clone();
+    explained.locals.iter_mut().flatten().for_each(|x| *x = 0.0);
+    let explained = mean_square(&super::linear::residuals(model, &explained));
+    let with_locals = mean_square(&decision.model().fit.linear.residual);
+    let floor = mean_square(&basis.floor).min(with_locals);
+    let share = |value: f64| if nominal > 0.0 { value / nominal } else { f64::NAN };
+    Budget {
+        calibration: share(nominal - calibrated),
+        form_allowance: share(calibrated - allowed),
+        effects: share(allowed - explained),
+        unexplained: share(with_locals - floor),
+        // Scatter from edge to edge belongs to what no model of means can predict.
+        noise_floor: share(floor + explained - with_locals),
+    }
+}

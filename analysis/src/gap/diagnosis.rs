@@ -1,0 +1,264 @@
+//! What a diagnosis says, and its JSON form (schema 1).
+
+use serde_json::{Value, json};
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GapVerdict {
+    /// A missing effect is named.
+    Effect,
+    /// There is a gap that no effect of the catalogue explains.
+    Unknown,
+    /// What is missing cannot be seen in such data: calibration takes it up.
+    Masked,
+    /// Nothing is left that calibration and noise do not explain.
+    NoGap,
+}
+
+impl GapVerdict {
+    /// Word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Effect => "effect",
+            Self::Unknown => "unknown",
+            Self::Masked => "masked",
+            Self::NoGap => "no_gap",
+        }
+    }
+}
+
+/// A named effect. Sizes are in the display unit of the catalogue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedEffect {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Which lot, window or time constant; may be empty.
+    pub shape: String,
+    /// Size.
+    pub size: f64,
+    /// Unit of the size.
+    pub unit: &'static str,
+    /// 90 % interval of the size.
+    pub ci90: [f64; 2],
+    /// Probability that it belongs to the model, by stacking over groups.
+    pub probability: f64,
+    /// Score after projection.
+    pub z: f64,
+    /// Gain of log posterior density, the choice among many paid for; gain of log predictive
+    /// density on groups left out.
+    pub gain: [f64; 2],
+    /// Effects that the data cannot tell from it, itself first.
+    pub class: Vec<&'static str>,
+    /// Why the class has more than one.
+    pub class_reason: String,
+}
+
+/// A cell of the localisation map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Channel or channels.
+    pub channel: String,
+    /// Group of rows, `machine=L1`, or `all`.
+    pub group: String,
+    /// Covariate that the gap follows.
+    pub regime: String,
+    /// Score.
+    pub score: f64,
+    /// Relative root mean square of what the nominal model leaves where the covariate is high.
+    pub rms_before: f64,
+    /// The same after the named effects.
+    pub rms_after: f64,
+}
+
+/// How far a gap shrinks on groups that the fit did not see.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closure {
+    /// Root mean square without the effects, in the channel's comparison unit.
+    pub before: f64,
+    /// With them.
+    pub after: f64,
+    /// `1 − after/before`.
+    pub closed: f64,
+    /// 90 % interval of that.
+    pub ci90: [f64; 2],
+    /// Share of what could be closed at all: of the mean square above the noise floor.
+    pub of_closable: f64,
+}
+
+/// An effect that the data cannot show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaskedEffect {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Shape; may be empty.
+    pub shape: String,
+    /// Share of its signature that calibration, allowance and group factors take up.
+    pub masking: f64,
+    /// Least size that would reach a score of 5, display unit.
+    pub minimal_detectable: f64,
+    /// Unit of that.
+    pub unit: &'static str,
+    /// Experiment that tells it from its worst confounder.
+    pub separating_test: &'static str,
+    /// What leaving it out would do to the calibration, at ordinary size.
+    pub bias: String,
+}
+
+/// Share of the mean square gap by cause; they sum to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// Removed by recalibration.
+    pub calibration: f64,
+    /// Removed by the form allowance.
+    pub form_allowance: f64,
+    /// Removed by the named effects.
+    pub effects: f64,
+    /// Structure that nothing explains.
+    pub unexplained: f64,
+    /// Noise, and scatter from edge to edge.
+    pub noise_floor: f64,
+}
+
+/// The experiment to do next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NextExperiment {
+    /// What to run.
+    pub design: String,
+    /// Machine time, min.
+    pub minutes: f64,
+    /// Pairs that it separates.
+    pub separates: Vec<[String; 2]>,
+}
+
+/// Where calibration went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibrated {
+    /// Parameter.
+    pub parameter: String,
+    /// Fitted factor on the nominal value.
+    pub value: f64,
+    /// Distance from nominal in prior standard deviations.
+    pub prior_sd_moved: f64,
+}
+
+/// Everything that a diagnosis says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// The answer.
+    pub verdict: GapVerdict,
+    /// Named effects.
+    pub effects: Vec<NamedEffect>,
+    /// Where the gap lies, strongest first.
+    pub cells: Vec<Cell>,
+    /// Closure over all channels, in units of noise.
+    pub total: Closure,
+    /// Closure by channel.
+    pub channels: Vec<(&'static str, Closure)>,
+    /// Groups on which it was scored.
+    pub held_out: Vec<String>,
+    /// Where the gap goes.
+    pub budget: Budget,
+    /// What cannot be seen.
+    pub masked: Vec<MaskedEffect>,
+    /// What to do next.
+    pub next: NextExperiment,
+    /// Calibration.
+    pub calibration: Vec<Calibrated>,
+    /// Ranking of single effects: id, shape, size, gain and its standard error.
+    pub ranking: Vec<Ranked>,
+    /// Anything else worth knowing.
+    pub notes: Vec<String>,
+}
+
+/// One row of the ranking.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranked {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Shape; may be empty.
+    pub shape: String,
+    /// Size, display unit.
+    pub size: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// Score after projection.
+    pub z: f64,
+    /// Gain over the nominal model, the choice among many paid for.
+    pub gain: f64,
+    /// Gain on groups left out, and its standard error.
+    pub left_out: [f64; 2],
+}
+
+fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+impl Closure {
+    fn json(&self, with_groups: Option<&[String]>) -> Value {
+        let mut value = json!({
+            "before": number(self.before), "after": number(self.after), "closed": number(self.closed),
+            "ci90": [number(self.ci90[0]), number(self.ci90[1])], "of_closable": number(self.of_closable),
+        });
+        if let Some(groups) = with_groups {
+            value["heldout_groups"] = json!(groups);
+        }
+        value
+    }
+}
+
+impl Diagnosis {
+    /// The document `diagnosis.json`.
+    pub fn json(&self) -> Value {
+        let effect = |effect: &NamedEffect| {
+            json!({
+                "id": effect.id, "shape": effect.shape, "size": number(effect.size), "unit": effect.unit,
+                "ci90": [number(effect.ci90[0]), number(effect.ci90[1])], "probability": number(effect.probability),
+                "z": number(effect.z), "gain": number(effect.gain[0]), "gain_left_out": number(effect.gain[1]),
+                "class": effect.class, "class_reason": effect.class_reason,
+            })
+        };
+        let cell = |cell: &Cell| {
+            json!({
+                "channel": cell.channel, "group": cell.group, "regime": cell.regime, "score": number(cell.score),
+                "rms_before": number(cell.rms_before), "rms_after": number(cell.rms_after),
+            })
+        };
+        let masked = |masked: &MaskedEffect| {
+            json!({
+                "id": masked.id, "shape": masked.shape, "masking": number(masked.masking),
+                "minimal_detectable": number(masked.minimal_detectable), "unit": masked.unit,
+                "separating_test": masked.separating_test, "calibration_bias": masked.bias,
+            })
+        };
+        let ranked = |ranked: &Ranked| {
+            json!({
+                "id": ranked.id, "shape": ranked.shape, "size": number(ranked.size), "unit": ranked.unit,
+                "z": number(ranked.z), "gain": number(ranked.gain), "left_out": ranked.left_out.map(number),
+            })
+        };
+        let channels: serde_json::Map<String, Value> =
+            self.channels.iter().map(|(name, closure)| ((*name).to_owned(), closure.json(None))).collect();
+        json!({
+            "schema": 1,
+            "verdict": self.verdict.name(),
+            "effects": self.effects.iter().map(effect).collect::<Vec<_>>(),
+            "where": self.cells.iter().map(cell).collect::<Vec<_>>(),
+            "closure": { "total": self.total.json(Some(&self.held_out)), "channels": channels },
+            "budget": {
+                "calibration": number(self.budget.calibration), "form_allowance": number(self.budget.form_allowance),
+                "effects": number(self.budget.effects), "unexplained": number(self.budget.unexplained),
+                "noise_floor": number(self.budget.noise_floor),
+            },
+            "masked": self.masked.iter().map(masked).collect::<Vec<_>>(),
+            "next_experiment": {
+                "design": self.next.design, "minutes": number(self.next.minutes), "separates": self.next.separates,
+            },
+            "calibration": self.calibration.iter().map(|each| json!({
+                "parameter": each.parameter, "value": number(each.value),
+                "prior_sd_moved": number(each.prior_sd_moved),
+            })).collect::<Vec<_>>(),
+            "ranking": self.ranking.iter().map(ranked).collect::<Vec<_>>(),
+            "notes": self.notes,
+        })
+    }
+}

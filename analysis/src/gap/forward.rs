@@ -1,0 +1,109 @@
+//! What the diagnosis asks of a nominal model.
+
+use super::Measured;
+
+/// A constant of the nominal model that calibration may move. Its value counts in prior standard
+/// deviations from nominal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Prior standard deviation, mostly of the logarithm.
+    pub deviation: f64,
+    /// Whether it is part of the form allowance rather than of the calibration.
+    pub allowance: bool,
+}
+
+/// A correction `deviation · x · feature` of one channel (of its logarithm, or relative), needing
+/// no simulation; x counts in prior standard deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Name.
+    pub name: String,
+    /// Channels that it moves.
+    pub channels: Vec<usize>,
+    /// One number a row.
+    pub feature: Vec<f64>,
+    /// Prior standard deviation.
+    pub deviation: f64,
+    /// Whether it is part of the form allowance rather than of the calibration.
+    pub allowance: bool,
+    /// Whether the feature is in SI units of the channel instead of relative to its value.
+    pub absolute: bool,
+}
+
+/// A factor that differs from group to group, mean 1; counts in prior standard deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Local {
+    /// Name.
+    pub name: &'static str,
+    /// Prior standard deviation of the logarithm, or scale of its half-normal prior.
+    pub deviation: f64,
+    /// Whether the standard deviation is estimated from the data.
+    pub estimated: bool,
+}
+
+/// An effect with a shape, which the data may ask for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// What distinguishes this shape from others of the same id: a lot, a speed; may be empty.
+    pub shape: String,
+    /// An ordinary size, SI: scale of steps and priors.
+    pub typical: f64,
+    /// Greatest admissible size, SI.
+    pub greatest: f64,
+}
+
+/// Where a model is evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Calibration and simulated allowance, in prior standard deviations.
+    pub parameters: Vec<f64>,
+    /// Surfaces, in prior standard deviations.
+    pub surfaces: Vec<f64>,
+    /// Sizes of the candidates, SI.
+    pub effects: Vec<f64>,
+    /// Local factors by kind and group, in prior standard deviations.
+    pub locals: Vec<Vec<f64>>,
+}
+
+impl Point {
+    /// The nominal model.
+    pub fn nominal(model: &dyn Forward) -> Self {
+        Self {
+            parameters: vec![0.0; model.parameters().len()],
+            surfaces: vec![0.0; model.surfaces().len()],
+            effects: vec![0.0; model.candidates().len()],
+            locals: vec![vec![0.0; model.measured().groups.len()]; model.locals().len()],
+        }
+    }
+}
+
+/// A covariate by which the dictionary of generic signatures looks for structure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Covariate {
+    /// What it is called in the localisation map.
+    pub name: String,
+    /// One number a row, about unit spread.
+    pub values: Vec<f64>,
+}
+
+/// A nominal model over recorded conditions.
+pub trait Forward: Sync {
+    /// What was measured.
+    fn measured(&self) -> &Measured;
+    /// Constants that calibration may move by simulation.
+    fn parameters(&self) -> &[Parameter];
+    /// Corrections without simulation.
+    fn surfaces(&self) -> &[Surface];
+    /// Factors of the groups.
+    fn locals(&self) -> &[Local];
+    /// Effects that may be missing.
+    fn candidates(&self) -> &[Candidate];
+    /// Covariates of the generic dictionary.
+    fn covariates(&self) -> &[Covariate];
+    /// Raw values (SI) of every observation, without surfaces.
+    fn simulate(&self, at: &Point) -> Vec<f64>;
+}

@@ -1,0 +1,74 @@
+//! Where a nominal model and measurement differ, which missing effect causes it, and how far the
+//! gap shrinks with it.
+//!
+//! ```text
+//!  Records ─► Forward (nominal model, calibration, allowance, candidates)
+//!                │ Linear: residuals and derivatives
+//!                ▼
+//!             Basis: noise, memory, scatter from edge to edge, read off a saturated model
+//!                │
+//!        fit ─► Gram by group ─► scores (where), evidence on groups left out (which)
+//!                                      │
+//!                                      ▼ decide: effect · unknown · masked · no gap
+//!                                   Diagnosis: effects, classes, closure, budget, next experiment
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`diagnose()`] | the whole way |
+//! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling |
+//! | [`Diagnosis`] | what is said, and its JSON form |
+//! | [`Basis`], [`Noise`] | by what all models are judged |
+//!
+//! # Source
+//! Leave-group-out evidence and stacking: Yao, Vehtari, Simpson & Gelman 2018. Discrepancy bounded
+//! by a prior: Kennedy & O'Hagan 2001, Brynjarsdóttir & O'Hagan 2014. Max-T null: Westfall & Young
+//! 1993. Thresholds are assumptions, checked by the blind benchmark.
+
+mod basis;
+mod closure;
+pub mod cutting;
+mod cutting_effects;
+mod decide;
+mod diagnose;
+mod diagnosis;
+pub mod empirical;
+mod evidence;
+pub mod features;
+mod fit;
+mod forward;
+mod generic;
+mod gram;
+pub mod grinding;
+mod linear;
+mod measured;
+mod noise;
+mod nominal;
+mod score;
+mod settings;
+mod summary;
+mod trial;
+mod units;
+
+pub use basis::Basis;
+pub use decide::{Decision, FEWEST_GROUPS};
+pub use diagnose::{Diagnosed, Identifiable, diagnose, identifiability};
+pub use diagnosis::{
+    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
+};
+pub use evidence::Evidence;
+pub use fit::Fit;
+pub use forward::{Candidate, Covariate, Forward, Local, Parameter, Point, Surface};
+pub use gram::Gram;
+pub use linear::Linear;
+pub use measured::{Channel, Measured, Observation, Sensor, Transform};
+pub use noise::Noise;
+pub use nominal::{ModelFileError, NominalModel, NominalProcess};
+pub use score::Scores;
+pub use settings::Settings;
+pub use trial::Trial;
+
+/// Factor from SI to the display unit of an effect's size, and the unit.
+pub(crate) fn report_units(id: &str) -> (f64, &'static str) {
+    diagnose::entry(id).map_or((1.0, "1"), |entry| (entry.size.to_display(1.0), entry.size.display))
+}

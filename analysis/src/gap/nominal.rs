@@ -1,0 +1,185 @@
+//! Nominal models from files, and the choice of groups.
+
+use super::cutting::Cutting;
+use super::empirical::Empirical;
+use super::grinding::Grinding;
+use super::{Forward, Sensor, Settings};
+use crate::records::{RecordKind, Records};
+use std::path::Path;
+use toolroom_cutting::{Milling, Turning};
+use toolroom_infeed::Infeed;
+use toolroom_process::unit;
+use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
+use toolroom_sim::scenario::{GapSection, ProcessModel};
+
+/// The process behind a nominal model.
+#[derive(Clone, Debug)]
+pub enum NominalProcess {
+    /// Turning.
+    Turning(Box<Turning>),
+    /// Milling.
+    Milling(Box<Milling>),
+    /// Plunge grinding.
+    Grinding(Box<Infeed>),
+    /// Power laws.
+    Empirical,
+}
+
+/// A nominal model with its priors and sensors.
+#[derive(Clone, Debug)]
+pub struct NominalModel {
+    /// The process.
+    pub process: NominalProcess,
+    /// Priors and sensors.
+    pub settings: Settings,
+}
+
+/// Why a nominal model cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// The file is at fault.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// No tool of the process.
+    #[error("{file}: no [[tool]] with process = \"{process}\"")]
+    NoTool {
+        /// The file.
+        file: String,
+        /// What was looked for.
+        process: String,
+    },
+    /// A sensor whose quantity does not fit its channel.
+    #[error("{file}: [[gap.sensor]] {channel}: {reason}")]
+    Sensor {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+static PLAIN: Form = Form {
+    title: "the nominal model",
+    doc: "An empirical nominal model",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("gap", Kind::Table(&GAP), "Priors and sensors"),
+    ],
+};
+
+impl NominalModel {
+    /// Reads a scenario with a section `[gap]`, or a file of nothing but that section.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
+        let file = path.display().to_string();
+        let plain = std::fs::read_to_string(path).is_ok_and(|text| !text.lines().any(|line| line.trim() == "[shop]"));
+        let (section, tools) = if plain {
+            let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
+            (Some(read.content), Vec::new())
+        } else {
+            let read = file::read(path, overrides)?;
+            (read.gap, read.scenario.tools)
+        };
+        let wanted = section.as_ref().and_then(|section| section.process.clone());
+        let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
+        let wanted = wanted.unwrap_or_else(|| "empirical".to_owned());
+        let process = if wanted == "empirical" {
+            NominalProcess::Empirical
+        } else {
+            let tool = tools.iter().find(|tool| tool.process.name() == wanted);
+            match tool.map(|tool| &tool.process) {
+                Some(ProcessModel::Turning(turning)) => NominalProcess::Turning(Box::new((**turning).clone())),
+                Some(ProcessModel::Milling(milling)) => NominalProcess::Milling(Box::new((**milling).clone())),
+                Some(ProcessModel::Infeed(infeed)) => NominalProcess::Grinding(Box::new((**infeed).clone())),
+                _ => return Err(ModelFileError::NoTool { file, process: wanted }),
+            }
+        };
+        let mut model = Self { process, settings: Settings::default() };
+        if let Some(section) = section {
+            model.settings = settings(&file, &section, model.kind())?;
+        }
+        Ok(model)
+    }
+
+    /// The records that it can be held against.
+    pub fn kind(&self) -> RecordKind {
+        match self.process {
+            NominalProcess::Turning(_) => RecordKind::Turning,
+            NominalProcess::Milling(_) => RecordKind::Milling,
+            NominalProcess::Grinding(_) => RecordKind::Grinding,
+            NominalProcess::Empirical => RecordKind::Empirical,
+        }
+    }
+
+    /// The model over `records`, grouped by the column `group` (edges or dressing cycles, if
+    /// none); groups for which `held` is true are kept out of the fit. Channels that are impossible
+    /// multiples of the nominal model, as in a wrong unit, are left out; the notes say so.
+    pub fn over(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: impl Fn(usize, &str) -> bool,
+    ) -> (Box<dyn Forward>, Vec<String>) {
+        let all = self.over_all(records, group, &held);
+        let suspicious = super::units::suspicious(all.as_ref());
+        if suspicious.is_empty() {
+            return (all, Vec::new());
+        }
+        let mut rest = records.clone();
+        suspicious.iter().for_each(|(channel, _)| rest.remove(channel));
+        (self.over_all(&rest, group, &held), suspicious.into_iter().map(|(_, note)| note).collect())
+    }
+
+    fn over_all(&self, records: &Records, group: Option<&str>, held: &dyn Fn(usize, &str) -> bool) -> Box<dyn Forward> {
+        let usual: &[&str] = match self.process {
+            NominalProcess::Grinding(_) => &["dressing_cycle", "wheel_id", "machine"],
+            _ => &["tool_id"],
+        };
+        let columns = group.into_iter().chain(usual.iter().copied());
+        let mut levels = columns.filter_map(|column| records.levels(column));
+        let (names, of_row) = levels.next().unwrap_or_else(|| (vec!["all".to_owned()], vec![0; records.len()]));
+        let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
+        let groups = (names, of_row, fitted);
+        let settings = &self.settings;
+        match &self.process {
+            NominalProcess::Turning(turning) => Box::new(Cutting::new((**turning).clone(), records, groups, settings)),
+            NominalProcess::Milling(milling) => Box::new(Cutting::new((**milling).clone(), records, groups, settings)),
+            NominalProcess::Grinding(infeed) => Box::new(Grinding::new((**infeed).clone(), records, groups, settings)),
+            NominalProcess::Empirical => Box::new(Empirical::new(records, groups, settings)),
+        }
+    }
+}
+
+fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {
+    let mut settings = Settings {
+        force: section.force,
+        temperature: section.temperature,
+        wear_level: section.wear_level,
+        stiffness: section.stiffness,
+        edge_wear: section.edge_wear,
+        edge_force: section.edge_force,
+        ..Settings::default()
+    };
+    for sensor in &section.sensors {
+        let fault =
+            |reason: String| ModelFileError::Sensor { file: file.to_owned(), channel: sensor.channel.clone(), reason };
+        let column = kind.column(&sensor.channel);
+        let column = column.ok_or_else(|| fault("no such channel".to_owned()))?;
+        let quantity = |text: &Option<String>| match text {
+            None => Ok(0.0),
+            Some(text) => unit::quantity(text, column.unit).map_err(|reason| fault(reason.to_string())),
+        };
+        let errors = Sensor {
+            relative: sensor.relative,
+            absolute: quantity(&sensor.absolute)?,
+            resolution: quantity(&sensor.resolution)?,
+        };
+        settings.sensors.push((sensor.channel.clone(), errors));
+    }
+    Ok(settings)
+}

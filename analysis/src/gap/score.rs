@@ -1,0 +1,86 @@
+//! Projected scores: what is left of a signature after calibration, allowance and local factors,
+//! and how strongly the data ask for it.
+
+use super::Gram;
+use super::gram::{factor, part};
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Scores of columns after projection.
+#[derive(Clone, Debug)]
+pub struct Scores {
+    /// Score of each column, standard normal where nothing is hidden.
+    pub score: Vec<f64>,
+    /// Length of each column after projection: its score per unit of size.
+    pub length: Vec<f64>,
+    /// Share of each column that the projection takes away.
+    pub masking: Vec<f64>,
+    /// Correlation of the scores: cosines of the projected columns.
+    pub cosine: DMatrix<f64>,
+    /// Estimate of each column's size alone.
+    pub estimate: Vec<f64>,
+}
+
+/// Share of a column's squared length below which it counts as wholly masked.
+const NOTHING_LEFT: f64 = 1e-9;
+
+/// Scores of the columns from `first` to the residual; those before it are nuisance with unit
+/// priors, `free` among them with next to none.
+pub fn scores(gram: &Gram, first: usize, free: &[usize]) -> Scores {
+    let nuisance: Vec<usize> = (0..first).collect();
+    let columns: Vec<usize> = (first..=gram.last()).collect();
+    let mut matrix = part(&gram.total, &nuisance, &nuisance);
+    for i in 0..first {
+        matrix[(i, i)] += if free.contains(&i) { super::fit::EFFECT_PRIOR.powi(-2) } else { 1.0 };
+    }
+    let cross = part(&gram.total, &nuisance, &columns);
+    let mut rest = part(&gram.total, &columns, &columns);
+    if first > 0 {
+        rest -= cross.tr_mul(&factor(matrix).solve(&cross));
+    }
+    let count = columns.len() - 1;
+    let square = |i: usize| rest[(i, i)].max(0.0);
+    let whole = |i: usize| gram.lengths[first + i];
+    let seen = |i: usize| square(i) > NOTHING_LEFT * whole(i) && whole(i) > 0.0;
+    let length: Vec<f64> = (0..count).map(|i| if seen(i) { square(i).sqrt() } else { 0.0 }).collect();
+    let over = |i: usize| if length[i] > 0.0 { length[i].recip() } else { 0.0 };
+    Scores {
+        score: (0..count).map(|i| rest[(i, count)] * over(i)).collect(),
+        masking: (0..count).map(|i| if whole(i) > 0.0 { 1.0 - square(i) / whole(i) } else { 1.0 }).collect(),
+        cosine: DMatrix::from_fn(count, count, |i, j| if i == j { 1.0 } else { rest[(i, j)] * over(i) * over(j) }),
+        estimate: (0..count).map(|i| rest[(i, count)] * over(i) * over(i)).collect(),
+        length,
+    }
+}
+
+/// Draws of the null distribution.
+const DRAWS: usize = 600;
+/// Level of the tests against it.
+const LEVEL: f64 = 0.01;
+
+/// The score that the greatest of all scores exceeds with probability 1 % where nothing is hidden.
+/// `one_sided` scores count only upwards.
+pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, seed: u64) -> f64 {
+    let count = cosine.nrows();
+    if count == 0 {
+        return f64::INFINITY;
+    }
+    let mut matrix = cosine.clone();
+    for i in 0..count {
+        matrix[(i, i)] += 1e-6;
+    }
+    let root = factor(matrix);
+    let lower = root.l();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut greatest: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let draw = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
+            let scores: DVector<f64> = &lower * draw;
+            scores.iter().map(|score| if one_sided { *score } else { score.abs() }).fold(f64::NEG_INFINITY, f64::max)
+        })
+        .collect();
+    greatest.sort_by(f64::total_cmp);
+    greatest[((1.0 - LEVEL) * DRAWS as f64) as usize]
+}

@@ -1,0 +1,71 @@
+//! Priors and sensors of a diagnosis, with the defaults of the records contract.
+
+use super::Sensor;
+
+/// Prior standard deviation of a machine's gain on a channel.
+pub(super) const MACHINE_GAIN: f64 = 0.03;
+
+/// What is believed before any measurement: standard deviations of logarithms, and sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Force coefficients.
+    pub force: f64,
+    /// Temperature coefficients.
+    pub temperature: f64,
+    /// Wear-rate level.
+    pub wear_level: f64,
+    /// Stiffnesses of grinding.
+    pub stiffness: f64,
+    /// Scale of the half-normal prior of the scatter of wear from edge to edge.
+    pub edge_wear: f64,
+    /// Scatter of force from edge to edge.
+    pub edge_force: f64,
+    /// Form of the wear rate, linear in the logarithm of a condition per its spread.
+    pub form_wear: f64,
+    /// Form of the wear rate over the land.
+    pub form_land_wear: f64,
+    /// Sensors that differ from the sheet.
+    pub sensors: Vec<(String, Sensor)>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            force: 0.08,
+            temperature: 0.05,
+            wear_level: 0.15,
+            stiffness: 0.10,
+            edge_wear: 0.25,
+            edge_force: 0.02,
+            form_wear: 0.15,
+            form_land_wear: 0.10,
+            sensors: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// The sensor of a channel.
+    pub fn sensor(&self, channel: &str) -> Sensor {
+        if let Some((_, sensor)) = self.sensors.iter().find(|(name, _)| name == channel) {
+            return *sensor;
+        }
+        let sensor = |absolute, relative, resolution| Sensor { absolute, relative, resolution };
+        match channel {
+            "cutting_force" | "normal_force" | "tangential_force" => sensor(0.0, 0.02, 0.0),
+            "feed_force" | "passive_force" => sensor(0.0, 0.03, 0.0),
+            "spindle_power" | "spindle_torque" => sensor(0.0, 0.02, 0.0),
+            "force_after_spark_out" => sensor(1.0, 0.02, 0.0),
+            "temperature" => sensor(3.0, 0.015, 0.0),
+            "thermo_emf" => sensor(0.0, 0.015, 0.0),
+            // Scatter of the rate within a life shows as a few per cent of the land.
+            "flank_wear" => sensor(5e-6, 0.02, 10e-6),
+            "stock_removed" => sensor(0.5e-6, 0.0, 0.0),
+            "rise_revolutions" => sensor(0.1, 0.0, 0.0),
+            "cycle_time" => sensor(0.5, 0.0, 0.0),
+            "form_error" => sensor(0.5e-6, 0.0, 0.0),
+            "roughness_ra" => sensor(0.0, 0.05, 0.0),
+            _ => sensor(0.0, 0.05, 0.0),
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Channels and conditions in a wrong unit.
+
+use super::noise::median;
+use super::{Forward, Point, Transform};
+
+/// Factors that slips of units leave, and what they are.
+const SLIPS: [(f64, &str); 8] = [
+    (25.4, "inch for mm"),
+    (1000.0, "a prefix"),
+    (60.0, "minutes for seconds"),
+    (9.81, "kgf for N"),
+    (4.448, "lbf for N"),
+    (0.3048 * 1000.0, "feet for mm"),
+    (3.281, "feet for m"),
+    (10.0, "a decimal point"),
+];
+/// Ratio of measurement to nominal model beyond which no effect of the catalogue is likely.
+const IMPOSSIBLE: f64 = 2.5;
+/// How near a slip a ratio must be.
+const NEAR: f64 = 0.3;
+
+/// Ratio of measurement to the nominal model by channel, median.
+pub fn ratios(model: &dyn Forward) -> Vec<f64> {
+    let measured = model.measured();
+    let (_, raw) = super::linear::predict(model, &Point::nominal(model));
+    let ratio = |channel: usize| {
+        let values = measured.observations.iter().zip(&raw).filter(|(observation, _)| observation.channel == channel);
+        let mut ratios: Vec<f64> = values
+            .map(|(observation, raw)| match measured.channels[channel].transform {
+                Transform::Log => observation.value.exp() / raw,
+                Transform::Linear => observation.value / raw,
+            })
+            .filter(|ratio| ratio.is_finite())
+            .collect();
+        median(&mut ratios)
+    };
+    (0..measured.channels.len()).map(ratio).collect()
+}
+
+/// What to say about a channel whose ratio is impossible; `None` where it is possible.
+pub fn suspicion(channel: &str, ratio: f64) -> Option<String> {
+    if channel == "cycle_time" || ratio.is_nan() || ratio <= 0.0 || ratio.ln().abs() < IMPOSSIBLE.ln() {
+        return None;
+    }
+    let slip = SLIPS
+        .iter()
+        .find(|(factor, _)| (ratio.ln() - factor.ln()).abs() < NEAR || (ratio.ln() + factor.ln()).abs() < NEAR);
+    let likely = slip.map_or_else(String::new, |(factor, what)| {
+        let sign = if ratio > 1.0 { "×" } else { "÷" };
+        format!("; is it {what} ({sign}{factor})?")
+    });
+    Some(format!("{channel} is {ratio:.3} times the nominal model: left out, check its unit{likely}"))
+}
+
+/// Channels whose ratio is impossible, with what to say about them.
+pub fn suspicious(model: &dyn Forward) -> Vec<(&'static str, String)> {
+    let channels = model.measured().channels.iter().zip(ratios(model));
+    channels.filter_map(|(channel, ratio)| Some((channel.name, suspicion(channel.name, ratio)?))).collect()
+}

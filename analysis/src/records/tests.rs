@@ -1,0 +1,58 @@
+//! Reading what real files hold.
+
+use super::*;
+
+const HEAD: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min]";
+
+fn turning(body: &str) -> Result<(Records, ReadReport), RecordError> {
+    parse_csv("operations.csv", body.as_bytes(), RecordKind::Turning)
+}
+
+#[test]
+fn any_compatible_unit_is_converted() {
+    let (records, _) = turning(&format!("{HEAD},temperature [degC],flank_wear [um]\n1,L,T,1,60,0.2,1,2,100,250\n"))
+        .expect("a fine table");
+    assert_eq!(records.numbers("cutting_speed"), Some(&[1.0][..]));
+    assert_eq!(records.numbers("temperature"), Some(&[373.15][..]));
+    assert!((records.numbers("flank_wear").expect("a column")[0] - 0.25e-3).abs() < 1e-15);
+}
+
+#[test]
+fn missing_cells_are_missing_and_useless_rows_are_named() {
+    let body = "1,L,T,1,60,0.2,1,2,\n2,L,T,2,,0.2,1,2,900\n3,L,T,3,60,0.2,1,2,UNAVAILABLE\n3,L,T,3,60,0.2,1,2,900\n";
+    let (records, report) = turning(&format!("{HEAD},cutting_force [N]\n{body}")).expect("a fine table");
+    assert_eq!(records.len(), 2);
+    assert!(records.numbers("cutting_force").is_some_and(|force| force.iter().all(|value| value.is_nan())));
+    assert_eq!(report.dropped.len(), 2);
+    assert!(report.dropped[0].1.contains("cutting_speed"), "{report}");
+    assert!(report.dropped[1].1.contains("already"), "{report}");
+}
+
+#[test]
+fn rows_come_in_any_order() {
+    let body = "2,L,T,2,61,0.2,1,2\n1,L,T,1,60,0.2,1,2\n";
+    let (records, report) = turning(&format!("{HEAD}\n{body}")).expect("a fine table");
+    assert_eq!(records.numbers("sequence"), Some(&[1.0, 2.0][..]));
+    assert!(report.notes.iter().any(|note| note.contains("order")));
+}
+
+#[test]
+fn a_missing_column_and_a_wrong_unit_are_refused_with_the_fix() {
+    let missing = turning("operation_id,machine\n1,L\n").expect_err("no tool_id");
+    assert!(matches!(missing, RecordError::MissingColumn { column: "tool_id", .. }), "{missing}");
+    let unit = turning(&format!("{HEAD},cutting_force [mm]\n1,L,T,1,60,0.2,1,2,3\n")).expect_err("no force");
+    assert!(unit.to_string().contains("kN"), "{unit}");
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    let body = "1,L,T,1,60,0.2,1,2,0.123\n2,L,T,2,70.5,0.2,1,2,\n";
+    let (records, _) = turning(&format!("{HEAD},flank_wear [mm]\n{body}")).expect("a fine table");
+    let mut bytes = Vec::new();
+    write_csv(&records, &mut bytes).expect("memory can be written");
+    let (again, _) = parse_csv("again", &bytes, RecordKind::Turning).expect("its own table");
+    for name in records.number_columns() {
+        let pairs = records.numbers(name).into_iter().flatten().zip(again.numbers(name).into_iter().flatten());
+        assert!(pairs.clone().all(|(a, b)| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-8 * a.abs()), "{name}");
+    }
+}

@@ -1,0 +1,38 @@
+//! `toolroom gap`: where model and shop differ, and why.
+
+mod apply;
+mod diagnose;
+mod identifiability;
+
+use crate::args::{GapCommand, GapData};
+use crate::failure::Failure;
+use crate::speak::Voice;
+use std::path::Path;
+use toolroom_analysis::gap::{ModelFileError, NominalModel};
+use toolroom_analysis::records::{self, RecordError, Records};
+
+pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
+    match command {
+        GapCommand::Diagnose(args) => diagnose::run(args, voice),
+        GapCommand::Identifiability(args) => identifiability::run(args, voice),
+        GapCommand::Apply(args) => apply::run(args, voice),
+    }
+}
+
+/// The nominal model of a file.
+fn nominal(data: &GapData) -> Result<NominalModel, Failure> {
+    NominalModel::read(&data.model, &data.set).map_err(|error| match error {
+        ModelFileError::Read(error) => Failure::from(error),
+        other => Failure::argument(other, "see scenarios/gap for nominal models that work"),
+    })
+}
+
+/// Records of the model's kind; what was read is said.
+fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records, Failure> {
+    let (records, report) = records::read(path, model.kind()).map_err(|error| match error {
+        RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
+        other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
+    })?;
+    voice.say(report.to_string().trim_end());
+    Ok(records)
+}

@@ -1,0 +1,46 @@
+//! `toolroom gap identifiability`.
+
+use super::{nominal, recorded};
+use crate::args::IdentifiabilityArgs;
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::json;
+use std::fmt::Write;
+use toolroom_analysis::gap::identifiability;
+
+pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
+    let model = nominal(&args.data)?;
+    let records = recorded(&args.data.data, &model, voice)?;
+    let (forward, _) = model.over(&records, args.data.group.as_deref(), |_, _| false);
+    let list = identifiability(forward.as_ref());
+    if voice.json {
+        let rows: Vec<_> = list
+            .iter()
+            .map(|row| {
+                json!({
+                    "id": row.id, "shape": row.shape, "masking": row.masking, "unit": row.unit,
+                    "minimal_detectable": row.minimal_detectable.is_finite().then_some(row.minimal_detectable),
+                    "confused_with": row.confused, "calibration_bias": row.bias,
+                    "separating_test": row.separating_test,
+                })
+            })
+            .collect();
+        return voice.json(&json!({ "schema": 1, "effects": rows }));
+    }
+    let mut text = String::from("least size that these runs would show (score 5), and what it is confused with\n");
+    for row in &list {
+        let name = if row.shape.is_empty() { row.id.to_owned() } else { format!("{} ({})", row.id, row.shape) };
+        let least = if row.minimal_detectable.is_finite() {
+            format!("{:.3} {}", row.minimal_detectable, row.unit)
+        } else {
+            "never".to_owned()
+        };
+        let confused = if row.confused.is_empty() {
+            String::new()
+        } else {
+            format!("; confused with {}", row.confused.join(", "))
+        };
+        let _ = writeln!(text, "  {name:34} {least:>18}{confused}");
+    }
+    voice.data(text.trim_end())
+}

@@ -1,0 +1,53 @@
+//! Diagnosis of shops whose hidden effect, equations and noise no model here knows.
+
+use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_analysis::records::{RecordKind, parse_csv};
+use toolroom_truth::{Case, turning};
+
+fn diagnosed(case: &Case) -> Diagnosis {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/turning.toml");
+    let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
+    let csv = turning::records(case);
+    let (records, _) = parse_csv("truth", csv.as_bytes(), RecordKind::Turning).expect("records of the contract");
+    diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis
+}
+
+#[test]
+fn nothing_hidden_is_blamed_on_nothing() {
+    let diagnosis = diagnosed(&Case::null(1));
+    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn force_that_grows_with_wear_is_named_with_its_size() {
+    let diagnosis = diagnosed(&Case::one("wear_force", 1.0, 5));
+    assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
+    let effect = &diagnosis.effects[0];
+    assert_eq!((effect.id, diagnosis.effects.len()), ("wear_force", 1));
+    assert!(effect.ci90[0] < 0.20 && effect.ci90[1] > 0.20, "{:?}", effect.ci90);
+    assert!(diagnosis.total.closed > 0.0, "{:?}", diagnosis.total);
+}
+
+#[test]
+fn a_cause_outside_the_catalogue_gets_no_name() {
+    let diagnosis = diagnosed(&Case::one("fixture_drag", 1.0, 1));
+    assert_eq!(diagnosis.verdict, GapVerdict::Unknown, "{}", diagnosis.terminal());
+    assert!(diagnosis.effects.is_empty());
+    assert_eq!(
+        (diagnosis.cells[0].channel.as_str(), diagnosis.cells[0].group.as_str()),
+        ("spindle_power", "part_type=P3")
+    );
+}
+
+#[test]
+fn a_channel_in_a_wrong_unit_is_said() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/turning.toml");
+    let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
+    let csv = turning::records(&Case::null(3)).replace("cutting_force [N]", "cutting_force [kN]");
+    let (records, _) = parse_csv("truth", csv.as_bytes(), RecordKind::Turning).expect("records of the contract");
+    let (forward, notes) = model.over(&records, None, |_, _| false);
+    let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    assert!(forward.measured().channels.iter().all(|channel| channel.name != "cutting_force"));
+    assert!(notes.iter().any(|note| note.contains("cutting_force") && note.contains("unit")));
+}
