@@ -74,8 +74,7 @@ impl Compiler {
             .map_err(|error| Failure::Work { message: format!("cargo-zigbuild does not start: {error}") })?;
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr);
-            let last =
-                text.lines().filter(|line| line.starts_with("error")).next_back().unwrap_or("see cargo zigbuild");
+            let last = text.lines().rfind(|line| line.starts_with("error")).unwrap_or("see cargo zigbuild");
             return Err(Failure::Work { message: format!("{target} cannot be compiled for: {last}") });
         }
         // The version of the C library is no part of the folder's name.
