@@ -629,7 +629,7 @@ pub(super) static SCENARIO: Form = Form {
 };
 
 /// Standard deviation of a logarithm, or relative.
-const DEVIATION: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
+const SPREAD: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
 
 /// Priors and sensors of a gap diagnosis.
 pub static GAP: Form = Form {
@@ -641,12 +641,12 @@ pub static GAP: Form = Form {
             Kind::Choice(&["turning", "milling", "infeed", "empirical"]),
             "Process that is diagnosed; that of the first tool, if left out",
         ),
-        Key::default("force", DEVIATION, "0.08", "Force coefficients"),
-        Key::default("temperature", DEVIATION, "0.05", "Temperature coefficients"),
-        Key::default("wear_level", DEVIATION, "0.15", "Level of the wear rate"),
-        Key::default("stiffness", DEVIATION, "0.10", "Stiffnesses of grinding"),
-        Key::default("edge_wear", DEVIATION, "0.25", "Scale of the scatter of wear from edge to edge"),
-        Key::default("edge_force", DEVIATION, "0.02", "Scatter of force from edge to edge"),
+        Key::default("force", SPREAD, "0.08", "Force coefficients"),
+        Key::default("temperature", SPREAD, "0.05", "Temperature coefficients"),
+        Key::default("wear_level", SPREAD, "0.15", "Level of the wear rate"),
+        Key::default("stiffness", SPREAD, "0.10", "Stiffnesses of grinding"),
+        Key::default("edge_wear", SPREAD, "0.25", "Scale of the scatter of wear from edge to edge"),
+        Key::default("edge_force", SPREAD, "0.02", "Scatter of force from edge to edge"),
         Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),
     ],
 };
@@ -656,7 +656,7 @@ static SENSOR: Form = Form {
     doc: "Errors of the sensor of one channel",
     keys: &[
         Key::required("channel", Kind::Name, "Column of the records"),
-        Key::default("relative", DEVIATION, "0", "Standard deviation, relative to the value"),
+        Key::default("relative", SPREAD, "0", "Standard deviation, relative to the value"),
         Key::optional("absolute", Kind::Text, "Standard deviation with its unit, `3 K`"),
         Key::optional("resolution", Kind::Text, "Least step with its unit, `0.01 mm`"),
     ],
