@@ -53,6 +53,7 @@ pub enum Command {
     #[command(before_help = "Examples:
   toolroom compare shop.toml
   toolroom compare shop.toml --until \"half-width 2%\" --replications 1000
+  toolroom compare shop.toml --replications 1000 --resume      goes on after Ctrl-C
   toolroom compare shop.toml --set machine.L.tool_change_time=\"1 min\" --json
   toolroom compare shop.toml -P machine.L.tool_change_time \"1 min\" \"5 min\" \"1 min\"")]
     Compare(CompareArgs),
@@ -61,7 +62,7 @@ pub enum Command {
   toolroom run shop.toml --policy adaptive --out out/adaptive
   toolroom run shop.toml --format csv --replications 3")]
     Run(RunArgs),
-    /// Find, open or print the report of a finished run
+    /// Find or open the report of a finished run; draw it again where it is missing
     #[command(before_help = "Examples:
   toolroom report out/demo
   toolroom report --open out/demo")]
@@ -585,6 +586,12 @@ pub struct StudyArgs {
     /// Replications whose full logs are written
     #[arg(long, value_name = "COUNT")]
     pub logged: Option<u32>,
+    /// Go on with the same study where it was interrupted; refused where anything but threads differs
+    #[arg(long)]
+    pub resume: bool,
+    /// Stop after so many replications as Ctrl-C does
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    pub stop_after: Option<u32>,
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -616,10 +623,16 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub study: StudyArgs,
     /// Repeat the comparison at several values of a key; nothing is written
-    #[arg(short = 'P', num_args = 4, value_names = ["KEY", "LO", "HI", "STEP"], allow_negative_numbers = true)]
+    #[arg(
+        short = 'P',
+        num_args = 4,
+        value_names = ["KEY", "LO", "HI", "STEP"],
+        allow_negative_numbers = true,
+        conflicts_with_all = ["resume", "stop_after"]
+    )]
     pub sweep: Vec<String>,
     /// Write a plan of the replications instead of running them
-    #[arg(long, value_name = "FILE", conflicts_with = "sweep")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["sweep", "resume", "stop_after"])]
     pub plan: Option<PathBuf>,
     /// Number of shards, one a replication if left out
     #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

@@ -121,6 +121,8 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         until: None,
         format: None,
         logged: None,
+        resume: false,
+        stop_after: None,
     };
     let request = Request {
         command: format!("compare {}", plan.file),

@@ -64,7 +64,7 @@ impl Failure {
                     "interrupted: {replications} replication{plural} complete and written to {}",
                     path.display()
                 );
-                self.plain(voice, message, None, 1)
+                self.plain(voice, message, Some("the same command with --resume goes on"), 1)
             }
             Self::Unwritable { path, source } => {
                 let message = format!("{} cannot be written: {source}", path.display());

@@ -4,6 +4,7 @@
 //! Exit code 0: done; 1: the work failed or was interrupted; 2: the input is wrong.
 
 mod args;
+mod asked;
 mod check;
 mod codes;
 mod compare;

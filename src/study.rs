@@ -1,15 +1,18 @@
 //! Running a scenario's policies and writing the results: what run, compare and demo share.
 
-use crate::args::{Changes, LogFormat, StudyArgs};
+use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
+use crate::asked::Asked;
 use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::progress::Bar;
+use crate::report;
+use crate::results::Results;
 use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_analysis::logs::Format;
-use toolroom_analysis::results::{self, RunInfo, record};
+use toolroom_analysis::results::{self, record};
 use toolroom_analysis::statistics;
 use toolroom_analysis::study::{KnownRuns, Precision, StudyOptions};
 use toolroom_analysis::summary::summary;
@@ -40,19 +43,34 @@ pub struct Request<'a> {
 pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     let Request { file, args, .. } = request;
     let scenario = &file.scenario;
-    let options = StudyOptions {
+    let mut options = StudyOptions {
         policies: request.policies.clone(),
         threads: args.threads,
         until: args.until.map(|relative_half_width| Precision { relative_half_width }),
         logged: args.logged.unwrap_or(request.logged),
         known: Arc::clone(&request.known),
+        stop_after: args.stop_after,
         ..StudyOptions::of(scenario)
     };
-    let out = OutputDir::create(args.out.as_deref().unwrap_or(&request.out))?;
+    let target = args.out.as_deref().unwrap_or(&request.out);
+    let asked = Asked::of(request, &options, format(file, args), reproduce(request), inputs(request));
+    if args.resume && target.exists() {
+        let earlier = Results::read(target)?;
+        if earlier.complete() {
+            asked.refuse_another(target, &earlier.run)?;
+            voice.say(format_args!("{} is complete: nothing is left to do", target.display()));
+            return report::run(&ReportArgs { dir: target.to_owned(), open: false }, voice);
+        }
+        let finished = asked.earlier(target, &earlier.run)?;
+        voice.say(format_args!("going on after {} replications", finished.replications));
+        options.earlier = Some(finished);
+    }
+    let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
+    let information = asked.information(command)?;
+    let out = OutputDir::create(target)?;
     let stop = stop::on_interrupt()?;
     let bar = Bar::new(voice);
-    let recorded =
-        record(out.draft(), scenario, &options, format(file, args), &information(request), &|at| bar.at(at), &stop);
+    let recorded = record(out.draft(), scenario, &options, format(file, args), &information, &|at| bar.at(at), &stop);
     bar.finish();
     let recorded = match recorded {
         Ok(recorded) => recorded,
@@ -96,8 +114,8 @@ fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {
     (file.output.logs && args.logged != Some(0)).then_some(format)
 }
 
-fn information(request: &Request<'_>) -> RunInfo {
-    let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
+/// The command line without what does not change the report.
+fn reproduce(request: &Request<'_>) -> String {
     let mut reproduce = format!("toolroom {}", request.command);
     for change in request.changes.overrides() {
         reproduce.push_str(&format!(" --set {}", quoted(&change)));
@@ -108,7 +126,7 @@ fn information(request: &Request<'_>) -> RunInfo {
     if let Some(share) = request.args.until {
         reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
     }
-    RunInfo { version: env!("CARGO_PKG_VERSION").to_owned(), command, reproduce, inputs: inputs(request) }
+    reproduce
 }
 
 /// The scenario file and the files that it names, with their fingerprints.

@@ -47,8 +47,13 @@ fn shipped(name: &str) -> String {
 
 /// A study that takes a fraction of a second.
 fn quick(verb: &str, out: &Path, more: &[&str]) -> Output {
+    quick_of(verb, out, &[&["--replications", "3"], more].concat())
+}
+
+/// The same with a number of replications to name.
+fn quick_of(verb: &str, out: &Path, more: &[&str]) -> Output {
     let (path, out) = (shipped("template"), out.display().to_string());
-    let mut arguments = vec![verb, &path, "--set", "shop.horizon=6 h", "--replications", "3", "--out", &out];
+    let mut arguments = vec![verb, &path, "--set", "shop.horizon=6 h", "--out", &out];
     arguments.extend(["--policy", "constant", "--policy", "best constant"]);
     arguments.extend(more);
     toolroom(&arguments)
@@ -281,6 +286,7 @@ fn compare_prints_the_table_and_leaves_a_complete_directory() {
         "report.html",
         "run.json",
         "states.parquet",
+        "study.json",
         "summary.json",
         "tools.parquet",
         "trace.json",
@@ -392,6 +398,100 @@ fn precision_stops_a_study_early() {
     assert_eq!(result["complete"], true);
     let replications = result["replications"].as_u64().expect("a count");
     assert!((8..400).contains(&replications), "{replications}");
+}
+
+/// Every file of a directory but `run.json`, which tells the time.
+fn bytes(dir: &Path) -> Vec<(String, Vec<u8>)> {
+    let kept = names(dir).into_iter().filter(|name| name != "run.json");
+    kept.map(|name| (name.clone(), fs::read(dir.join(name)).expect("a file"))).collect()
+}
+
+fn assert_same(one: &Path, two: &Path) {
+    let (one, two) = (bytes(one), bytes(two));
+    assert_eq!(
+        one.iter().map(|(name, _)| name).collect::<Vec<_>>(),
+        two.iter().map(|(name, _)| name).collect::<Vec<_>>()
+    );
+    for ((name, one), (_, two)) in one.iter().zip(&two) {
+        assert!(one == two, "{name} differs");
+    }
+}
+
+#[test]
+fn a_stopped_study_goes_on_to_the_same_bytes() {
+    let dir = directory("resume");
+    for (verb, more) in [
+        ("run", &["--replications", "7"][..]),
+        ("run", &["--replications", "7", "--format", "csv"]),
+        ("compare", &["--replications", "19", "--until", "half-width 0.001%"]),
+    ] {
+        let (whole, parts) = (dir.join("whole"), dir.join("parts"));
+        let _ = fs::remove_dir_all(&parts);
+        let ask = |out: &Path, last: &[&str]| quick_of(verb, out, &[more, last].concat());
+        assert_eq!(ask(&whole, &[]).status.code(), Some(0));
+        for stop in ["2", "5"] {
+            let stopped = ask(&parts, &["--stop-after", stop, "--resume"]);
+            assert_eq!(stopped.status.code(), Some(1), "{}", stderr(&stopped));
+            assert!(stderr(&stopped).contains("--resume"), "{}", stderr(&stopped));
+            let run: Value = serde_json::from_slice(&fs::read(parts.join("run.json")).expect("there")).expect("JSON");
+            assert_eq!(run["complete"], false);
+            assert_eq!(run["replications"].to_string(), stop);
+        }
+        let rest = ask(&parts, &["--resume", "--threads", "2"]);
+        assert_eq!(rest.status.code(), Some(0), "{}", stderr(&rest));
+        assert!(stderr(&rest).contains("going on after 5 replications"), "{}", stderr(&rest));
+        assert_same(&whole, &parts);
+        let again = ask(&parts, &["--resume"]);
+        assert_eq!(again.status.code(), Some(0));
+        assert!(stderr(&again).contains("complete"), "{}", stderr(&again));
+    }
+    assert_eq!(names(&dir), ["parts", "whole"], "no draft is left");
+}
+
+#[test]
+fn another_study_does_not_go_on_and_says_what_differs() {
+    let dir = directory("resume_other");
+    let out = dir.join("out");
+    assert_eq!(quick("run", &out, &["--stop-after", "1"]).status.code(), Some(1));
+    let before = bytes(&out);
+    for (verb, more, told) in [
+        ("run", &["--seed", "9"][..], "seed was 1 and is 9"),
+        ("run", &["--format", "csv"], "format was \"parquet\" and is \"csv\""),
+        ("run", &["--logged", "1"], "logged was 3 and is 1"),
+        ("run", &["--until", "half-width 2%"], "until was null and is 0.02"),
+        ("run", &["--policy", "adaptive"], "policies was"),
+        ("run", &["--set", "machine.L.tool_change_time=1 min"], "changes was"),
+        ("compare", &["--logged", "3"], "the command was"),
+    ] {
+        let refused = quick(verb, &out, &[more, &["--resume"]].concat());
+        assert_eq!(refused.status.code(), Some(2), "{more:?}: {}", stderr(&refused));
+        assert!(stderr(&refused).contains(told), "{more:?}: {}", stderr(&refused));
+    }
+    // A finished part that the program does not repeat.
+    let study = fs::read_to_string(out.join("study.json")).expect("there");
+    let number = study.find("[[[").expect("figures") + 3;
+    let end = number + study[number..].find([',', ']']).expect("a list");
+    fs::write(out.join("study.json"), format!("{}12345.5{}", &study[..number], &study[end..])).expect("writable");
+    let refused = quick("run", &out, &["--resume"]);
+    assert!(stderr(&refused).contains("does not repeat"), "{}", stderr(&refused));
+    fs::write(out.join("study.json"), study).expect("writable");
+    assert!(bytes(&out) == before, "a refusal changes nothing");
+    assert_eq!(names(&dir), ["out"], "no draft is left");
+}
+
+#[test]
+fn a_missing_report_is_drawn_again() {
+    let dir = directory("redraw");
+    for (name, more, code) in [("whole", &[][..], 0), ("part", &["--stop-after", "2"], 1)] {
+        let out = dir.join(name);
+        assert_eq!(quick("compare", &out, more).status.code(), Some(code));
+        let before = bytes(&out);
+        fs::remove_file(out.join("report.html")).expect("there");
+        let output = toolroom(&["report", &out.display().to_string()]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).trim().ends_with("report.html"));
+        assert!(bytes(&out) == before, "{name}: the report is the one that was there");
+    }
 }
 
 /// Ctrl-C as the terminal sends it, `seconds` after the start of an endless study.

@@ -62,13 +62,24 @@ pub enum LogError {
         /// What the csv crate said.
         source: csv::Error,
     },
+    /// The table of an earlier run, whose rows were to be taken over.
+    #[error("cannot read {path}: {source}")]
+    Earlier {
+        /// The file.
+        path: PathBuf,
+        /// What polars or the file system said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
 }
 
 impl LogError {
     /// The file.
     pub fn path(&self) -> &Path {
         match self {
-            Self::Create { path, .. } | Self::Parquet { path, .. } | Self::Csv { path, .. } => path,
+            Self::Create { path, .. }
+            | Self::Parquet { path, .. }
+            | Self::Csv { path, .. }
+            | Self::Earlier { path, .. } => path,
         }
     }
 }
@@ -157,6 +168,18 @@ impl LogWriter {
         })
     }
 
+    /// Takes over the rows of the same tables in another directory, before any of its own.
+    ///
+    /// # Errors
+    /// [`LogError::Earlier`], or what the writers say.
+    pub fn take_over(&mut self, earlier: &Path) -> Result<(), LogError> {
+        self.operations.take_over(earlier)?;
+        self.tools.take_over(earlier)?;
+        self.jobs.take_over(earlier)?;
+        self.states.take_over(earlier)?;
+        self.events.take_over(earlier)
+    }
+
     /// Adds the log of one run.
     ///
     /// # Errors
@@ -212,6 +235,22 @@ impl<R> Table<R> {
             }
         };
         Ok(Self { path, columns, sink })
+    }
+
+    fn take_over(&mut self, earlier: &Path) -> Result<(), LogError> {
+        let Some(name) = self.path.file_name() else { return Ok(()) };
+        let path = earlier.join(name);
+        let taken: Result<(), Box<dyn std::error::Error + Send + Sync>> = match &mut self.sink {
+            Sink::Parquet(table) => table.take_over(&path).map_err(Into::into),
+            Sink::Csv(writer) => csv::Reader::from_path(&path).map_err(Into::into).and_then(|mut reader| {
+                let mut record = csv::ByteRecord::new();
+                while reader.read_byte_record(&mut record)? {
+                    writer.write_byte_record(&record)?;
+                }
+                Ok(())
+            }),
+        };
+        taken.map_err(|source| LogError::Earlier { path, source })
     }
 
     fn write(&mut self, names: &Names, policy: usize, replication: u32, rows: &[R]) -> Result<(), LogError> {

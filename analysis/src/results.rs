@@ -7,6 +7,7 @@
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
 //! | `trace.json` | first replication for Perfetto | yes |
 //! | `report.html` | the pictures | yes |
+//! | `study.json` | the figures to the last bit, to go on or draw the report again | yes |
 //! | `run.json` | how it was made, wall time and threads included | no |
 //!
 //! `run.json` is written last: a directory with it is complete.
@@ -14,11 +15,11 @@
 use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::report::report;
-use crate::study::{Progress, Study, StudyError, StudyOptions, run_study};
+use crate::study::{Finished, FinishedError, Progress, Study, StudyError, StudyOptions, run_study};
 use crate::summary::summary;
 use crate::trace;
 use serde_json::{Value, json};
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -37,6 +38,9 @@ pub struct RunInfo {
     pub reproduce: String,
     /// Name and hash of each input, for example by [`fingerprint`].
     pub inputs: Vec<(String, String)>,
+    /// Everything that the results depend on, in the words of whoever asked: kept in `run.json`
+    /// for going on with the study.
+    pub asked: Value,
 }
 
 /// What a study left behind.
@@ -68,15 +72,19 @@ pub enum ResultError {
         /// What the file system said.
         source: io::Error,
     },
+    /// The finished part of a study cannot be read.
+    #[error(transparent)]
+    Finished(#[from] FinishedError),
 }
 
 impl ResultError {
     /// The file that could not be written, if that was the reason.
     pub fn path(&self) -> Option<&Path> {
         match self {
+            Self::Study(StudyError::Log(LogError::Earlier { .. })) | Self::Log(LogError::Earlier { .. }) => None,
             Self::Study(StudyError::Log(error)) | Self::Log(error) => Some(error.path()),
             Self::Write { path, .. } => Some(path),
-            Self::Study(_) => None,
+            Self::Study(_) | Self::Finished(_) => None,
         }
     }
 }
@@ -85,7 +93,8 @@ impl ResultError {
 /// without a `format`.
 ///
 /// After a stop the files hold the replications that were completed, and `run.json` says
-/// `"complete": false`.
+/// `"complete": false`. With what was [`Finished`] in another directory in the options, the study
+/// goes on from there and every file but `run.json` is as if it had never been stopped.
 ///
 /// # Errors
 /// See [`ResultError`]; `run.json` is then missing.
@@ -100,6 +109,9 @@ pub fn record(
 ) -> Result<Recorded, ResultError> {
     let start = Instant::now();
     let mut logs = format.map(|format| LogWriter::create(directory, scenario, format)).transpose()?;
+    if let (Some(logs), Some(earlier)) = (&mut logs, &options.earlier) {
+        logs.take_over(&earlier.directory)?;
+    }
     let study = run_study(scenario, options, logs.as_mut(), progress, stop)?;
     logs.map_or(Ok(()), LogWriter::finish)?;
     let comparison = Comparison::new(scenario, &study);
@@ -110,7 +122,33 @@ pub fn record(
     Ok(Recorded { study, comparison, wall })
 }
 
-/// Writes `summary.json`, `kpi.csv`, `trace.json` and `report.html`.
+/// Draws the `report.html` of a finished study again from its `study.json`; `options` have the
+/// policies and threads. Only the first replication is run again, for its logs.
+///
+/// # Errors
+/// See [`ResultError`]; there is then no new report.
+pub fn redraw(
+    directory: &Path,
+    scenario: &Scenario,
+    options: &StudyOptions,
+    info: &RunInfo,
+) -> Result<(), ResultError> {
+    let earlier = Finished::read(directory)?;
+    let complete = earlier.complete;
+    let options = StudyOptions { replications: earlier.replications, earlier: Some(earlier), ..options.clone() };
+    let mut study = run_study(scenario, &options, None, &|_| {}, &AtomicBool::new(false))?;
+    study.complete = complete;
+    let comparison = Comparison::new(scenario, &study);
+    let report = report(scenario, &study, &comparison, info);
+    in_file(directory, DRAFT, |out| out.write_all(report.html().as_bytes()))?;
+    let path = directory.join("report.html");
+    fs::rename(directory.join(DRAFT), &path).map_err(|source| ResultError::Write { path, source })
+}
+
+/// Name of a report that is not whole yet.
+const DRAFT: &str = "report.html.partial";
+
+/// Writes `study.json`, `summary.json`, `kpi.csv`, `trace.json` and `report.html`.
 pub(crate) fn write_files(
     directory: &Path,
     scenario: &Scenario,
@@ -118,6 +156,7 @@ pub(crate) fn write_files(
     comparison: &Comparison,
     info: &RunInfo,
 ) -> Result<(), ResultError> {
+    in_file(directory, Finished::FILE, |out| Ok(serde_json::to_writer(out, &Finished::of(study))?))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
@@ -194,6 +233,7 @@ fn run_json(scenario: &Scenario, study: &Study, info: &RunInfo, threads: usize, 
         "policies": names,
         "replications": study.replications,
         "complete": study.complete,
+        "asked": info.asked,
         "digest": format!("{:016x}", study.digest),
         "threads": threads,
         "wall_time [s]": wall.as_secs_f64(),

@@ -5,7 +5,12 @@
 //!                                   └─ first replications ──► LogWriter, in order
 //! ```
 //! Replications run in chunks of fixed size, so that neither the results nor the decision to stop
-//! depend on the number of threads, and only the logs of one chunk are in memory.
+//! depend on the number of threads, and only the logs of one chunk are in memory. A study that was
+//! stopped goes on from its [`Finished`] part to the same result.
+
+mod finished;
+
+pub use finished::{Finished, FinishedError};
 
 mod stored;
 
@@ -42,6 +47,10 @@ pub struct StudyOptions {
     pub logged: u32,
     /// Runs made elsewhere, which are not made again unless their log is wanted.
     pub known: Arc<KnownRuns>,
+    /// Stop after so many replications as if the user had stopped it.
+    pub stop_after: Option<u32>,
+    /// What an earlier, stopped run of the same study finished.
+    pub earlier: Option<Finished>,
 }
 
 impl StudyOptions {
@@ -54,6 +63,8 @@ impl StudyOptions {
             until: None,
             logged: 1,
             known: Arc::default(),
+            stop_after: None,
+            earlier: None,
         }
     }
 }
@@ -174,13 +185,24 @@ pub enum StudyError {
     /// A log cannot be written.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// The first replication does not come out as the finished part has it.
+    #[error(
+        "policy `{policy}` does not repeat its first replication: the program, the machine or a file that the \
+         scenario names is not what it was"
+    )]
+    NotRepeated {
+        /// Name of the policy.
+        policy: String,
+    },
 }
 
 /// Runs the policies of a scenario on common random numbers.
 ///
 /// The logs of the first [`logged`](StudyOptions::logged) replications go to `logs` in the order
 /// of replications, then policies. `progress` is called from any thread. When `stop` is set, the
-/// runs in hand are finished and the replications complete for all policies are the result.
+/// runs in hand are finished and the replications complete for all policies are the result. After an
+/// [`earlier`](StudyOptions::earlier) part only the first of its replications is run again, for the
+/// logs and to see that it repeats; `logs` have its rows already.
 ///
 /// # Errors
 /// See [`StudyError`]; of several shops that stopped, the first one in order is reported.
@@ -238,23 +260,28 @@ where
         .map_err(|source| StudyError::Threads { source })?;
     let count = options.policies.len();
     let total = options.replications.saturating_mul(count as u32);
-    let done = AtomicU32::new(0);
+    let before = options.earlier.as_ref().map_or(0, |earlier| earlier.replications);
+    let done = AtomicU32::new(before.saturating_mul(count as u32));
     let lathes = kpi::cell(scenario);
-    let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, ShopError>> {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
-        if let Some(known) = known {
-            progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
-            return Some(Ok(known.run()));
-        }
-        let run = simulate(policy, replication).map(|log| Run {
+    let evaluated = |policy: usize, replication: u32| -> Result<Run, StudyError> {
+        let simulated = simulate(policy, replication).map(|log| Run {
             values: kpi::evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),
         });
+        simulated.map_err(|source| StudyError::Shop {
+            policy: scenario.policies[policy].name.clone(),
+            replication,
+            source: Box::new(source),
+        })
+    };
+    let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, StudyError>> {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
+        let run = known.map_or_else(|| evaluated(policy, replication), |known| Ok(known.run()));
         progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
         Some(run)
     };
@@ -269,10 +296,15 @@ where
         edge_lives: vec![Vec::new(); count],
         values: vec![Vec::new(); count],
     };
+    if let Some(earlier) = &options.earlier {
+        let first =
+            pool.install(|| options.policies.par_iter().map(|&policy| evaluated(policy, 0)).collect::<Vec<_>>());
+        earlier.restore(scenario, first.into_iter().collect::<Result<_, _>>()?, &mut study)?;
+    }
     while study.replications < options.replications {
         let first = study.replications;
-        let chunk = if first < options.logged { LOGGED_CHUNK } else { CHUNK - first % CHUNK };
-        let last = options.replications.min(first.saturating_add(chunk));
+        let end = chunk_end(first, options.logged);
+        let last = options.replications.min(end).min(options.stop_after.unwrap_or(u32::MAX));
         let tasks: Vec<(u32, usize)> = (first..last)
             .flat_map(|replication| options.policies.iter().map(move |&policy| (replication, policy)))
             .collect();
@@ -280,13 +312,8 @@ where
         for replication in first..last {
             let of_replication: Vec<_> = runs.by_ref().take(count).collect();
             let mut finished = Vec::with_capacity(count);
-            for (run, &policy) in of_replication.into_iter().zip(&options.policies) {
-                let Some(run) = run else { continue };
-                finished.push(run.map_err(|source| StudyError::Shop {
-                    policy: scenario.policies[policy].name.clone(),
-                    replication,
-                    source: Box::new(source),
-                })?);
+            for run in of_replication.into_iter().flatten() {
+                finished.push(run?);
             }
             if finished.len() < count {
                 study.complete = false;
@@ -297,11 +324,21 @@ where
             }
             study.replications = replication + 1;
         }
-        if options.until.is_some_and(|precision| study.is_precise(precision)) {
+        if last == end && options.until.is_some_and(|precision| study.is_precise(precision)) {
+            break;
+        }
+        if last < options.replications && options.stop_after.is_some_and(|most| most <= last) {
+            study.complete = false;
             break;
         }
     }
     Ok(study)
+}
+
+/// End of the chunk in which a replication lies, wherever a study was stopped and goes on.
+fn chunk_end(replication: u32, logged: u32) -> u32 {
+    let chunk = if replication / LOGGED_CHUNK < logged.div_ceil(LOGGED_CHUNK) { LOGGED_CHUNK } else { CHUNK };
+    replication.saturating_add(chunk - replication % chunk)
 }
 
 fn check(scenario: &Scenario, options: &StudyOptions) -> Result<(), StudyError> {

@@ -67,6 +67,10 @@ pub enum ChangeReason {
 }
 
 impl ChangeReason {
+    /// All reasons.
+    pub const ALL: [Self; 6] =
+        [Self::Rule, Self::WearLimit, Self::Chipping, Self::ThermalCollapse, Self::Dressing, Self::EndOfRun];
+
     /// Name in files.
     pub fn name(self) -> &'static str {
         match self {

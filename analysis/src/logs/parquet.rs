@@ -2,11 +2,12 @@
 
 use super::columns::{Column, Kind, Row, Value};
 use polars::prelude::{
-    BatchedWriter, DataFrame, DataType, Field, IntoColumn, NamedFrom, NewChunkedArray, ParquetWriter, PlSmallStr,
-    PolarsResult, Schema, Series, StringChunked,
+    BatchedWriter, DataFrame, DataType, Field, IntoColumn, NamedFrom, NewChunkedArray, ParquetReader, ParquetWriter,
+    PlSmallStr, PolarsResult, Schema, SerReader, Series, StringChunked,
 };
 use std::fs::File;
 use std::io::BufWriter;
+use std::path::Path;
 
 /// Rows of a row group; fixed, so that the bytes do not depend on how the rows arrive.
 const BATCH: usize = 1 << 16;
@@ -59,6 +60,30 @@ impl ParquetTable {
             if self.rows == BATCH {
                 self.flush()?;
             }
+        }
+        Ok(())
+    }
+
+    /// Takes over the rows of an earlier table, a row group at a time.
+    pub fn take_over(&mut self, earlier: &Path) -> PolarsResult<()> {
+        for batch in 0.. {
+            let reader = ParquetReader::new(File::open(earlier)?);
+            let frame = reader.with_slice(Some((batch * BATCH, BATCH))).finish()?;
+            for (name, buffer) in self.schema.iter_names().zip(&mut self.buffers) {
+                let column = frame.column(name)?;
+                match buffer {
+                    Buffer::Real(cells) => cells.extend(column.f64()?.iter()),
+                    Buffer::Count(cells) => cells.extend(column.u32()?.iter()),
+                    Buffer::Text(cells) => {
+                        cells.extend(column.str()?.iter().map(|text| PlSmallStr::from_str(text.unwrap_or_default())));
+                    }
+                }
+            }
+            self.rows += frame.height();
+            if self.rows < BATCH {
+                break;
+            }
+            self.flush()?;
         }
         Ok(())
     }

@@ -1,0 +1,122 @@
+//! The finished part of a study, kept to the last bit: what a stopped study goes on from, and what
+//! its report is drawn from again.
+
+use super::{EdgeLife, Run, Study, StudyError};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use toolroom_sim::Scenario;
+use toolroom_sim::runlog::ChangeReason;
+
+/// Figures and edges of every finished replication.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finished {
+    schema: u32,
+    /// Replications that all policies finished.
+    pub replications: u32,
+    /// Whether that is all of them.
+    pub complete: bool,
+    digest: u64,
+    /// By policy and replication; null where it is not defined.
+    values: Vec<Vec<Vec<Option<f64>>>>,
+    edge_lives: Vec<Vec<(f64, String)>>,
+    /// Where it was read, with the log tables of the same replications.
+    #[serde(skip)]
+    pub directory: PathBuf,
+}
+
+/// Why the finished part of a study cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FinishedError {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the file system said.
+        source: io::Error,
+    },
+    /// The file is not what was written.
+    #[error("{path} is not the finished part of a study: {source}")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: serde_json::Error,
+    },
+}
+
+impl Finished {
+    /// Name of its file beside the other results.
+    pub(crate) const FILE: &str = "study.json";
+
+    /// What a study has finished.
+    pub(crate) fn of(study: &Study) -> Self {
+        let defined = |values: &Vec<f64>| values.iter().map(|value| value.is_finite().then_some(*value)).collect();
+        let named = |life: &EdgeLife| (life.cutting_time, life.reason.name().to_owned());
+        Self {
+            schema: 1,
+            replications: study.replications,
+            complete: study.complete,
+            digest: study.digest,
+            values: study.values.iter().map(|policy| policy.iter().map(defined).collect()).collect(),
+            edge_lives: study.edge_lives.iter().map(|lives| lives.iter().map(named).collect()).collect(),
+            directory: PathBuf::new(),
+        }
+    }
+
+    /// Reads what a study left in its directory.
+    ///
+    /// # Errors
+    /// See [`FinishedError`].
+    pub fn read(directory: &Path) -> Result<Self, FinishedError> {
+        let path = directory.join(Self::FILE);
+        let text = fs::read(&path).map_err(|source| FinishedError::Unreadable { path: path.clone(), source })?;
+        let read: Self = serde_json::from_slice(&text).map_err(|source| FinishedError::Damaged { path, source })?;
+        Ok(Self { directory: directory.to_owned(), ..read })
+    }
+
+    /// Takes a study that has run nothing to where this one was. `first` is its first replication,
+    /// run again, which has to come out as it did.
+    pub(super) fn restore(&self, scenario: &Scenario, first: Vec<Run>, study: &mut Study) -> Result<(), StudyError> {
+        let again = |run: &Run, position: usize| {
+            let there = self.values.get(position).and_then(|values| values.first());
+            there.is_some_and(|there| same(there, &run.values))
+                && self.values[position].len() == self.replications as usize
+                && self.values[position].iter().all(|values| values.len() == run.values.len())
+        };
+        for (position, run) in first.into_iter().enumerate() {
+            let lives = self.lives(position).filter(|lives| lives.starts_with(&run.lives) && again(&run, position));
+            let Some(lives) = lives else {
+                let policy = scenario.policies[study.policies[position]].name.clone();
+                return Err(StudyError::NotRepeated { policy });
+            };
+            let numbers = |values: &Vec<Option<f64>>| values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+            study.values[position] = self.values[position].iter().map(numbers).collect();
+            study.edge_lives[position] = lives;
+            study.first_logs.extend(run.log);
+        }
+        study.digest = self.digest;
+        study.replications = self.replications;
+        Ok(())
+    }
+
+    fn lives(&self, position: usize) -> Option<Vec<EdgeLife>> {
+        let reason = |name: &str| ChangeReason::ALL.into_iter().find(|reason| reason.name() == name);
+        let life = |(cutting_time, name): &(f64, String)| {
+            Some(EdgeLife { cutting_time: *cutting_time, reason: reason(name)? })
+        };
+        self.edge_lives.get(position)?.iter().map(life).collect()
+    }
+}
+
+/// To the last bit; what is not defined is equal to what is not defined.
+fn same(there: &[Option<f64>], here: &[f64]) -> bool {
+    there.len() == here.len()
+        && there.iter().zip(here).all(|(there, here)| match there {
+            Some(there) => there.to_bits() == here.to_bits(),
+            None => !here.is_finite(),
+        })
+}
