@@ -1,5 +1,8 @@
 //! The command line as clap reads it.
 
+// Doc comments are help texts here: `time [s]` is a column, not a link.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 mod planning;
 
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};

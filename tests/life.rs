@@ -91,6 +91,7 @@ fn measured_lives_give_the_published_law() {
 }
 
 #[test]
+#[allow(clippy::print_stderr)] // a test that is left out says so
 fn public_wear_data_give_their_known_numbers() {
     let data = std::env::var_os("TOOLROOM_DATA")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);

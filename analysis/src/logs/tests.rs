@@ -119,3 +119,34 @@ fn an_unwritable_folder_is_named() {
         Ok(_) => panic!("wrote into a folder that does not exist"),
     }
 }
+
+#[test]
+fn rows_taken_over_give_the_bytes_of_rows_written() {
+    let scenario = fixture::scenario();
+    let mut long = fixture::log();
+    // More rows than a row group of Parquet has.
+    long.events = fixture::log().events.into_iter().cycle().take(70_000).collect();
+    for format in [Format::Parquet, Format::Csv] {
+        let folder = |name: &str| Folder::new(&format!("{name}-{}", format.extension()));
+        let (whole, part, rest) = (folder("whole"), folder("part"), folder("rest"));
+        let writer = |folder: &Folder| LogWriter::create(&folder.0, &scenario, format).expect("files");
+        let (mut one, mut two, mut three) = (writer(&whole), writer(&part), writer(&rest));
+        one.write(0, 0, &long).expect("rows");
+        one.write(1, 0, &long).expect("rows");
+        one.finish().expect("a footer");
+        two.write(0, 0, &long).expect("rows");
+        two.finish().expect("a footer");
+        three.take_over(&part.0).expect("rows");
+        three.write(1, 0, &long).expect("rows");
+        three.finish().expect("a footer");
+        for table in ["operations", "tools", "jobs", "states", "events"] {
+            let bytes = |folder: &Folder| {
+                std::fs::read(folder.0.join(table).with_extension(format.extension())).expect("a table")
+            };
+            assert!(bytes(&whole) == bytes(&rest), "{table}");
+        }
+        let mut lost = writer(&rest);
+        let missing = lost.take_over(Path::new("/nonexistent"));
+        assert!(matches!(missing, Err(LogError::Earlier { .. })));
+    }
+}

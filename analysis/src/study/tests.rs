@@ -102,3 +102,34 @@ fn impossible_requests_are_refused() {
     let missing = run(StudyOptions { policies: vec![0, 7], ..options(1, 1) });
     assert!(matches!(missing, Err(StudyError::UnknownPolicy { policy: 7, count: 2 })));
 }
+
+#[test]
+fn a_study_goes_on_from_what_it_finished_to_the_same_result() {
+    let precise = StudyOptions { until: Some(Precision { relative_half_width: 0.02 }), logged: 3, ..options(100, 2) };
+    for whole in [StudyOptions { until: None, ..options(37, 2) }, precise] {
+        let expected = study(&whole);
+        for stop in [1, 4, 7, 11] {
+            let part = study(&StudyOptions { stop_after: Some(stop), ..whole.clone() });
+            assert_eq!((part.replications, part.complete), (stop, false));
+            let text = serde_json::to_string(&Finished::of(&part)).expect("JSON");
+            let earlier = Some(serde_json::from_str(&text).expect("JSON"));
+            let rest = study(&StudyOptions { earlier, ..whole.clone() });
+            assert_eq!((rest.replications, rest.digest), (expected.replications, expected.digest), "after {stop}");
+            assert!(rest.complete);
+            assert_eq!(format!("{:?}", rest.values), format!("{:?}", expected.values));
+            assert_eq!(rest.edge_lives, expected.edge_lives);
+            assert_eq!(format!("{:?}", rest.first_logs), format!("{:?}", expected.first_logs));
+        }
+    }
+}
+
+#[test]
+fn a_finished_part_that_is_not_repeated_is_refused() {
+    let part = study(&StudyOptions { stop_after: Some(3), ..options(9, 1) });
+    let earlier = Some(Finished::of(&part));
+    let another = |policy, replication: u32| simulate(policy, replication + 1);
+    let going_on = StudyOptions { earlier, ..options(9, 1) };
+    let stop = AtomicBool::new(false);
+    let refused = study_with(&fixture::scenario(), &going_on, None, &|_| {}, &stop, &another);
+    assert!(matches!(refused, Err(StudyError::NotRepeated { .. })));
+}
