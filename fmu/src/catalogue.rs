@@ -17,6 +17,7 @@ pub struct Entry {
     pub name: &'static str,
     /// Whether Model Exchange is offered.
     pub continuous: bool,
+    identifier: &'static str,
     token: fn() -> u128,
     known_token: OnceLock<u128>,
     describe: fn() -> Description,
@@ -29,6 +30,7 @@ impl Entry {
         Self {
             name,
             continuous: U::CONTINUOUS,
+            identifier: U::IDENTIFIER,
             token: description::token::<U>,
             known_token: OnceLock::new(),
             describe: Description::of::<U>,
@@ -69,6 +71,12 @@ static ENTRIES: [Entry; 3] =
 /// ```
 pub fn units() -> impl Iterator<Item = &'static Entry> {
     ENTRIES.iter()
+}
+
+/// Token of a unit, worked out once in a program where the unit is shipped.
+pub(crate) fn token<U: Unit>() -> u128 {
+    let entry = units().find(|entry| entry.identifier == U::IDENTIFIER);
+    entry.map_or_else(description::token::<U>, |entry| *entry.known_token.get_or_init(entry.token))
 }
 
 /// The unit with this instantiation token.

@@ -176,7 +176,13 @@ impl Messages {
     /// Turns a status, the same number in both versions, into a result.
     fn judge(&self, function: &'static str, status: u32) -> Result<(), CallError> {
         match status {
-            0 | 1 => Ok(()),
+            0 | 1 => {
+                // What was said on the way is of no interest any more.
+                if let Ok(mut kept) = self.0.lock() {
+                    kept.clear();
+                }
+                Ok(())
+            }
             2 => Err(self.error(function, "discard")),
             3 => Err(self.error(function, "error")),
             FATAL => Err(self.error(function, "fatal")),

@@ -10,8 +10,8 @@
 //! | 4 | CRC-32 of everything before |
 
 use super::{Core, Discrete, MOST};
+use crate::catalogue::token;
 use crate::configured::Configured;
-use crate::description::token;
 use crate::fault::Fault;
 use crate::mode::Mode;
 use crate::unit::Unit;

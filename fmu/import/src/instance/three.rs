@@ -72,7 +72,7 @@ impl Three {
                 unit.token.as_ptr(),
                 unit.resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr()),
                 false,
-                false,
+                true, // its words are wanted where it refuses
                 false,
                 false,
                 std::ptr::null(),

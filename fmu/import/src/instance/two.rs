@@ -81,7 +81,7 @@ impl Two {
                 unit.resources.as_ref().map_or(std::ptr::null(), |uri| uri.as_ptr()),
                 std::ptr::from_ref(two._callbacks.as_ref()),
                 0,
-                0,
+                1, // its words are wanted where it refuses
             )
         };
         if two.component.is_null() { Err(two.messages.error("fmi2Instantiate", "no instance")) } else { Ok(two) }
