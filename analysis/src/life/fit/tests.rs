@@ -207,7 +207,6 @@ fn intervals_hold_the_truth_about_as_often_as_they_say() {
 }
 
 #[test]
-#[ignore = "half a minute in the development profile: 2000 samples of every law"]
 fn full_coverage() {
     for truth in TRUTHS {
         for censored in [0.0, 0.4] {
