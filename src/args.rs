@@ -3,8 +3,10 @@
 // Doc comments are help texts here: `time [s]` is a column, not a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod import;
 mod planning;
 
+pub use import::{ImportCommand, MtconnectArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
 
 use clap::{Args, Parser, Subcommand};
@@ -158,6 +160,9 @@ pub enum Command {
     /// Where a nominal model and measured records differ, which effect is missing, how far the gap shrinks
     #[command(subcommand)]
     Gap(GapCommand),
+    /// Measured data of others as records
+    #[command(subcommand)]
+    Import(ImportCommand),
     /// Explain the code of an error
     #[command(before_help = "Examples:
   toolroom explain quantity

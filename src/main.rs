@@ -21,6 +21,7 @@ mod fmu;
 mod gap;
 mod grind;
 mod identify;
+mod import;
 mod life;
 mod lobes;
 mod merge;
@@ -79,6 +80,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Fmu(command) => fmu::run(&command, voice),
         Command::Schema => schema::run(voice),
         Command::Gap(command) => gap::run(&command, voice),
+        Command::Import(command) => import::run(&command, voice),
         Command::Explain(args) => explain::run(&args, voice),
         Command::Completions(args) => completions::run(&args, voice),
     }

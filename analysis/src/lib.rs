@@ -22,6 +22,7 @@
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
 //! | [`chart`] | pictures as SVG text: plots, bars, Gantt charts, heat maps, waterfalls |
+//! | [`mtconnect`] | logs of machines that speak MTConnect, as records |
 //! | [`records`] | measured records: CSV and Parquet in any unit, with a report of what was read |
 //! | [`page`] | the report, one HTML file that needs no script and no network |
 //!
@@ -53,6 +54,7 @@ pub mod gap;
 pub mod kpi;
 pub mod life;
 pub mod logs;
+pub mod mtconnect;
 pub mod page;
 pub mod records;
 pub mod report;

@@ -149,7 +149,11 @@ const SHOP: &[RecordColumn] = &[
     text("program"),
     text("operation_id"),
     text("tool_id"),
+    condition("block", "1", "1", 1e9),
     condition("feed_override", "1", "%", 300.0),
+    condition("rapid_override", "1", "%", 300.0),
+    condition("spindle_override", "1", "%", 300.0),
+    condition("part_count", "1", "1", 1e9),
 ];
 
 /// Columns that every table of an empirical model may have.

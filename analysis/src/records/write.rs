@@ -28,7 +28,7 @@ pub fn write_csv(records: &Records, to: impl Write) -> Result<(), csv::Error> {
     Ok(())
 }
 
-/// Nine significant digits: more than any sensor has, and 60 m/min stays 60.
+/// Twelve significant digits: milliseconds in a year, and 60 m/min stays 60.
 fn digits(value: f64) -> String {
-    format!("{value:.8e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
+    format!("{value:.11e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
 }

@@ -1,0 +1,110 @@
+//! `toolroom import mtconnect`.
+
+use crate::args::MtconnectArgs;
+use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
+use crate::speak::Voice;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::fs;
+use std::time::Instant;
+use toolroom_analysis::mtconnect::{Lines, Passed, Role, Session, events, parse_shdr, sessions};
+use toolroom_analysis::records::write_csv;
+
+pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
+    let start = Instant::now();
+    let chosen: Vec<(Role, String)> = args.key.iter().map(|text| role(text)).collect::<Result<_, _>>()?;
+    let mut inputs: Vec<(String, Vec<u8>)> = Vec::new();
+    let mut all: Vec<Session> = Vec::new();
+    for file in &args.files {
+        let name = file.display().to_string();
+        let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+        let lines = parse_shdr(&String::from_utf8_lossy(&bytes));
+        if lines.entries.is_empty() {
+            let message = format!("{name}: no line of {} is time|key|value", lines.count);
+            return Err(Failure::argument(message, "give logs of an adapter in the SHDR format"));
+        }
+        let own = sessions(&args.machine, &lines, &chosen);
+        voice.say(report(&name, &lines, &own));
+        all.extend(own);
+        inputs.push((name, bytes));
+    }
+    if all.iter().all(|session| !session.keys.contains_key(&Role::Execution)) {
+        let keys: Vec<&str> = all.iter().flat_map(Session::unused).take(12).collect();
+        let message = format!("no key tells the execution state; keys are {}, …", keys.join(", "));
+        return Err(Failure::argument(message, "name it with --key execution=KEY"));
+    }
+    let records = events(&all);
+    let out = OutputDir::create(&args.out)?;
+    let mut csv = Vec::new();
+    write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+    out.put("events.csv", &String::from_utf8_lossy(&csv))?;
+    let inputs: Vec<(String, &[u8])> = inputs.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
+    let options = ["--machine".to_owned(), args.machine.clone()];
+    let keys = args.key.iter().flat_map(|text| ["--key".to_owned(), text.clone()]);
+    out.record(&provenance("import mtconnect", &inputs, options.into_iter().chain(keys), None), start.elapsed())?;
+    let target = out.publish()?;
+    let summary = json!({
+        "schema": 1, "events": records.len(), "sessions": all.len(), "out": target.display().to_string(),
+    });
+    if voice.json {
+        return voice.json(&summary);
+    }
+    voice.data(format_args!(
+        "{} events of {} sessions in {}",
+        records.len(),
+        all.len(),
+        target.join("events.csv").display()
+    ))
+}
+
+/// `ROLE=KEY` of the command line.
+fn role(text: &str) -> Result<(Role, String), Failure> {
+    let names = || Role::ALL.map(|(_, name)| name).join(", ");
+    let (word, key) = text.split_once('=').unwrap_or((text, ""));
+    match Role::named(word) {
+        Some(role) if !key.is_empty() => Ok((role, key.to_owned())),
+        Some(_) => Err(Failure::argument(format!("--key {text} names no key"), "write --key ROLE=KEY")),
+        None => Err(Failure::argument(format!("--key {text}: no role `{word}`"), format!("roles are {}", names()))),
+    }
+}
+
+/// What was read of a log, what was passed over and why.
+fn report(name: &str, lines: &Lines, sessions: &[Session]) -> String {
+    let mut text =
+        format!("{name}: {} lines, {} values, {} sessions", lines.count, lines.entries.len(), sessions.len());
+    let mut passed: BTreeMap<Passed, (usize, usize)> = BTreeMap::new();
+    for (line, why) in &lines.passed {
+        passed.entry(*why).or_insert((0, *line)).0 += 1;
+    }
+    for (why, (count, first)) in passed {
+        text += &format!("\n  {count} lines: {} (first: line {first})", why.reason());
+    }
+    let mut keys: BTreeMap<Role, &str> = BTreeMap::new();
+    let mut unused: Vec<&str> = Vec::new();
+    for session in sessions {
+        keys.extend(session.keys.iter().map(|(role, key)| (*role, key.as_str())));
+        unused.extend(session.unused());
+        let (start, end) = session.span();
+        let order = if session.disordered > 0 {
+            format!(", {} values put into order", session.disordered)
+        } else {
+            String::new()
+        };
+        text += &format!(
+            "\n  session from line {}: {:.1} s, {} values{order}",
+            session.line,
+            end - start,
+            session.entries.len()
+        );
+    }
+    let word = |role: &Role| Role::ALL.iter().find(|(each, _)| each == role).map_or("", |(_, name)| name);
+    let pairs: Vec<String> = keys.iter().map(|(role, key)| format!("{} = {key}", word(role))).collect();
+    text += &format!("\n  {}", pairs.join(", "));
+    unused.sort_unstable();
+    unused.dedup();
+    if !unused.is_empty() {
+        text += &format!("\n  not used: {}", unused.join(", "));
+    }
+    text
+}
