@@ -48,6 +48,6 @@ fn a_channel_in_a_wrong_unit_is_said() {
     let (forward, notes) = model.over(&records, None, |_, _| false);
     let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
-    assert!(forward.measured().channels.iter().all(|channel| channel.name != "cutting_force"));
+    assert!(forward.frame().measured.channels.iter().all(|channel| channel.name != "cutting_force"));
     assert!(notes.iter().any(|note| note.contains("cutting_force") && note.contains("unit")));
 }

@@ -32,7 +32,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let (forward, notes) = model.over(&records, group, |index, name| {
         outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
     });
-    if forward.measured().is_empty() {
+    if forward.frame().measured.is_empty() {
         let message = "no channel that the model predicts is recorded".to_owned();
         return Err(Failure::argument(message, "`toolroom gap` compares forces, wear, power, temperature, stock, …"));
     }

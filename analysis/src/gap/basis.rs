@@ -27,7 +27,7 @@ impl Basis {
     /// Noise from what a saturated model leaves: nuisance, all candidates, all generic signatures.
     /// `at` is the fit around which it is built.
     pub fn new(model: &dyn Forward, at: &Fit, before: &Self) -> Self {
-        let measured = model.measured();
+        let measured = &model.frame().measured;
         let linear = &at.linear;
         let dictionary = generic::dictionary(model, linear);
         let columns: Vec<&[f64]> = linear
@@ -73,9 +73,9 @@ impl Basis {
     /// The sensor sheet and the priors as they stand.
     pub fn of_sheet(model: &dyn Forward) -> Self {
         Self {
-            noise: Noise::of_sheet(model.measured()),
-            local_scale: vec![1.0; model.locals().len()],
-            floor: vec![0.0; model.measured().len()],
+            noise: Noise::of_sheet(&model.frame().measured),
+            local_scale: vec![1.0; model.frame().locals.len()],
+            floor: vec![0.0; model.frame().measured.len()],
             nominal: Linear::new(model, warm(model)),
         }
     }
@@ -92,11 +92,11 @@ const WARMING: usize = 5;
 /// The nominal point with the wear factor of every edge near what its last reading says.
 fn warm(model: &dyn Forward) -> Point {
     let mut point = Point::nominal(model);
-    let measured = model.measured();
-    let kind = model.locals().iter().position(|local| local.estimated);
+    let measured = &model.frame().measured;
+    let kind = model.frame().locals.iter().position(|local| local.estimated);
     let wear = measured.channels.iter().position(|channel| channel.name == "flank_wear");
     let (Some(kind), Some(wear)) = (kind, wear) else { return point };
-    let deviation = model.locals()[kind].deviation;
+    let deviation = model.frame().locals[kind].deviation;
     for _ in 0..WARMING {
         let raw = model.simulate(&point);
         for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {
@@ -113,11 +113,11 @@ fn warm(model: &dyn Forward) -> Point {
 
 /// Scatter of the estimated local factors, by the evidence of a model with all candidates.
 fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]) -> Vec<f64> {
-    let measured = model.measured();
-    let mut scale = vec![1.0; model.locals().len()];
+    let measured = &model.frame().measured;
+    let mut scale = vec![1.0; model.frame().locals.len()];
     let columns: Vec<&[f64]> = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice).collect();
     let at: Vec<usize> = (0..columns.len()).collect();
-    for kind in (0..scale.len()).filter(|kind| model.locals()[*kind].estimated) {
+    for kind in (0..scale.len()).filter(|kind| model.frame().locals[*kind].estimated) {
         let weight = |factor: f64| {
             let mut trial = scale.clone();
             trial[kind] = factor;
@@ -133,7 +133,7 @@ fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]
 
 /// Takes the local factors that fit best out of `left`.
 fn remove_locals(model: &dyn Forward, linear: &Linear, noise: &Noise, local_scale: &[f64], left: &mut [f64]) {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     if linear.locals.is_empty() {
         return;
     }

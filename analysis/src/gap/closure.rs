@@ -15,11 +15,12 @@ const RESAMPLES: usize = 400;
 /// has not seen it, and its own factors are unknown. The form allowance protects the attribution
 /// only: it is no part of the model that is scored.
 pub fn held_out_residuals(model: &dyn Forward, trial: &Trial, folds: &[Vec<usize>]) -> Vec<f64> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let linear = &trial.fit.linear;
     let nuisance = linear.nuisance.len();
-    let parameters = model.parameters().iter().map(|parameter| parameter.allowance);
-    let allowance: Vec<bool> = parameters.chain(model.surfaces().iter().map(|surface| surface.allowance)).collect();
+    let parameters = model.frame().parameters.iter().map(|parameter| parameter.allowance);
+    let allowance: Vec<bool> =
+        parameters.chain(model.frame().surfaces.iter().map(|surface| surface.allowance)).collect();
     let mut at = columns(&trial.fit, &trial.fit.active);
     at.retain(|i| *i >= nuisance || !allowance[*i]);
     let solutions = left_out_solutions(&trial.gram, folds, &at, nuisance);
@@ -57,7 +58,7 @@ pub fn closures(
     touched: &[&str],
     seed: u64,
 ) -> (Closure, Vec<(&'static str, Closure)>) {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let sums = |channel: Option<usize>| {
         let counts = |i: usize| match channel {
             Some(channel) => measured.observations[i].channel == channel,

@@ -3,7 +3,7 @@
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::{Candidate, Channel, Covariate, Forward, Local, Measured, Parameter, Point, Sensor, Surface, Transform};
+use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Sensor, Surface, Transform};
 use crate::records::Records;
 use rayon::prelude::*;
 use toolroom_cutting::{Milling, Turning};
@@ -71,7 +71,7 @@ struct Ports {
 /// A cutting process over the rows of [`Records`].
 pub struct Cutting<P: Nominal> {
     process: P,
-    measured: Measured,
+    frame: Frame,
     /// Nominal input of each row.
     inputs: Vec<P::Input>,
     durations: Vec<f64>,
@@ -81,13 +81,8 @@ pub struct Cutting<P: Nominal> {
     nodes: Vec<Vec<f64>>,
     /// Output of each channel; wear and cycle time have none.
     outputs: Vec<Source>,
-    parameters: Vec<Parameter>,
     changes: Vec<Change>,
-    surfaces: Vec<Surface>,
-    locals: Vec<Local>,
-    candidates: Vec<Candidate>,
     actions: Vec<Action>,
-    covariates: Vec<Covariate>,
     ports: Ports,
 }
 
@@ -136,41 +131,41 @@ impl<P: Nominal> Cutting<P> {
         };
         let measured = Measured::new(channels::<P>(records, settings), names, group_of_row, fitted);
         let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let locals = vec![
+            Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true },
+            Local { name: "force of the edge", deviation: settings.edge_force, estimated: false },
+        ];
         let mut model = Self {
             process,
-            measured,
+            frame: Frame { locals, ..Frame::new(measured) },
             inputs,
             durations,
             rows,
             nodes: Vec::new(),
             outputs,
-            parameters: Vec::new(),
             changes: Vec::new(),
-            surfaces: Vec::new(),
-            locals: vec![
-                Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true },
-                Local { name: "force of the edge", deviation: settings.edge_force, estimated: false },
-            ],
-            candidates: Vec::new(),
             actions: Vec::new(),
-            covariates: Vec::new(),
             ports,
         };
         model.calibration(records, settings);
         let wear = model.schedule();
         model.allowance(records, &wear);
-        let groups = &model.measured.group_of_row;
-        model.covariates = features::covariates(records, groups, P::CONDITIONS, Some(&wear));
-        let context =
-            cutting_effects::Seen { records, groups, durations: &model.durations, channels: &model.measured.channels };
+        let groups = &model.frame.measured.group_of_row;
+        model.frame.covariates = features::covariates(records, groups, P::CONDITIONS, Some(&wear));
+        let context = cutting_effects::Seen {
+            records,
+            groups,
+            durations: &model.durations,
+            channels: &model.frame.measured.channels,
+        };
         let (candidates, actions) = cutting_effects::candidates(P::NAME, &context).into_iter().unzip();
-        model.candidates = candidates;
+        model.frame.candidates = candidates;
         model.actions = actions;
         model
     }
 
     fn parameter(&mut self, name: impl Into<String>, deviation: f64, allowance: bool, change: Change) {
-        self.parameters.push(Parameter { name: name.into(), deviation, allowance });
+        self.frame.parameters.push(Parameter { name: name.into(), deviation, allowance });
         self.changes.push(change);
     }
 
@@ -280,7 +275,7 @@ impl<P: Nominal> Cutting<P> {
 
     fn allowance(&mut self, records: &Records, wear: &[f64]) {
         let find = |names: &[&str]| -> Vec<usize> {
-            let channels = self.measured.channels.iter().enumerate();
+            let channels = self.frame.measured.channels.iter().enumerate();
             channels.filter(|(_, channel)| names.contains(&channel.name)).map(|(i, _)| i).collect()
         };
         let mut surfaces = Vec::new();
@@ -321,21 +316,21 @@ impl<P: Nominal> Cutting<P> {
         add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, true, true);
         for (_, machine, feature) in features::indicators(records, &["machine"]) {
             let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
-            for (i, channel) in self.measured.channels.iter().enumerate() {
+            for (i, channel) in self.frame.measured.channels.iter().enumerate() {
                 if matches!(channel.transform, Transform::Log) || channel.name == "temperature" {
                     let name = format!("gain of {}, machine {machine}", channel.name);
                     add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, false, false);
                 }
             }
         }
-        self.surfaces = surfaces;
+        self.frame.surfaces = surfaces;
     }
 
     /// The process of a point: constants and effects of all rows.
     fn process_at(&self, at: &Point) -> P {
         let mut process = self.process.clone();
         let mut effects: Vec<Effect> = Vec::new();
-        for ((action, size), candidate) in self.actions.iter().zip(&at.effects).zip(&self.candidates) {
+        for ((action, size), candidate) in self.actions.iter().zip(&at.effects).zip(&self.frame.candidates) {
             if *size == 0.0 {
                 continue;
             }
@@ -363,7 +358,7 @@ impl<P: Nominal> Cutting<P> {
                 process = process.with_effects(effects);
             }
         }
-        for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.parameters) {
+        for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
             let Change::Constant { group, name } = change else { continue };
             if *x == 0.0 {
                 continue;
@@ -386,14 +381,14 @@ impl<P: Nominal> Cutting<P> {
             .changes
             .iter()
             .zip(&at.parameters)
-            .zip(&self.parameters)
+            .zip(&self.frame.parameters)
             .filter_map(|((change, x), parameter)| match change {
                 Change::WearOfLand(function) if *x != 0.0 => Some((parameter.deviation * x, *function)),
                 _ => None,
             })
             .collect();
         let land = P::State::index_of("flank_wear").unwrap_or(0);
-        let local = |kind: usize| at.locals[kind][group] * self.locals[kind].deviation;
+        let local = |kind: usize| at.locals[kind][group] * self.frame.locals[kind].deviation;
         let mut x = process.initial();
         let mut y = vec![0.0; P::Output::LEN];
         let lagged = P::LAGGED.and_then(P::State::index_of);
@@ -413,7 +408,7 @@ impl<P: Nominal> Cutting<P> {
                 u.set(port, self.durations[*row]);
             }
             let mut wear = local(0);
-            for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.parameters) {
+            for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
                 wear += parameter.deviation
                     * x
                     * match change {
@@ -515,33 +510,18 @@ fn inputs<P: Nominal>(records: &Records) -> Vec<P::Input> {
 }
 
 impl<P: Nominal> Forward for Cutting<P> {
-    fn measured(&self) -> &Measured {
-        &self.measured
-    }
-    fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-    fn surfaces(&self) -> &[Surface] {
-        &self.surfaces
-    }
-    fn locals(&self) -> &[Local] {
-        &self.locals
-    }
-    fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-    fn covariates(&self) -> &[Covariate] {
-        &self.covariates
+    fn frame(&self) -> &Frame {
+        &self.frame
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let process = self.process_at(at);
-        let channels = self.measured.channels.len();
+        let channels = self.frame.measured.channels.len();
         let of_group = |group: usize| {
             let mut raw = vec![vec![0.0; self.rows[group].len()]; channels];
             self.simulate_group(&process, at, group, &mut raw);
             let place: std::collections::BTreeMap<usize, usize> =
                 self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
-            let span = &self.measured.observations[self.measured.spans[group].clone()];
+            let span = &self.frame.measured.observations[self.frame.measured.spans[group].clone()];
             span.iter().map(|observation| raw[observation.channel][place[&observation.row]]).collect::<Vec<f64>>()
         };
         let parts: Vec<Vec<f64>> = (0..self.rows.len()).into_par_iter().map(of_group).collect();
@@ -550,7 +530,7 @@ impl<P: Nominal> Forward for Cutting<P> {
             if let Action::Reading { channel, column } = action
                 && *size != 0.0
             {
-                for (raw, observation) in raw.iter_mut().zip(&self.measured.observations) {
+                for (raw, observation) in raw.iter_mut().zip(&self.frame.measured.observations) {
                     if observation.channel == *channel {
                         *raw += size * column[observation.row];
                     }

@@ -77,12 +77,12 @@ impl Decision {
     pub fn class(&self, model: &dyn Forward, candidate: usize) -> Vec<(&'static str, String)> {
         let own = self.singles.iter().find(|single| single.candidate == candidate);
         let Some(own) = own else { return Vec::new() };
-        let id = model.candidates()[candidate].id;
+        let id = model.frame().candidates[candidate].id;
         let cosine = self.base.scores().cosine;
         let own_gain = gain(&own.evidence, &self.base.evidence);
         let mut class: Vec<(&'static str, String)> = Vec::new();
         for other in &self.singles {
-            let other_id = model.candidates()[other.candidate].id;
+            let other_id = model.frame().candidates[other.candidate].id;
             if other_id == id || class.iter().any(|(known, _)| *known == other_id) {
                 continue;
             }
@@ -113,13 +113,13 @@ fn price(candidates: usize, effects: usize) -> f64 {
 
 /// Chooses a model and says why.
 pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Trial, seed: u64) -> Decision {
-    let count = model.candidates().len();
+    let count = model.frame().candidates.len();
     let scores = base.scores();
     let before = remainder(model, basis, folds, &base, seed);
     let mut singles: Vec<Single> = (0..count)
         .map(|candidate| Single {
             candidate,
-            id: model.candidates()[candidate].id,
+            id: model.frame().candidates[candidate].id,
             score: scores.score[candidate],
             evidence: base.with(folds, candidate),
             trial: None,
@@ -129,7 +129,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
     let mut trials: Vec<Trial> = Vec::new();
     let mut refitted: Vec<&'static str> = Vec::new();
     for single in &mut singles {
-        let id = model.candidates()[single.candidate].id;
+        let id = model.frame().candidates[single.candidate].id;
         if trials.len() == REFITTED || single.score < 2.0 {
             break;
         }
@@ -164,7 +164,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
 
 /// Adds the best second effect to each of the best singles.
 fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision) {
-    let count = model.candidates().len();
+    let count = model.frame().candidates.len();
     let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
     let mut tried: Vec<Vec<usize>> = Vec::new();
     for first in best {
@@ -173,9 +173,9 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
             continue;
         }
         let scores = single.scores();
-        let own = model.candidates()[single.fit.active[0]].id;
+        let own = model.frame().candidates[single.fit.active[0]].id;
         let second = (0..count)
-            .filter(|other| model.candidates()[*other].id != own && scores.score[*other] > 2.5)
+            .filter(|other| model.frame().candidates[*other].id != own && scores.score[*other] > 2.5)
             .map(|other| (other, single.with(folds, other)))
             .filter(|(_, evidence)| evidence.admissible)
             .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
@@ -202,7 +202,7 @@ fn credible(model: &dyn Forward, decision: &Decision, trial: &Trial) -> bool {
         .filter_map(|index| decision.singles.iter().find(|single| single.candidate == *index))
         .map(|single| 0.5 * single.score * single.score)
         .sum();
-    decision.gain_of(trial, model.candidates().len()) < PROMISED * promised + SLACK
+    decision.gain_of(trial, model.frame().candidates.len()) < PROMISED * promised + SLACK
 }
 
 /// Whether the groups agree on every effect of a trial.
@@ -212,7 +212,7 @@ fn agreed(model: &dyn Forward, folds: &[Vec<usize>], trial: &Trial) -> bool {
 }
 
 fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
-    let count = model.candidates().len();
+    let count = model.frame().candidates.len();
     let best_of = |decision: &Decision, effects: usize| {
         (0..decision.trials.len())
             .filter(|i| decision.trials[*i].fit.active.len() == effects && decision.trials[*i].evidence.admissible)
@@ -229,7 +229,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
             chosen = Some(pair);
         }
     }
-    let groups = model.measured().fitted_groups().count();
+    let groups = model.frame().measured.fitted_groups().count();
     let strongest = decision.before.strongest;
     let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
     let generic_gain = gain(&decision.before.evidence, &decision.base.evidence);

@@ -52,7 +52,7 @@ pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     };
     let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale);
     let spread = Trial::of(model, &basis, &[], refit.clone());
-    let folds = folds(&spread.gram, &model.measured().fitted);
+    let folds = folds(&spread.gram, &model.frame().measured.fitted);
     let base = Trial::of(model, &basis, &folds, refit);
     let mut decision = decide(model, &basis, &folds, base, seed);
     for _ in 0..RESTARTS {
@@ -61,13 +61,13 @@ pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     }
     let base_left = held_out_residuals(model, &decision.base, &folds);
     let chosen_left = held_out_residuals(model, decision.model(), &folds);
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let outside: Vec<usize> = (0..measured.groups.len())
         .filter(|group| !measured.fitted[*group] && !measured.spans[*group].is_empty())
         .collect();
     let scored = if outside.is_empty() { measured.fitted_groups().collect() } else { outside };
     let active = &decision.model().fit.active;
-    let rows = active.iter().filter_map(|index| entry(model.candidates()[*index].id));
+    let rows = active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
     let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect();
     let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
     let named = named(model, &decision, &folds);
@@ -120,14 +120,14 @@ fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<
     let between = trial.jackknife(folds);
     let probabilities = inclusion(model, decision);
     let scores = decision.base.scores();
-    let value = decision.gain_of(trial, model.candidates().len());
+    let value = decision.gain_of(trial, model.frame().candidates.len());
     let one = |(place, index): (usize, &usize)| {
-        let candidate = &model.candidates()[*index];
+        let candidate = &model.frame().candidates[*index];
         let size = trial.fit.linear.point.effects[*index];
         let deviation = posterior[place].max(between[place]) * candidate.typical;
         let (factor, unit) = report_units(candidate.id);
         let class = decision.class(model, *index);
-        let names = trial.fit.active.iter().map(|other| model.candidates()[*other].id);
+        let names = trial.fit.active.iter().map(|other| model.frame().candidates[*other].id);
         let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
         NamedEffect {
             id: candidate.id,
@@ -148,7 +148,7 @@ fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<
 /// Probability of each id: models weighted by their gain, the choice among many paid for, with the
 /// nominal model and the best generic signature among them.
 fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64)> {
-    let count = model.candidates().len();
+    let count = model.frame().candidates.len();
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
         - (decision.before.dictionary.len().max(1) as f64).ln();
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0), (Vec::new(), generic)];
@@ -160,7 +160,7 @@ fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64
     models.extend(pairs.map(|trial| (trial.fit.active.clone(), decision.gain_of(trial, count))));
     let greatest = models.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max);
     let total: f64 = models.iter().map(|(_, value)| (value - greatest).exp()).sum();
-    let ids: Vec<&'static str> = model.candidates().iter().map(|candidate| candidate.id).collect();
+    let ids: Vec<&'static str> = model.frame().candidates.iter().map(|candidate| candidate.id).collect();
     let with = |id: &str| {
         let has = |active: &Vec<usize>| active.iter().any(|index| ids[*index] == id);
         models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
@@ -170,9 +170,9 @@ fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
     let scores = decision.base.scores();
-    let price = (model.candidates().len().max(1) as f64).ln();
+    let price = (model.frame().candidates.len().max(1) as f64).ln();
     let one = |single: &super::decide::Single| {
-        let candidate = &model.candidates()[single.candidate];
+        let candidate = &model.frame().candidates[single.candidate];
         let (factor, unit) = report_units(candidate.id);
         let value = gain(&single.evidence, &decision.base.evidence);
         let (left_out, left_out_error) = predictive_gain(&single.evidence, &decision.base.evidence);
@@ -194,7 +194,7 @@ fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
 
 /// The strongest cells of the map, one for each pair of channel and covariate.
 fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let remainder = &decision.before;
     let mut order: Vec<usize> = (0..remainder.dictionary.len()).collect();
     order.sort_by(|a, b| remainder.scores.score[*b].abs().total_cmp(&remainder.scores.score[*a].abs()));
@@ -240,9 +240,9 @@ fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
 
 fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let point = &decision.model().fit.linear.point;
-    let parameters = model.parameters().iter().zip(&point.parameters);
+    let parameters = model.frame().parameters.iter().zip(&point.parameters);
     let parameters = parameters.map(|(parameter, x)| (&parameter.name, parameter.deviation, parameter.allowance, *x));
-    let surfaces = model.surfaces().iter().zip(&point.surfaces);
+    let surfaces = model.frame().surfaces.iter().zip(&point.surfaces);
     let surfaces = surfaces.map(|(surface, x)| (&surface.name, surface.deviation, surface.allowance, *x));
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
@@ -329,8 +329,10 @@ fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
     (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
     let matrix = super::gram::factor(matrix);
     let name = |i: usize| {
-        let parameters = model.parameters();
-        parameters.get(i).map_or_else(|| model.surfaces()[i - parameters.len()].name.as_str(), |p| p.name.as_str())
+        let parameters = &model.frame().parameters;
+        parameters
+            .get(i)
+            .map_or_else(|| model.frame().surfaces[i - parameters.len()].name.as_str(), |p| p.name.as_str())
     };
     let row = |(index, candidate): (usize, &super::Candidate)| {
         let entry = entry(candidate.id)?;
@@ -340,9 +342,11 @@ fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
         let bias = worst.map_or_else(String::new, |worst| {
             format!("at ordinary size it moves `{}` by {:.1} prior standard deviations", name(worst), moved[worst])
         });
-        let mut confused: Vec<&'static str> = (0..model.candidates().len())
-            .filter(|other| scores.cosine[(index, *other)] > CONFUSED && model.candidates()[*other].id != candidate.id)
-            .map(|other| model.candidates()[other].id)
+        let mut confused: Vec<&'static str> = (0..model.frame().candidates.len())
+            .filter(|other| {
+                scores.cosine[(index, *other)] > CONFUSED && model.frame().candidates[*other].id != candidate.id
+            })
+            .map(|other| model.frame().candidates[other].id)
             .collect();
         confused.dedup();
         let row = Identifiable {
@@ -357,7 +361,7 @@ fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
         };
         Some((row, candidate.typical * factor))
     };
-    model.candidates().iter().enumerate().filter_map(row).collect()
+    model.frame().candidates.iter().enumerate().filter_map(row).collect()
 }
 
 fn hidden_by_calibration(diagnosis: &Diagnosis) -> bool {
@@ -386,7 +390,7 @@ fn next(diagnosis: &Diagnosis) -> NextExperiment {
 
 /// Mean squares after each stage of explanation.
 fn budget(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Budget {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let mean_square = |residual: &[f64]| {
         let inside = measured.fitted_groups().flat_map(|group| measured.spans[group].clone());
         let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), i| {
@@ -397,10 +401,10 @@ fn budget(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Budget {
     let point = &decision.base.fit.linear.point;
     let mut plain = super::Point::nominal(model);
     let nominal = mean_square(&super::linear::residuals(model, &plain));
-    for ((x, fitted), parameter) in plain.parameters.iter_mut().zip(&point.parameters).zip(model.parameters()) {
+    for ((x, fitted), parameter) in plain.parameters.iter_mut().zip(&point.parameters).zip(&model.frame().parameters) {
         *x = if parameter.allowance { 0.0 } else { *fitted };
     }
-    for ((x, fitted), surface) in plain.surfaces.iter_mut().zip(&point.surfaces).zip(model.surfaces()) {
+    for ((x, fitted), surface) in plain.surfaces.iter_mut().zip(&point.surfaces).zip(&model.frame().surfaces) {
         *x = if surface.allowance { 0.0 } else { *fitted };
     }
     let calibrated = mean_square(&super::linear::residuals(model, &plain));

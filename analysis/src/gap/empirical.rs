@@ -3,7 +3,7 @@
 use super::features::{self, standardised};
 use super::noise::median;
 use super::settings::Settings;
-use super::{Candidate, Channel, Covariate, Forward, Local, Measured, Parameter, Point, Surface, Transform};
+use super::{Candidate, Channel, Forward, Frame, Local, Measured, Point, Surface, Transform};
 use crate::records::{ColumnKind, Records};
 
 /// Conditions in which a response is a power law, where they are recorded.
@@ -20,14 +20,10 @@ const LAND: f64 = 0.3e-3;
 
 /// Power laws over [`Records`].
 pub struct Empirical {
-    measured: Measured,
+    frame: Frame,
     levels: Vec<f64>,
-    surfaces: Vec<Surface>,
-    locals: Vec<Local>,
-    candidates: Vec<Candidate>,
     /// Channel and relative slope of every row, by candidate.
     actions: Vec<(Vec<usize>, Vec<f64>)>,
-    covariates: Vec<Covariate>,
 }
 
 impl Empirical {
@@ -58,28 +54,22 @@ impl Empirical {
         let levels = channels.iter().map(|(_, values)| level(values)).collect();
         let measured = Measured::new(channels, names, group_of_row, fitted);
         let covariates = features::covariates(records, &measured.group_of_row, &CONDITIONS, wear.as_deref());
-        let mut model = Self {
-            locals: vec![Local { name: "level of the group", deviation: settings.edge_wear, estimated: true }],
-            measured,
-            levels,
-            surfaces: Vec::new(),
-            candidates: Vec::new(),
-            actions: Vec::new(),
-            covariates,
-        };
+        let locals = vec![Local { name: "level of the group", deviation: settings.edge_wear, estimated: true }];
+        let frame = Frame { locals, covariates, ..Frame::new(measured) };
+        let mut model = Self { frame, levels, actions: Vec::new() };
         model.laws(records);
         model.catalogue(records, wear.as_deref());
         model
     }
 
     fn laws(&mut self, records: &Records) {
-        let count = self.measured.channels.len();
+        let count = self.frame.measured.channels.len();
         let mut surfaces = Vec::new();
         let mut add = |name: String, channel: usize, feature: Vec<f64>, deviation: f64, allowance: bool| {
             surfaces.push(Surface { name, channels: vec![channel], feature, deviation, allowance, absolute: false });
         };
         for channel in 0..count {
-            let name = self.measured.channels[channel].name;
+            let name = self.frame.measured.channels[channel].name;
             add(format!("{name}, level"), channel, vec![1.0; records.len()], LEVEL, false);
             for (term, feature, linear) in features::surface(records, &CONDITIONS) {
                 add(format!("{name}, {term}"), channel, feature, if linear { FREE } else { CURVED }, !linear);
@@ -90,12 +80,12 @@ impl Empirical {
                 add(format!("{name}, ln sequence"), channel, feature, FREE, false);
             }
         }
-        self.surfaces = surfaces;
+        self.frame.surfaces = surfaces;
     }
 
     fn catalogue(&mut self, records: &Records, wear: Option<&[f64]>) {
         let find = |names: &[&str]| -> Vec<usize> {
-            let channels = self.measured.channels.iter().enumerate();
+            let channels = self.frame.measured.channels.iter().enumerate();
             channels.filter(|(_, channel)| names.contains(&channel.name)).map(|(i, _)| i).collect()
         };
         let forces = find(&["cutting_force", "feed_force", "passive_force", "spindle_power", "spindle_torque"]);
@@ -112,7 +102,7 @@ impl Empirical {
             let slope: Vec<f64> = wear.iter().map(|land| if land.is_finite() { land / LAND } else { 0.0 }).collect();
             // Channels answer to wear in their own measure.
             for channel in &forces {
-                let name = self.measured.channels[*channel].name;
+                let name = self.frame.measured.channels[*channel].name;
                 add("wear_force", name.to_owned(), 0.2, vec![*channel], slope.clone());
             }
         }
@@ -129,34 +119,19 @@ impl Empirical {
             };
             add(id, format!("{column} {level}"), 0.2, channels, rows);
         }
-        self.candidates = candidates;
+        self.frame.candidates = candidates;
         self.actions = actions;
     }
 }
 
 impl Forward for Empirical {
-    fn measured(&self) -> &Measured {
-        &self.measured
-    }
-    fn parameters(&self) -> &[Parameter] {
-        &[]
-    }
-    fn surfaces(&self) -> &[Surface] {
-        &self.surfaces
-    }
-    fn locals(&self) -> &[Local] {
-        &self.locals
-    }
-    fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-    fn covariates(&self) -> &[Covariate] {
-        &self.covariates
+    fn frame(&self) -> &Frame {
+        &self.frame
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let value = |observation: &super::Observation| {
-            let group = self.measured.group_of_row[observation.row];
-            let mut relative = self.locals[0].deviation * at.locals[0][group];
+            let group = self.frame.measured.group_of_row[observation.row];
+            let mut relative = self.frame.locals[0].deviation * at.locals[0][group];
             for ((channels, slope), size) in self.actions.iter().zip(&at.effects) {
                 if channels.contains(&observation.channel) {
                     relative += (size * slope[observation.row]).max(-0.99).ln_1p();
@@ -164,6 +139,6 @@ impl Forward for Empirical {
             }
             self.levels[observation.channel] * relative.exp()
         };
-        self.measured.observations.iter().map(value).collect()
+        self.frame.measured.observations.iter().map(value).collect()
     }
 }

@@ -39,9 +39,9 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
         add(column, *x);
     }
     for index in active {
-        add(&linear.effects[*index], point.effects[*index] / model.candidates()[*index].typical);
+        add(&linear.effects[*index], point.effects[*index] / model.frame().candidates[*index].typical);
     }
-    let group_of = model.measured().group_of();
+    let group_of = model.frame().measured.group_of();
     for (column, x) in linear.locals.iter().zip(&point.locals) {
         for ((residual, slope), group) in residual.iter_mut().zip(column).zip(&group_of) {
             *residual += slope * x[*group];
@@ -100,7 +100,7 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
 
 /// Half the sum of squares of noise and priors.
 fn objective(model: &dyn Forward, noise: &Noise, linear: &Linear, local_scale: &[f64]) -> f64 {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let white = noise.whiten(measured, &linear.residual);
     let group_of = measured.group_of();
     let data: f64 = white.iter().zip(&group_of).filter(|(_, group)| measured.fitted[**group]).map(|(w, _)| w * w).sum();
@@ -113,7 +113,7 @@ fn objective(model: &dyn Forward, noise: &Noise, linear: &Linear, local_scale: &
 
 /// The point that minimises the linearised objective; sizes stay within their range.
 fn step(model: &dyn Forward, noise: &Noise, linear: &Linear, active: &[usize], local_scale: &[f64]) -> Point {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let residual = offset_residual(model, linear, active);
     let mut free: Vec<usize> = active.to_vec();
     loop {
@@ -136,7 +136,7 @@ fn step(model: &dyn Forward, noise: &Noise, linear: &Linear, active: &[usize], l
         point.surfaces.copy_from_slice(&solution.as_slice()[parameters..nuisance]);
         active.iter().for_each(|index| point.effects[*index] = 0.0);
         for (i, index) in free.iter().enumerate() {
-            let candidate = &model.candidates()[*index];
+            let candidate = &model.frame().candidates[*index];
             point.effects[*index] = (solution[nuisance + i] * candidate.typical).min(candidate.greatest);
         }
         point.locals = locals(model, noise, linear, &columns, &residual, &solution, local_scale);
@@ -164,7 +164,7 @@ fn locals(
     solution: &DVector<f64>,
     local_scale: &[f64],
 ) -> Vec<Vec<f64>> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let mut left = residual.to_vec();
     for (column, x) in columns.iter().zip(solution.iter()) {
         left.iter_mut().zip(*column).for_each(|(left, slope)| *left -= slope * x);
@@ -200,7 +200,7 @@ fn between(from: &Point, to: &Point, share: f64) -> Point {
 /// Greatest move of a shared number, in prior standard deviations or ordinary sizes.
 fn distance(model: &dyn Forward, from: &Point, to: &Point) -> f64 {
     let greatest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let effects = from.effects.iter().zip(&to.effects).zip(model.candidates());
+    let effects = from.effects.iter().zip(&to.effects).zip(&model.frame().candidates);
     let effects = effects.map(|((a, b), candidate)| (a - b).abs() / candidate.typical).fold(0.0, f64::max);
     let locals = from.locals.iter().zip(&to.locals).map(|(a, b)| greatest(a, b)).fold(0.0, f64::max);
     greatest(&from.parameters, &to.parameters).max(effects).max(locals)

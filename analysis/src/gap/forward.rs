@@ -73,10 +73,10 @@ impl Point {
     /// The nominal model.
     pub fn nominal(model: &dyn Forward) -> Self {
         Self {
-            parameters: vec![0.0; model.parameters().len()],
-            surfaces: vec![0.0; model.surfaces().len()],
-            effects: vec![0.0; model.candidates().len()],
-            locals: vec![vec![0.0; model.measured().groups.len()]; model.locals().len()],
+            parameters: vec![0.0; model.frame().parameters.len()],
+            surfaces: vec![0.0; model.frame().surfaces.len()],
+            effects: vec![0.0; model.frame().candidates.len()],
+            locals: vec![vec![0.0; model.frame().measured.groups.len()]; model.frame().locals.len()],
         }
     }
 }
@@ -90,20 +90,41 @@ pub struct Covariate {
     pub values: Vec<f64>,
 }
 
+/// What a nominal model states beside its predictions.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// What was measured.
+    pub measured: Measured,
+    /// Constants that calibration may move by simulation.
+    pub parameters: Vec<Parameter>,
+    /// Corrections without simulation.
+    pub surfaces: Vec<Surface>,
+    /// Factors of the groups.
+    pub locals: Vec<Local>,
+    /// Effects that may be missing.
+    pub candidates: Vec<Candidate>,
+    /// Covariates of the generic dictionary.
+    pub covariates: Vec<Covariate>,
+}
+
+impl Frame {
+    /// A frame around what was measured, all else empty.
+    pub fn new(measured: Measured) -> Self {
+        Self {
+            measured,
+            parameters: Vec::new(),
+            surfaces: Vec::new(),
+            locals: Vec::new(),
+            candidates: Vec::new(),
+            covariates: Vec::new(),
+        }
+    }
+}
+
 /// A nominal model over recorded conditions.
 pub trait Forward: Sync {
-    /// What was measured.
-    fn measured(&self) -> &Measured;
-    /// Constants that calibration may move by simulation.
-    fn parameters(&self) -> &[Parameter];
-    /// Corrections without simulation.
-    fn surfaces(&self) -> &[Surface];
-    /// Factors of the groups.
-    fn locals(&self) -> &[Local];
-    /// Effects that may be missing.
-    fn candidates(&self) -> &[Candidate];
-    /// Covariates of the generic dictionary.
-    fn covariates(&self) -> &[Covariate];
+    /// What the model knows and what may be moved.
+    fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
 }

@@ -16,7 +16,7 @@ pub struct Signature {
 /// The dictionary at a linearised model. Wear is asked in two ways: its reading, and its rate,
 /// whose deviations add up over the life of an edge.
 pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let mut sets: Vec<(String, Vec<usize>)> =
         measured.channels.iter().enumerate().map(|(i, channel)| (channel.name.to_owned(), vec![i])).collect();
     let forces: Vec<usize> = (0..measured.channels.len())
@@ -30,7 +30,7 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
     }
     let mut signatures = Vec::new();
     for (name, channels) in &sets {
-        for covariate in model.covariates() {
+        for covariate in &model.frame().covariates {
             let column = relative(model, linear, |i, row| {
                 if channels.contains(&measured.observations[i].channel) { covariate.values[row] } else { 0.0 }
             });
@@ -38,7 +38,7 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
         }
     }
     if let Some(wear) = measured.channels.iter().position(|channel| channel.name == "flank_wear") {
-        for covariate in model.covariates() {
+        for covariate in &model.frame().covariates {
             let mut column = vec![0.0; measured.len()];
             for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {
                 let (mut sum, mut before) = (0.0, 0.0);
@@ -55,7 +55,7 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
 }
 
 fn relative(model: &dyn Forward, linear: &Linear, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let each = |(i, observation): (usize, &super::Observation)| {
         let relative = value(i, observation.row);
         match measured.channels[observation.channel].transform {

@@ -2,7 +2,7 @@
 
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::{Candidate, Channel, Covariate, Forward, Local, Measured, Parameter, Point, Surface, Transform};
+use super::{Candidate, Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform};
 use crate::records::{ColumnKind, Records};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
@@ -20,18 +20,13 @@ enum Action {
 /// A grinding process over the trials of [`Records`].
 pub struct Grinding {
     process: Infeed,
-    measured: Measured,
+    frame: Frame,
     inputs: Vec<Input>,
     revolutions: Vec<f64>,
     spark_out: Vec<f64>,
     rows: Vec<Vec<usize>>,
     part: Vec<f64>,
-    parameters: Vec<Parameter>,
-    surfaces: Vec<Surface>,
-    locals: Vec<Local>,
-    candidates: Vec<Candidate>,
     actions: Vec<Action>,
-    covariates: Vec<Covariate>,
 }
 
 /// Prior standard deviation of the share of a revolution's infeed that stock lacks because infeed
@@ -87,31 +82,31 @@ impl Grinding {
         let measured = Measured::new(channels, names, group_of_row, fitted);
         let parameter =
             |name: &str| Parameter { name: name.to_owned(), deviation: settings.stiffness, allowance: false };
+        let frame = Frame {
+            parameters: vec![parameter("process stiffness Cp"), parameter("system stiffness J")],
+            locals: vec![Local { name: "process stiffness of the dressing", deviation: 0.06, estimated: true }],
+            ..Frame::new(measured)
+        };
         let mut model = Self {
             process,
-            measured,
+            frame,
             inputs,
             revolutions: column("revolutions"),
             spark_out: column("spark_out_revolutions"),
             rows,
             part: column("part_in_cycle"),
-            parameters: vec![parameter("process stiffness Cp"), parameter("system stiffness J")],
-            surfaces: Vec::new(),
-            locals: vec![Local { name: "process stiffness of the dressing", deviation: 0.06, estimated: true }],
-            candidates: Vec::new(),
             actions: Vec::new(),
-            covariates: Vec::new(),
         };
         model.allowance(records, &infeed);
         model.catalogue(records, &wait);
-        let groups = &model.measured.group_of_row;
-        model.covariates =
+        let groups = &model.frame.measured.group_of_row;
+        model.frame.covariates =
             features::covariates(records, groups, &["infeed_per_rev", "revolutions", "work_rotation_speed"], None);
         model
     }
 
     fn allowance(&mut self, records: &Records, infeed: &[f64]) {
-        let find = |name: &str| self.measured.channels.iter().position(|channel| channel.name == name);
+        let find = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
         let mut surfaces = Vec::new();
         let mut add = |name: &str,
                        channel: Option<usize>,
@@ -156,7 +151,7 @@ impl Grinding {
             true,
             false,
         );
-        self.surfaces = surfaces;
+        self.frame.surfaces = surfaces;
     }
 
     fn catalogue(&mut self, records: &Records, wait: &[f64]) {
@@ -164,7 +159,7 @@ impl Grinding {
             .map(|times| times.into_iter().filter(|time| time.is_finite()).fold(0.0, f64::max));
         let mut add = |effect: Effect, shape: String, typical: f64, action: Action| {
             let entry = effect.entry();
-            self.candidates.push(Candidate { id: entry.id, shape, typical, greatest: entry.size.max });
+            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest: entry.size.max });
             self.actions.push(action);
         };
         for effect in Effects::every(Infeed::NAME).iter().copied() {
@@ -198,8 +193,8 @@ impl Grinding {
 
     fn process_at(&self, at: &Point) -> Infeed {
         let mut process = self.process.clone();
-        process.parameters.process_stiffness *= (self.parameters[0].deviation * at.parameters[0]).exp();
-        process.parameters.system_stiffness *= (self.parameters[1].deviation * at.parameters[1]).exp();
+        process.parameters.process_stiffness *= (self.frame.parameters[0].deviation * at.parameters[0]).exp();
+        process.parameters.system_stiffness *= (self.frame.parameters[1].deviation * at.parameters[1]).exp();
         let mut effects: Vec<Effect> = self.process.effects.iter().copied().collect();
         for (action, size) in self.actions.iter().zip(&at.effects) {
             if let Action::Effect(effect) = action
@@ -248,7 +243,7 @@ impl Grinding {
     fn group(&self, process: &Infeed, at: &Point, group: usize) -> Vec<[f64; 5]> {
         let mut wheel = process.initial();
         let mut seen = 0.0;
-        let factor = (self.locals[0].deviation * at.locals[0][group]).exp();
+        let factor = (self.frame.locals[0].deviation * at.locals[0][group]).exp();
         let mut readings = Vec::with_capacity(self.rows[group].len());
         for row in &self.rows[group] {
             let mut u = self.inputs[*row];
@@ -286,32 +281,17 @@ fn reading(channel: &str) -> usize {
 }
 
 impl Forward for Grinding {
-    fn measured(&self) -> &Measured {
-        &self.measured
-    }
-    fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-    fn surfaces(&self) -> &[Surface] {
-        &self.surfaces
-    }
-    fn locals(&self) -> &[Local] {
-        &self.locals
-    }
-    fn candidates(&self) -> &[Candidate] {
-        &self.candidates
-    }
-    fn covariates(&self) -> &[Covariate] {
-        &self.covariates
+    fn frame(&self) -> &Frame {
+        &self.frame
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let process = self.process_at(at);
         let of_group = |group: usize| {
             let readings = self.group(&process, at, group);
             let place = |row: usize| self.rows[group].iter().position(|own| *own == row).unwrap_or(0);
-            let span = &self.measured.observations[self.measured.spans[group].clone()];
+            let span = &self.frame.measured.observations[self.frame.measured.spans[group].clone()];
             let value = |observation: &super::Observation| {
-                readings[place(observation.row)][reading(self.measured.channels[observation.channel].name)]
+                readings[place(observation.row)][reading(self.frame.measured.channels[observation.channel].name)]
             };
             span.iter().map(value).collect::<Vec<f64>>()
         };

@@ -33,7 +33,7 @@ pub fn predict(model: &dyn Forward, point: &Point) -> (Vec<f64>, Vec<f64>) {
 }
 
 fn transformed(model: &dyn Forward, raw: &[f64]) -> Vec<f64> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let each = |(raw, observation): (&f64, &super::Observation)| match measured.channels[observation.channel].transform
     {
         Transform::Linear => *raw,
@@ -43,10 +43,10 @@ fn transformed(model: &dyn Forward, raw: &[f64]) -> Vec<f64> {
 }
 
 fn surfaces(model: &dyn Forward, point: &Point, raw: &mut [f64]) {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let mut relative = vec![0.0; raw.len()];
     let mut absolute = vec![0.0; raw.len()];
-    for (surface, x) in model.surfaces().iter().zip(&point.surfaces) {
+    for (surface, x) in model.frame().surfaces.iter().zip(&point.surfaces) {
         if *x == 0.0 {
             continue;
         }
@@ -87,7 +87,7 @@ impl Linear {
         };
         let by_effect = |i: usize| {
             let mut shifted = point.clone();
-            shifted.effects[i] += EFFECT_STEP * model.candidates()[i].typical;
+            shifted.effects[i] += EFFECT_STEP * model.frame().candidates[i].typical;
             difference(&shifted, EFFECT_STEP)
         };
         let by_local = |i: usize| {
@@ -95,8 +95,8 @@ impl Linear {
             shifted.locals[i].iter_mut().for_each(|x| *x += STEP);
             difference(&shifted, STEP)
         };
-        let parameters = model.parameters().len();
-        let (effects, locals) = (model.candidates().len(), model.locals().len());
+        let parameters = model.frame().parameters.len();
+        let (effects, locals) = (model.frame().candidates.len(), model.frame().locals.len());
         let mut columns: Vec<Vec<f64>> = (0..parameters + effects + locals)
             .into_par_iter()
             .map(|i| match i {
@@ -119,12 +119,12 @@ pub fn residuals(model: &dyn Forward, point: &Point) -> Vec<f64> {
 }
 
 fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
-    let observations = &model.measured().observations;
+    let observations = &model.frame().measured.observations;
     observations.iter().zip(prediction).map(|(observation, prediction)| observation.value - prediction).collect()
 }
 
 fn surface_columns(model: &dyn Forward, raw: &[f64], prediction: &[f64]) -> Vec<Vec<f64>> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let column = |surface: &super::Surface| {
         let each = |(i, observation): (usize, &super::Observation)| {
             if !surface.channels.contains(&observation.channel) {
@@ -139,5 +139,5 @@ fn surface_columns(model: &dyn Forward, raw: &[f64], prediction: &[f64]) -> Vec<
         };
         measured.observations.iter().enumerate().map(each).collect()
     };
-    model.surfaces().iter().map(column).collect()
+    model.frame().surfaces.iter().map(column).collect()
 }

@@ -58,7 +58,7 @@ pub use diagnosis::{
 };
 pub use evidence::Evidence;
 pub use fit::Fit;
-pub use forward::{Candidate, Covariate, Forward, Local, Parameter, Point, Surface};
+pub use forward::{Candidate, Covariate, Forward, Frame, Local, Parameter, Point, Surface};
 pub use gram::Gram;
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};

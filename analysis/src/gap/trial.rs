@@ -72,7 +72,7 @@ impl Trial {
 
     /// Sizes of the active candidates, in ordinary sizes.
     pub fn sizes(&self, model: &dyn Forward) -> Vec<f64> {
-        let size = |index: &usize| self.fit.linear.point.effects[*index] / model.candidates()[*index].typical;
+        let size = |index: &usize| self.fit.linear.point.effects[*index] / model.frame().candidates[*index].typical;
         self.fit.active.iter().map(size).collect()
     }
 
@@ -101,7 +101,7 @@ pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, more: &[&[f64]
     let own = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice);
     let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
-    Gram::new(model.measured(), &basis.noise, linear, &columns, &residual, &basis.local_scale)
+    Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale)
 }
 
 fn rearranged(gram: &Gram, order: &[usize]) -> Gram {
@@ -138,7 +138,7 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let columns: Vec<&[f64]> =
         fit.linear.nuisance.iter().map(Vec::as_slice).chain(active.iter().copied()).chain(more).collect();
     let residual = offset_residual(model, &fit.linear, &fit.active);
-    let wide = Gram::new(model.measured(), &basis.noise, &fit.linear, &columns, &residual, &basis.local_scale);
+    let wide = Gram::new(&model.frame().measured, &basis.noise, &fit.linear, &columns, &residual, &basis.local_scale);
     let first = nuisance + active.len();
     let free: Vec<usize> = (nuisance..first).collect();
     let scores = scores(&wide, first, &free);

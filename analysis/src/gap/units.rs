@@ -21,7 +21,7 @@ const NEAR: f64 = 0.3;
 
 /// Ratio of measurement to the nominal model by channel, median.
 pub fn ratios(model: &dyn Forward) -> Vec<f64> {
-    let measured = model.measured();
+    let measured = &model.frame().measured;
     let (_, raw) = super::linear::predict(model, &Point::nominal(model));
     let ratio = |channel: usize| {
         let values = measured.observations.iter().zip(&raw).filter(|(observation, _)| observation.channel == channel);
@@ -54,6 +54,6 @@ pub fn suspicion(channel: &str, ratio: f64) -> Option<String> {
 
 /// Channels whose ratio is impossible, with what to say about them.
 pub fn suspicious(model: &dyn Forward) -> Vec<(&'static str, String)> {
-    let channels = model.measured().channels.iter().zip(ratios(model));
+    let channels = model.frame().measured.channels.iter().zip(ratios(model));
     channels.filter_map(|(channel, ratio)| Some((channel.name, suspicion(channel.name, ratio)?))).collect()
 }
