@@ -23,6 +23,17 @@ pub(crate) struct Dominant {
     pub residual: f64,
 }
 
+/// Dimension at which eigenvalues are first searched without an outlook.
+const FIRST_SEARCH: usize = 4;
+
+/// How the residual falls with the steps: as `scale` times the product of the subdiagonal of the
+/// projected map over the `modulus` of its dominant eigenvalue.
+#[derive(Clone, Copy)]
+struct Outlook {
+    modulus: f64,
+    scale: f64,
+}
+
 /// Working storage, kept between calls.
 #[derive(Default)]
 pub(crate) struct Krylov {
@@ -33,8 +44,8 @@ pub(crate) struct Krylov {
     square: Vec<f64>,
     values: Vec<Complex<f64>>,
     ritz: Vec<Complex<f64>>,
-    /// Steps after which the last map had converged, the first guess for the next.
-    expected: usize,
+    /// How the last map converged, the first guess for the next.
+    outlook: Option<Outlook>,
     /// A vector of the last dominant eigenspace, the bulk of the next start; empty at first.
     warm: Vec<f64>,
 }
@@ -45,22 +56,29 @@ impl Krylov {
         let size = map.size();
         let greatest = size.min(MAX_STEPS);
         self.start(size);
-        let mut check = if self.expected > 1 { self.expected.min(greatest) } else { greatest.min(4) };
+        // A search for eigenvalues costs more than a step: the subdiagonal over the modulus tells
+        // how the residual falls from step to step, and so when the next search is worth it.
         let mut best = f64::INFINITY;
-        let mut step = 0;
+        let mut latest = if self.outlook.is_some() { greatest } else { FIRST_SEARCH };
+        let mut outlook = self.outlook.unwrap_or(Outlook { modulus: f64::INFINITY, scale: f64::INFINITY });
+        let (mut fall, mut step) = (1.0, 0);
         loop {
             let next = self.step(map, step);
             step += 1;
+            fall *= next / outlook.modulus;
             let exhausted = step == greatest || next == 0.0;
-            if step < check && !exhausted {
+            let hopeful = outlook.scale * fall <= tolerance || step >= latest;
+            if !hopeful && !exhausted {
                 continue;
             }
             let remainder = if step == size { 0.0 } else { next };
             if let Some(found) = self.ritz_value(step, remainder, tolerance) {
                 best = best.min(found.residual);
+                let modulus = found.value.norm();
+                fall = self.projected[..step].iter().map(|column| column[column.len() - 1] / modulus).product();
+                outlook = Outlook { modulus, scale: found.residual / fall };
                 if found.residual <= tolerance {
-                    // With digits to spare one step less will do next time.
-                    self.expected = step - usize::from(step > 3 && found.residual < 3e-2 * tolerance);
+                    self.outlook = Some(outlook).filter(|outlook| outlook.scale.is_finite());
                     self.keep_warm(step, found.value);
                     return Ok(found);
                 }
@@ -68,7 +86,7 @@ impl Krylov {
             if exhausted {
                 return Err(ChatterError::NotConverged { residual: best });
             }
-            check = step + 1 + step / 8;
+            latest = 2 * step;
         }
     }
 
@@ -198,6 +216,7 @@ impl Krylov {
 }
 
 /// Scalar product with four sums, which the compiler can keep in vector registers.
+#[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (quads_a, quads_b) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -211,6 +230,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `y −= factor x`.
+#[inline]
 pub(crate) fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y -= factor * x;
