@@ -65,6 +65,7 @@ pub enum Command {
     /// Run policies with the full logs of every replication
     #[command(before_help = "Examples:
   toolroom run shop.toml --policy adaptive --out out/adaptive
+  toolroom run shop.toml --records out/records      as if measured, for `toolroom gap diagnose`
   toolroom run shop.toml --format csv --replications 3")]
     Run(RunArgs),
     /// Find or open the report of a finished run; draw it again where it is missing
@@ -594,6 +595,9 @@ pub struct StudyArgs {
     /// Replications whose full logs are written
     #[arg(long, value_name = "COUNT")]
     pub logged: Option<u32>,
+    /// Also write what sensors and controls would have recorded of the first run: operations, cuts, trials, events
+    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
+    pub records: Option<PathBuf>,
     /// Go on with the same study where it was interrupted; refused where anything but threads differs
     #[arg(long)]
     pub resume: bool,

@@ -121,6 +121,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         until: None,
         format: None,
         logged: None,
+        records: None,
         resume: false,
         stop_after: None,
     };

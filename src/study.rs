@@ -11,14 +11,16 @@ use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use toolroom_analysis::gap::{Settings, sensor_sheet};
 use toolroom_analysis::logs::Format;
+use toolroom_analysis::records::{RecordKind, write_simulated};
 use toolroom_analysis::results::{self, record};
 use toolroom_analysis::statistics;
 use toolroom_analysis::study::{KnownRuns, Precision, StudyOptions};
 use toolroom_analysis::summary::summary;
 use toolroom_analysis::terminal::{Style, table};
-use toolroom_sim::Scenario;
 use toolroom_sim::scenario::file::{ScenarioFile, nearest};
+use toolroom_sim::{RunLog, Scenario};
 
 /// A study about to be run.
 pub struct Request<'a> {
@@ -103,9 +105,32 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         let style = Style { colour: voice.colour, wall: Some(recorded.wall) };
         voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;
     }
+    if let Some(dir) = &args.records {
+        record_first(request, study.first_logs.first(), dir, voice)?;
+    }
     let report = target.join("report.html");
     voice.say(format_args!("wrote {}   next: toolroom report --open {}", report.display(), target.display()));
     if study.complete { Ok(()) } else { Err(Failure::Interrupted { replications: study.replications, path: target }) }
+}
+
+/// Writes what would have been measured of the first run of the first policy.
+fn record_first(request: &Request<'_>, log: Option<&RunLog>, dir: &Path, voice: &Voice) -> Result<(), Failure> {
+    let Some(log) = log else { return Ok(()) };
+    let sheet = |kind| {
+        sensor_sheet(&request.input, request.file.gap.as_ref(), kind)
+            .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))
+    };
+    let kinds = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
+    let sheets = kinds.iter().map(|kind| Ok((*kind, sheet(*kind)?))).collect::<Result<Vec<_>, Failure>>()?;
+    let sensor = |kind: RecordKind, channel: &str| {
+        let own = sheets.iter().find(|(other, _)| *other == kind);
+        own.map_or_else(Settings::default, |(_, settings)| settings.clone()).sensor(channel)
+    };
+    let paths = write_simulated(dir, &request.file.scenario, log, &sensor)
+        .map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
+    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    voice.say(format_args!("recorded {}", names.join(", ")));
+    Ok(())
 }
 
 fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {

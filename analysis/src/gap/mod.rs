@@ -63,7 +63,7 @@ pub use gram::Gram;
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};
 pub use noise::Noise;
-pub use nominal::{ModelFileError, NominalModel, NominalProcess};
+pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use score::Scores;
 pub use settings::Settings;
 pub use trial::Trial;

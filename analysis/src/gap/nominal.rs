@@ -10,7 +10,7 @@ use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
-use toolroom_sim::scenario::{GapSection, ProcessModel};
+use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// The process behind a nominal model.
 #[derive(Clone, Debug)]
@@ -166,20 +166,37 @@ fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settin
         ..Settings::default()
     };
     for sensor in &section.sensors {
-        let fault =
-            |reason: String| ModelFileError::Sensor { file: file.to_owned(), channel: sensor.channel.clone(), reason };
-        let column = kind.column(&sensor.channel);
-        let column = column.ok_or_else(|| fault("no such channel".to_owned()))?;
-        let quantity = |text: &Option<String>| match text {
-            None => Ok(0.0),
-            Some(text) => unit::quantity(text, column.unit).map_err(|reason| fault(reason.to_string())),
-        };
-        let errors = Sensor {
-            relative: sensor.relative,
-            absolute: quantity(&sensor.absolute)?,
-            resolution: quantity(&sensor.resolution)?,
-        };
-        settings.sensors.push((sensor.channel.clone(), errors));
+        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
     }
     Ok(settings)
+}
+
+/// The sensor sheet of `kind` where records are made rather than read: entries of other kinds are
+/// passed over.
+///
+/// # Errors
+/// [`ModelFileError::Sensor`]: a quantity that does not fit its channel.
+pub fn sensor_sheet(file: &str, section: Option<&GapSection>, kind: RecordKind) -> Result<Settings, ModelFileError> {
+    let mut settings = Settings::default();
+    let sensors = section.into_iter().flat_map(|section| &section.sensors);
+    for sensor in sensors.filter(|sensor| kind.column(&sensor.channel).is_some()) {
+        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
+    }
+    Ok(settings)
+}
+
+fn errors(file: &str, sensor: &SensorErrors, kind: RecordKind) -> Result<Sensor, ModelFileError> {
+    let fault =
+        |reason: String| ModelFileError::Sensor { file: file.to_owned(), channel: sensor.channel.clone(), reason };
+    let column = kind.column(&sensor.channel);
+    let column = column.ok_or_else(|| fault("no such channel".to_owned()))?;
+    let quantity = |text: &Option<String>| match text {
+        None => Ok(0.0),
+        Some(text) => unit::quantity(text, column.unit).map_err(|reason| fault(reason.to_string())),
+    };
+    Ok(Sensor {
+        relative: sensor.relative,
+        absolute: quantity(&sensor.absolute)?,
+        resolution: quantity(&sensor.resolution)?,
+    })
 }

@@ -12,12 +12,14 @@
 //! | [`RecordKind`], [`RecordColumn`] | the columns of turning, milling, grinding and shop records |
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
 //! | [`read`], [`parse_csv`], [`write_csv`] | files |
+//! | [`simulated`], [`write_simulated`] | a simulated run as if it had been measured |
 
 mod columns;
 mod csv_table;
 mod parquet_table;
 mod read;
 mod report;
+mod simulate;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -25,6 +27,7 @@ mod write;
 pub use columns::{ColumnKind, RecordColumn};
 pub use read::{RecordError, parse_csv, read};
 pub use report::ReadReport;
+pub use simulate::{Sheet, simulated, write_simulated};
 pub use write::write_csv;
 
 use std::collections::BTreeMap;

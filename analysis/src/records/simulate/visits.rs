@@ -1,0 +1,76 @@
+//! Operations of jobs on machines, put together from passes and states of a log.
+
+use std::collections::BTreeMap;
+use toolroom_sim::RunLog;
+use toolroom_sim::runlog::{MachineState, StateRow};
+
+/// One operation of one job on one machine.
+#[derive(Clone, Debug, Default)]
+pub struct Visit {
+    pub job: u32,
+    pub part: u32,
+    pub operation: u32,
+    /// Indices of its passes in the log, in time.
+    pub passes: Vec<usize>,
+    /// Time from the first cut to the last, s.
+    cut: (f64, f64),
+    /// Loading and unloading, s.
+    pub handling: f64,
+    /// Breakdowns in the middle of it.
+    pub stops: u32,
+    /// Their time, s.
+    pub stop_time: f64,
+}
+
+/// All of them, and which one a state belongs to.
+#[derive(Clone, Debug, Default)]
+pub struct Visits {
+    pub list: Vec<Visit>,
+    /// Visits of a job on a machine.
+    of: BTreeMap<(u32, u32), Vec<usize>>,
+    /// Visit of each pass.
+    pub of_pass: Vec<usize>,
+}
+
+impl Visits {
+    pub fn of(log: &RunLog) -> Self {
+        let mut visits = Self::default();
+        let mut index: BTreeMap<(u32, u32, u32), usize> = BTreeMap::new();
+        for (at, pass) in log.passes.iter().enumerate() {
+            let place = *index.entry((pass.machine, pass.job, pass.operation)).or_insert_with(|| {
+                let (job, part, operation) = (pass.job, pass.part, pass.operation);
+                let cut = (pass.start, pass.end);
+                visits.of.entry((pass.machine, job)).or_default().push(visits.list.len());
+                visits.list.push(Visit { job, part, operation, cut, ..Visit::default() });
+                visits.list.len() - 1
+            });
+            visits.of_pass.push(place);
+            let visit = &mut visits.list[place];
+            visit.passes.push(at);
+            visit.cut = (visit.cut.0.min(pass.start), visit.cut.1.max(pass.end));
+        }
+        for state in &log.states {
+            let Some(place) = visits.of_state(state) else { continue };
+            let visit = &mut visits.list[place];
+            match state.state {
+                MachineState::Handling => visit.handling += state.end - state.start,
+                MachineState::Down => {
+                    visit.stops += 1;
+                    visit.stop_time += state.end - state.start;
+                }
+                _ => {}
+            }
+        }
+        visits
+    }
+
+    /// The visit nearest in time to a state of a machine with a job.
+    pub fn of_state(&self, state: &StateRow) -> Option<usize> {
+        let visits = self.of.get(&(state.machine, state.job?))?;
+        let far = |index: usize| {
+            let (start, end) = self.list[index].cut;
+            (start - state.end).max(state.start - end).max(0.0)
+        };
+        visits.iter().copied().min_by(|a, b| far(*a).total_cmp(&far(*b)))
+    }
+}
