@@ -1,11 +1,15 @@
 //! Turning: exact limits from the frequency response, verdicts from the period map.
 
 mod bar;
+mod neutral;
+mod oriented;
 mod roots;
 mod stability;
 
 pub use bar::{Bar, Support};
 
+use self::neutral::{Neutral, NeutralCurve};
+use self::oriented::Oriented;
 use crate::crossing::root;
 use crate::error::{ChatterError, finite, positive, within};
 use crate::structure::{Mode, check_modes};
@@ -111,12 +115,7 @@ impl Turning {
         if product.abs() < 1e-15 { 0.0 } else { product }
     }
 
-    /// Oriented frequency response (m/N) at the complex rate `s` [1/s].
-    fn response(&self, s: Complex<f64>) -> Complex<f64> {
-        self.modes.iter().map(|mode| self.orientation(mode) * modal_response(mode, s)).sum()
-    }
-
-    /// Damping of the cut per width at `spindle_speed` [N s/m²].
+    /// Damping of the cut per width at `spindle_speed` (N s/m²).
     fn damping_slope(&self, spindle_speed: f64) -> f64 {
         self.process_damping / (spindle_speed * self.diameter / 2.0)
     }
@@ -128,7 +127,8 @@ impl Turning {
     /// A cut that is none; [`ChatterError::NoLimit`] if the oriented response never turns negative.
     pub fn absolute_limit(&self) -> Result<f64, ChatterError> {
         self.check()?;
-        let real = |w: f64| self.response(Complex::new(0.0, w)).re;
+        let structure = Oriented::new(self);
+        let real = |w: f64| structure.response(Complex::new(0.0, w)).re;
         let mut least = (0.0, 0.0);
         for w in self.frequency_grid() {
             if real(w) < least.1 {
@@ -177,36 +177,6 @@ impl Turning {
         grid
     }
 
-    /// Width and phase at which the vibration of frequency `w` (rad/s) neither grows nor decays at
-    /// `spindle_speed`: from `1/(b G) = −K_f (1 − e^(−i w tau)) − i w C_i/V`, whose real part is
-    /// `−K_f (1 − cos)`. `None` where no positive width does.
-    fn neutral(&self, w: f64, spindle_speed: f64) -> Option<Neutral> {
-        let flexibility = 1.0 / self.response(Complex::new(0.0, w));
-        let (kf, damping) = (self.force_slope(), w * self.damping_slope(spindle_speed));
-        // z = (1 − e^(−i phase)) satisfies 1/G/b + Kf z + i damping = 0 and |1 − z| = 1.
-        // With B = 1/b: (1 + B Re/Kf)² + ((B Im + damping)/Kf)² = 1, quadratic in B.
-        let (re, im) = (flexibility.re / kf, flexibility.im / kf);
-        let d = damping / kf;
-        let (a, half, c) = (re * re + im * im, re + im * d, d * d);
-        let discriminant = half * half - a * c;
-        if discriminant < 0.0 {
-            return None;
-        }
-        // The greater B is the smaller width.
-        let inverse = (-half + discriminant.sqrt()) / a;
-        if inverse <= 0.0 || !inverse.is_finite() {
-            return None;
-        }
-        let z = -(Complex::new(re, im) * inverse + Complex::new(0.0, d));
-        let phase = -(Complex::new(1.0, 0.0) - z).arg();
-        let other = (-half - discriminant.sqrt()) / a;
-        let other = (other > 0.0 && d > 0.0).then(|| {
-            let z = -(Complex::new(re, im) * other + Complex::new(0.0, d));
-            (1.0 / other, (-(Complex::new(1.0, 0.0) - z).arg()).rem_euclid(TAU))
-        });
-        Some(Neutral { width: 1.0 / inverse, phase: phase.rem_euclid(TAU), other })
-    }
-
     /// The stability boundary without process damping, lobe by lobe (the D-curve):
     /// `b = −1/(2 K_f Re G(i w))`, `w tau = 2 pi k + phase`.
     ///
@@ -215,10 +185,11 @@ impl Turning {
     pub fn lobes(&self, greatest_lobe: u32) -> Result<Vec<BoundaryPoint>, ChatterError> {
         self.check()?;
         within("process_damping", self.process_damping, 0.0, 0.0)?;
+        let curve = NeutralCurve::new(self, 1.0);
         let mut points = Vec::new();
         for lobe in 0..=greatest_lobe {
             for w in self.frequency_grid() {
-                if let Some(neutral) = self.neutral(w, 1.0) {
+                if let [Some(neutral), _] = curve.at(w) {
                     let spindle_speed = TAU * w / (TAU * f64::from(lobe) + neutral.phase);
                     points.push(BoundaryPoint {
                         spindle_speed,
@@ -246,33 +217,31 @@ impl Turning {
         positive("spindle_speed", spindle_speed)?;
         let tau = TAU / spindle_speed;
         let grid = self.frequency_grid();
+        let curve = NeutralCurve::new(self, spindle_speed);
+        // Waves that do not fit: zero where the vibration closes after one revolution.
+        let misfit = |neutral: Neutral, w: f64| (w * tau - neutral.phase) / TAU;
         let mut least: Option<(f64, f64)> = None;
-        for branch in 0..2 {
-            let at = |w: f64| -> Option<(f64, f64)> {
-                let neutral = self.neutral(w, spindle_speed)?;
-                if branch == 0 { Some((neutral.width, neutral.phase)) } else { neutral.other }
-            };
-            // Waves that do not fit: zero where the vibration closes after one revolution.
-            let misfit = |w: f64| at(w).map(|(width, phase)| (width, (w * tau - phase) / TAU));
-            for pair in grid.windows(2) {
-                let steps = ((pair[1] - pair[0]) * tau / TAU * 4.0).ceil().clamp(1.0, 64.0);
-                let mut last = (pair[0], misfit(pair[0]));
-                for step in 1..=steps as usize {
-                    let w = pair[0] + (pair[1] - pair[0]) * step as f64 / steps;
-                    let here = (w, misfit(w));
-                    if let (Some((_, m0)), Some((_, m1))) = (last.1, here.1) {
-                        let whole = m0.max(m1).floor();
-                        // A jump of the phase by a turn is no crossing.
-                        if m0.min(m1) < whole && (m1 - m0).abs() < 0.75 {
-                            let f = |w: f64| Ok(misfit(w).map_or(f64::NAN, |(_, m)| m - whole));
-                            let w = root(f, (last.0, m0 - whole), (w, m1 - whole), 1e-15)?;
-                            if let Some((width, _)) = misfit(w).filter(|m| least.is_none_or(|(b, _)| m.0 < b)) {
-                                least = Some((width, w));
-                            }
-                        }
+        let mut last = (grid[0], curve.at(grid[0]));
+        for pair in grid.windows(2) {
+            let steps = ((pair[1] - pair[0]) * tau / TAU * 4.0).ceil().clamp(1.0, 64.0);
+            for step in 1..=steps as usize {
+                let w = pair[0] + (pair[1] - pair[0]) * step as f64 / steps;
+                let here = (w, curve.at(w));
+                for branch in 0..2 {
+                    let (Some(before), Some(after)) = (last.1[branch], here.1[branch]) else { continue };
+                    let (m0, m1) = (misfit(before, last.0), misfit(after, w));
+                    let whole = m0.max(m1).floor();
+                    // A jump of the phase by a turn is no crossing.
+                    if m0.min(m1) >= whole || (m1 - m0).abs() >= 0.75 {
+                        continue;
                     }
-                    last = here;
+                    let f = |w: f64| Ok(curve.at(w)[branch].map_or(f64::NAN, |neutral| misfit(neutral, w) - whole));
+                    let w = root(f, (last.0, m0 - whole), (w, m1 - whole), 1e-15)?;
+                    if let Some(found) = curve.at(w)[branch].filter(|n| least.is_none_or(|(b, _)| n.width < b)) {
+                        least = Some((found.width, w));
+                    }
                 }
+                last = here;
             }
         }
         let Some((depth, w)) = least else {
@@ -281,19 +250,4 @@ impl Turning {
         let kind = ChatterKind::Hopf;
         Ok(StabilityLimit { depth, kind, chatter_frequency: w / TAU })
     }
-}
-
-/// A vibration that neither grows nor decays.
-struct Neutral {
-    width: f64,
-    /// Angle by which it advances over a revolution, less whole turns.
-    phase: f64,
-    /// The greater width at which it becomes neutral again, and its phase.
-    other: Option<(f64, f64)>,
-}
-
-/// Compliance of one modal coordinate at the complex rate `s`.
-fn modal_response(mode: &Mode, s: Complex<f64>) -> Complex<f64> {
-    let w = mode.angular_frequency();
-    w * w / mode.stiffness / (s * s + 2.0 * mode.damping_ratio * w * s + w * w)
 }
