@@ -283,6 +283,11 @@ pub enum GapCommand {
     #[command(before_help = "Examples:
   toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
     Apply(ApplyArgs),
+    /// Diagnose shops with a hidden effect that no model here knows, and count the errors
+    #[command(before_help = "Examples:
+  toolroom gap blind --cases smoke
+  toolroom gap blind --cases full --seed 1001 --out out/blind")]
+    Blind(BlindArgs),
 }
 
 /// A nominal model and records.
@@ -337,6 +342,40 @@ pub struct ApplyArgs {
     /// File to write
     #[arg(long, value_name = "MODEL2.toml")]
     pub out: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct BlindArgs {
+    /// Seed of all cases; those of different seeds have nothing in common
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How many cases
+    #[arg(long, value_enum, default_value = "smoke")]
+    pub cases: BlindCases,
+    /// Only this process
+    #[arg(long, value_name = "PROCESS")]
+    pub process: Option<String>,
+    /// Directory of cases.csv and blind.json
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlindCases {
+    /// A few of each set
+    Smoke,
+    /// As many as bounds on error rates need
+    Full,
+}
+
+impl BlindCases {
+    /// Word on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smoke => "smoke",
+            Self::Full => "full",
+        }
+    }
 }
 
 #[derive(Args, Debug)]

@@ -1,6 +1,7 @@
 //! `toolroom gap`: where model and shop differ, and why.
 
 mod apply;
+mod blind;
 mod diagnose;
 mod identifiability;
 
@@ -16,6 +17,7 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Diagnose(args) => diagnose::run(args, voice),
         GapCommand::Identifiability(args) => identifiability::run(args, voice),
         GapCommand::Apply(args) => apply::run(args, voice),
+        GapCommand::Blind(args) => blind::run(args, voice),
     }
 }
 

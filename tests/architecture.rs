@@ -63,6 +63,8 @@ fn dependencies_point_down_only() {
     for leaf in ["toolroom-wear", "toolroom-effects"] {
         assert_eq!(edges[leaf].iter().filter(|name| own(name)).collect::<Vec<_>>(), ["toolroom-process"], "{leaf}");
     }
+    assert!(!edges["toolroom-truth"].iter().any(own), "the truth of the blind benchmark knows no model");
+    assert!(!reachable(&edges, "toolroom-analysis").contains("toolroom-truth"), "the diagnosis knows no truth");
     let sim = reachable(&edges, "toolroom-sim");
     assert!(!sim.contains("polars") && !sim.contains("toolroom-analysis"), "sim stays below analysis and polars");
 }

@@ -2,25 +2,25 @@
 
 use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
 use toolroom_analysis::records::{RecordKind, parse_csv};
-use toolroom_truth::{Case, turning};
+use toolroom_truth::Case;
 
 fn diagnosed(case: &Case) -> Diagnosis {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/turning.toml");
     let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
-    let csv = turning::records(case);
+    let csv = case.records();
     let (records, _) = parse_csv("truth", csv.as_bytes(), RecordKind::Turning).expect("records of the contract");
     diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis
 }
 
 #[test]
 fn nothing_hidden_is_blamed_on_nothing() {
-    let diagnosis = diagnosed(&Case::null(1));
+    let diagnosis = diagnosed(&Case::null("turning", 1));
     assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
 }
 
 #[test]
 fn force_that_grows_with_wear_is_named_with_its_size() {
-    let diagnosis = diagnosed(&Case::one("wear_force", 1.0, 5));
+    let diagnosis = diagnosed(&Case::one("turning", "wear_force", 1.0, 5));
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
     let effect = &diagnosis.effects[0];
     assert_eq!((effect.id, diagnosis.effects.len()), ("wear_force", 1));
@@ -30,7 +30,7 @@ fn force_that_grows_with_wear_is_named_with_its_size() {
 
 #[test]
 fn a_cause_outside_the_catalogue_gets_no_name() {
-    let diagnosis = diagnosed(&Case::one("fixture_drag", 1.0, 1));
+    let diagnosis = diagnosed(&Case::one("turning", "fixture_drag", 1.0, 1));
     assert_eq!(diagnosis.verdict, GapVerdict::Unknown, "{}", diagnosis.terminal());
     assert!(diagnosis.effects.is_empty());
     assert_eq!(
@@ -43,7 +43,7 @@ fn a_cause_outside_the_catalogue_gets_no_name() {
 fn a_channel_in_a_wrong_unit_is_said() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/turning.toml");
     let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
-    let csv = turning::records(&Case::null(3)).replace("cutting_force [N]", "cutting_force [kN]");
+    let csv = Case::null("turning", 3).records().replace("cutting_force [N]", "cutting_force [kN]");
     let (records, _) = parse_csv("truth", csv.as_bytes(), RecordKind::Turning).expect("records of the contract");
     let (forward, notes) = model.over(&records, None, |_, _| false);
     let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;

@@ -3,7 +3,7 @@
 //! A value that is not defined in a replication (a cost per part without parts) is NaN there and
 //! leaves the sample; [`Interval::count`] says how many values are left.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 
 /// Confidence of every interval that the product reports.
 pub const CONFIDENCE: f64 = 0.95;
@@ -215,6 +215,27 @@ pub fn ratio(values: &[f64], baseline: &[f64], confidence: f64) -> Interval {
     let mean = own.mean() / base.mean();
     let residuals: Moments = pairs().map(|(value, reference)| (value - mean * reference) / base.mean()).collect();
     Interval { mean, ..from_moments(&residuals, confidence) }
+}
+
+/// Bounds of a rate of which `count` of `of` were seen, exact at `level` (two-sided).
+///
+/// # Source
+/// Clopper & Pearson 1934.
+///
+/// # Examples
+/// ```
+/// let [low, high] = toolroom_analysis::statistics::clopper_pearson(0, 100, 0.95);
+/// assert_eq!(low, 0.0);
+/// assert!((high - (1.0 - 0.025_f64.powf(0.01))).abs() < 1e-9);
+/// ```
+pub fn clopper_pearson(count: usize, of: usize, level: f64) -> [f64; 2] {
+    let tail = 0.5 * (1.0 - level);
+    let quantile = |alpha: usize, beta: usize, share: f64| {
+        Beta::new(alpha as f64, beta as f64).map_or(f64::NAN, |law| law.inverse_cdf(share))
+    };
+    let low = if count == 0 { 0.0 } else { quantile(count, of - count + 1, tail) };
+    let high = if count >= of { 1.0 } else { quantile(count + 1, of - count, 1.0 - tail) };
+    [low, high]
 }
 
 #[cfg(test)]

@@ -295,6 +295,11 @@ pub struct Identifiable {
 }
 
 impl Identifiable {
+    /// Score that an effect of `size` (display unit) would reach.
+    pub fn score(&self, size: f64) -> f64 {
+        DETECTABLE * size / self.minimal_detectable
+    }
+
     fn masked(&self) -> MaskedEffect {
         MaskedEffect {
             id: self.id,

@@ -10,7 +10,7 @@ use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
-use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors};
+use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors, ToolType};
 
 /// The process behind a nominal model.
 #[derive(Clone, Debug)]
@@ -77,14 +77,28 @@ impl NominalModel {
     /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
         let file = path.display().to_string();
-        let plain = std::fs::read_to_string(path).is_ok_and(|text| !text.lines().any(|line| line.trim() == "[shop]"));
-        let (section, tools) = if plain {
+        if std::fs::read_to_string(path).is_ok_and(|text| is_plain(&text)) {
             let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
-            (Some(read.content), Vec::new())
-        } else {
-            let read = file::read(path, overrides)?;
-            (read.gap, read.scenario.tools)
-        };
+            return Self::of(file, Some(read.content), &[]);
+        }
+        let read = file::read(path, overrides)?;
+        Self::of(file, read.gap, &read.scenario.tools)
+    }
+
+    /// [`NominalModel::read`] of a text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`NominalModel::read`].
+    pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ModelFileError> {
+        if is_plain(text) {
+            let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
+            return Self::of(file.to_owned(), Some(read.content), &[]);
+        }
+        let read = file::parse(file, text, overrides)?;
+        Self::of(file.to_owned(), read.gap, &read.scenario.tools)
+    }
+
+    fn of(file: String, section: Option<GapSection>, tools: &[ToolType]) -> Result<Self, ModelFileError> {
         let wanted = section.as_ref().and_then(|section| section.process.clone());
         let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
         let wanted = wanted.unwrap_or_else(|| "empirical".to_owned());
@@ -153,6 +167,11 @@ impl NominalModel {
             NominalProcess::Empirical => Box::new(Empirical::new(records, groups, settings)),
         }
     }
+}
+
+/// Whether a file has no shop: nothing but priors and sensors of an empirical model.
+fn is_plain(text: &str) -> bool {
+    !text.lines().any(|line| line.trim() == "[shop]")
 }
 
 fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {

@@ -5,29 +5,53 @@
 //! Runge and Kutta in 24 steps an operation; readings are rounded, noisy with memory and outliers.
 //!
 //! ```text
-//!   Case (effects, strength, seed, world) ─► turning ─► CSV of records
+//!   suite(seed) ─► Case (process, hidden causes, seed, world) ─► Generator ─► CSV of records
 //! ```
 //!
 //! | type | what it is |
 //! |---|---|
+//! | [`suite()`] | every case of the blind benchmark |
 //! | [`Case`] | what is hidden in a data set |
 //! | [`Hidden`] | one hidden cause, in or out of the catalogue |
-//! | [`turning`] | a turning cell |
+//! | [`Generator`] | a kind of shop: its causes, and the records of a case |
+//!
+//! A new process is one file with a `GENERATOR` and one line in [`GENERATORS`]; the suite, its
+//! gates and tables follow.
 //!
 //! ```
 //! use toolroom_truth::{Case, turning};
-//! let csv = turning::records(&Case::null(1));
+//! let csv = Case::null("turning", 1).records();
 //! assert!(csv.starts_with("operation_id,"));
 //! assert!(csv.lines().count() > turning::TOOLS * turning::OPERATIONS / 2);
 //! ```
 //!
 //! # What is not modelled
-//! Milling, grinding and the shop's events. Anything that would make the world real: it is as plausible as its author could make it
-//! without looking at the models that it tests.
+//! Anything that would make the world real: it is as plausible as its author could make it without
+//! looking at the models that it tests.
 
 mod noise;
 mod steel;
+mod suite;
 pub mod turning;
+
+pub use suite::{Extent, Set, suite};
+
+/// A kind of shop whose records are diagnosed.
+#[derive(Clone, Copy, Debug)]
+pub struct Generator {
+    /// Process, and name of the shipped nominal model (`scenarios/gap/<process>.toml`).
+    pub process: &'static str,
+    /// Causes of the catalogue that can be hidden here, with their ordinary size in the catalogue's
+    /// display unit.
+    pub effects: &'static [(&'static str, f64)],
+    /// Causes that no catalogue has.
+    pub outside: &'static [&'static str],
+    /// Records of a case, as CSV.
+    pub records: fn(&Case) -> String,
+}
+
+/// Every kind of shop.
+pub const GENERATORS: &[Generator] = &[turning::GENERATOR];
 
 /// One hidden cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,45 +62,78 @@ pub struct Hidden {
     pub strength: f64,
 }
 
+/// Whose readings are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edges {
+    /// Those that are diagnosed.
+    Diagnosed,
+    /// New ones of the same shop, as are cut next; several times as many.
+    New,
+}
+
 /// What is hidden in a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
+    /// Process, a word of [`GENERATORS`].
+    pub process: &'static str,
+    /// What the case is to show.
+    pub set: Set,
     /// Hidden causes; none in a null case.
     pub hidden: Vec<Hidden>,
     /// Seed of everything random.
     pub seed: u64,
-    /// Scatter of wear from edge to edge, standard deviation of the logarithm.
+    /// Scatter from group to group (edges, dressings) over the usual one of the shop.
     pub scatter: f64,
     /// A world whose forms differ more from those of common models.
     pub stress: bool,
-    /// Data sets of the same shop, one after the other: the first is diagnosed, the second new.
-    pub fresh: bool,
+    /// Whose readings.
+    pub edges: Edges,
 }
 
 impl Case {
     /// Nothing hidden.
-    pub fn null(seed: u64) -> Self {
-        Self { hidden: Vec::new(), seed, scatter: 0.10, stress: false, fresh: false }
+    pub fn null(process: &'static str, seed: u64) -> Self {
+        Self { process, set: Set::Null, hidden: Vec::new(), seed, scatter: 1.0, stress: false, edges: Edges::Diagnosed }
     }
 
     /// One hidden cause.
-    pub fn one(id: &'static str, strength: f64, seed: u64) -> Self {
-        Self { hidden: vec![Hidden { id, strength }], ..Self::null(seed) }
-    }
-
-    /// Two hidden causes of ordinary strength.
-    pub fn two(a: &'static str, b: &'static str, seed: u64) -> Self {
-        Self { hidden: vec![Hidden { id: a, strength: 1.0 }, Hidden { id: b, strength: 1.0 }], ..Self::null(seed) }
+    pub fn one(process: &'static str, id: &'static str, strength: f64, seed: u64) -> Self {
+        Self { set: Set::Effect, hidden: vec![Hidden { id, strength }], ..Self::null(process, seed) }
     }
 
     /// The same shop on new edges.
     #[must_use]
     pub fn on_new_edges(&self) -> Self {
-        Self { fresh: true, ..self.clone() }
+        Self { edges: Edges::New, ..self.clone() }
+    }
+
+    /// The records, as CSV.
+    ///
+    /// # Panics
+    /// If no generator has this process.
+    pub fn records(&self) -> String {
+        let generator = GENERATORS.iter().find(|generator| generator.process == self.process);
+        (generator.expect("a process of GENERATORS").records)(self)
+    }
+
+    /// Ordinary size of a cause times its strength, display unit of the catalogue; `None` for one
+    /// that is not hidden here or is in no catalogue.
+    pub fn size(&self, id: &str) -> Option<f64> {
+        let generator = GENERATORS.iter().find(|generator| generator.process == self.process)?;
+        let (_, size) = generator.effects.iter().find(|(known, _)| *known == id)?;
+        self.hidden.iter().find(|hidden| hidden.id == id).map(|hidden| hidden.strength * size)
     }
 
     /// Strength of a cause; zero where it is not hidden here.
     pub(crate) fn strength(&self, id: &str) -> f64 {
         self.hidden.iter().find(|hidden| hidden.id == id).map_or(0.0, |hidden| hidden.strength)
+    }
+
+    /// Stream of random numbers: edges that are diagnosed and new ones differ, the shop does not.
+    pub(crate) fn stream(&self) -> u64 {
+        match self.edges {
+            Edges::Diagnosed => 1,
+            Edges::New => 2,
+        }
     }
 }

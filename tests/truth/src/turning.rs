@@ -1,8 +1,8 @@
 //! A turning cell: twelve edges, two machines, five part types, three lots.
 
-use crate::Case;
 use crate::noise::{Chance, Reading};
 use crate::steel::{Cut, ROOM, World};
+use crate::{Case, Edges, Generator};
 use std::fmt::Write;
 
 /// Edges of a data set.
@@ -19,9 +19,10 @@ const PARTS: [(Cut, f64); 5] = [
     (Cut { speed: 180.0, feed: 0.38, depth: 1.0 }, 4.0),
 ];
 
-/// Causes of the catalogue that can be hidden here, with their ordinary size in the catalogue's
-/// display unit.
-pub const EFFECTS: [(&str, f64); 16] = [
+/// The cell.
+pub const GENERATOR: Generator = Generator { process: "turning", effects: &EFFECTS, outside: &OUTSIDE, records };
+
+const EFFECTS: [(&str, f64); 16] = [
     ("wear_force", 0.20),
     ("wear_temperature", 0.10),
     ("wear_acceleration", 1.0),
@@ -40,9 +41,10 @@ pub const EFFECTS: [(&str, f64); 16] = [
     ("tool_change_delay", 40.0),
 ];
 
-/// Causes that no catalogue has.
-pub const OUTSIDE: [&str; 5] = ["day_cycle", "chip_jam", "machine_offset", "interrupted_cut", "fixture_drag"];
+const OUTSIDE: [&str; 5] = ["day_cycle", "chip_jam", "machine_offset", "interrupted_cut", "fixture_drag"];
 
+/// Scatter of wear from edge to edge, standard deviation of the logarithm.
+const SCATTER: f64 = 0.10;
 /// Land at which the operator takes an edge out, mm.
 const WORN_OUT: f64 = 0.45;
 
@@ -106,7 +108,7 @@ impl Around<'_> {
 }
 
 /// The records of a case, as CSV.
-pub fn records(case: &Case) -> String {
+fn records(case: &Case) -> String {
     let mut text = String::from(
         "operation_id,machine,tool_id,sequence,start_time [s],lot,part_type,operator,shift,coolant_age [h],\
          cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],feed_override [%],\
@@ -119,12 +121,20 @@ pub fn records(case: &Case) -> String {
     let (wear_level, warm_level) = (level(&mut shop, 0.10), level(&mut shop, 0.02));
     let handling = 60.0 + 20.0 * shop.uniform();
     let gains = [level(&mut shop, 0.01), level(&mut shop, 0.01)];
-    let mut chance = Chance::new(case.seed, if case.fresh { 2 } else { 1 });
+    let mut chance = Chance::new(case.seed, case.stream());
     let world = World::new(case.stress);
     let mut clock = [0.0_f64; 2];
-    for tool in 0..TOOLS {
+    // A closure that is to be believed needs more edges than a diagnosis.
+    let (first, tools) = match case.edges {
+        Edges::Diagnosed => (1, TOOLS),
+        Edges::New => (TOOLS + 1, 4 * TOOLS),
+    };
+    for tool in 0..tools {
+        if tool % TOOLS == 0 {
+            clock = [0.0; 2];
+        }
         let machine = tool % 2;
-        let factor = wear_level * level(&mut chance, case.scatter);
+        let factor = wear_level * level(&mut chance, SCATTER * case.scatter);
         let own_force = force_level * level(&mut chance, 0.015);
         let mut edge = Edge::default();
         let mut readings = [0.02, 0.03, 0.02, 0.015].map(Reading::new);
@@ -208,7 +218,7 @@ pub fn records(case: &Case) -> String {
                 "{id},L{machine},T{name:02},{sequence},{start:.0},{lot},P{part},{operator},{shift},{age:.2},{speed},{feed_set},{depth},{minutes:.4},{overridden},{wear_read:.2},{f:.2},{ff:.2},{p:.5},{t:.2},{cycle:.1}",
                 id = tool * OPERATIONS + operation + 1,
                 machine = machine + 1,
-                name = tool + 1 + if case.fresh { TOOLS } else { 0 },
+                name = tool + first,
                 sequence = operation + 1,
                 start = clock[machine],
                 lot = ["A", "B", "C"][around.lot],

@@ -1,0 +1,80 @@
+//! `toolroom gap blind`: the withheld-effect benchmark.
+//!
+//! Every case is a shop of `toolroom-truth`, whose equations, integrator and noise are none of the
+//! models'. It is diagnosed with the shipped nominal model of its process; what was hidden is
+//! looked at only afterwards.
+
+mod judged;
+mod tally;
+
+use crate::args::{BlindArgs, BlindCases};
+use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
+use crate::progress::Bar;
+use crate::speak::Voice;
+use judged::Judged;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+use tally::Tally;
+use toolroom_analysis::gap::NominalModel;
+use toolroom_analysis::study::Progress;
+use toolroom_truth::{Case, Extent, GENERATORS, suite};
+
+/// Shipped nominal models, by process.
+const MODELS: &[(&str, &str)] = &[
+    ("turning", include_str!("../../scenarios/gap/turning.toml")),
+    ("milling", include_str!("../../scenarios/gap/milling.toml")),
+    ("grinding", include_str!("../../scenarios/gap/grinding.toml")),
+];
+
+pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
+    let out = args.out.as_deref().map(OutputDir::create).transpose()?;
+    let start = Instant::now();
+    let cases = chosen(args)?;
+    let bar = Bar::new(voice);
+    let done = AtomicU32::new(0);
+    let judge = |case: &Case| {
+        let judged = Judged::of(case, &nominal(case.process)?);
+        bar.at(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total: cases.len() as u32 });
+        judged
+    };
+    let judged = cases.par_iter().map(judge).collect::<Result<Vec<Judged>, Failure>>()?;
+    bar.finish();
+    let tallies: Vec<Tally> = GENERATORS
+        .iter()
+        .map(|generator| Tally::new(generator.process, &judged))
+        .filter(|tally| tally.cases > 0)
+        .collect();
+    if let Some(out) = out {
+        out.put("cases.csv", &judged::table(&judged))?;
+        out.put_json("blind.json", &tally::json(&tallies, &judged))?;
+        let arguments = [format!("--seed {} --cases {}", args.seed, args.cases.name())];
+        out.record(&provenance("gap blind", &[], arguments, Some(args.seed)), start.elapsed())?;
+        voice.say(format_args!("wrote {}", out.publish()?.join("cases.csv").display()));
+    }
+    if voice.json {
+        voice.json(&tally::json(&tallies, &judged))
+    } else {
+        tallies.iter().try_for_each(|tally| voice.data(tally))
+    }
+}
+
+fn chosen(args: &BlindArgs) -> Result<Vec<Case>, Failure> {
+    let mut cases = suite(args.seed, if args.cases == BlindCases::Full { Extent::Full } else { Extent::Smoke });
+    if let Some(process) = &args.process {
+        cases.retain(|case| case.process == process);
+        if cases.is_empty() {
+            let known: Vec<&str> = GENERATORS.iter().map(|generator| generator.process).collect();
+            let message = format!("no hidden effects are known for the process `{process}`");
+            return Err(Failure::argument(message, format_args!("one of: {}", known.join(", "))));
+        }
+    }
+    Ok(cases)
+}
+
+fn nominal(process: &str) -> Result<NominalModel, Failure> {
+    let text = MODELS.iter().find(|(name, _)| *name == process).map_or("", |(_, text)| text);
+    NominalModel::parse(&format!("{process}.toml"), text, &[])
+        .map_err(|error| Failure::Work { message: format!("the shipped nominal model of {process}: {error}") })
+}
