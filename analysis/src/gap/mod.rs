@@ -64,6 +64,7 @@ pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};
 pub use noise::Noise;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
+pub(crate) use noise::median;
 pub use score::Scores;
 pub use settings::Settings;
 pub use trial::Trial;

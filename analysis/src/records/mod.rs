@@ -13,9 +13,11 @@
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
 //! | [`read`], [`parse_csv`], [`write_csv`] | files |
 //! | [`simulated`], [`write_simulated`] | a simulated run as if it had been measured |
+//! | [`mod@import`] | tables of others, by a mapping |
 
 mod columns;
 mod csv_table;
+pub mod import;
 mod parquet_table;
 mod read;
 mod report;

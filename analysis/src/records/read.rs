@@ -223,7 +223,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 numbers.push(f64::NAN);
                 continue;
             }
-            let number = read.parse::<f64>().ok().filter(|number| number.is_finite());
+            let number = number(read);
             if number.is_none() && !missing {
                 report.unreadable.push((*line, each.name.clone(), read.to_owned()));
             }
@@ -247,18 +247,19 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
     kept
 }
 
+/// A finite number.
+pub(super) fn number(read: &str) -> Option<f64> {
+    read.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
 /// What stands for nothing in real files.
-fn is_missing(read: &str) -> bool {
+pub(super) fn is_missing(read: &str) -> bool {
     matches!(read.to_ascii_lowercase().as_str(), "" | "nan" | "na" | "n/a" | "null" | "none" | "-" | "unavailable")
 }
 
 /// Rows in the order of their edge and sequence, so that files may come in any order.
 fn ordered(records: Records, report: &mut ReadReport) -> Records {
-    let (group, order) = match records.kind {
-        RecordKind::Grinding => ("dressing_cycle", "part_in_cycle"),
-        RecordKind::Shop => ("machine", "time"),
-        _ => ("tool_id", "sequence"),
-    };
+    let (group, order) = records.kind.sequence();
     let Some(sequence) = records.numbers(order) else { return records };
     let mut rows: Vec<usize> = (0..records.len()).collect();
     let empty = vec![String::new(); records.len()];

@@ -1,5 +1,6 @@
 //! What a reader did.
 
+use serde_json::{Value, json};
 use std::fmt;
 
 /// What was read, what was dropped and why.
@@ -23,12 +24,31 @@ pub struct ReadReport {
 
 /// Lines of detail that are printed of each kind.
 const SHOWN: usize = 5;
+/// Unused columns that are printed.
+const SHOWN_UNUSED: usize = 8;
+
+impl ReadReport {
+    /// The same for programs.
+    pub fn json(&self) -> Value {
+        let dropped = |(line, reason): &(usize, String)| json!({ "line": line, "reason": reason });
+        let cell =
+            |(line, column, read): &(usize, String, String)| json!({ "line": line, "column": column, "read": read });
+        json!({
+            "schema": 1, "file": self.file, "rows": self.rows, "columns": self.columns, "unused": self.unused,
+            "dropped": self.dropped.iter().map(dropped).collect::<Vec<_>>(),
+            "unreadable": self.unreadable.iter().map(cell).collect::<Vec<_>>(), "notes": self.notes,
+        })
+    }
+}
 
 impl fmt::Display for ReadReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}: {} rows, columns {}", self.file, self.rows, self.columns.join(", "))?;
         if !self.unused.is_empty() {
-            writeln!(f, "  not used: {}", self.unused.join(", "))?;
+            let more = self.unused.len().saturating_sub(SHOWN_UNUSED);
+            let shown = self.unused.iter().take(SHOWN_UNUSED).cloned().collect::<Vec<_>>().join(", ");
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            writeln!(f, "  not used: {shown}{more}")?;
         }
         for note in &self.notes {
             writeln!(f, "  {note}")?;

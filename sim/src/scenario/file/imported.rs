@@ -1,11 +1,9 @@
 //! Tools whose process is an imported unit.
 
 use super::fault::Fault;
-use super::walk::{Section, Value, Walk};
+use super::walk::{Section, Walk};
 use crate::scenario::ProcessModel;
 use crate::scenario::unit::{UnitRequest, import};
-use std::collections::BTreeMap;
-use toml::de::DeValue;
 use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput};
 use toolroom_process::{Field, Record, Wiring};
 
@@ -34,46 +32,16 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: 
     }
 }
 
+/// A table of variables, for messages.
+const EXAMPLE: &str = "{ cutting_speed = \"vc [m/min]\" }";
+
 fn wiring(walk: &mut Walk, tool: &Section<'_>) -> Wiring {
     let Some(section) = walk.table(tool, "wiring") else { return Wiring::default() };
     Wiring {
-        inputs: texts(walk, &section, "inputs"),
-        outputs: texts(walk, &section, "outputs"),
-        events: texts(walk, &section, "events"),
-        start: texts(walk, &section, "start"),
+        inputs: walk.texts(&section, "inputs", EXAMPLE),
+        outputs: walk.texts(&section, "outputs", EXAMPLE),
+        events: walk.texts(&section, "events", EXAMPLE),
+        start: walk.texts(&section, "start", EXAMPLE),
         step: section.si("step"),
     }
-}
-
-/// A table of names and texts; numbers and truth values may stand without quotes.
-fn texts(walk: &mut Walk, section: &Section<'_>, key: &'static str) -> BTreeMap<String, String> {
-    let mut texts = BTreeMap::new();
-    let Some(got) = section.got(key) else { return texts };
-    let example = "{ cutting_speed = \"vc [m/min]\" }";
-    let Value::Raw(DeValue::Table(table)) = &got.value else {
-        if let Value::Raw(other) = &got.value {
-            walk.wrong_type(key, other, "a table of names and texts", got.span.clone(), example.to_owned());
-        }
-        return texts;
-    };
-    for (name, value) in table {
-        let text = match value.get_ref() {
-            DeValue::String(text) => text.to_string(),
-            DeValue::Integer(integer) => integer.as_str().to_owned(),
-            DeValue::Float(float) => float.as_str().to_owned(),
-            DeValue::Boolean(flag) => flag.to_string(),
-            other => {
-                walk.wrong_type(
-                    name.get_ref(),
-                    other,
-                    "a text, a number or a truth value",
-                    value.span(),
-                    "\"…\"".to_owned(),
-                );
-                continue;
-            }
-        };
-        texts.insert(name.get_ref().to_string(), text);
-    }
-    texts
 }

@@ -283,6 +283,34 @@ impl Walk {
         Some(self.section(form, &path, table, got.span.clone(), case))
     }
 
+    /// A table of names and texts; numbers and truth values may stand without quotes. `example` is
+    /// shown where the value is no such table.
+    pub fn texts(&mut self, section: &Section<'_>, key: &str, example: &str) -> BTreeMap<String, String> {
+        let mut texts = BTreeMap::new();
+        let Some(got) = section.got(key) else { return texts };
+        let Value::Raw(DeValue::Table(table)) = &got.value else {
+            if let Value::Raw(other) = &got.value {
+                self.wrong_type(key, other, "a table of names and texts", got.span.clone(), example.to_owned());
+            }
+            return texts;
+        };
+        for (name, value) in table {
+            let text = match value.get_ref() {
+                DeValue::String(text) => text.to_string(),
+                DeValue::Integer(integer) => integer.as_str().to_owned(),
+                DeValue::Float(float) => float.as_str().to_owned(),
+                DeValue::Boolean(flag) => flag.to_string(),
+                other => {
+                    let expected = "a text, a number or a truth value";
+                    self.wrong_type(name.get_ref(), other, expected, value.span(), "\"…\"".to_owned());
+                    continue;
+                }
+            };
+            texts.insert(name.get_ref().to_string(), text);
+        }
+        texts
+    }
+
     fn not_applicable(&mut self, section: &Section<'_>, key: &Key, span: Span, case: Option<(&str, &str)>) {
         let Some(when) = key.when else { return };
         let outside = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);

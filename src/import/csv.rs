@@ -1,0 +1,50 @@
+//! `toolroom import csv` and the tables with a mapping of their own.
+
+use super::write;
+use crate::args::{ImportCsvArgs, ImportTableArgs};
+use crate::failure::Failure;
+use crate::output::provenance;
+use crate::speak::Voice;
+use std::time::Instant;
+use toolroom_analysis::records::RecordError;
+use toolroom_analysis::records::import::{ImportError, Mapping, import};
+
+/// The mapping of the NASA milling table, shipped as an example too.
+const NASA_MILL: &str = include_str!("../../scenarios/gap/map-nasa-mill.toml");
+
+pub fn run(args: &ImportCsvArgs, voice: &Voice) -> Result<(), Failure> {
+    let mapping = Mapping::read(&args.map, &args.set)?;
+    let map = ["--map".to_owned(), args.map.display().to_string()];
+    let set = args.set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]);
+    perform("import csv", &mapping, &args.table, map.into_iter().chain(set), voice)
+}
+
+pub fn nasa_mill(args: &ImportTableArgs, voice: &Voice) -> Result<(), Failure> {
+    let mapping = Mapping::parse("map-nasa-mill.toml", NASA_MILL, &[])?;
+    perform("import nasa-mill", &mapping, args, [], voice)
+}
+
+fn perform(
+    verb: &str,
+    mapping: &Mapping,
+    args: &ImportTableArgs,
+    arguments: impl IntoIterator<Item = String>,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let began = Instant::now();
+    let (records, report) = import(&args.file, mapping).map_err(refused)?;
+    let bytes = std::fs::read(&args.file)
+        .map_err(|error| Failure::argument(format!("{}: {error}", args.file.display()), "check the path"))?;
+    let provenance = provenance(verb, &[(args.file.display().to_string(), &bytes)], arguments, None);
+    write(&records, &report, &args.out, &provenance, began, voice)
+}
+
+fn refused(error: ImportError) -> Failure {
+    let help = match &error {
+        ImportError::Record(RecordError::Unreadable { .. }) => "check the path",
+        ImportError::NoColumn { .. } => "`from` in the mapping is a header of the file",
+        ImportError::NotMapped { .. } => "a constant will do, such as constant = \"L1\"",
+        _ => "the mapping says what each column is: name, from, unit",
+    };
+    Failure::argument(error, help)
+}
