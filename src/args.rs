@@ -6,7 +6,7 @@
 mod import;
 mod planning;
 
-pub use import::{ImportCommand, MtconnectArgs};
+pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
 
 use clap::{Args, Parser, Subcommand};

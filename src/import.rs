@@ -1,13 +1,48 @@
 //! `toolroom import`: measured data of others as records.
 
+mod csv;
 mod mtconnect;
 
 use crate::args::ImportCommand;
 use crate::failure::Failure;
+use crate::output::OutputDir;
 use crate::speak::Voice;
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+use toolroom_analysis::records::{ReadReport, Records, write_csv};
 
 pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
+        ImportCommand::Csv(args) => csv::run(args, voice),
+        ImportCommand::NasaMill(args) => csv::nasa_mill(args, voice),
         ImportCommand::Mtconnect(args) => mtconnect::run(args, voice),
     }
+}
+
+/// Writes records with the report of their reading, and says what became of the file.
+fn write(
+    records: &Records,
+    report: &ReadReport,
+    out: &Path,
+    provenance: &toolroom_analysis::page::Provenance,
+    began: Instant,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let dir = OutputDir::create(out)?;
+    let name = format!("{}.csv", records.kind.file_stem());
+    let path = dir.draft().join(&name);
+    let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
+    let file = std::fs::File::create(&path).map_err(unwritable)?;
+    write_csv(records, std::io::BufWriter::new(file)).map_err(|error| unwritable(std::io::Error::other(error)))?;
+    dir.put_json("import.json", &report.json())?;
+    dir.record(provenance, began.elapsed())?;
+    let written = dir.publish()?.join(&name);
+    if voice.json {
+        let mut value = report.json();
+        value["written"] = json!(written);
+        return voice.json(&value);
+    }
+    voice.data(report.to_string().trim_end())?;
+    voice.data(format_args!("wrote {}", written.display()))
 }

@@ -5,6 +5,16 @@ use std::path::PathBuf;
 
 #[derive(Subcommand, Debug)]
 pub enum ImportCommand {
+    /// A measured table of any layout, by a mapping file
+    #[command(before_help = "Examples:
+  toolroom import csv log.csv --map map.toml --out out/log
+  toolroom import csv vicomtech.csv --map scenarios/gap/map-vicomtech.toml --out out/vicomtech
+  toolroom import csv log.csv --map map.toml --set rows_per_operation=30 --out out/log")]
+    Csv(ImportCsvArgs),
+    /// The table of milling cuts of NASA Ames and UC Berkeley
+    #[command(before_help = "Examples:
+  toolroom import nasa-mill mill.csv --out out/nasa")]
+    NasaMill(ImportTableArgs),
     /// Logs of MTConnect adapters (SHDR: time|key|value|…) as events
     #[command(before_help = "Examples:
   toolroom import mtconnect mill.shdr --out out/mill
@@ -25,6 +35,27 @@ pub struct MtconnectArgs {
     #[arg(long, value_name = "ROLE=KEY")]
     pub key: Vec<String>,
     /// Directory of events.csv
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct ImportCsvArgs {
+    /// What the columns are
+    #[arg(long, value_name = "MAP.toml")]
+    pub map: PathBuf,
+    /// Replace a value of the mapping, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    #[command(flatten)]
+    pub table: ImportTableArgs,
+}
+
+#[derive(Args, Debug)]
+pub struct ImportTableArgs {
+    /// CSV in any delimiter, encoding and decimal sign, or Parquet
+    pub file: PathBuf,
+    /// Directory of the records and of import.json
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

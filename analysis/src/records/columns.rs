@@ -175,6 +175,7 @@ const ANY: &[RecordColumn] = &[
     condition("feed_per_tooth", "m", "mm", 5.0),
     condition("depth_of_cut", "m", "mm", 200.0),
     condition("width_of_cut", "m", "mm", 500.0),
+    condition("spindle_speed", "rad/s", "rpm", 2e5),
     condition("cutting_time", "s", "min", 1e4),
     condition("feed_override", "1", "%", 300.0),
     channel("flank_wear", "m", "mm", 5.0),

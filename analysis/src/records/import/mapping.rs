@@ -259,7 +259,7 @@ fn column(walk: &mut Walk, section: &Section<'_>, kind: RecordKind) -> Option<Ma
             }
         },
         (Some(from), None) => {
-            if let Some(read) = section.text("unit")
+            if let Some(read) = section.text("unit").filter(|_| !is_text)
                 && csv_table::scale(read, column.unit).is_none()
             {
                 let reason = unit::quantity(&format!("1 {read}"), column.unit).err()?;
