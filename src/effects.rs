@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
+use toolroom_analysis::gap::EMPIRICAL_EFFECTS;
 use toolroom_effects::{CatalogueEntry, Effect, Sign, Touched};
 use toolroom_sim::effects::SHOP_EFFECTS;
 
@@ -27,9 +28,9 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Effects of the processes, then those of the shop.
+/// Effects of the processes, then those of the shop and of empirical responses.
 fn catalogue() -> impl Iterator<Item = &'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS)
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS)
 }
 
 fn channels(touched: &[Touched]) -> String {

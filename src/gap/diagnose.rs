@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
-use toolroom_analysis::gap::{Diagnosis, diagnose};
+use toolroom_analysis::gap::{Diagnosis, diagnose_parts};
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::results::fingerprint;
 
@@ -29,14 +29,14 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let share = args.holdout.unwrap_or(0.0);
     // Every so many groups is held out, evenly through the data.
     let every = if share > 0.0 { (1.0 / share).round().max(2.0) as usize } else { usize::MAX };
-    let (forward, notes) = model.over(&records, group, |index, name| {
+    let (parts, notes) = model.parts(&records, group, |index, name| {
         outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
     });
-    if forward.frame().measured.is_empty() {
+    if parts.iter().all(|part| part.frame().measured.is_empty()) {
         let message = "no channel that the model predicts is recorded".to_owned();
         return Err(Failure::argument(message, "`toolroom gap` compares forces, wear, power, temperature, stock, …"));
     }
-    let mut diagnosis = diagnose(forward.as_ref(), args.seed).diagnosis;
+    let mut diagnosis = diagnose_parts(&parts, args.seed);
     diagnosis.notes.extend(notes);
     write(args, &diagnosis, voice)
 }

@@ -4,7 +4,7 @@ use super::evidence::{left_out_solutions, solution};
 use super::fit::offset_residual;
 use super::noise::HUBER;
 use super::trial::{Trial, columns};
-use super::{Basis, Closure, Forward};
+use super::{Basis, Closure, Diagnosed, Forward, Measured};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -59,10 +59,12 @@ pub fn closures(
     seed: u64,
 ) -> (Closure, Vec<(&'static str, Closure)>) {
     let measured = &model.frame().measured;
+    // An effect may act where the catalogue does not list it: then everything counts.
+    let listed = measured.channels.iter().any(|channel| touched.contains(&channel.name));
     let sums = |channel: Option<usize>| {
         let counts = |i: usize| match channel {
             Some(channel) => measured.observations[i].channel == channel,
-            None => touched.is_empty() || touched.contains(&measured.channels[measured.observations[i].channel].name),
+            None => !listed || touched.contains(&measured.channels[measured.observations[i].channel].name),
         };
         let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
         for group in scored {
@@ -87,6 +89,35 @@ pub fn closures(
     let channels = measured.channels.iter().enumerate();
     let channels = channels.map(|(index, channel)| (channel.name, closure(&sums(Some(index)), seed))).collect();
     (closure(&sums(None), seed), channels)
+}
+
+/// Closure over several models of the same groups, in units of noise.
+pub fn pooled(parts: &[(&dyn Forward, &Diagnosed)], seed: u64) -> Closure {
+    let groups = parts.iter().map(|(model, _)| model.frame().measured.groups.len()).max().unwrap_or(0);
+    let zeros = || vec![0.0; groups];
+    let mut sums = Sums { before: zeros(), after: zeros(), floor: zeros(), count: zeros() };
+    for (model, diagnosed) in parts {
+        let measured = &model.frame().measured;
+        let [base, chosen] = &diagnosed.held_out;
+        for group in scored(measured) {
+            for i in measured.spans[group].clone() {
+                let unit = diagnosed.basis.noise.deviation(measured, i);
+                sums.before[group] += huber(base[i] / unit);
+                sums.after[group] += huber(chosen[i] / unit);
+                sums.floor[group] += 1.0;
+                sums.count[group] += 1.0;
+            }
+        }
+    }
+    closure(&sums, seed)
+}
+
+/// Groups on which a closure is scored: those outside the fit, or all.
+pub fn scored(measured: &Measured) -> Vec<usize> {
+    let outside: Vec<usize> = (0..measured.groups.len())
+        .filter(|group| !measured.fitted[*group] && !measured.spans[*group].is_empty())
+        .collect();
+    if outside.is_empty() { measured.fitted_groups().collect() } else { outside }
 }
 
 /// Square up to far outliers, then linear: a single reading does not decide about a gap.

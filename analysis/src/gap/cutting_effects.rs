@@ -156,32 +156,33 @@ fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
 
 /// Delays that a cycle time may hold.
 fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
+    let reading = |(candidate, column)| (candidate, Action::Reading { channel, column });
+    delays(seen.records, seen.groups, seen.durations).into_iter().map(reading).collect()
+}
+
+/// Delays by what is recorded, with what each adds to the time of a row per size.
+pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> Vec<(Candidate, Vec<f64>)> {
     let mut list = Vec::new();
     let mut add = |id: &'static str, shape: String, typical: f64, column: Vec<f64>| {
         if standardised(&column).is_some() {
-            let candidate = Candidate { id, shape, typical, greatest: f64::INFINITY };
-            list.push((candidate, Action::Reading { channel, column }));
+            list.push((Candidate { id, shape, typical, greatest: f64::INFINITY }, column));
         }
     };
-    add("tool_change_delay", String::new(), 30.0, features::first_of_group(seen.groups));
-    for (column, name, rows) in features::indicators(seen.records, &["shift", "operator"]) {
+    add("tool_change_delay", String::new(), 30.0, features::first_of_group(groups));
+    for (column, name, rows) in features::indicators(records, &["shift", "operator"]) {
         add("operator_delay", format!("{column} {name}"), 30.0, rows);
     }
-    if let Some(overrides) = seen.records.numbers("feed_override") {
+    if let Some(overrides) = records.numbers("feed_override") {
         let column = overrides
             .iter()
-            .zip(seen.durations)
+            .zip(durations)
             .map(|(share, time)| if *share > 0.0 { time * (share.recip() - 1.0) } else { 0.0 });
         add("feed_override", String::new(), 1.0, column.collect());
     }
-    if let Some(stops) = seen.records.numbers("stop_count") {
-        add(
-            "feed_hold",
-            String::new(),
-            20.0,
-            stops.iter().map(|stops| if stops.is_finite() { *stops } else { 0.0 }).collect(),
-        );
+    if let Some(stops) = records.numbers("stop_count") {
+        let known = |stops: &f64| if stops.is_finite() { *stops } else { 0.0 };
+        add("feed_hold", String::new(), 20.0, stops.iter().map(known).collect());
     }
-    add("micro_stops", String::new(), 1.0 / 600.0, seen.durations.iter().map(|time| time * STOP).collect());
+    add("micro_stops", String::new(), 1.0 / 600.0, durations.iter().map(|time| time * STOP).collect());
     list
 }

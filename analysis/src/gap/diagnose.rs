@@ -1,6 +1,6 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
-use super::closure::{closures, held_out_residuals};
+use super::closure::{closures, held_out_residuals, scored};
 use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::trial::Trial;
@@ -16,7 +16,7 @@ pub(crate) const DETECTABLE: f64 = 5.0;
 /// Normal quantile of a 90 % interval.
 const NINETY: f64 = 1.645;
 /// Cells of the map that are reported.
-const CELLS: usize = 12;
+pub(super) const CELLS: usize = 12;
 /// Calibration that went further than this is reported, in prior standard deviations.
 const FAR: f64 = 2.0;
 
@@ -34,7 +34,7 @@ pub struct Diagnosed {
 
 /// Catalogue row of an id.
 pub(crate) fn entry(id: &str) -> Option<&'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).find(|entry| entry.id == id)
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(super::EMPIRICAL_EFFECTS).find(|entry| entry.id == id)
 }
 
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
@@ -62,10 +62,7 @@ pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     let base_left = held_out_residuals(model, &decision.base, &folds);
     let chosen_left = held_out_residuals(model, decision.model(), &folds);
     let measured = &model.frame().measured;
-    let outside: Vec<usize> = (0..measured.groups.len())
-        .filter(|group| !measured.fitted[*group] && !measured.spans[*group].is_empty())
-        .collect();
-    let scored = if outside.is_empty() { measured.fitted_groups().collect() } else { outside };
+    let scored = scored(measured);
     let active = &decision.model().fit.active;
     let rows = active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
     let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect();

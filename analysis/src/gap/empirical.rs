@@ -1,144 +1,227 @@
 //! A power law of the recorded conditions, for data without a physical parameter set.
+//!
+//! Of each channel, with conditions c, level a and exponents b,
+//! `ln y = a + Σ b ln c + curvature + level of the group`; flank wear grows besides with the age t of
+//! its edge, `y ∝ t` or `t^p`. Each channel is a model of its own.
 
+use super::empirical_effects::{self, Action};
 use super::features::{self, standardised};
 use super::noise::median;
 use super::settings::Settings;
-use super::{Candidate, Channel, Forward, Frame, Local, Measured, Point, Surface, Transform};
-use crate::records::{ColumnKind, Records};
+use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform};
+use crate::records::{ColumnKind, RecordColumn, Records};
 
 /// Conditions in which a response is a power law, where they are recorded.
 const CONDITIONS: [&str; 6] =
-    ["cutting_speed", "feed_per_rev", "feed_per_tooth", "depth_of_cut", "width_of_cut", "cutting_time"];
+    ["cutting_speed", "spindle_speed", "feed_per_rev", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
+/// Channels that depend on the time in cut of the operation.
+const TIMED: [&str; 4] = ["cycle_time", "temperature", "thermo_emf", "stop_time"];
 /// Prior standard deviation of a response per spread of a condition: all but free.
 const FREE: f64 = 1.0;
 /// Prior standard deviation of the level of a response: free.
 const LEVEL: f64 = 5.0;
 /// Curvature of the logarithm of a response (assumption).
 const CURVED: f64 = 0.05;
+/// What the exponent of wear over time may differ from a constant rate (assumption).
+const GROWN: f64 = 0.1;
+/// Age below which it counts as this, relative to the median.
+const YOUNGEST: f64 = 1e-3;
+/// Argument of the tangent beyond which an edge has run away.
+const RUNAWAY: f64 = 1.45;
 /// Land to which the size of wear effects refers, m.
-const LAND: f64 = 0.3e-3;
+pub(super) const LAND: f64 = 0.3e-3;
 
-/// Power laws over [`Records`].
+/// Power law of one channel over [`Records`].
 pub struct Empirical {
     frame: Frame,
-    levels: Vec<f64>,
-    /// Channel and relative slope of every row, by candidate.
-    actions: Vec<(Vec<usize>, Vec<f64>)>,
+    level: f64,
+    /// Logarithm of the age over its median, for wear.
+    growth: Vec<f64>,
+    /// What differs from group to group beside the level: along the land, or along the life.
+    course: Vec<f64>,
+    /// Feature of each parameter.
+    laws: Vec<Vec<f64>>,
+    actions: Vec<Action>,
+}
+
+/// Channels of `records` that an empirical model can answer for, in the order of their columns.
+pub fn channels(records: &Records, settings: &Settings) -> Vec<&'static RecordColumn> {
+    let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    let wanted = |name: &str| settings.channels.is_empty() || settings.channels.iter().any(|own| own == name);
+    let measured = columns.filter(|column| {
+        wanted(column.name)
+            && records.numbers(column.name).is_some_and(|values| values.iter().any(|value| *value > 0.0))
+    });
+    let mut channels: Vec<&'static RecordColumn> = measured.collect();
+    if channels.is_empty() {
+        // Nothing is measured: a model without observations says so.
+        channels.extend(records.kind.column("flank_wear"));
+    }
+    channels
 }
 
 impl Empirical {
-    /// The model over `records`, whose groups and their part in the fit are given.
-    pub fn new(records: &Records, groups: (Vec<String>, Vec<usize>, Vec<bool>), settings: &Settings) -> Self {
+    /// The model of one channel of `records`, whose groups and their part in the fit are given.
+    pub fn new(
+        records: &Records,
+        column: &'static RecordColumn,
+        groups: (Vec<String>, Vec<usize>, Vec<bool>),
+        settings: &Settings,
+    ) -> Self {
         let (names, group_of_row, fitted) = groups;
-        let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
-        let mut channels: Vec<(Channel, Vec<f64>)> = columns
-            .filter_map(|column| {
-                let values = records.numbers(column.name)?.to_vec();
-                let channel = Channel {
-                    name: column.name,
-                    display: column.display,
-                    unit: column.unit,
-                    transform: Transform::Log,
-                    sensor: settings.sensor(column.name),
-                };
-                values.iter().any(|value| *value > 0.0).then_some((channel, values))
-            })
-            .collect();
-        // Wear beside other channels is what they respond to.
-        let wear = records.numbers("flank_wear").filter(|_| channels.len() > 1).map(<[f64]>::to_vec);
-        if wear.is_some() {
-            channels.retain(|(channel, _)| channel.name != "flank_wear");
+        let values = records.numbers(column.name).map_or_else(|| vec![f64::NAN; records.len()], <[f64]>::to_vec);
+        let channel = Channel {
+            name: column.name,
+            display: column.display,
+            unit: column.unit,
+            transform: Transform::Log,
+            sensor: settings.sensor(column.name),
+        };
+        let level = median(&mut values.iter().copied().filter(|value| *value > 0.0).collect::<Vec<f64>>());
+        let is_wear = column.name == "flank_wear";
+        let wear = records.numbers("flank_wear").filter(|_| !is_wear);
+        let age = age(records, &group_of_row);
+        // Edges differ in level and in the course of their life: what all of them have in common counts.
+        let local = |name| Local { name, deviation: settings.edge_wear, estimated: true };
+        let locals = vec![local("level of the group"), local("course of the group")];
+        let course = match wear {
+            Some(land) => land.iter().map(|land| if land.is_finite() { land / LAND } else { 0.0 }).collect(),
+            None => course(&age, &group_of_row),
+        };
+        let measured = Measured::new(vec![(channel, values)], names, group_of_row, fitted);
+        let mut model = Self {
+            frame: Frame { locals, ..Frame::new(measured) },
+            level,
+            growth: vec![0.0; records.len()],
+            course,
+            laws: Vec::new(),
+            actions: Vec::new(),
+        };
+        let known = known(column.name, settings);
+        if is_wear {
+            model.grow(&age, settings.constant_rate);
         }
-        let level =
-            |values: &[f64]| median(&mut values.iter().copied().filter(|value| *value > 0.0).collect::<Vec<f64>>());
-        let levels = channels.iter().map(|(_, values)| level(values)).collect();
-        let measured = Measured::new(channels, names, group_of_row, fitted);
-        let covariates = features::covariates(records, &measured.group_of_row, &CONDITIONS, wear.as_deref());
-        let locals = vec![Local { name: "level of the group", deviation: settings.edge_wear, estimated: true }];
-        let frame = Frame { locals, covariates, ..Frame::new(measured) };
-        let mut model = Self { frame, levels, actions: Vec::new() };
-        model.laws(records);
-        model.catalogue(records, wear.as_deref());
+        model.laws(records, column.name, &known);
+        model.covariates(records, &known, wear, &age);
+        let seen = empirical_effects::Seen {
+            records,
+            channel: column.name,
+            groups: &model.frame.measured.group_of_row,
+            age: &age,
+            known: &known,
+        };
+        (model.frame.candidates, model.actions) = empirical_effects::candidates(&seen).into_iter().unzip();
         model
     }
 
-    fn laws(&mut self, records: &Records) {
-        let count = self.frame.measured.channels.len();
-        let mut surfaces = Vec::new();
-        let mut add = |name: String, channel: usize, feature: Vec<f64>, deviation: f64, allowance: bool| {
-            surfaces.push(Surface { name, channels: vec![channel], feature, deviation, allowance, absolute: false });
-        };
-        for channel in 0..count {
-            let name = self.frame.measured.channels[channel].name;
-            add(format!("{name}, level"), channel, vec![1.0; records.len()], LEVEL, false);
-            for (term, feature, linear) in features::surface(records, &CONDITIONS) {
-                add(format!("{name}, {term}"), channel, feature, if linear { FREE } else { CURVED }, !linear);
-            }
-            if name == "flank_wear"
-                && let Some(feature) = features::logarithm(records, "sequence")
-            {
-                add(format!("{name}, ln sequence"), channel, feature, FREE, false);
-            }
-        }
-        self.frame.surfaces = surfaces;
+    fn law(&mut self, name: String, feature: Vec<f64>, deviation: f64, allowance: bool) {
+        self.frame.parameters.push(Parameter { name, deviation, allowance });
+        self.laws.push(feature);
     }
 
-    fn catalogue(&mut self, records: &Records, wear: Option<&[f64]>) {
-        let find = |names: &[&str]| -> Vec<usize> {
-            let channels = self.frame.measured.channels.iter().enumerate();
-            channels.filter(|(_, channel)| names.contains(&channel.name)).map(|(i, _)| i).collect()
-        };
-        let forces = find(&["cutting_force", "feed_force", "passive_force", "spindle_power", "spindle_torque"]);
-        let sensors = find(&["cutting_force", "feed_force", "passive_force"]);
-        let lands = find(&["flank_wear"]);
-        let (mut candidates, mut actions) = (Vec::new(), Vec::new());
-        let mut add = |id: &'static str, shape: String, typical: f64, channels: Vec<usize>, slope: Vec<f64>| {
-            if !channels.is_empty() && standardised(&slope).is_some() {
-                candidates.push(Candidate { id, shape, typical, greatest: f64::INFINITY });
-                actions.push((channels, slope));
-            }
-        };
-        if let Some(wear) = wear {
-            let slope: Vec<f64> = wear.iter().map(|land| if land.is_finite() { land / LAND } else { 0.0 }).collect();
-            // Channels answer to wear in their own measure.
-            for channel in &forces {
-                let name = self.frame.measured.channels[*channel].name;
-                add("wear_force", name.to_owned(), 0.2, vec![*channel], slope.clone());
-            }
-        }
-        if let Some(elapsed) = features::elapsed(records) {
-            let latest = elapsed.iter().copied().filter(|time| time.is_finite()).fold(0.0, f64::max);
-            let slope = elapsed.iter().map(|time| if time.is_finite() { *time } else { 0.0 }).collect();
-            add("force_drift", String::new(), 0.1 / latest, sensors, slope);
-        }
-        for (column, level, rows) in features::indicators(records, &["coolant_id", "lot", "material"]) {
-            let (id, channels) = match column.as_str() {
-                "coolant_id" => ("coolant_change", lands.clone()),
-                _ if lands.is_empty() => ("lot_hardness", forces.clone()),
-                _ => ("lot_hardness", lands.clone()),
-            };
-            add(id, format!("{column} {level}"), 0.2, channels, rows);
-        }
-        self.frame.candidates = candidates;
-        self.actions = actions;
+    /// Wear in proportion to the age of the edge, or to a power of it.
+    fn grow(&mut self, age: &[f64], constant_rate: bool) {
+        let typical = median(&mut age.iter().copied().filter(|age| *age > 0.0).collect::<Vec<f64>>());
+        self.growth = age.iter().map(|age| (age / typical).max(YOUNGEST).ln()).collect();
+        let (deviation, allowance) = if constant_rate { (GROWN, true) } else { (FREE, false) };
+        self.course.clone_from(&self.growth);
+        self.law("flank_wear, ln age".to_owned(), self.growth.clone(), deviation, allowance);
     }
+
+    fn laws(&mut self, records: &Records, channel: &str, known: &[String]) {
+        self.law(format!("{channel}, level"), vec![1.0; records.len()], LEVEL, false);
+        let conditions: Vec<&str> = known.iter().map(String::as_str).collect();
+        for (term, feature, linear) in features::surface(records, &conditions) {
+            self.law(format!("{channel}, {term}"), feature, if linear { FREE } else { CURVED }, !linear);
+        }
+        for (column, level, rows) in features::indicators(records, &conditions) {
+            self.law(format!("{channel}, {column}={level}"), rows, FREE, false);
+        }
+        if !conditions.contains(&"machine") {
+            for (_, machine, rows) in features::indicators(records, &["machine"]) {
+                self.law(format!("gain of {channel}, machine {machine}"), rows, super::settings::MACHINE_GAIN, false);
+            }
+        }
+    }
+
+    fn covariates(&mut self, records: &Records, known: &[String], wear: Option<&[f64]>, age: &[f64]) {
+        let conditions: Vec<&str> = known.iter().map(String::as_str).collect();
+        let mut covariates = features::covariates(records, &self.frame.measured.group_of_row, &conditions, wear);
+        if records.numbers("cutting_time").is_none()
+            && let Some(values) = standardised(age)
+        {
+            covariates.push(Covariate { name: "operations of the edge".to_owned(), values });
+        }
+        self.frame.covariates = covariates;
+    }
+}
+
+/// Conditions that the nominal response of a channel knows: those of the file, or all.
+fn known(channel: &str, settings: &Settings) -> Vec<String> {
+    let timed = TIMED.contains(&channel).then(|| "cutting_time".to_owned());
+    let own = settings.conditions.clone();
+    own.unwrap_or_else(|| CONDITIONS.iter().map(|name| (*name).to_owned()).chain(timed).collect())
+}
+
+/// Time in cut of each edge at the end of a row, s; its operations, where no times are recorded.
+fn age(records: &Records, groups: &[usize]) -> Vec<f64> {
+    let times = records.numbers("cutting_time").filter(|times| times.iter().any(|time| *time > 0.0));
+    let ones = vec![1.0; records.len()];
+    features::age(groups, times.unwrap_or(&ones))
+}
+
+/// Share of the median life that has passed.
+fn course(age: &[f64], groups: &[usize]) -> Vec<f64> {
+    let life = empirical_effects::life(age, groups);
+    age.iter().map(|age| age / life).collect()
 }
 
 impl Forward for Empirical {
     fn frame(&self) -> &Frame {
         &self.frame
     }
+
     fn simulate(&self, at: &Point) -> Vec<f64> {
-        let value = |observation: &super::Observation| {
-            let group = self.frame.measured.group_of_row[observation.row];
-            let mut relative = self.frame.locals[0].deviation * at.locals[0][group];
-            for ((channels, slope), size) in self.actions.iter().zip(&at.effects) {
-                if channels.contains(&observation.channel) {
-                    relative += (size * slope[observation.row]).max(-0.99).ln_1p();
-                }
+        let measured = &self.frame.measured;
+        let mut value: Vec<f64> = self.growth.clone();
+        let deviations = self.frame.parameters.iter().map(|parameter| parameter.deviation);
+        for ((feature, x), deviation) in self.laws.iter().zip(&at.parameters).zip(deviations) {
+            if *x != 0.0 {
+                value.iter_mut().zip(feature).for_each(|(value, feature)| *value += deviation * x * feature);
             }
-            self.levels[observation.channel] * relative.exp()
-        };
-        self.frame.measured.observations.iter().map(value).collect()
+        }
+        let locals = &self.frame.locals;
+        for ((value, course), group) in value.iter_mut().zip(&self.course).zip(&measured.group_of_row) {
+            let [level, slope] = [0, 1].map(|kind| locals[kind].deviation * at.locals[kind][*group]);
+            *value = self.level * (*value + level + slope * course).exp();
+        }
+        for (action, size) in self.actions.iter().zip(&at.effects).filter(|(_, size)| **size != 0.0) {
+            action.act(*size, &mut value);
+        }
+        measured.observations.iter().map(|observation| value[observation.row]).collect()
+    }
+}
+
+/// Growth of wear that feeds itself, `dW/dW₀ = 1 + φ (W/L)²` along the wear W₀ without it:
+/// `W = (L/√φ) tan(√φ W₀/L)`.
+pub(super) fn accelerated(wear: f64, size: f64) -> f64 {
+    let x = (size.sqrt() * wear / LAND).min(RUNAWAY);
+    if x > 1e-6 { wear * x.tan() / x } else { wear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn acceleration_solves_its_equation() {
+        // Euler with small steps.
+        let (size, end) = (0.8, 0.25e-3);
+        let mut wear = 0.0;
+        let steps = 200_000;
+        for _ in 0..steps {
+            wear += end / f64::from(steps) * (1.0 + size * (wear / LAND).powi(2));
+        }
+        assert!((accelerated(end, size) / wear - 1.0).abs() < 1e-4);
     }
 }

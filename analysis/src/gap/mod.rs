@@ -16,6 +16,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`diagnose()`] | the whole way |
+//! | [`diagnose_parts()`] | the same for channels that are models of their own |
 //! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling |
 //! | [`Diagnosis`] | what is said, and its JSON form |
 //! | [`Basis`], [`Noise`] | by what all models are judged |
@@ -26,6 +27,7 @@
 //! 1993. Thresholds are assumptions, checked by the blind benchmark.
 
 mod basis;
+mod channels;
 mod closure;
 pub mod cutting;
 mod cutting_effects;
@@ -33,6 +35,7 @@ mod decide;
 mod diagnose;
 mod diagnosis;
 pub mod empirical;
+mod empirical_effects;
 mod evidence;
 pub mod features;
 mod fit;
@@ -44,6 +47,7 @@ mod linear;
 mod measured;
 mod noise;
 mod nominal;
+mod plausible;
 mod score;
 mod settings;
 mod summary;
@@ -51,11 +55,13 @@ mod trial;
 mod units;
 
 pub use basis::Basis;
+pub use channels::diagnose_parts;
 pub use decide::{Decision, FEWEST_GROUPS};
 pub use diagnose::{Diagnosed, Identifiable, diagnose, identifiability};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
 };
+pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;
 pub use fit::Fit;
 pub use forward::{Candidate, Covariate, Forward, Frame, Local, Parameter, Point, Surface};

@@ -1,7 +1,7 @@
 //! Nominal models from files, and the choice of groups.
 
 use super::cutting::Cutting;
-use super::empirical::Empirical;
+use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
 use super::{Forward, Sensor, Settings};
 use crate::records::{RecordKind, Records};
@@ -132,24 +132,45 @@ impl NominalModel {
 
     /// The model over `records`, grouped by the column `group` (edges or dressing cycles, if
     /// none); groups for which `held` is true are kept out of the fit. Channels that are impossible
-    /// multiples of the nominal model, as in a wrong unit, are left out; the notes say so.
+    /// multiples of the nominal model, as in a wrong unit, are left out; the notes say so. Of an
+    /// empirical model this is the first channel.
     pub fn over(
         &self,
         records: &Records,
         group: Option<&str>,
         held: impl Fn(usize, &str) -> bool,
     ) -> (Box<dyn Forward>, Vec<String>) {
-        let all = self.over_all(records, group, &held);
-        let suspicious = super::units::suspicious(all.as_ref());
+        let (mut parts, notes) = self.parts(records, group, held);
+        (parts.swap_remove(0), notes)
+    }
+
+    /// The same in parts that know nothing of each other, at least one: the channels of an
+    /// empirical model, or the whole.
+    pub fn parts(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: impl Fn(usize, &str) -> bool,
+    ) -> (Vec<Box<dyn Forward>>, Vec<String>) {
+        let all = self.parts_of_all(records, group, &held);
+        let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
+        if matches!(self.process, NominalProcess::Empirical) {
+            suspicious = super::plausible::suspicious(records);
+        }
         if suspicious.is_empty() {
             return (all, Vec::new());
         }
         let mut rest = records.clone();
         suspicious.iter().for_each(|(channel, _)| rest.remove(channel));
-        (self.over_all(&rest, group, &held), suspicious.into_iter().map(|(_, note)| note).collect())
+        (self.parts_of_all(&rest, group, &held), suspicious.into_iter().map(|(_, note)| note).collect())
     }
 
-    fn over_all(&self, records: &Records, group: Option<&str>, held: &dyn Fn(usize, &str) -> bool) -> Box<dyn Forward> {
+    fn parts_of_all(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: &dyn Fn(usize, &str) -> bool,
+    ) -> Vec<Box<dyn Forward>> {
         let usual: &[&str] = match self.process {
             NominalProcess::Grinding(_) => &["dressing_cycle", "wheel_id", "machine"],
             _ => &["tool_id"],
@@ -161,10 +182,21 @@ impl NominalModel {
         let groups = (names, of_row, fitted);
         let settings = &self.settings;
         match &self.process {
-            NominalProcess::Turning(turning) => Box::new(Cutting::new((**turning).clone(), records, groups, settings)),
-            NominalProcess::Milling(milling) => Box::new(Cutting::new((**milling).clone(), records, groups, settings)),
-            NominalProcess::Grinding(infeed) => Box::new(Grinding::new((**infeed).clone(), records, groups, settings)),
-            NominalProcess::Empirical => Box::new(Empirical::new(records, groups, settings)),
+            NominalProcess::Turning(turning) => {
+                vec![Box::new(Cutting::new((**turning).clone(), records, groups, settings))]
+            }
+            NominalProcess::Milling(milling) => {
+                vec![Box::new(Cutting::new((**milling).clone(), records, groups, settings))]
+            }
+            NominalProcess::Grinding(infeed) => {
+                vec![Box::new(Grinding::new((**infeed).clone(), records, groups, settings))]
+            }
+            NominalProcess::Empirical => {
+                let part = |column| -> Box<dyn Forward> {
+                    Box::new(Empirical::new(records, column, groups.clone(), settings))
+                };
+                empirical::channels(records, settings).into_iter().map(part).collect()
+            }
         }
     }
 }
@@ -180,6 +212,9 @@ fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settin
         temperature: section.temperature,
         wear_level: section.wear_level,
         stiffness: section.stiffness,
+        conditions: section.conditions.clone(),
+        channels: section.channels.clone(),
+        constant_rate: section.constant_rate,
         edge_wear: section.edge_wear,
         edge_force: section.edge_force,
         ..Settings::default()

@@ -24,6 +24,12 @@ pub struct Settings {
     pub form_wear: f64,
     /// Form of the wear rate over the land.
     pub form_land_wear: f64,
+    /// Conditions, lots and materials that an empirical model knows; every number, if `None`.
+    pub conditions: Option<Vec<String>>,
+    /// Channels that an empirical model answers for; all, if empty.
+    pub channels: Vec<String>,
+    /// Whether an empirical model wears its edges at a constant rate instead of by a power of time.
+    pub constant_rate: bool,
     /// Sensors that differ from the sheet.
     pub sensors: Vec<(String, Sensor)>,
 }
@@ -39,6 +45,9 @@ impl Default for Settings {
             edge_force: 0.02,
             form_wear: 0.15,
             form_land_wear: 0.10,
+            conditions: None,
+            channels: Vec::new(),
+            constant_rate: false,
             sensors: Vec::new(),
         }
     }

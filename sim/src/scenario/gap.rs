@@ -17,6 +17,12 @@ pub struct GapSection {
     pub edge_wear: f64,
     /// Scatter of force from edge to edge.
     pub edge_force: f64,
+    /// Columns that an empirical model knows; every recorded condition, if none.
+    pub conditions: Option<Vec<String>>,
+    /// Channels that an empirical model answers for; all, if empty.
+    pub channels: Vec<String>,
+    /// Whether an empirical model wears its edges at a constant rate.
+    pub constant_rate: bool,
     /// Sensors that differ from the usual sheet.
     pub sensors: Vec<SensorErrors>,
 }

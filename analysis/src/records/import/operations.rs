@@ -2,18 +2,14 @@
 
 use super::super::columns::ColumnKind;
 use super::super::{ReadReport, RecordError, RecordKind, Records};
+use super::ImportError;
 use super::mapping::{Combine, Mapping, Origin};
 use super::source::{Cells, Source};
-use super::ImportError;
 use crate::gap::median;
 use std::collections::BTreeMap;
 
 /// The records of a source.
-pub(super) fn records(
-    source: &Source,
-    mapping: &Mapping,
-    report: &mut ReadReport,
-) -> Result<Records, ImportError> {
+pub(super) fn records(source: &Source, mapping: &Mapping, report: &mut ReadReport) -> Result<Records, ImportError> {
     let edges = edges(source, mapping, report);
     let cells = differences(source, mapping, &edges, report);
     let operations: Vec<(usize, Vec<usize>)> = edges
@@ -133,9 +129,8 @@ fn differences(source: &Source, mapping: &Mapping, edges: &[Vec<usize>], report:
 /// Pieces of `most` rows of an edge; a new text starts a new one.
 fn pieces(rows: &[usize], cells: &[Cells], most: usize) -> Vec<Vec<usize>> {
     let mut pieces: Vec<Vec<usize>> = Vec::new();
-    let changes = |a: usize, b: usize| {
-        cells.iter().any(|cells| matches!(cells, Cells::Texts(texts) if texts[a] != texts[b]))
-    };
+    let changes =
+        |a: usize, b: usize| cells.iter().any(|cells| matches!(cells, Cells::Texts(texts) if texts[a] != texts[b]));
     for row in rows {
         match pieces.last_mut() {
             Some(piece) if piece.len() < most && !changes(piece[0], *row) => piece.push(*row),

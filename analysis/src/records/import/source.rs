@@ -4,8 +4,8 @@ use super::super::columns::ColumnKind;
 use super::super::csv_table::{RawTable, name_and_unit, scale};
 use super::super::read::{is_missing, number};
 use super::super::{ReadReport, RecordError};
-use super::mapping::{Keep, Mapped, Mapping, Origin};
 use super::ImportError;
+use super::mapping::{Keep, Mapped, Mapping, Origin};
 use std::collections::BTreeMap;
 
 /// Headers of the file that a message lists.
@@ -28,12 +28,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    pub fn new(
-        file: &str,
-        table: &RawTable,
-        mapping: &Mapping,
-        report: &mut ReadReport,
-    ) -> Result<Self, ImportError> {
+    pub fn new(file: &str, table: &RawTable, mapping: &Mapping, report: &mut ReadReport) -> Result<Self, ImportError> {
         let rows = kept(file, table, &mapping.keep, report)?;
         if rows.is_empty() {
             let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
@@ -91,7 +86,9 @@ fn kept(file: &str, table: &RawTable, keep: &[Keep], report: &mut ReadReport) ->
                 None => number(read).is_some_and(|value| value >= keep.at_least && value <= keep.at_most),
             };
             if !fits {
-                report.dropped.push((*line, format!("{} is {}", keep.from, if read.is_empty() { "empty" } else { read })));
+                report
+                    .dropped
+                    .push((*line, format!("{} is {}", keep.from, if read.is_empty() { "empty" } else { read })));
                 continue 'rows;
             }
         }

@@ -25,7 +25,10 @@ fn faults(text: &str) -> Vec<String> {
 fn samples_become_operations() {
     let csv = "tool,Fc,VB [um]\nA,100,10\nA,200,20\nB,300,5\nA,400,30\nB,,6\n";
     let (records, report) = import_csv("log.csv", csv.as_bytes(), &mapping(SERIES)).expect("a fine table");
-    assert_eq!(records.texts("operation_id").map(<[String]>::to_vec), Some(vec!["A-1".into(), "A-2".into(), "B-1".into()]));
+    assert_eq!(
+        records.texts("operation_id").map(<[String]>::to_vec),
+        Some(vec!["A-1".into(), "A-2".into(), "B-1".into()])
+    );
     assert_eq!(records.numbers("cutting_force"), Some(&[150.0, 400.0, 300.0][..]));
     let wear = records.numbers("flank_wear").expect("a column");
     assert!(wear.iter().zip([20e-6, 30e-6, 6e-6]).all(|(read, due)| (read - due).abs() < 1e-15), "{wear:?}");

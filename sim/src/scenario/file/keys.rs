@@ -647,6 +647,22 @@ pub static GAP: Form = Form {
         Key::default("stiffness", SPREAD, "0.10", "Stiffnesses of grinding"),
         Key::default("edge_wear", SPREAD, "0.25", "Scale of the scatter of wear from edge to edge"),
         Key::default("edge_force", SPREAD, "0.02", "Scatter of force from edge to edge"),
+        Key::optional(
+            "conditions",
+            Kind::List(&Kind::Name),
+            "Columns that an empirical model knows, such as cutting_speed or material; the others are suspects",
+        ),
+        Key::optional(
+            "channels",
+            Kind::List(&Kind::Name),
+            "Channels that an empirical model answers for; all, if left out",
+        ),
+        Key::default(
+            "wear_growth",
+            Kind::Choice(&["power", "constant_rate"]),
+            "power",
+            "How wear grows with the age of an edge in an empirical model",
+        ),
         Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),
     ],
 };

@@ -167,6 +167,9 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
     });
     Some(GapSection {
         process: text(&section, "process"),
+        conditions: section.given("conditions").then(|| section.texts("conditions")),
+        channels: section.texts("channels"),
+        constant_rate: section.text("wear_growth") == Some("constant_rate"),
         force: section.required("force"),
         temperature: section.required("temperature"),
         wear_level: section.required("wear_level"),

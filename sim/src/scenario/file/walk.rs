@@ -133,6 +133,12 @@ impl<'d> Section<'d> {
         list.iter().map(number).collect()
     }
 
+    /// The texts of a list.
+    pub fn texts(&self, key: &str) -> Vec<String> {
+        let text = |got: &Got<'_>| if let Value::Text(text) = &got.value { Some(text.clone()) } else { None };
+        self.list(key).iter().filter_map(text).collect()
+    }
+
     pub(super) fn list(&self, key: &str) -> &[Got<'d>] {
         match self.got(key).map(|got| &got.value) {
             Some(Value::List(list)) => list,

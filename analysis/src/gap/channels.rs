@@ -1,0 +1,101 @@
+//! Channels that are models of their own, diagnosed one by one and answered for together.
+
+use super::closure::pooled;
+use super::decide::GATE;
+use super::diagnose::{CELLS, Diagnosed, diagnose};
+use super::{Budget, Diagnosis, Forward, GapVerdict, NextExperiment};
+
+/// Diagnoses parts that know nothing of each other, such as the channels of an empirical model.
+/// Effects of several parts carry the channel in their shape, and pay for the choice among them.
+///
+/// # Panics
+/// Without parts.
+pub fn diagnose_parts(parts: &[Box<dyn Forward>], seed: u64) -> Diagnosis {
+    let mut diagnosed: Vec<Diagnosed> = parts.iter().map(|part| diagnose(part.as_ref(), seed)).collect();
+    if diagnosed.len() == 1 {
+        return diagnosed.remove(0).diagnosis;
+    }
+    let names: Vec<&'static str> = parts.iter().map(|part| name(part.as_ref())).collect();
+    for (each, name) in diagnosed.iter_mut().zip(&names) {
+        label(&mut each.diagnosis, name, parts.len());
+    }
+    merged(parts, &diagnosed, seed)
+}
+
+fn name(part: &dyn Forward) -> &'static str {
+    part.frame().measured.channels.first().map_or("", |channel| channel.name)
+}
+
+/// Says of which channel everything is; an effect has to pay for the choice among the channels.
+fn label(diagnosis: &mut Diagnosis, name: &'static str, count: usize) {
+    let shaped = |shape: &str| if shape.is_empty() { name.to_owned() } else { format!("{name}, {shape}") };
+    let paid = GATE + (count as f64).ln();
+    if diagnosis.effects.iter().any(|effect| effect.gain[0] < paid) {
+        diagnosis.effects.clear();
+        diagnosis.verdict = GapVerdict::Unknown;
+        diagnosis.notes.push("no effect pays for the choice among the channels".to_owned());
+    }
+    diagnosis.effects.iter_mut().for_each(|effect| effect.shape = shaped(&effect.shape));
+    diagnosis.masked.iter_mut().for_each(|masked| masked.shape = shaped(&masked.shape));
+    diagnosis.ranking.iter_mut().for_each(|ranked| ranked.shape = shaped(&ranked.shape));
+    diagnosis.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
+}
+
+fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Diagnosis {
+    let each = || diagnosed.iter().map(|each| &each.diagnosis);
+    let verdicts = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked];
+    let verdict = verdicts.into_iter().find(|verdict| each().any(|own| own.verdict == *verdict));
+    let named: Vec<usize> = (0..parts.len()).filter(|i| !diagnosed[*i].diagnosis.effects.is_empty()).collect();
+    let counted: Vec<usize> = if named.is_empty() { (0..parts.len()).collect() } else { named };
+    let pool: Vec<(&dyn Forward, &Diagnosed)> = counted.iter().map(|i| (parts[*i].as_ref(), &diagnosed[*i])).collect();
+    let mut cells: Vec<_> = each().flat_map(|own| own.cells.clone()).collect();
+    cells.sort_by(|a, b| b.score.abs().total_cmp(&a.score.abs()));
+    cells.truncate(CELLS);
+    let mut calibration: Vec<_> = each().flat_map(|own| own.calibration.clone()).collect();
+    calibration.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
+    let mut ranking: Vec<_> = each().flat_map(|own| own.ranking.clone()).collect();
+    ranking.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut held_out: Vec<String> = Vec::new();
+    for group in each().flat_map(|own| &own.held_out) {
+        if !held_out.contains(group) {
+            held_out.push(group.clone());
+        }
+    }
+    let next = each().map(|own| &own.next).find(|next| !next.design.is_empty());
+    Diagnosis {
+        verdict: verdict.unwrap_or(GapVerdict::NoGap),
+        effects: each().flat_map(|own| own.effects.clone()).collect(),
+        cells,
+        total: pooled(&pool, seed),
+        channels: each().flat_map(|own| own.channels.clone()).collect(),
+        held_out,
+        budget: mean_budget(each()),
+        masked: each().flat_map(|own| own.masked.clone()).collect(),
+        next: next.cloned().unwrap_or_else(NextExperiment::default),
+        calibration,
+        ranking,
+        notes: each().flat_map(|own| own.notes.clone()).collect(),
+    }
+}
+
+/// Every channel counts alike.
+fn mean_budget<'a>(each: impl Iterator<Item = &'a Diagnosis>) -> Budget {
+    let mut sum = Budget::default();
+    let mut count = 0.0;
+    for own in each {
+        let budget = &own.budget;
+        sum.calibration += budget.calibration;
+        sum.form_allowance += budget.form_allowance;
+        sum.effects += budget.effects;
+        sum.unexplained += budget.unexplained;
+        sum.noise_floor += budget.noise_floor;
+        count += 1.0;
+    }
+    Budget {
+        calibration: sum.calibration / count,
+        form_allowance: sum.form_allowance / count,
+        effects: sum.effects / count,
+        unexplained: sum.unexplained / count,
+        noise_floor: sum.noise_floor / count,
+    }
+}
