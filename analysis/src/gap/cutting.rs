@@ -16,6 +16,8 @@ pub trait Nominal: Process + Clone {
     const CONDITIONS: &'static [&'static str];
     /// Output, and component of the state, that lags with a time constant: the tool body.
     const LAGGED: Option<&'static str>;
+    /// Channels whose sign depends on the cut: climb milling pulls the table along.
+    const SIGNED: &'static [&'static str];
     /// The same process with other effects.
     #[must_use]
     fn with_effects(&self, effects: Effects) -> Self;
@@ -26,6 +28,7 @@ pub trait Nominal: Process + Clone {
 impl Nominal for Turning {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_rev", "depth_of_cut"];
     const LAGGED: Option<&'static str> = Some("tool_body_temperature_rise");
+    const SIGNED: &'static [&'static str] = &[];
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
     }
@@ -37,6 +40,7 @@ impl Nominal for Turning {
 impl Nominal for Milling {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
     const LAGGED: Option<&'static str> = None;
+    const SIGNED: &'static [&'static str] = &["feed_force"];
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
     }
@@ -81,6 +85,8 @@ pub struct Cutting<P: Nominal> {
     nodes: Vec<Vec<f64>>,
     /// Output of each channel; wear and cycle time have none.
     outputs: Vec<Source>,
+    /// Sign in which a channel is recorded, against that of the model.
+    signs: Vec<f64>,
     changes: Vec<Change>,
     actions: Vec<Action>,
     ports: Ports,
@@ -130,6 +136,7 @@ impl<P: Nominal> Cutting<P> {
             pass_time: P::Input::index_of("pass_time"),
         };
         let measured = Measured::new(channels::<P>(records, settings), names, group_of_row, fitted);
+        let measured_channels = measured.channels.len();
         let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
         let locals = vec![
             Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true },
@@ -142,6 +149,7 @@ impl<P: Nominal> Cutting<P> {
             durations,
             rows,
             nodes: Vec::new(),
+            signs: vec![1.0; measured_channels],
             outputs,
             changes: Vec::new(),
             actions: Vec::new(),
@@ -161,7 +169,32 @@ impl<P: Nominal> Cutting<P> {
         let (candidates, actions) = cutting_effects::candidates(P::NAME, &context).into_iter().unzip();
         model.frame.candidates = candidates;
         model.actions = actions;
+        model.orient();
+        if P::Input::index_of(CURVATURE).is_some() && !recorded(records, CURVATURE) {
+            let note = "no path_curvature: the size of servo_lag is that on a radius of 25 mm throughout";
+            model.frame.notes.push(note.to_owned());
+        }
         model
+    }
+
+    /// Takes signed channels in the sign in which they are recorded.
+    fn orient(&mut self) {
+        let signed: Vec<usize> = (0..self.signs.len())
+            .filter(|channel| P::SIGNED.contains(&self.frame.measured.channels[*channel].name))
+            .collect();
+        if signed.is_empty() {
+            return;
+        }
+        let raw = self.simulate(&Point::nominal(self));
+        for channel in signed {
+            let observations = self.frame.measured.observations.iter().zip(&raw);
+            let own = observations.filter(|(observation, _)| observation.channel == channel);
+            if own.map(|(observation, raw)| observation.value * raw).sum::<f64>() < 0.0 {
+                self.signs[channel] = -1.0;
+                let name = self.frame.measured.channels[channel].name;
+                self.frame.notes.push(format!("{name} has the opposite sign to the model's: compared so"));
+            }
+        }
     }
 
     fn parameter(&mut self, name: impl Into<String>, deviation: f64, allowance: bool, change: Change) {
@@ -439,12 +472,13 @@ impl<P: Nominal> Cutting<P> {
                 }
                 from = *end;
             }
-            for ((values, sum), source) in raw.iter_mut().zip(&sums).zip(&self.outputs) {
-                values[place] = match source {
-                    Source::Wear => x.get(land).unwrap_or(0.0),
-                    Source::Output(_) => sum / seen,
-                    Source::Duration => self.durations[*row],
-                };
+            for (((values, sum), source), sign) in raw.iter_mut().zip(&sums).zip(&self.outputs).zip(&self.signs) {
+                values[place] = sign
+                    * match source {
+                        Source::Wear => x.get(land).unwrap_or(0.0),
+                        Source::Output(_) => sum / seen,
+                        Source::Duration => self.durations[*row],
+                    };
             }
         }
     }
@@ -476,16 +510,32 @@ fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Vec<(Channel,
     with_values
         .map(|(column, values)| {
             let linear = matches!(column.name, "flank_wear" | "temperature" | "cycle_time" | "form_error");
-            let transform = if linear { Transform::Linear } else { Transform::Log };
-            let sensor: Sensor = settings.sensor(column.name);
+            let signed = P::SIGNED.contains(&column.name);
+            let transform = if linear || signed { Transform::Linear } else { Transform::Log };
+            let mut sensor: Sensor = settings.sensor(column.name);
+            if signed {
+                // Relative errors vanish where the sign turns; those of the sensor do not.
+                let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|v| v.is_finite()).collect();
+                sensor.absolute += sensor.relative * super::noise::median(&mut sizes);
+            }
             (Channel { name: column.name, display: column.display, unit: column.unit, transform, sensor }, values)
         })
         .collect()
 }
 
+/// A condition of which servo lag needs to know.
+const CURVATURE: &str = "path_curvature";
+/// Curvature where it is not recorded, 1/m (assumption).
+const USUAL_CURVATURE: f64 = 40.0;
+
+fn recorded(records: &Records, name: &str) -> bool {
+    records.numbers(name).is_some_and(|values| values.iter().any(|value| value.is_finite()))
+}
+
 /// Input of every row; what is not recorded is nominal.
 fn inputs<P: Nominal>(records: &Records) -> Vec<P::Input> {
     let elapsed = features::elapsed(records);
+    let curved = recorded(records, CURVATURE);
     let columns: Vec<(usize, Vec<f64>)> = P::Input::FIELDS
         .iter()
         .filter_map(|field| {
@@ -499,6 +549,9 @@ fn inputs<P: Nominal>(records: &Records) -> Vec<P::Input> {
     (0..records.len())
         .map(|row| {
             let mut input = P::Input::default();
+            if let (Some(index), false) = (P::Input::index_of(CURVATURE), curved) {
+                input.set(index, USUAL_CURVATURE);
+            }
             for (index, values) in &columns {
                 if values[row].is_finite() {
                     input.set(*index, values[row]);

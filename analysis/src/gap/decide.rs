@@ -22,6 +22,9 @@ const CLEAR: f64 = 8.0;
 /// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
 const PROMISED: f64 = 4.0;
 const SLACK: f64 = 20.0;
+/// Prior standard deviations of a form allowance beside a named effect beyond which the equations
+/// themselves are not believed any more.
+const STRAINED: f64 = 5.0;
 /// Cosine of projected signatures above which two effects are the same to the data.
 const SAME: f64 = 0.95;
 /// Fewest groups that can name an effect.
@@ -211,6 +214,15 @@ fn agreed(model: &dyn Forward, folds: &[Vec<usize>], trial: &Trial) -> bool {
     trial.sizes(model).iter().zip(errors).all(|(size, error)| *size > AGREED * error)
 }
 
+/// The form allowance that a trial strains most: name and prior standard deviations.
+fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
+    let (frame, point) = (model.frame(), &trial.fit.linear.point);
+    let parameters = frame.parameters.iter().map(|each| (each.name.as_str(), each.allowance)).zip(&point.parameters);
+    let surfaces = frame.surfaces.iter().map(|each| (each.name.as_str(), each.allowance)).zip(&point.surfaces);
+    let allowances = parameters.chain(surfaces).filter(|((_, allowance), _)| *allowance);
+    allowances.map(|((name, _), x)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
 fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
     let count = model.frame().candidates.len();
     let best_of = |decision: &Decision, effects: usize| {
@@ -243,6 +255,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
         let passes = value > GATE && agreed(model, folds, trial);
         let beaten = generic_gain - value > GATE;
+        let strained = strain(model, trial).filter(|(_, x)| *x > STRAINED);
         let beside = remaining > REMAINDER * value && left > after.threshold;
         if passes && groups < FEWEST_GROUPS {
             decision.reasons.push(format!("{groups} groups are too few to name an effect; at least {FEWEST_GROUPS}"));
@@ -250,6 +263,9 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
             decision.reasons.push("a generic signature predicts groups left out better than any effect".to_owned());
         } else if passes && !credible(model, decision, trial) {
             decision.reasons.push("the calibration of the nominal model did not settle: no effect is named".to_owned());
+        } else if let Some((name, x)) = strained.filter(|_| passes) {
+            let far = format!("`{name}` would be off by {x:.1} prior standard deviations");
+            decision.reasons.push(format!("beside the best effect the form of the equations is wrong: {far}"));
         } else if passes && beside {
             decision.reasons.push(format!("beside the best effect as much structure is left (score {left:.1})"));
         } else if passes {

@@ -105,6 +105,8 @@ pub struct Frame {
     pub candidates: Vec<Candidate>,
     /// Covariates of the generic dictionary.
     pub covariates: Vec<Covariate>,
+    /// What had to be assumed because it was not recorded.
+    pub notes: Vec<String>,
 }
 
 impl Frame {
@@ -117,6 +119,7 @@ impl Frame {
             locals: Vec::new(),
             candidates: Vec::new(),
             covariates: Vec::new(),
+            notes: Vec::new(),
         }
     }
 }

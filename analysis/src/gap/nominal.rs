@@ -158,11 +158,14 @@ impl NominalModel {
             suspicious = super::plausible::suspicious(records);
         }
         if suspicious.is_empty() {
-            return (all, Vec::new());
+            let notes = all.iter().flat_map(|part| part.frame().notes.clone()).collect();
+            return (all, notes);
         }
         let mut rest = records.clone();
         suspicious.iter().for_each(|(channel, _)| rest.remove(channel));
-        (self.parts_of_all(&rest, group, &held), suspicious.into_iter().map(|(_, note)| note).collect())
+        let rest = self.parts_of_all(&rest, group, &held);
+        let assumed = rest.iter().flat_map(|part| part.frame().notes.clone()).collect::<Vec<_>>();
+        (rest, suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect())
     }
 
     fn parts_of_all(
@@ -171,13 +174,11 @@ impl NominalModel {
         group: Option<&str>,
         held: &dyn Fn(usize, &str) -> bool,
     ) -> Vec<Box<dyn Forward>> {
-        let usual: &[&str] = match self.process {
-            NominalProcess::Grinding(_) => &["dressing_cycle", "wheel_id", "machine"],
-            _ => &["tool_id"],
-        };
-        let columns = group.into_iter().chain(usual.iter().copied());
-        let mut levels = columns.filter_map(|column| records.levels(column));
-        let (names, of_row) = levels.next().unwrap_or_else(|| (vec!["all".to_owned()], vec![0; records.len()]));
+        let asked = group.and_then(|column| records.levels(column));
+        let (names, of_row) = asked.unwrap_or_else(|| match self.process {
+            NominalProcess::Grinding(_) => super::grinding::dressings(records),
+            _ => records.levels("tool_id").unwrap_or_else(|| (vec!["all".to_owned()], vec![0; records.len()])),
+        });
         let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
         let groups = (names, of_row, fitted);
         let settings = &self.settings;

@@ -52,8 +52,44 @@ pub fn suspicion(channel: &str, ratio: f64) -> Option<String> {
     Some(format!("{channel} is {ratio:.3} times the nominal model: left out, check its unit{likely}"))
 }
 
-/// Channels whose ratio is impossible, with what to say about them.
+/// Whether a channel's ratio is a slip of units.
+fn slips(ratio: f64) -> bool {
+    SLIPS.iter().any(|(factor, _)| (ratio.ln().abs() - factor.ln()).abs() < NEAR)
+}
+
+/// Greatest change of a channel, median of the logarithm, that one effect of ordinary size makes.
+fn reach(model: &dyn Forward, channel: usize) -> f64 {
+    let frame = model.frame();
+    let nominal = super::linear::predict(model, &Point::nominal(model)).1;
+    let by = |(index, candidate): (usize, &super::Candidate)| {
+        let mut point = Point::nominal(model);
+        point.effects[index] = candidate.typical;
+        let raw = super::linear::predict(model, &point).1;
+        let own = (0..raw.len()).filter(|i| frame.measured.observations[*i].channel == channel);
+        let mut changes: Vec<f64> =
+            own.map(|i| (raw[i] / nominal[i]).ln().abs()).filter(|change| change.is_finite()).collect();
+        median(&mut changes)
+    };
+    frame.candidates.iter().enumerate().map(by).filter(|change| change.is_finite()).fold(0.0, f64::max)
+}
+
+/// Channels whose ratio is impossible, with what to say about them. An effect that changes a
+/// channel by so much saves it.
 pub fn suspicious(model: &dyn Forward) -> Vec<(&'static str, String)> {
-    let channels = model.frame().measured.channels.iter().zip(ratios(model));
-    channels.filter_map(|(channel, ratio)| Some((channel.name, suspicion(channel.name, ratio)?))).collect()
+    let channels = model.frame().measured.channels.iter().zip(ratios(model)).enumerate();
+    let mut list: Vec<(&'static str, f64, String)> = channels
+        .filter_map(|(index, (channel, ratio))| {
+            let note = suspicion(channel.name, ratio)?;
+            let possible = !slips(ratio) && ratio.ln().abs() < IMPOSSIBLE.ln() + reach(model, index);
+            (!possible).then_some((channel.name, ratio, note))
+        })
+        .collect();
+    let common = |ratio: f64| list.iter().filter(|(_, other, _)| (other / ratio).ln().abs() < NEAR).count() > 1;
+    let common: Vec<bool> = list.iter().map(|(_, ratio, _)| common(*ratio)).collect();
+    for ((_, _, note), common) in list.iter_mut().zip(common) {
+        if common {
+            note.push_str("; other channels are off alike: a condition may be in a wrong unit");
+        }
+    }
+    list.into_iter().map(|(name, _, note)| (name, note)).collect()
 }

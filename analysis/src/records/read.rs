@@ -257,16 +257,29 @@ pub(super) fn is_missing(read: &str) -> bool {
     matches!(read.to_ascii_lowercase().as_str(), "" | "nan" | "na" | "n/a" | "null" | "none" | "-" | "unavailable")
 }
 
-/// Rows in the order of their edge and sequence, so that files may come in any order.
+/// Rows in the order of their edge and sequence, so that files may come in any order. Dressings
+/// that are not named follow from the order of the file, which is then kept.
 fn ordered(records: Records, report: &mut ReadReport) -> Records {
     let (group, order) = records.kind.sequence();
+    let groups: &[&str] = match records.kind {
+        RecordKind::Grinding if records.texts(group).is_none() => return records,
+        RecordKind::Grinding => &["machine", "wheel_id", "dressing_cycle"],
+        _ => &[group],
+    };
     let Some(sequence) = records.numbers(order) else { return records };
     let mut rows: Vec<usize> = (0..records.len()).collect();
-    let empty = vec![String::new(); records.len()];
-    let groups = records.texts(group).unwrap_or(&empty);
-    rows.sort_by(|a, b| groups[*a].cmp(&groups[*b]).then(sequence[*a].total_cmp(&sequence[*b])));
+    let texts: Vec<&[String]> = groups.iter().filter_map(|group| records.texts(group)).collect();
+    let keys: Vec<Vec<(&str, u64)>> =
+        rows.iter().map(|row| texts.iter().map(|texts| numbered(&texts[*row])).collect()).collect();
+    rows.sort_by(|a, b| keys[*a].cmp(&keys[*b]).then(sequence[*a].total_cmp(&sequence[*b])));
     if rows.windows(2).any(|pair| pair[0] > pair[1]) {
-        report.notes.push(format!("rows put into the order of {group} and {order}"));
+        report.notes.push(format!("rows put into the order of {} and {order}", groups.join(", ")));
     }
     records.select(&rows)
+}
+
+/// A name and the number that it ends in: T2 comes before T10.
+fn numbered(text: &str) -> (&str, u64) {
+    let name = text.trim_end_matches(|c: char| c.is_ascii_digit());
+    (name, text[name.len()..].parse().unwrap_or(0))
 }

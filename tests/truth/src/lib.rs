@@ -1,8 +1,9 @@
 //! Shops with a hidden effect, to check the gap diagnosis blindly.
 //!
-//! Nothing here knows the process models: forces follow Kienzle with an edge term, temperature
-//! saturates, wear is abrasion with an exponential run-in plus diffusion, everything integrated by
-//! Runge and Kutta in 24 steps an operation; readings are rounded, noisy with memory and outliers.
+//! Nothing here knows the process models. Turning: forces follow Kienzle with an edge term, temperature
+//! saturates, wear is abrasion with an exponential run-in plus diffusion, integrated by Runge and
+//! Kutta in 24 steps an operation. Milling: teeth are followed one by one. Grinding: the work is
+//! followed by its angle. Readings are rounded, noisy with memory and outliers.
 //!
 //! ```text
 //!   suite(seed) ─► Case (process, hidden causes, seed, world) ─► Generator ─► CSV of records
@@ -29,6 +30,8 @@
 //! Anything that would make the world real: it is as plausible as its author could make it without
 //! looking at the models that it tests.
 
+pub mod grinding;
+pub mod milling;
 mod noise;
 mod steel;
 mod suite;
@@ -51,7 +54,7 @@ pub struct Generator {
 }
 
 /// Every kind of shop.
-pub const GENERATORS: &[Generator] = &[turning::GENERATOR];
+pub const GENERATORS: &[Generator] = &[turning::GENERATOR, milling::GENERATOR, grinding::GENERATOR];
 
 /// One hidden cause.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -51,6 +51,8 @@ pub enum Extent {
 
 /// Strengths at which every effect is hidden.
 const STRENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Single effects of a process that are tried at least, so that rates of error have bounds.
+const SINGLES: usize = 96;
 /// Scatter of the nulls with heavier scatter.
 const HEAVY: f64 = 1.8;
 
@@ -84,9 +86,10 @@ fn cases(generator: &Generator, extent: Extent) -> Vec<Case> {
         cases.extend(generator.outside.first().map(|id| with(Set::Outside, &[id], 1.0)));
         return cases;
     }
+    let repeats = SINGLES.div_ceil(STRENGTHS.len() * generator.effects.len());
     for (id, _) in generator.effects {
         for strength in STRENGTHS {
-            cases.extend([with(Set::Effect, &[id], strength), with(Set::Effect, &[id], strength)]);
+            cases.extend((0..repeats).map(|_| with(Set::Effect, &[id], strength)));
         }
         cases.push(with(Set::Stress, &[id], 1.0));
     }
