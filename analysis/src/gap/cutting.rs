@@ -16,6 +16,8 @@ pub trait Nominal: Process + Clone {
     const CONDITIONS: &'static [&'static str];
     /// Output, and component of the state, that lags with a time constant: the tool body.
     const LAGGED: Option<&'static str>;
+    /// Prior standard deviation of the logarithm of roughness over that of ideal edges (assumption).
+    const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
     const SIGNED: &'static [&'static str];
     /// The same process with other effects.
@@ -28,6 +30,7 @@ pub trait Nominal: Process + Clone {
 impl Nominal for Turning {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_rev", "depth_of_cut"];
     const LAGGED: Option<&'static str> = Some("tool_body_temperature_rise");
+    const ROUGHNESS: f64 = 0.3;
     const SIGNED: &'static [&'static str] = &[];
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
@@ -40,6 +43,8 @@ impl Nominal for Turning {
 impl Nominal for Milling {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
     const LAGGED: Option<&'static str> = None;
+    // A micrometre of runout makes a wall many times as rough as ideal teeth would.
+    const ROUGHNESS: f64 = 1.0;
     const SIGNED: &'static [&'static str] = &["feed_force"];
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
@@ -112,6 +117,9 @@ const GROWTH: f64 = 0.35;
 const SMALL_LAND: f64 = 0.03e-3;
 /// Land beyond which no edge is followed, m.
 const GREATEST_LAND: f64 = 1.2e-3;
+/// Prior standard deviation of an edge force: a linear law differs from a power law most at the
+/// thinnest chips (assumption).
+const EDGE_FORCE: f64 = 0.2;
 /// Land to which features of wear refer, m.
 const LAND: f64 = 0.3e-3;
 
@@ -213,6 +221,7 @@ impl<P: Nominal> Cutting<P> {
             if known.contains(&(group, name)) {
                 let deviation = match *deviation {
                     cutting_effects::Prior::Force => settings.force,
+                    cutting_effects::Prior::Edge => EDGE_FORCE,
                     cutting_effects::Prior::Temperature => settings.temperature,
                     cutting_effects::Prior::Wear => settings.wear_level,
                 };
@@ -342,7 +351,7 @@ impl<P: Nominal> Cutting<P> {
         }
         add("feed force level".to_owned(), &find(&["feed_force"]), ones(), 0.08, false, false);
         add("thermo-EMF level".to_owned(), &find(&["thermo_emf"]), ones(), 0.05, false, false);
-        add("roughness level".to_owned(), &find(&["roughness_ra"]), ones(), 0.3, false, false);
+        add("roughness level".to_owned(), &find(&["roughness_ra"]), ones(), P::ROUGHNESS, false, false);
         add("form error level".to_owned(), &find(&["form_error"]), ones(), 0.1, false, false);
         let cycle = find(&["cycle_time"]);
         add("handling time".to_owned(), &cycle, ones(), 120.0, false, true);

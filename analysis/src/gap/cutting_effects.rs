@@ -10,6 +10,8 @@ use toolroom_effects::{Effect, Effects};
 pub(super) enum Prior {
     /// Of force coefficients.
     Force,
+    /// Of edge forces, which a fit over thicker chips extrapolates.
+    Edge,
     /// Of temperature coefficients.
     Temperature,
     /// Of the wear-rate level.
@@ -22,9 +24,9 @@ pub(super) const CONSTANTS: &[(&str, &str, Prior)] = &[
     ("force", "flank_shear_stress", Prior::Force),
     ("force", "flank_pressure", Prior::Force),
     ("force", "tangential_cutting", Prior::Force),
-    ("force", "tangential_edge", Prior::Force),
+    ("force", "tangential_edge", Prior::Edge),
     ("force", "radial_cutting", Prior::Force),
-    ("force", "radial_edge", Prior::Force),
+    ("force", "radial_edge", Prior::Edge),
     ("temperature", "chip_heating", Prior::Temperature),
     ("temperature", "flank_heating", Prior::Temperature),
     ("energy_balance", "thermal_wear_rate", Prior::Wear),

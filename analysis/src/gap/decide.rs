@@ -12,6 +12,11 @@ const REFITTED: usize = 5;
 const SHAPES: usize = 2;
 /// Single effects to which a second one is sought.
 const PAIRED: usize = 3;
+/// Lead of a pair over its best single effect, the choice among pairs paid for, that names both.
+const PAIR_GATE: f64 = 8.0;
+/// Single effects that are fitted anew because the nominal point asks for them, where the
+/// calibrated nominal model is strained.
+const EARLY: usize = 2;
 /// Share of the gain that structure beside a named effect may have.
 const REMAINDER: f64 = 0.8;
 /// Size over its standard error between groups that a named effect needs: all groups must speak
@@ -145,6 +150,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         single.trial = Some(trials.len());
         trials.push(trial);
     }
+    early(model, basis, folds, &base, &mut singles, &mut trials);
     let base_evidence = base.evidence.clone();
     let value = |evidence: &Evidence| {
         if evidence.admissible { gain(evidence, &base_evidence) } else { f64::NEG_INFINITY }
@@ -163,6 +169,45 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
     pairs(model, basis, folds, &mut decision);
     choose(model, basis, folds, &mut decision, seed);
     decision
+}
+
+/// Where the nominal model was bent out of shape to follow the data, the scores beside it are not
+/// what an effect promises: those at the nominal point are asked too.
+fn early(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    base: &Trial,
+    singles: &mut [Single],
+    trials: &mut Vec<Trial>,
+) {
+    if strain(model, base).is_none_or(|(_, x)| x < STRAINED) {
+        return;
+    }
+    let unbent = super::Fit { linear: basis.nominal.clone(), active: Vec::new(), cost: f64::INFINITY };
+    let scores = Trial::of(model, basis, folds, unbent).scores();
+    let mut order: Vec<usize> = (0..singles.len()).collect();
+    order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
+    let mut tried: Vec<&'static str> = Vec::new();
+    for place in order {
+        let score = scores.score[singles[place].candidate];
+        let id = singles[place].id;
+        if tried.len() == EARLY || score < super::diagnose::DETECTABLE {
+            break;
+        }
+        if tried.contains(&id) {
+            continue;
+        }
+        tried.push(id);
+        let single = &mut singles[place];
+        single.score = single.score.max(score);
+        if single.trial.is_none() {
+            let trial = Trial::new(model, basis, folds, &base.fit, &[single.candidate]);
+            single.evidence = trial.evidence.clone();
+            single.trial = Some(trials.len());
+            trials.push(trial);
+        }
+    }
 }
 
 /// Adds the best second effect to each of the best singles.
@@ -237,7 +282,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     if let (Some(single), Some(pair)) = (chosen, best_of(decision, 2)) {
         let lead = gain(&decision.trials[pair].evidence, &decision.trials[single].evidence);
         let lead = lead - (price(count, 2) - price(count, 1));
-        if lead > GATE && agreed(model, folds, &decision.trials[pair]) {
+        if lead > PAIR_GATE && agreed(model, folds, &decision.trials[pair]) {
             chosen = Some(pair);
         }
     }

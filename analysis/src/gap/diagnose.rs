@@ -238,17 +238,16 @@ fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
 fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let point = &decision.model().fit.linear.point;
     let parameters = model.frame().parameters.iter().zip(&point.parameters);
-    let parameters = parameters.map(|(parameter, x)| (&parameter.name, parameter.deviation, parameter.allowance, *x));
+    let parameters = parameters.map(|(each, x)| (&each.name, each.allowance, (each.deviation * x).exp(), *x));
     let surfaces = model.frame().surfaces.iter().zip(&point.surfaces);
-    let surfaces = surfaces.map(|(surface, x)| (&surface.name, surface.deviation, surface.allowance, *x));
+    let surfaces = surfaces.map(|(each, x)| {
+        let moved = each.deviation * x;
+        (&each.name, each.allowance, if each.absolute { moved } else { moved.exp() }, *x)
+    });
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
-        .filter(|(_, _, allowance, x)| !allowance || x.abs() > FAR)
-        .map(|(name, deviation, _, x)| Calibrated {
-            parameter: name.clone(),
-            value: (deviation * x).exp(),
-            prior_sd_moved: x,
-        })
+        .filter(|(_, allowance, _, x)| !allowance || x.abs() > FAR)
+        .map(|(name, _, value, x)| Calibrated { parameter: name.clone(), value, prior_sd_moved: x })
         .collect();
     list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
     list
@@ -317,7 +316,15 @@ const CONFUSED: f64 = 0.9;
 /// counts.
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
     let basis = Basis::of_sheet(model);
-    let linear = super::Linear::new(model, super::Point::nominal(model));
+    let mut linear = super::Linear::new(model, super::Point::nominal(model));
+    // What an effect shows at its ordinary size: slopes at zero promise too much of one that saturates.
+    let (nominal, _) = super::linear::predict(model, &linear.point);
+    for (index, candidate) in model.frame().candidates.iter().enumerate() {
+        let mut point = linear.point.clone();
+        point.effects[index] = candidate.typical;
+        let (there, _) = super::linear::predict(model, &point);
+        linear.effects[index] = there.iter().zip(&nominal).map(|(there, here)| there - here).collect();
+    }
     let fit = super::Fit { linear, active: Vec::new(), cost: 0.0 };
     let trial = Trial::of(model, &basis, &[], fit);
     identified(model, &trial).into_iter().map(|(row, _)| row).collect()

@@ -135,7 +135,7 @@ pub struct NextExperiment {
 pub struct Calibrated {
     /// Parameter.
     pub parameter: String,
-    /// Fitted factor on the nominal value.
+    /// Fitted factor on the nominal value; of what is added rather than multiplied, the summand, SI.
     pub value: f64,
     /// Distance from nominal in prior standard deviations.
     pub prior_sd_moved: f64,

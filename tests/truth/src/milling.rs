@@ -204,6 +204,9 @@ fn records(case: &Case) -> String {
             let part = chance.below(PARTS.len());
             let mut cut = PARTS[part];
             cut.minutes *= 0.9 + 0.2 * chance.uniform();
+            // Programmes of one part differ.
+            cut.speed *= [0.88, 1.0, 1.0, 1.1][chance.below(4)];
+            cut.feed *= [0.9, 1.0, 1.15][chance.below(3)];
             let planned = cut;
             cut.width += 0.3 * case.strength("stock_offset");
             let hours = clock[machine] / 3600.0;
@@ -282,7 +285,7 @@ fn records(case: &Case) -> String {
             let form_read = noisy(form, &mut readings[3], &mut chance) + 0.5 * chance.normal();
             let _ = writeln!(
                 text,
-                "{id},M{machine},E{name:02},{sequence},{start:.0},{lot},P{part},{operator},{shift},{speed},{feed},\
+                "{id},M{machine},E{name:02},{sequence},{start:.0},{lot},P{part},{operator},{shift},{speed:.1},{feed:.4},\
                  {depth},{width},{minutes:.4},{turns:.0},{path:.0},{curvature},{wave:.2},{overridden},{wear_read:.2},\
                  {f:.2},{ff:.2},{p:.5},{form_read:.2},{ra:.5},{cycle:.1},{stops}",
                 id = tool * CUTS + operation + 1,
