@@ -74,6 +74,7 @@ impl Asked {
             reproduce: self.command.clone(),
             inputs: self.inputs.clone(),
             asked: serde_json::to_value(self).map_err(Failure::Json)?,
+            stopped: None,
         })
     }
 

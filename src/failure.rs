@@ -28,6 +28,13 @@ pub enum Failure {
         /// Why.
         message: String,
     },
+    /// The work went as far as it could; what was complete is written.
+    Stopped {
+        /// Why it went no further.
+        message: String,
+        /// What is there.
+        help: String,
+    },
     /// Stopped by the user; what was complete is written.
     Interrupted { replications: u32, path: PathBuf },
     /// A path that cannot be written.
@@ -58,6 +65,7 @@ impl Failure {
             Self::Scenario(error) => self.plain(voice, error, None, 2),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
+            Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
             Self::Interrupted { replications, path } => {
                 let plural = if *replications == 1 { " is" } else { "s are" };
                 let message = format!(

@@ -7,7 +7,7 @@ use crate::results::Results;
 use crate::speak::Voice;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use toolroom_analysis::results::redraw;
+use toolroom_analysis::results::{RunInfo, redraw};
 use toolroom_analysis::study::StudyOptions;
 
 pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
@@ -20,11 +20,15 @@ pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
         voice.json(&results.summary)?;
     } else {
         voice.data(report.display())?;
-        if let Some(line) = results.summary["decision"]["line"].as_str() {
+        let decision = results.summary["decision"]["line"].as_str().filter(|_| results.run["replications"] != 0);
+        if let Some(line) = decision {
             voice.say(line);
         }
     }
-    if !results.complete() {
+    if let Some(reason) = results.run["stopped"]["reason"].as_str() {
+        let replication = &results.run["stopped"]["replication"];
+        voice.say(format_args!("replication {replication} stopped, the report holds those before it: {reason}"));
+    } else if !results.complete() {
         voice.say("the run was interrupted: the report holds the replications that were complete");
     }
     if args.open {
@@ -46,7 +50,9 @@ fn draw(dir: &Path, results: &Results) -> Result<(), Failure> {
     let file = asked.scenario()?;
     let options = StudyOptions { policies: asked.policies(&file)?, ..StudyOptions::of(&file.scenario) };
     let command = results.run["command"].as_str().unwrap_or_default().to_owned();
-    redraw(dir, &file.scenario, &options, &asked.information(command)?).map_err(|error| match error.path() {
+    let stopped = results.run["stopped"]["reason"].as_str().map(str::to_owned);
+    let information = RunInfo { stopped, ..asked.information(command)? };
+    redraw(dir, &file.scenario, &options, &information).map_err(|error| match error.path() {
         Some(_) => Failure::Work { message: error.to_string() },
         None => Failure::argument(error, help),
     })

@@ -14,9 +14,9 @@ use std::sync::Arc;
 use toolroom_analysis::gap::{Settings, sensor_sheet};
 use toolroom_analysis::logs::Format;
 use toolroom_analysis::records::{RecordKind, write_simulated};
-use toolroom_analysis::results::{self, record};
+use toolroom_analysis::results::{self, STOPPED, record};
 use toolroom_analysis::statistics;
-use toolroom_analysis::study::{KnownRuns, Precision, StudyOptions};
+use toolroom_analysis::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_analysis::summary::summary;
 use toolroom_analysis::terminal::{Style, table};
 use toolroom_sim::scenario::file::{ScenarioFile, nearest};
@@ -64,8 +64,10 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
             return report::run(&ReportArgs { dir: target.to_owned(), open: false }, voice);
         }
         let finished = asked.earlier(target, &earlier.run)?;
-        voice.say(format_args!("going on after {} replications", finished.replications));
-        options.earlier = Some(finished);
+        if finished.replications > 0 {
+            voice.say(format_args!("going on after {} replications", finished.replications));
+            options.earlier = Some(finished);
+        }
     }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let information = asked.information(command)?;
@@ -85,7 +87,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         Err(error) => return Err(Failure::Work { message: error.to_string() }),
     };
     let study = &recorded.study;
-    if study.replications == 0 {
+    if study.replications == 0 && recorded.stopped.is_none() {
         return Err(Failure::Work {
             message: "interrupted before the first replication; nothing was written".to_owned(),
         });
@@ -99,7 +101,9 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         recorded.wall.as_secs_f64(),
         study.digest,
     ));
-    if voice.json {
+    if study.replications == 0 {
+        // There is no figure to tell.
+    } else if voice.json {
         voice.json(&summary(scenario, study, &recorded.comparison))?;
     } else {
         let style = Style { colour: voice.colour, wall: Some(recorded.wall) };
@@ -107,6 +111,9 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     }
     if let Some(dir) = &args.records {
         record_first(request, study.first_logs.first(), dir, voice)?;
+    }
+    if let Some(stopped) = &recorded.stopped {
+        return Err(stopped_short(stopped, study.replications, &target));
     }
     let report = target.join("report.html");
     voice.say(format_args!("wrote {}   next: toolroom report --open {}", report.display(), target.display()));
@@ -131,6 +138,25 @@ fn record_first(request: &Request<'_>, log: Option<&RunLog>, dir: &Path, voice: 
     let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     voice.say(format_args!("recorded {}", names.join(", ")));
     Ok(())
+}
+
+/// A shop that stopped by itself: why, and what is there all the same.
+fn stopped_short(stopped: &StoppedShop, replications: u32, target: &Path) -> Failure {
+    let complete = match replications {
+        0 => "no replication is complete".to_owned(),
+        1 => "1 replication is complete".to_owned(),
+        many => format!("{many} replications are complete"),
+    };
+    let before = target.join(STOPPED);
+    let tables = if before.is_dir() {
+        format!("; what happened in the one that stopped is in {}", before.display())
+    } else {
+        String::new()
+    };
+    Failure::Stopped {
+        message: stopped.to_string(),
+        help: format!("{complete}: toolroom report {}{tables}", quoted(&target.display().to_string())),
+    }
 }
 
 fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {

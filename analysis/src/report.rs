@@ -51,6 +51,18 @@ impl<'a> Source<'a> {
 pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info: &RunInfo) -> Report {
     let source = Source { scenario, study, comparison };
     let mut report = Report::new(scenario.title.clone());
+    if let Some(reason) = &info.stopped {
+        report = report.lead(format!("Complete replications: {}. The next one stopped: {reason}.", study.replications));
+    }
+    let provenance = Provenance {
+        version: info.version.clone(),
+        command: info.reproduce.clone(),
+        seed: Some(scenario.seed),
+        inputs: info.inputs.clone(),
+    };
+    if study.replications == 0 {
+        return report.provenance(provenance);
+    }
     if let Some(difference) = source.headline() {
         report = report.lead(sentence(&comparison.decision.line)).lead(sentence(&gains(study, comparison, difference)));
     }
@@ -69,12 +81,7 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
         .section(shop::oee_section(&source))
         .section(figures::section(&source))
         .section(notes(&source));
-    report.provenance(Provenance {
-        version: info.version.clone(),
-        command: info.reproduce.clone(),
-        seed: Some(scenario.seed),
-        inputs: info.inputs.clone(),
-    })
+    report.provenance(provenance)
 }
 
 fn sentence(text: &str) -> String {

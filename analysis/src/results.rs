@@ -15,7 +15,9 @@
 use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::report::report;
-use crate::study::{Finished, FinishedError, Progress, Study, StudyError, StudyOptions, run_study};
+use crate::study::{
+    Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
+};
 use crate::summary::summary;
 use crate::trace;
 use serde_json::{Value, json};
@@ -41,6 +43,8 @@ pub struct RunInfo {
     /// Everything that the results depend on, in the words of whoever asked: kept in `run.json`
     /// for going on with the study.
     pub asked: Value,
+    /// Why the study ended before its last replication, where a shop stopped.
+    pub stopped: Option<String>,
 }
 
 /// What a study left behind.
@@ -52,6 +56,8 @@ pub struct Recorded {
     pub comparison: Comparison,
     /// Time taken by the simulation and the files.
     pub wall: Duration,
+    /// The run whose shop stopped before its horizon, where one did: the study ends before it.
+    pub stopped: Option<StoppedShop>,
 }
 
 /// Why results could not be made.
@@ -93,7 +99,9 @@ impl ResultError {
 /// without a `format`.
 ///
 /// After a stop the files hold the replications that were completed, and `run.json` says
-/// `"complete": false`. With what was [`Finished`] in another directory in the options, the study
+/// `"complete": false`. A shop that stops ends the study likewise; why is told by
+/// [`Recorded::stopped`] and in `run.json`, and what happened in that run before is in tables of
+/// their own in the folder `stopped`. With what was [`Finished`] in another directory in the options, the study
 /// goes on from there and every file but `run.json` is as if it had never been stopped.
 ///
 /// # Errors
@@ -112,14 +120,44 @@ pub fn record(
     if let (Some(logs), Some(earlier)) = (&mut logs, &options.earlier) {
         logs.take_over(&earlier.directory)?;
     }
-    let study = run_study(scenario, options, logs.as_mut(), progress, stop)?;
+    let (study, stopped) = run_study_as_far(scenario, options, logs.as_mut(), progress, stop)?;
     logs.map_or(Ok(()), LogWriter::finish)?;
+    if let (Some(stopped), Some(format)) = (&stopped, format) {
+        write_stopped(&directory.join(STOPPED), scenario, stopped, format)?;
+    }
     let comparison = Comparison::new(scenario, &study);
+    let info = &RunInfo { stopped: stopped.as_ref().map(|run| run.source.to_string()), ..info.clone() };
     write_files(directory, scenario, &study, &comparison, info)?;
     let wall = start.elapsed();
-    let run = run_json(scenario, &study, info, options.threads, wall);
+    let mut run = run_json(scenario, &study, info, options.threads, wall);
+    if let Some(stopped) = &stopped {
+        run["stopped"] = json!({
+            "policy": stopped.name,
+            "replication": stopped.replication,
+            "reason": stopped.source.to_string(),
+        });
+    }
     in_file(directory, "run.json", |out| pretty(out, &run))?;
-    Ok(Recorded { study, comparison, wall })
+    Ok(Recorded { study, comparison, wall, stopped })
+}
+
+/// Folder of the tables of a run that stopped.
+pub const STOPPED: &str = "stopped";
+
+/// Writes what happened in a run until its shop stopped. The run is made again for that, which
+/// gives nothing where the shop could not even be opened.
+fn write_stopped(
+    directory: &Path,
+    scenario: &Scenario,
+    stopped: &StoppedShop,
+    format: Format,
+) -> Result<(), ResultError> {
+    let Ok((log, _)) = stopped.again(scenario) else { return Ok(()) };
+    let path = || directory.to_owned();
+    fs::create_dir_all(directory).map_err(|source| ResultError::Write { path: path(), source })?;
+    let mut logs = LogWriter::create(directory, scenario, format)?;
+    logs.write(stopped.policy, stopped.replication, &log)?;
+    Ok(logs.finish()?)
 }
 
 /// Draws the `report.html` of a finished study again from its `study.json`; `options` have the

@@ -173,15 +173,8 @@ pub enum StudyError {
         source: rayon::ThreadPoolBuildError,
     },
     /// A shop stopped.
-    #[error("policy `{policy}`, replication {replication}: {source}")]
-    Shop {
-        /// Name of the policy.
-        policy: String,
-        /// Replication, from 0.
-        replication: u32,
-        /// What happened in the shop.
-        source: Box<ShopError>,
-    },
+    #[error(transparent)]
+    Shop(#[from] StoppedShop),
     /// A log cannot be written.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -213,25 +206,70 @@ pub fn run_study(
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Result<Study, StudyError> {
+    whole(run_study_as_far(scenario, options, logs, progress, stop)?)
+}
+
+/// Like [`run_study`], but a shop that stops ends the study as an interruption does: the
+/// replications before it that are complete for all policies are the result, beside the reason.
+///
+/// # Errors
+/// See [`StudyError`], but for a shop that stopped.
+pub fn run_study_as_far(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+) -> Result<(Study, Option<StoppedShop>), StudyError> {
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
         Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
     };
-    study_with(scenario, options, logs, progress, stop, &simulate)
+    study_as_far(scenario, options, logs, progress, stop, &simulate)
+}
+
+/// A run whose shop stopped before its horizon.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("policy `{name}`, replication {replication}: {source}")]
+pub struct StoppedShop {
+    /// Index of the policy.
+    pub policy: usize,
+    /// Its name.
+    pub name: String,
+    /// Replication, from 0.
+    pub replication: u32,
+    /// What happened in the shop.
+    pub source: Box<ShopError>,
+}
+
+impl StoppedShop {
+    /// The run once more, up to where it stopped: its log, and the reason if it stopped again.
+    ///
+    /// # Errors
+    /// [`ShopError`] where the shop could not even be opened.
+    pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
+        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+    }
+}
+
+fn whole((study, stopped): (Study, Option<StoppedShop>)) -> Result<Study, StudyError> {
+    stopped.map_or(Ok(study), |stopped| Err(StudyError::Shop(stopped)))
 }
 
 /// The policies worked out.
 fn resolve(scenario: &Scenario, policies: &[usize]) -> Result<BTreeMap<usize, Arc<ResolvedPolicy>>, StudyError> {
     let resolve = |&policy: &usize| {
         let resolved = ResolvedPolicy::of(scenario, policy);
-        resolved.map(|resolved| (policy, Arc::new(resolved))).map_err(|source| StudyError::Shop {
-            policy: scenario.policies[policy].name.clone(),
-            replication: 0,
-            source: Box::new(source),
-        })
+        resolved
+            .map(|resolved| (policy, Arc::new(resolved)))
+            .map_err(|source| StudyError::Shop(stopped(scenario, policy, 0, source)))
     };
     policies.iter().map(resolve).collect()
+}
+
+fn stopped(scenario: &Scenario, policy: usize, replication: u32, source: ShopError) -> StoppedShop {
+    StoppedShop { policy, name: scenario.policies[policy].name.clone(), replication, source: Box::new(source) }
 }
 
 /// One finished run.
@@ -242,14 +280,29 @@ struct Run {
     log: Option<RunLog>,
 }
 
+#[cfg(test)]
 pub(crate) fn study_with<S>(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+    simulate: &S,
+) -> Result<Study, StudyError>
+where
+    S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
+{
+    whole(study_as_far(scenario, options, logs, progress, stop, simulate)?)
+}
+
+fn study_as_far<S>(
     scenario: &Scenario,
     options: &StudyOptions,
     mut logs: Option<&mut LogWriter>,
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
     simulate: &S,
-) -> Result<Study, StudyError>
+) -> Result<(Study, Option<StoppedShop>), StudyError>
 where
     S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
 {
@@ -263,25 +316,26 @@ where
     let before = options.earlier.as_ref().map_or(0, |earlier| earlier.replications);
     let done = AtomicU32::new(before.saturating_mul(count as u32));
     let lathes = kpi::cell(scenario);
-    let evaluated = |policy: usize, replication: u32| -> Result<Run, StudyError> {
+    let evaluated = |policy: usize, replication: u32| -> Result<Run, StoppedShop> {
         let simulated = simulate(policy, replication).map(|log| Run {
             values: kpi::evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),
         });
-        simulated.map_err(|source| StudyError::Shop {
-            policy: scenario.policies[policy].name.clone(),
-            replication,
-            source: Box::new(source),
-        })
+        simulated.map_err(|source| stopped(scenario, policy, replication, source))
     };
-    let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, StudyError>> {
-        if stop.load(Ordering::Relaxed) {
+    // Replications after one that stopped are not wanted; those before it decide what is reported.
+    let last_wanted = AtomicU32::new(u32::MAX);
+    let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, StoppedShop>> {
+        if stop.load(Ordering::Relaxed) || replication > last_wanted.load(Ordering::Relaxed) {
             return None;
         }
         let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
         let run = known.map_or_else(|| evaluated(policy, replication), |known| Ok(known.run()));
+        if run.is_err() {
+            last_wanted.fetch_min(replication, Ordering::Relaxed);
+        }
         progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
         Some(run)
     };
@@ -313,11 +367,17 @@ where
             let of_replication: Vec<_> = runs.by_ref().take(count).collect();
             let mut finished = Vec::with_capacity(count);
             for run in of_replication.into_iter().flatten() {
-                finished.push(run?);
+                match run {
+                    Ok(run) => finished.push(run),
+                    Err(stopped) => {
+                        study.complete = false;
+                        return Ok((study, Some(stopped)));
+                    }
+                }
             }
             if finished.len() < count {
                 study.complete = false;
-                return Ok(study);
+                return Ok((study, None));
             }
             for (position, run) in finished.into_iter().enumerate() {
                 study.add(position, replication, run, logs.as_deref_mut().filter(|_| replication < options.logged))?;
@@ -332,7 +392,7 @@ where
             break;
         }
     }
-    Ok(study)
+    Ok((study, None))
 }
 
 /// End of the chunk in which a replication lies, wherever a study was stopped and goes on.

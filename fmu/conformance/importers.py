@@ -144,43 +144,6 @@ def restore(path, file):
     return {"wear": unit.get(WEAR).hex(), "refused": refused, "damaged": len(damaged)}
 
 
-def dependencies(path):
-    """Pairs of output and input where a change shows that the description does not declare."""
-    import fmpy
-
-    unit = Instance(path)
-    for i in range(60):
-        unit.step(float(i), 1.0)
-    data = unit.save()
-    variables = unit.description.modelVariables
-    inputs = [each for each in variables if each.causality == "input" and each.type in ("Real", "Float64")]
-    structure = {each.variable.name: each for each in unit.description.outputs}
-    outputs = [name for name, each in structure.items() if each.variable.type in ("Real", "Float64")]
-    references = [unit.references[name] for name in outputs]
-    read = unit.fmu.getReal if unit.two else unit.fmu.getFloat64
-    write = unit.fmu.setReal if unit.two else unit.fmu.setFloat64
-    hidden, tried = [], 0
-    for each in inputs:
-        reference = [each.valueReference]
-        unit.restore(data)
-        base, start = list(read(references)), read(reference)[0]
-        least, most = float(each.min or -1e300), float(each.max or 1e300)
-        shown = set()
-        for value in (start * 1.01, start * 0.9, start + 1e-3 * (1 + abs(start))):
-            if not least <= value <= most:
-                continue
-            unit.restore(data)
-            write(reference, [value])
-            shown |= {name for name, one, other in zip(outputs, base, read(references)) if one != other}
-        for name in outputs:
-            tried += 1
-            known = structure[name].dependencies
-            declared = known is None or any(one.name == each.name for one in known)
-            if name in shown and not declared:
-                hidden.append([name, each.name])
-    return {"tried": tried, "hidden": hidden}
-
-
 def cycles(path, count):
     """Growth of memory over `count` instances, in kB."""
     unit = Instance(path)
@@ -205,6 +168,21 @@ def cycles(path, count):
     for _ in range(int(count)):
         once()
     return {"growth_kB": resident() - before}
+
+
+def threads(path):
+    """How many different results four threads with four instances each give."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    def four(_):
+        units = [Instance(path) for _ in range(4)]
+        for i in range(100):
+            for unit in units:
+                unit.step(float(i), 1.0)
+        return {unit.get(WEAR).hex() for unit in units}
+
+    with ThreadPoolExecutor(4) as pool:
+        return {"different": len(set().union(*pool.map(four, range(4))))}
 
 
 def speed(path, output):
@@ -237,8 +215,8 @@ ACTIONS = {
     "libcosim": libcosim,
     "save": save,
     "restore": restore,
-    "dependencies": dependencies,
     "cycles": cycles,
+    "threads": threads,
     "speed": speed,
 }
 

@@ -1,11 +1,13 @@
 """Conformance of the exported units, by importers that come from a package registry.
 
     python -m venv venv && venv/bin/pip install -r fmu/conformance/requirements.txt
-    venv/bin/python fmu/conformance/matrix.py --toolroom target/release/toolroom
+    cargo build --release --manifest-path fmu/conformance/Cargo.toml --target-dir target/conformance
+    venv/bin/python fmu/conformance/matrix.py --toolroom target/release/toolroom \\
+        --fmi-rs target/conformance/release/toolroom-fmu-conformance
 
 Every row says what was compared and with which result; a row that needs a program that is not
-here says so. Exit code 1 where a row fails. The rows without an importer (T0, T6, T8, T12, T13)
-are tests and benches of the crates: see docs/guide/fmu-import.md.
+here says which. Exit code 1 where a row fails. T6 and T8 call the C interface directly and are
+tests of the crate: `cargo test -p toolroom-fmu`. T12 compiles for minutes: `platforms.py`.
 """
 
 import argparse
@@ -16,6 +18,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import time
 import zipfile
@@ -23,6 +26,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 VERSIONS = (2, 3)
+MODELS = ("turning", "milling", "infeed")
+WEAR = "process.flank_wear"
 
 
 class Failed(Exception):
@@ -34,8 +39,9 @@ class Skipped(Exception):
 
 
 class Matrix:
-    def __init__(self, toolroom, folder):
+    def __init__(self, toolroom, fmi_rs, folder):
         self.toolroom = toolroom
+        self.fmi_rs = fmi_rs
         self.folder = folder
         self.rows = []
 
@@ -54,8 +60,16 @@ class Matrix:
         # The wheel of Ecos lacks libtbb; that of tbb puts it into lib of the environment.
         libraries = [str(Path(sys.prefix) / "lib"), environment.get("LD_LIBRARY_PATH", "")]
         environment["LD_LIBRARY_PATH"] = ":".join(path for path in libraries if path)
-        text = self.run(sys.executable, HERE / "importers.py", action, *arguments, env=environment)
-        return json.loads([line for line in text.splitlines() if line[:1] in "[{"][-1])
+        return result(self.run(sys.executable, HERE / "importers.py", action, *arguments, env=environment))
+
+    def dependencies(self, action, path):
+        return result(self.run(sys.executable, HERE / "dependencies.py", action, path))
+
+    def in_rust(self, action, *arguments, **environment):
+        """Runs one action of the importer fmi-rs."""
+        if not self.fmi_rs:
+            raise Skipped("fmi-rs: give --fmi-rs, built from fmu/conformance/Cargo.toml")
+        return result(self.run(self.fmi_rs, action, *arguments, env={**os.environ, **environment}))
 
     def unit(self, version, model="turning"):
         return self.folder / f"toolroom_{model}_fmi{version}.fmu"
@@ -93,6 +107,23 @@ class Matrix:
 
     # -- rows
 
+    def packages(self):
+        """Every unit, made without network and without libclang."""
+        alone = ["unshare", "--net"] if shutil.which("unshare") and os.geteuid() == 0 else []
+        environment = {name: value for name, value in os.environ.items() if "CLANG" not in name}
+        start = time.perf_counter()
+        for model in MODELS:
+            self.run(*alone, self.toolroom, "fmu", "export", model, "--out", self.folder, env=environment)
+        wall = time.perf_counter() - start
+        if wall > 60.0:
+            raise Failed(f"{wall:.0f} s")
+        tree = self.run("cargo", "tree", "--offline", "-p", "toolroom-fmu", "--edges", "normal,build", cwd=HERE.parent, env=environment)
+        clang = [line for line in tree.splitlines() if "clang" in line or "bindgen" in line or "fmi-sys" in line]
+        if clang:
+            raise Failed(f"compiling needs libclang: {clang}")
+        network = "network cut off" if alone else "network not cut off: needs unshare and root"
+        return f"six packages in {wall:.1f} s, {network}; nothing that is compiled for them asks for libclang"
+
     def symbols(self, version):
         entry = "binaries/linux64/toolroom_turning.so" if version == 2 else "binaries/x86_64-linux/toolroom_turning.so"
         if not shutil.which("nm"):
@@ -107,9 +138,15 @@ class Matrix:
         problems = self.importer("validate", self.unit(version))
         if problems:
             raise Failed("; ".join(problems))
-        for model in ("turning", "milling", "infeed"):
+        for model in MODELS:
             self.run(self.toolroom, "fmu", "check", self.unit(version, model))
         return "FMPy: no problems found; fmu check of all three units: no error"
+
+    def validate_in_rust(self, version):
+        problems = [f"{model}: {problem}" for model in MODELS for problem in self.in_rust("validate", self.unit(version, model))]
+        if problems:
+            raise Failed("; ".join(problems[:5]))
+        return "fmi-rs: no problem in any of the three units"
 
     def trajectory(self, version):
         # Up to its change of the edge the reference is the native core at the steps of the experiment.
@@ -151,17 +188,34 @@ class Matrix:
             raise Failed(f"{restored['refused']} of {restored['damaged']} damaged states were refused")
         return f"{saved['bytes']} bytes go on in another process bit for bit; damaged ones are refused"
 
-    def structure(self, version):
-        found = self.importer("dependencies", self.unit(version))
-        if found["hidden"]:
-            raise Failed(f"not declared: {found['hidden'][:5]}")
-        return f"{found['tried']} pairs of output and input: none depends without saying so"
+    def state_in_rust(self, version):
+        found = self.in_rust("state", self.unit(version), WEAR)
+        if found["on"] != found["restored"] or not found["refused"]:
+            raise Failed(str(found))
+        return f"fmi-rs: {found['bytes']} bytes go on in another instance bit for bit; damaged ones are refused"
+
+    def structure(self, version, model):
+        if version == 2:
+            # Both versions are made from one table: what is tried is the later one.
+            two, three = (self.dependencies("declared", self.unit(each, model)) for each in VERSIONS)
+            if two != [pair for pair in three if not pair[0].startswith("indicator.")]:
+                raise Failed("FMI 2 and FMI 3 declare different dependencies")
+            return f"{len(two)} pairs, those of FMI 3 but for its event indicators"
+        found = self.dependencies("compare", self.unit(version, model))
+        for fault in ("hidden", "idle"):
+            if found[fault]:
+                what = "depend and are not declared" if fault == "hidden" else "are declared and do not depend"
+                raise Failed(f"{len(found[fault])} pairs {what}: {found[fault][:4]}")
+        return f"of {found['tried']} pairs of unknown and known exactly the {found['declared']} declared ones depend"
 
     def memory(self, version):
         growth = self.importer("cycles", self.unit(version), 3000)["growth_kB"]
         if growth >= 1024:
             raise Failed(f"{growth} kB more after 3000 instances")
-        return f"3000 instances: {growth} kB"
+        different = self.importer("threads", self.unit(version))["different"]
+        if different != 1:
+            raise Failed(f"4 threads with 4 instances each gave {different} different results")
+        return f"3000 instances: {growth} kB; 4 threads with 4 instances each: one result"
 
     def ecos(self, version):
         return self.against("ecos", version)
@@ -171,8 +225,12 @@ class Matrix:
             raise Skipped("libcosimpy 0.0.6 crashes on every unit of FMI 3.0")
         return self.against("libcosim", version)
 
+    def rust(self, version):
+        return self.against("fmi-rs", version)
+
     def against(self, importer, version):
-        rows = self.importer(importer, self.unit(version))
+        unit = self.unit(version)
+        rows = self.in_rust("cs", unit, WEAR) if importer == "fmi-rs" else self.importer(importer, unit)
         fmpy = {row[0]: row[1] for row in self.importer("cs", self.unit(version), "1.0")}
         worst = 0.0
         for at, wear in rows:
@@ -200,7 +258,7 @@ class Matrix:
             text=True,
         )
         if "built without" in done.stderr:
-            raise Skipped("toolroom built with --features fmu-import")
+            raise Skipped("this toolroom was built without --features fmu-import")
         if done.returncode:
             raise Failed(done.stderr.strip())
         with open(table, newline="") as source:
@@ -210,22 +268,49 @@ class Matrix:
         near(worst, 1e-12, "against FMPy")
         return f"toolroom fmu sim (fmi crate): {worst:.1e} against FMPy"
 
-    def speeds(self):
+    def peer(self):
+        """A unit by pythonfmu, made once."""
         gain = self.folder / "Gain.fmu"
-        self.run(Path(sys.executable).with_name("pythonfmu"), "build", "-f", HERE / "gain.py", "-d", self.folder)
+        if not gain.is_file():
+            self.run(Path(sys.executable).with_name("pythonfmu"), "build", "-f", HERE / "gain.py", "-d", self.folder)
+        return gain
+
+    def units(self):
+        yield from ((f"toolroom FMI {version}", self.unit(version), WEAR) for version in VERSIONS)
+        yield "pythonfmu gain", self.peer(), "y"
+
+    def speeds(self):
         said = []
-        units = [("toolroom FMI 2", self.unit(2), "process.flank_wear"), ("toolroom FMI 3", self.unit(3), "process.flank_wear")]
-        for name, path, output in [*units, ("pythonfmu gain", gain, "y")]:
+        for name, path, output in self.units():
             found = self.importer("speed", path, output)
             said.append(f"{name} {found['step_us']:.1f} us a step, {found['get_us']:.1f} us a value")
         return "through FMPy: " + "; ".join(said)
 
-    def on_path(self, program, arguments):
+    def speeds_in_rust(self):
+        said = []
+        for name, path, output in self.units():
+            # A unit by pythonfmu wants a program with Python in it.
+            python = Path(sysconfig.get_config_var("LIBDIR")) / str(sysconfig.get_config_var("INSTSONAME"))
+            if output == "y" and not python.name.count(".so"):
+                said.append(f"{name} not run: Python is not a shared library here")
+                continue
+            environment = {"LD_PRELOAD": str(python), "PYTHONPATH": sysconfig.get_path("purelib")} if output == "y" else {}
+            found = self.in_rust("speed", path, output, **environment)
+            said.append(f"{name} " + ", ".join(f"{what} {nanoseconds:.0f} ns" for what, nanoseconds in found.items()))
+        return "through fmi-rs: " + "; ".join(said)
+
+    def on_path(self, program, *runs):
         if not shutil.which(program):
             raise Skipped(f"{program} is not on PATH")
         for version in VERSIONS:
-            self.run(program, *[str(self.unit(version)) if part == "F" else part for part in arguments])
+            for arguments in runs:
+                self.run(program, *[str(self.unit(version)) if part == "F" else part for part in arguments.split()])
         return "clean"
+
+
+def result(text):
+    """The line of JSON of an importer, which may print before it."""
+    return json.loads([line for line in text.splitlines() if line[:1] in "[{"][-1])
 
 
 def near(worst, bound, what):
@@ -255,29 +340,39 @@ def compare(rows, expected, least=90):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--toolroom", required=True, help="the program that exports the units")
+    parser.add_argument("--fmi-rs", help="the importer of this folder's Cargo.toml; its rows are left out without")
     options = parser.parse_args()
+    fmi_rs = Path(options.fmi_rs).resolve() if options.fmi_rs else None
     with tempfile.TemporaryDirectory() as folder:
-        matrix = Matrix(Path(options.toolroom).resolve(), Path(folder))
-        for model in ("turning", "milling", "infeed"):
-            matrix.run(matrix.toolroom, "fmu", "export", model, "--out", folder)
+        matrix = Matrix(Path(options.toolroom).resolve(), fmi_rs, Path(folder))
+        matrix.row("T0", "packages", matrix.packages)
+        if matrix.rows[0][2] != "pass":
+            return 1
         for version in VERSIONS:
             of = f"FMI {version}"
             matrix.row("T1", f"{of} symbols", lambda: matrix.symbols(version))
             matrix.row("T2", f"{of} description", lambda: matrix.validate(version))
+            matrix.row("T2", f"{of} description", lambda: matrix.validate_in_rust(version))
             matrix.row("T3", f"{of} trajectory", lambda: matrix.trajectory(version))
             matrix.row("T3", f"{of} trajectory", lambda: matrix.exchange(version))
             matrix.row("T4", f"{of} tool change", lambda: matrix.change(version))
             matrix.row("T5", f"{of} state", lambda: matrix.state(version))
-            matrix.row("T7", f"{of} dependencies", lambda: matrix.structure(version))
+            matrix.row("T5", f"{of} state", lambda: matrix.state_in_rust(version))
+            for model in ("turning", "milling"):
+                matrix.row("T7", f"{of} dependencies of {model}", lambda: matrix.structure(version, model))
             matrix.row("T9", f"{of} memory", lambda: matrix.memory(version))
             matrix.row("T10", f"{of} Ecos", lambda: matrix.ecos(version))
             matrix.row("T10", f"{of} libcosim", lambda: matrix.libcosim(version))
+            matrix.row("T10", f"{of} fmi-rs", lambda: matrix.rust(version))
             matrix.row("T11", f"{of} own importer", lambda: matrix.simulated_here(version))
         matrix.row("T13", "speed", matrix.speeds)
+        matrix.row("T13", "speed", matrix.speeds_in_rust)
         matrix.row("T14", "package", matrix.package_twice)
-        matrix.row("T15", "fmusim", lambda: matrix.on_path("fmusim", ["validate", "F"]))
-        matrix.row("T15", "OMSimulator", lambda: matrix.on_path("OMSimulator", ["--mode=cs", "--suppressPath=true", "--stopTime=600", "F"]))
-        matrix.row("T15", "fmuCheck", lambda: matrix.on_path("fmuCheck.linux64", ["-l", "4", "F"]))
+        simulate = "simulate --interface-type cs --stop-time 600 F"
+        matrix.row("T15", "fmusim", lambda: matrix.on_path("fmusim", "validate F", simulate))
+        run = "--mode=cs --suppressPath=true --stopTime=600 F"
+        matrix.row("T15", "OMSimulator", lambda: matrix.on_path("OMSimulator", run))
+        matrix.row("T15", "fmuCheck", lambda: matrix.on_path("fmuCheck.linux64", "-l 4 F"))
         failed = sum(1 for row in matrix.rows if row[2] == "FAIL")
         print(f"{len(matrix.rows)} rows, {failed} failed")
     return 1 if failed else 0

@@ -96,14 +96,16 @@ impl Unit for Breaking {
 
 #[test]
 fn a_panic_is_a_fatal_status_and_the_host_lives() {
-    let held = Interface::CoSimulation { event_mode: false, early_return: false };
-    let log = Log::new(None, true);
-    let unit = breaking::adopt(Box::new(crate::Instance::<Breaking>::new(held, None, log)));
-    let step = |time: f64, step: f64| breaking::step(unit, time, step);
-    assert_eq!(breaking::initialise(unit), Status::Ok);
-    assert_eq!(step(0.0, 10.0), Status::Ok);
-    assert_eq!(step(10.0, 100.0), Status::Fatal);
-    assert_eq!(step(10.0, 1.0), Status::Fatal, "it has stopped for good");
-    breaking::free(unit);
-    assert_eq!(step(10.0, 1.0), Status::Error, "and is gone");
+    for call in [breaking::step, breaking::step3] {
+        let held = Interface::CoSimulation { event_mode: false, early_return: false };
+        let log = Log::new(None, true);
+        let unit = breaking::adopt(Box::new(crate::Instance::<Breaking>::new(held, None, log)));
+        let step = |time: f64, step: f64| call(unit, time, step);
+        assert_eq!(breaking::initialise(unit), Status::Ok);
+        assert_eq!(step(0.0, 10.0), Status::Ok);
+        assert_eq!(step(10.0, 100.0), Status::Fatal);
+        assert_eq!(step(10.0, 1.0), Status::Fatal, "it has stopped for good");
+        breaking::free(unit);
+        assert_eq!(step(10.0, 1.0), Status::Error, "and is gone");
+    }
 }

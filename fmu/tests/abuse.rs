@@ -6,6 +6,7 @@ mod importer;
 use importer::*;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
+use std::thread::ScopedJoinHandle;
 use toolroom_fmu::units;
 
 const OK: i32 = 0;
@@ -188,6 +189,81 @@ fn functions_out_of_order_are_refused() {
 }
 
 #[test]
+fn functions_of_fmi_3_out_of_order_are_refused() {
+    let token = token("turning");
+    let three = make3(&token, false);
+    let begin = |unit| {
+        // SAFETY: the arguments are what the standard asks for.
+        unsafe { fmi3EnterInitializationMode(unit, 0, 0.0, 0.0, 0, 0.0) }
+    };
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(step3(three, 0.0, 0.1).0, ERROR, "before initialisation");
+        assert_eq!(fmi3ExitInitializationMode(three), ERROR);
+        assert_eq!(fmi3EnterStepMode(three), ERROR);
+        assert_eq!(fmi3Terminate(three), ERROR);
+        assert_eq!(begin(three), OK);
+        assert_eq!(begin(three), ERROR);
+        assert_eq!(step3(three, 0.0, 0.1).0, ERROR, "during initialisation");
+        assert_eq!(fmi3ExitInitializationMode(three), OK);
+        assert_eq!(fmi3EnterEventMode(three), ERROR, "made without Event Mode");
+        let wear = reference("turning", "process.flank_wear");
+        assert_eq!(fmi3SetFloat64(three, &wear, 1, &0.0, 1), ERROR, "an output");
+        assert_eq!(step3(three, 0.0, 0.1).0, OK);
+        assert_eq!(fmi3Terminate(three), OK);
+        assert_eq!(fmi3Terminate(three), ERROR);
+        assert_eq!(step3(three, 0.1, 0.1).0, ERROR);
+        assert_eq!(fmi3Reset(three), OK);
+        assert_eq!(begin(three), OK);
+        fmi3FreeInstance(three);
+    }
+    let with_events = make3(&token, true);
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!((begin(with_events), fmi3ExitInitializationMode(with_events)), (OK, OK));
+        assert_eq!(step3(with_events, 0.0, 0.1).0, ERROR, "Event Mode comes first");
+        let (mut again, mut none) = (0, [0; 4]);
+        let [end, nominals, values, defined] = &mut none;
+        assert_eq!(fmi3UpdateDiscreteStates(with_events, &mut again, end, nominals, values, defined, &mut 0.0), OK);
+        assert_eq!(fmi3EnterStepMode(with_events), OK);
+        assert_eq!(step3(with_events, 0.0, 0.1).0, OK);
+        fmi3FreeInstance(with_events);
+    }
+}
+
+#[test]
+fn saved_states_of_fmi_2_are_refused_where_broken_or_freed() {
+    let (one, other) = (ready2("turning"), ready2("turning"));
+    let (mut state, mut copy, mut size) = (null_mut(), null_mut(), 0);
+    // SAFETY: the arguments are what the standard asks for.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(one, &mut state), OK);
+        assert_eq!(fmi2SetFMUstate(other, 77 as Handle), ERROR);
+        assert_eq!(fmi2SetFMUstate(one, null_mut()), ERROR);
+        assert_eq!(fmi2SerializedFMUstateSize(one, state, &mut size), OK);
+        let mut bytes = vec![0; size];
+        assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr(), size - 1), ERROR, "too small");
+        assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr(), size), OK);
+        assert_eq!(fmi2DeSerializeFMUstate(other, null(), size, &mut copy), ERROR);
+        for at in [0, 5, 20, 30, size / 2, size - 1] {
+            bytes[at] ^= 1;
+            assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), size, &mut copy), ERROR, "byte {at}");
+            bytes[at] ^= 1;
+        }
+        for length in [0, 3, 27, size - 1] {
+            assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), length, &mut copy), ERROR, "{length} bytes");
+        }
+        assert_eq!(fmi2DeSerializeFMUstate(other, bytes.as_ptr(), size, &mut copy), OK);
+        assert_eq!(fmi2SetFMUstate(other, copy), OK);
+        let freed = copy;
+        assert_eq!(fmi2FreeFMUstate(other, &mut copy), OK);
+        assert_eq!(fmi2SetFMUstate(other, freed), ERROR, "a freed state");
+        fmi2FreeInstance(one);
+        fmi2FreeInstance(other);
+    }
+}
+
+#[test]
 fn saved_states_of_others_and_broken_bytes_are_refused() {
     let token = token("turning");
     let (one, other) = (ready3(&token), ready3(&token));
@@ -281,7 +357,21 @@ fn a_logger_hears_why_with_its_own_environment_and_only_when_it_wants() {
     }
 }
 
-/// Wear after a hundred steps of a turning unit.
+/// Wear after a hundred steps of a turning unit of FMI 2.0.
+fn worn2(wear: u32) -> u64 {
+    let (unit, mut value) = (ready2("turning"), f64::NAN);
+    // SAFETY: the arguments are what the standard asks for.
+    unsafe {
+        for i in 0..100 {
+            assert_eq!(fmi2DoStep(unit, f64::from(i) * 0.5, 0.5, 1), OK);
+        }
+        assert_eq!(fmi2GetReal(unit, &wear, 1, &mut value), OK);
+        fmi2FreeInstance(unit);
+    }
+    value.to_bits()
+}
+
+/// Wear after a hundred steps of a turning unit of FMI 3.0.
 fn worn(token: &CString, wear: u32) -> u64 {
     let unit = ready3(token);
     for i in 0..100 {
@@ -298,8 +388,8 @@ fn sixty_four_instances_in_eight_threads_agree() {
     let (token, wear) = (token("turning"), reference("turning", "process.flank_wear"));
     let alone = worn(&token, wear);
     std::thread::scope(|scope| {
-        let runs: Vec<_> =
-            (0..8).map(|_| scope.spawn(|| (0..8).map(|_| worn(&token, wear)).collect::<Vec<_>>())).collect();
+        let runs: Vec<ScopedJoinHandle<'_, Vec<u64>>> =
+            (0..8).map(|_| scope.spawn(|| (0..4).flat_map(|_| [worn(&token, wear), worn2(wear)]).collect())).collect();
         for run in runs {
             assert!(run.join().expect("a thread").iter().all(|each| *each == alone));
         }

@@ -30,6 +30,12 @@ impl Missing {
     }
 }
 
+/// Where cargo keeps the sources of other crates.
+fn cargo_home() -> PathBuf {
+    let home = || std::env::home_dir().unwrap_or_default().join(".cargo");
+    std::env::var_os("CARGO_HOME").map_or_else(home, PathBuf::from)
+}
+
 /// The cross compiler.
 pub struct Compiler {
     sources: PathBuf,
@@ -61,26 +67,59 @@ impl Compiler {
 
     fn compile(&self, platform: Platform, target: &str, voice: &Voice) -> Result<Vec<u8>, Failure> {
         voice.say(format_args!("compiling for {target} …"));
+        // The version of the C library is no part of the target's name.
+        let name = target.strip_suffix(".2.17").unwrap_or(target);
         let folder = self.sources.join("target");
         // A library tells nobody where it was built.
-        let flags = format!("--remap-path-prefix={}=toolroom -Cstrip=symbols", self.sources.display());
+        let flags = [(self.sources.clone(), "toolroom"), (cargo_home(), "cargo")]
+            .map(|(folder, name)| format!("--remap-path-prefix={}={name} ", folder.display()))
+            .concat();
+        // Nor does its own name, which macOS takes from where it was linked.
+        let id =
+            if platform == Platform::UniversalMac { "-Clink-arg=-Wl,-install_name,@rpath/toolroom.dylib " } else { "" };
         let output = Command::new("cargo-zigbuild")
             .args(["zigbuild", "--release", "--lib", "-p", "toolroom-fmu", "--target", target, "--target-dir"])
             .arg(&folder)
             .current_dir(&self.sources)
-            .env("RUSTFLAGS", flags)
+            .env("RUSTFLAGS", flags + id + "-Cstrip=symbols")
             .env("MACOSX_DEPLOYMENT_TARGET", "11.0")
             .output()
             .map_err(|error| Failure::Work { message: format!("cargo-zigbuild does not start: {error}") })?;
         if !output.status.success() {
-            let text = String::from_utf8_lossy(&output.stderr);
-            let last = text.lines().rfind(|line| line.starts_with("error")).unwrap_or("see cargo zigbuild");
-            return Err(Failure::Work { message: format!("{target} cannot be compiled for: {last}") });
+            return Err(refusal(&String::from_utf8_lossy(&output.stderr), name));
         }
-        // The version of the C library is no part of the folder's name.
-        let name = target.strip_suffix(".2.17").unwrap_or(target);
         let path = folder.join(name).join("release").join(platform.library_name());
         std::fs::read(&path)
             .map_err(|error| Failure::Work { message: format!("{} cannot be read: {error}", path.display()) })
+    }
+}
+
+/// What the compiler said, with the likely fix.
+fn refusal(said: &str, target: &str) -> Failure {
+    if said.contains("target may not be installed") {
+        let help = format!("rustup target add {target}");
+        return Failure::argument(format_args!("Rust's standard library for {target} is not installed"), help);
+    }
+    let first = said.lines().find(|line| line.to_lowercase().starts_with("error")).unwrap_or("see cargo zigbuild");
+    let help = "pip install ziglang brings zig, which cargo-zigbuild links with";
+    Failure::argument(format_args!("{target} cannot be compiled for: {first}"), help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_target_that_is_not_installed_is_told_with_the_command() {
+        let said = "error[E0463]: can't find crate for `core`\n  = note: the `t` target may not be installed\n";
+        let Failure::Argument { message, help } = refusal(said, "t") else { panic!("another failure") };
+        assert_eq!(
+            (message.as_str(), help.as_deref()),
+            ("Rust's standard library for t is not installed", Some("rustup target add t"),)
+        );
+        let Failure::Argument { message, .. } = refusal("   Compiling x\nError: no zig\n", "t") else {
+            panic!("another failure")
+        };
+        assert_eq!(message, "t cannot be compiled for: Error: no zig");
     }
 }

@@ -1,17 +1,90 @@
 //! Units as machines of the shop: the importer that scenario files call.
 
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-use toolroom_fmu_import::{Unit, UnitProcess};
+use toolroom_fmu_import::{ArchiveError, LoadError, Unit, UnitProcess};
 use toolroom_process::MachineProcess;
-use toolroom_sim::scenario::{UnitRequest, set_importer};
+use toolroom_sim::scenario::{UnitRefusal, UnitRequest, set_importer};
 
 /// Makes `fmu = "…"` in scenarios work.
 pub fn register() {
     set_importer(import);
 }
 
-fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, String> {
-    let unit = Unit::load(request.path).map_err(|error| error.to_string())?;
+fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
+    let path = tidy(request.path);
+    let unit = Unit::load(&path)
+        .map_err(|error| UnitRefusal { reason: error.to_string(), fix: fix(&error).unwrap_or_else(|| ask(&path)) })?;
     let process = UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring);
-    Ok(Arc::new(process.map_err(|error| error.to_string())?))
+    let process = process.map_err(|error| UnitRefusal {
+        reason: error.to_string(),
+        fix: format!("`toolroom fmu info {}` lists its variables; see [tool.wiring]", path.display()),
+    })?;
+    Ok(Arc::new(process))
+}
+
+fn ask(path: &Path) -> String {
+    format!("ask `toolroom fmu check {}` what is wrong with it", path.display())
+}
+
+/// What to do about a unit that does not load, where it is not a matter of its inside.
+fn fix(error: &LoadError) -> Option<String> {
+    match error {
+        LoadError::Archive(ArchiveError::Unreadable { path, .. }) => Some(export(path).unwrap_or_else(|| {
+            "check path and permissions; in a scenario the path counts from the folder of the file".to_owned()
+        })),
+        LoadError::Archive(ArchiveError::NoZip { path, .. } | ArchiveError::Damaged { path, .. }) => {
+            Some(export(path).unwrap_or_else(|| "copy or export the unit again: it is damaged".to_owned()))
+        }
+        LoadError::Archive(ArchiveError::Traversal { .. }) => {
+            Some("do not use it: such an archive writes over files of its choice".to_owned())
+        }
+        LoadError::Platform { .. } => {
+            Some("get the unit with a library for this computer; its exporter names the platforms".to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// The command that makes one of toolroom's own units, told by the name of its file.
+fn export(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let unit = toolroom_fmu::units().find(|unit| name.starts_with(&format!("toolroom_{}_fmi", unit.name)))?;
+    let out = path.parent()?.display().to_string();
+    let out = if out.is_empty() { ".".to_owned() } else { crate::study::quoted(&out) };
+    Some(format!("make it with `toolroom fmu export {} --out {out}`", unit.name))
+}
+
+/// The path without `NAME/..`, as people write it.
+fn tidy(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for component in path.components() {
+        let last = tidy.components().next_back();
+        // Behind a symbolic link `..` is another folder: then the path stays as it is.
+        if component == Component::ParentDir && matches!(last, Some(Component::Normal(_))) && !tidy.is_symlink() {
+            tidy.pop();
+        } else {
+            tidy.push(component);
+        }
+    }
+    tidy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_told_without_detours() {
+        assert_eq!(tidy(Path::new("scenarios/../out/fmu/x.fmu")), Path::new("out/fmu/x.fmu"));
+        assert_eq!(tidy(Path::new("../a/./b/../../c.fmu")), Path::new("../c.fmu"));
+        assert_eq!(tidy(Path::new("/../x.fmu")), Path::new("/../x.fmu"));
+    }
+
+    #[test]
+    fn a_missing_unit_of_toolroom_is_made_by_its_command() {
+        let told = export(Path::new("out/fmu/toolroom_milling_fmi2.fmu"));
+        assert_eq!(told.as_deref(), Some("make it with `toolroom fmu export milling --out out/fmu`"));
+        assert_eq!(export(Path::new("lathe.fmu")), None);
+    }
 }

@@ -1,6 +1,6 @@
 //! Runs made elsewhere, for studies in shards.
 
-use super::{EdgeLife, Run, StudyError, lives, resolve};
+use super::{EdgeLife, Run, StudyError, lives, resolve, stopped};
 use crate::kpi;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -38,11 +38,7 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
         (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
         let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default());
-        let log = shop.and_then(Shop::run).map_err(|source| StudyError::Shop {
-            policy: scenario.policies[policy].name.clone(),
-            replication,
-            source: Box::new(source),
-        })?;
+        let log = shop.and_then(Shop::run).map_err(|source| stopped(scenario, policy, replication, source))?;
         let lived = |life: EdgeLife| (life.cutting_time.to_bits(), life.reason.name().to_owned());
         Ok(StoredRun {
             policy,

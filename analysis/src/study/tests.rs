@@ -133,3 +133,20 @@ fn a_finished_part_that_is_not_repeated_is_refused() {
     let refused = study_with(&fixture::scenario(), &going_on, None, &|_| {}, &stop, &another);
     assert!(matches!(refused, Err(StudyError::NotRepeated { .. })));
 }
+
+#[test]
+fn a_shop_that_stops_ends_the_study_after_the_replications_before_it() {
+    let failing = |policy: usize, replication: u32| match (replication, policy) {
+        (3, 1) | (5, 0) => Err(ShopError::NoProgress { time: f64::from(replication), events: 1 }),
+        _ => simulate(policy, replication),
+    };
+    let stop = AtomicBool::new(false);
+    for threads in [1, 4] {
+        let ended = study_as_far(&fixture::scenario(), &options(9, threads), None, &|_| {}, &stop, &failing);
+        let (study, stopped) = ended.expect("a study");
+        let stopped = stopped.expect("a reason");
+        assert_eq!((stopped.replication, stopped.policy), (3, 1), "the first in order");
+        assert!(!study.complete && study.replications == 3 && study.values(0, 0).len() == 3);
+        assert_eq!(study.values(1, 0), self::study(&options(3, 1)).values(1, 0));
+    }
+}

@@ -114,21 +114,33 @@ impl Binary {
     /// # Errors
     /// Why the bytes are no shared library.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
-        let mut architectures = Vec::new();
-        let mut first: Option<&[u8]> = None;
+        let mut slices: Vec<&[u8]> = Vec::new();
         // A universal library holds one library for each processor.
         if let Ok(fat) = object::read::macho::MachOFatFile32::parse(bytes) {
             for arch in fat.arches() {
                 use object::read::macho::FatArch;
-                architectures.push(arch.architecture());
-                let slice = arch.data(bytes).map_err(|error| error.to_string())?;
-                first = first.or(Some(slice));
+                slices.push(arch.data(bytes).map_err(|error| error.to_string())?);
             }
         }
-        let file = object::File::parse(first.unwrap_or(bytes)).map_err(|error| error.to_string())?;
-        if architectures.is_empty() {
-            architectures.push(file.architecture());
+        let thin = if slices.is_empty() {
+            vec![Self::of_one(bytes)?]
+        } else {
+            slices.into_iter().map(Self::of_one).collect::<Result<_, _>>()?
+        };
+        let mut libraries = thin.into_iter();
+        let mut whole = libraries.next().ok_or("an empty universal library")?;
+        for library in libraries {
+            whole.architectures.extend(library.architectures);
+            // What a user of either processor can count on.
+            whole.functions.retain(|function| library.functions.contains(function));
         }
+        whole.kind = format!("{:?} for {:?}", whole.format, whole.architectures);
+        Ok(whole)
+    }
+
+    /// A library for one processor.
+    fn of_one(bytes: &[u8]) -> Result<Self, String> {
+        let file = object::File::parse(bytes).map_err(|error| error.to_string())?;
         let mut functions: BTreeSet<String> = BTreeSet::new();
         for export in file.exports().map_err(|error| error.to_string())? {
             let name = String::from_utf8_lossy(export.name()).into_owned();
@@ -140,11 +152,11 @@ impl Binary {
         let undefined = file.dynamic_symbols().any(|symbol| symbol.is_undefined());
         let glibc = (file.format() == BinaryFormat::Elf && undefined).then(|| glibc(bytes)).flatten();
         Ok(Self {
-            kind: format!("{:?} for {architectures:?}", file.format()),
+            kind: String::new(),
             functions,
             glibc,
             format: file.format(),
-            architectures,
+            architectures: vec![file.architecture()],
         })
     }
 

@@ -10,14 +10,15 @@ use tempfile::TempDir;
 use toolroom_fmu::{Binary, Platform, Version, package, units};
 use toolroom_fmu_import::{Unit, UnitProcess};
 use toolroom_process::MachineProcess;
-use toolroom_sim::scenario::{Scenario, UnitRequest, file, set_importer};
+use toolroom_sim::scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
 use toolroom_sim::{RunLog, ShopError, shop};
 
-fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, String> {
-    let unit = Unit::load(request.path).map_err(|error| error.to_string())?;
+fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
+    let refusal = |error: &dyn std::fmt::Display| UnitRefusal { reason: error.to_string(), fix: String::new() };
+    let unit = Unit::load(request.path).map_err(|error| refusal(&error))?;
     UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring)
         .map(|process| Arc::new(process) as Arc<dyn MachineProcess>)
-        .map_err(|error| error.to_string())
+        .map_err(|error| refusal(&error))
 }
 
 /// The exported turning unit, packaged once.

@@ -79,10 +79,11 @@ struct Callback<F> {
 // time; the importer's callback and environment have to bear that.
 unsafe impl<F: Copy> Send for Callback<F> where Callback<F>: Sink {}
 
-/// The C functions of FMI 2.0 on an instance that is no shipped unit.
+/// The C functions on an instance that is no shipped unit.
 #[cfg(test)]
 pub(crate) mod breaking {
-    use super::{Component, Status, c_void, fmi2, handles};
+    use super::{Component, Status, c_void, fmi2, fmi3, handles};
+    use std::ptr::null_mut;
 
     pub fn adopt(unit: Box<dyn Component>) -> *mut c_void {
         handles::keep(unit).expect("a free place")
@@ -94,6 +95,11 @@ pub(crate) mod breaking {
 
     pub fn step(unit: *mut c_void, time: f64, step: f64) -> Status {
         fmi2::fmi2DoStep(unit, time, step, 1)
+    }
+
+    pub fn step3(unit: *mut c_void, time: f64, step: f64) -> Status {
+        // SAFETY: the importer of FMI 3.0 may leave out what it does not want to know.
+        unsafe { fmi3::fmi3DoStep(unit, time, step, 1, null_mut(), null_mut(), null_mut(), null_mut()) }
     }
 
     pub fn free(unit: *mut c_void) {

@@ -7,14 +7,18 @@ use crate::configured::Configured;
 use crate::instance::nominal_of;
 use crate::unit::Unit;
 use crate::variable::Slot;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use toolroom_process::{Field, Kind, Record};
 
 /// Points at which dependencies are looked for.
 const POINTS: u64 = 24;
-/// Points with a verdict on chatter.
+/// Points with a verdict on chatter, on each of two machines.
 const JUDGED_POINTS: u64 = 2;
+/// Share by which a known is moved: more than a verdict is rounded by.
+const NUDGE: f64 = 0.25;
+/// Share of the shipped stiffness that makes usual cuts unstable.
+const SOFT: f64 = 0.02;
 
 /// Knowns of each unknown that is continuous: outputs, derivatives, indicators.
 #[derive(Clone, Debug, Default)]
@@ -47,10 +51,35 @@ impl Dependencies {
         // Verdicts on chatter take long, those at varying speed very long.
         let chatter: Vec<_> = set(|name| name == "machine.chatter").collect();
         if !chatter.is_empty() && process.assign(&chatter).is_ok() {
-            found.try_points(&process.process, JUDGED_POINTS, Scatter::WhatIsNotZero);
+            let mut judged = Self::default();
+            judged.try_points(&process.process, JUDGED_POINTS, Scatter::WhatIsNotZero);
+            // Usual cuts are stable on the shipped machine, and unstable on a soft one that the
+            // process does not damp.
+            let mut soft: Vec<_> = set(|name| name.ends_with(".process_damping")).map(|(i, _)| (i, 0.0)).collect();
+            soft.extend(set(|name| name == "machine.stiffness").map(|(i, _)| (i, SOFT * fields[i].1.start)));
+            if process.assign(&soft).is_ok() {
+                judged.try_points(&process.process, JUDGED_POINTS, Scatter::WhatIsNotZero);
+            }
+            found.add_verdict(&judged);
         }
         found.0.values_mut().for_each(|knowns| knowns.sort_unstable());
         found
+    }
+
+    /// Adds what depends on the verdict on chatter: all of it hangs on the same knowns, of which a
+    /// few points show each output only a part (a stable cut has no frequency, and a verdict is
+    /// kept at rounded speed and damping).
+    fn add_verdict(&mut self, judged: &Self) {
+        let gain = |(unknown, knowns): (&u32, &Vec<u32>)| -> (u32, Vec<u32>) {
+            (*unknown, knowns.iter().filter(|known| !self.0[unknown].contains(known)).copied().collect())
+        };
+        let gains: Vec<(u32, Vec<u32>)> = judged.0.iter().map(gain).filter(|(_, gain)| !gain.is_empty()).collect();
+        let verdict: BTreeSet<u32> = gains.iter().flat_map(|(_, gain)| gain).copied().collect();
+        for (unknown, _) in gains {
+            let knowns = self.0.entry(unknown).or_default();
+            let whole: BTreeSet<u32> = knowns.iter().chain(&verdict).copied().collect();
+            *knowns = whole.into_iter().collect();
+        }
     }
 
     /// Moves each known at points of the range and notes what changes.
@@ -137,7 +166,7 @@ fn nudged<R: Record>(record: &R, i: usize, field: &Field) -> R {
     let mut nudged = *record;
     let value = record.get(i).unwrap_or(0.0);
     let step = match field.kind {
-        Kind::Real => 0.05 * value.abs() + 1e-3 * nominal_of(field.display, field.unit).abs(),
+        Kind::Real => NUDGE * value.abs() + 1e-3 * nominal_of(field.display, field.unit).abs(),
         Kind::Boolean | Kind::Integer => 1.0,
     };
     let up = value + step;

@@ -28,7 +28,7 @@ pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{
     DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
 };
-pub use unit::{Importer, UnitRequest, set_importer};
+pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]

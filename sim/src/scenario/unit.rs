@@ -19,8 +19,17 @@ pub struct UnitRequest<'a> {
     pub wiring: &'a Wiring,
 }
 
+/// Why a unit cannot stand in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitRefusal {
+    /// What is wrong.
+    pub reason: String,
+    /// What the user may do about it.
+    pub fix: String,
+}
+
 /// Loads units; answers with what is wrong where it cannot.
-pub type Importer = fn(&UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, String>;
+pub type Importer = fn(&UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal>;
 
 static IMPORTER: OnceLock<Importer> = OnceLock::new();
 
@@ -34,11 +43,14 @@ pub fn set_importer(importer: Importer) {
 ///
 /// # Errors
 /// What the importer says, or that there is none.
-pub(super) fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, String> {
+pub(super) fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let Some(importer) = IMPORTER.get() else {
-        return Err(
-            "this program was built without the import of units; build it with --features fmu-import".to_owned()
-        );
+        return Err(UnitRefusal {
+            reason: "this program was built without the import of units".to_owned(),
+            fix: "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what \
+                  that needs"
+                .to_owned(),
+        });
     };
     importer(request)
 }

@@ -184,6 +184,18 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// # Errors
     /// [`ShopError`]; nothing of the log is handed out then.
     pub fn run(mut self) -> Result<R, ShopError> {
+        self.run_to_horizon()?;
+        Ok(self.hand_out())
+    }
+
+    /// Runs like [`Shop::run`], and hands out what was recorded when the shop stopped before its
+    /// horizon, too, with the reason. Passes in process are then left out.
+    pub fn run_as_far(mut self) -> (R, Option<ShopError>) {
+        let reason = self.run_to_horizon().err();
+        (self.hand_out(), reason)
+    }
+
+    fn run_to_horizon(&mut self) -> Result<(), ShopError> {
         let horizon = SimTime::from_seconds(self.scenario.horizon)?;
         self.run_until(horizon)?;
         self.close(horizon)
@@ -211,15 +223,23 @@ impl<'a, R: Recorder> Shop<'a, R> {
         Ok(())
     }
 
-    /// Closes everything that is in process at `horizon` and hands out the log.
+    /// Closes every pass that is in process at `horizon`.
     ///
     /// # Errors
     /// [`ShopError`] where a pass that is cut short cannot be planned.
-    fn close(mut self, horizon: SimTime) -> Result<R, ShopError> {
+    fn close(&mut self, horizon: SimTime) -> Result<(), ShopError> {
         self.end = Some(horizon);
         for machine in 0..self.world.machines.len() {
             self.halt(machine)?;
             self.close_pass(machine);
+            self.log_state(machine);
+        }
+        Ok(())
+    }
+
+    /// Retires edges and jobs as they are now and hands out the log.
+    fn hand_out(mut self) -> R {
+        for machine in 0..self.world.machines.len() {
             self.log_state(machine);
         }
         self.retire_all();
@@ -227,13 +247,13 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.recorder.job(job.number, job.row);
         }
         let closing = Closing {
-            horizon: horizon.seconds(),
+            horizon: self.now().seconds(),
             warm_up: self.scenario.warm_up,
             digest: self.digest.value(),
             calendar_events: self.events,
         };
         self.recorder.close(closing);
-        Ok(self.recorder)
+        self.recorder
     }
 
     /// Goes on under another policy of the scenario: the branch of a snapshot. Edges stay in

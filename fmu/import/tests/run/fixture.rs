@@ -29,12 +29,13 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 /// The unit as an FMU in `folder`, compiled with `switches`, its description changed from → to.
 pub fn unit(folder: &Path, switches: &[&str], change: (&str, &str)) -> PathBuf {
-    let library = folder.join("wear.so");
+    let (library, source) = (folder.join("wear.so"), folder.join("wear.c"));
+    std::fs::write(&source, include_str!("wear.c")).expect("writable");
     let compiled = Command::new("cc")
         .args(["-shared", "-fPIC", "-O1", "-w", "-fvisibility=hidden", "-o"])
         .arg(&library)
         .args(switches.iter().map(|switch| format!("-D{switch}")))
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/run/wear.c"))
+        .arg(&source)
         .status()
         .expect("a C compiler");
     assert!(compiled.success());

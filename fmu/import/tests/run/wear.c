@@ -1,6 +1,7 @@
 /* A unit of FMI 2.0 in one file: wear grows with speed, and it does on demand what units do wrong.
    Compiled by the tests with -D switches:
    FAILS   steps fail from 100 s on          NO_STEP  fmi2DoStep is missing
+   TIRES   steps fail after as many as it says, whatever the instance
    DENIES  no instance is made               LOUD     messages without category, with %s */
 #include <stddef.h>
 #include <stdlib.h>
@@ -126,6 +127,10 @@ E int fmi2DoStep(void *u, double time, double step, int prior) {
     State *s = &((Unit *)u)->state;
     double off = time - s->time;
     if (off > 1e-9 * (1 + time) || off < -1e-9 * (1 + time)) return refuse(u, "the time is another");
+#ifdef TIRES
+    static int steps;
+    if (++steps > TIRES) return refuse(u, "no more steps today");
+#endif
 #ifdef FAILS
     if (time + step > 100) return refuse(u, "the solver gave up");
 #endif

@@ -271,6 +271,8 @@ pub enum Fault {
         file: String,
         /// What is wrong.
         reason: String,
+        /// What to do about it.
+        fix: String,
     },
     /// A key that says nothing beside another one.
     #[error("`{key}` does not apply beside `{beside}`: {rule}")]
@@ -382,6 +384,7 @@ impl Fault {
             Self::Schema { .. } => "write schema = 1".to_owned(),
             Self::OverrideForm { .. } => "write for example --set machine.L1.tool_change_time=\"1 min\"".to_owned(),
             Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
+            Self::Unit { fix, .. } => fix.clone(),
             Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
             Self::Syntax { .. }
             | Self::CycleFile { .. }
@@ -393,7 +396,6 @@ impl Fault {
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }
             | Self::Structure { .. }
-            | Self::Unit { .. }
             | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::walk::{Section, Walk};
 use crate::scenario::ProcessModel;
-use crate::scenario::unit::{UnitRequest, import};
+use crate::scenario::unit::{UnitRefusal, UnitRequest, import};
 use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput};
 use toolroom_process::{Field, Record, Wiring};
 
@@ -25,8 +25,8 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: 
     walk.files.push(path.clone());
     match import(&UnitRequest { path: &path, process, inputs, outputs, wiring: &wiring }) {
         Ok(unit) => Some(ProcessModel::Other(unit)),
-        Err(reason) => {
-            walk.fault(tool.span_of("fmu"), Fault::Unit { file: file.to_owned(), reason });
+        Err(UnitRefusal { reason, fix }) => {
+            walk.fault(tool.span_of("fmu"), Fault::Unit { file: file.to_owned(), reason, fix });
             None
         }
     }

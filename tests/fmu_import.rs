@@ -1,0 +1,204 @@
+//! Imported units in the shop as a user meets them: the exported unit gives the native result, a
+//! bad unit is refused, one that fails on the way leaves what came before.
+#![cfg(feature = "fmu-import")]
+
+#[path = "../fmu/import/tests/run/fixture.rs"]
+mod fixture;
+
+use serde_json::Value;
+use std::fs;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom")).args(arguments).env("NO_COLOR", "1").output().expect("the binary runs")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+/// Runs and expects an exit code.
+fn expect(code: i32, arguments: &[&str]) -> Output {
+    let output = toolroom(arguments);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
+    output
+}
+
+fn shipped(name: &str) -> String {
+    format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn json(path: &Path) -> Value {
+    let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn folder() -> TempDir {
+    TempDir::new().expect("a folder")
+}
+
+/// The exported turning unit in `folder`.
+fn turning(folder: &Path) -> PathBuf {
+    expect(0, &["fmu", "export", "turning", "--fmi", "3", "--out", &folder.display().to_string()]);
+    folder.join("toolroom_turning_fmi3.fmu")
+}
+
+/// `kpi.csv` as rows.
+fn figures(results: &Path) -> Vec<(String, Option<f64>)> {
+    let text = fs::read_to_string(results.join("kpi.csv")).expect("results");
+    let row = |line: &str| {
+        let (name, value) = line.rsplit_once(',').expect("columns");
+        (name.to_owned(), value.parse().ok())
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn compare_with_the_exported_unit_gives_the_native_figures() {
+    let folder = folder();
+    let (imported, native) = (folder.path().join("imported"), folder.path().join("native"));
+    let unit = format!("tool.insert.fmu={}", turning(folder.path()).display());
+    // Edges that are changed before they collapse: a collapse is found to 30 us only.
+    let limits = ["constant", "adaptive"].map(|name| format!("policy.{name}.tool_change.limit=0.2 mm"));
+    let changes =
+        ["--set", "shop.horizon=4 h", "--set", &limits[0], "--set", &limits[1], "--replications", "2", "--out"];
+    let compare = |name: &str, more: &[&str], out: &Path| {
+        let (file, out) = (shipped(name), out.display().to_string());
+        expect(0, &[&["compare", &file][..], more, &changes, &[&out]].concat());
+    };
+    compare("fmu-lathe", &["--set", &unit], &imported);
+    compare("fmu-lathe-native", &[], &native);
+    let (imported, native) = (figures(&imported), figures(&native));
+    assert!(native.len() > 100 && native.len() == imported.len(), "{} figures", native.len());
+    for ((name, one), (same, other)) in native.iter().zip(&imported) {
+        assert_eq!(name, same);
+        // An adaptive policy samples within passes, which a unit cannot do without a new step.
+        let relative = if name.starts_with("constant") { 1e-9 } else { 1e-4 };
+        let near = match (one, other) {
+            (Some(one), Some(other)) => (one - other).abs() <= relative * one.abs().max(1e-9),
+            (one, other) => one == other,
+        };
+        assert!(near, "{name}: {one:?} native, {other:?} imported");
+    }
+}
+
+#[test]
+fn a_missing_unit_is_told_with_the_command_that_makes_it() {
+    let folder = folder();
+    let out = folder.path().join("out");
+    let unit = folder.path().join("toolroom_turning_fmi3.fmu");
+    let change = format!("tool.insert.fmu={}", unit.display());
+    let refused = expect(2, &["compare", &shipped("fmu-lathe"), "--set", &change, "--out", &out.display().to_string()]);
+    let command = format!("toolroom fmu export turning --out {}", folder.path().display());
+    assert!(words(&refused).contains(&words_of(&command)), "{}", stderr(&refused));
+    assert!(!out.exists());
+}
+
+/// What was said on standard error without line breaks and frames.
+fn words(output: &Output) -> String {
+    words_of(&stderr(output))
+}
+
+fn words_of(text: &str) -> String {
+    text.chars().filter(|character| !character.is_whitespace() && !"│·".contains(*character)).collect()
+}
+
+/// An archive like `unit`, its entries renamed from → to, with one more entry.
+fn repacked(unit: &Path, rename: (&str, &str), more: Option<&str>) -> PathBuf {
+    let path = unit.with_file_name("bad.fmu");
+    let mut from = zip::ZipArchive::new(fs::File::open(unit).expect("a unit")).expect("a zip file");
+    let mut to = zip::ZipWriter::new(fs::File::create(&path).expect("writable"));
+    let options = zip::write::SimpleFileOptions::default();
+    for i in 0..from.len() {
+        let mut entry = from.by_index(i).expect("an entry");
+        let name = entry.name().expect("a name").replace(rename.0, rename.1);
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).expect("an entry");
+        to.start_file(name, options).expect("an entry");
+        to.write_all(&bytes).expect("an entry");
+    }
+    if let Some(name) = more {
+        to.start_file(name, options).expect("an entry");
+        to.write_all(b"gotcha").expect("an entry");
+    }
+    to.finish().expect("a zip file");
+    path
+}
+
+#[test]
+fn bad_units_are_refused_before_anything_runs() {
+    let folder = folder();
+    let sound = turning(folder.path());
+    let out = folder.path().join("out");
+    let refused = |unit: &Path, expected: &str| {
+        let change = format!("tool.insert.fmu={}", unit.display());
+        let output = expect(2, &["run", &shipped("fmu-lathe"), "--set", &change, "--out", &out.display().to_string()]);
+        assert!(words(&output).contains(&words_of(expected)), "{expected} in {}", stderr(&output));
+        assert!(!out.exists(), "{expected}");
+    };
+    let bytes = fs::read(&sound).expect("a unit");
+    let cut = folder.path().join("cut.fmu");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).expect("writable");
+    refused(&cut, "is not an FMU");
+    // The description is the first entry: a byte of it is another.
+    let mut damaged = bytes.clone();
+    damaged[2000] ^= 1;
+    fs::write(&cut, damaged).expect("writable");
+    refused(&cut, "modelDescription.xml is damaged");
+    refused(&repacked(&sound, ("", ""), Some("../../escaped.txt")), "leads out of the unit's folder");
+    assert!(!std::env::temp_dir().join("escaped.txt").exists());
+    refused(&repacked(&sound, ("x86_64-linux", "x86_64-windows"), None), "has no library for this computer");
+    refused(&repacked(&sound, ("modelDescription.xml", "description.xml"), None), "has no modelDescription.xml");
+    refused(&fixture::unit(folder.path(), &["NO_STEP"], ("", "")), "lacks functions that FMI asks for: fmi2DoStep");
+}
+
+/// The shipped scenario with the unit of the tests, which steps fail in by `switch`.
+fn failing(folder: &Path, switch: &str) -> String {
+    let unit = fixture::unit(folder, &[switch], ("", ""));
+    let text = fs::read_to_string(shipped("fmu-lathe")).expect("shipped");
+    let text = text
+        .replace("../out/fmu/toolroom_turning_fmi3.fmu", &unit.display().to_string())
+        .replace("start = { \"tool.set\" = \"ni_vk6om\" }", "outputs = { flank_wear = \"tool.VB\" }");
+    let path = folder.join("failing.toml");
+    fs::write(&path, text).expect("writable");
+    path.display().to_string()
+}
+
+#[test]
+fn a_step_that_fails_at_once_leaves_what_came_before() {
+    let folder = folder();
+    let (scenario, out) = (failing(folder.path(), "FAILS"), folder.path().join("out"));
+    let shown = out.display().to_string();
+    let output = expect(1, &["run", &scenario, "--format", "csv", "--out", &shown]);
+    for expected in ["replication 0", "machine `L", "the solver gave up", "no replication is complete"] {
+        assert!(stderr(&output).contains(expected), "{expected} in {}", stderr(&output));
+    }
+    let run = json(&out.join("run.json"));
+    assert_eq!((&run["complete"], &run["replications"]), (&Value::from(false), &Value::from(0)));
+    assert!(run["stopped"]["reason"].as_str().is_some_and(|reason| reason.contains("the solver gave up")), "{run}");
+    let passes = fs::read_to_string(out.join("stopped/operations.csv")).expect("a table of the run that stopped");
+    assert!(passes.lines().count() > 1, "{passes}");
+    let report = expect(0, &["report", &shown]);
+    assert!(stderr(&report).contains("the solver gave up"), "{}", stderr(&report));
+}
+
+#[test]
+fn replications_before_a_step_that_fails_stay_readable() {
+    let folder = folder();
+    let (scenario, out) = (failing(folder.path(), "TIRES=4000"), folder.path().join("out"));
+    let shown = out.display().to_string();
+    let arguments =
+        ["run", &scenario, "--policy", "constant", "--replications", "40", "--threads", "1", "--out", &shown];
+    let output = expect(1, &arguments);
+    assert!(stderr(&output).contains("no more steps today"), "{}", stderr(&output));
+    let run = json(&out.join("run.json"));
+    let replications = run["replications"].as_u64().expect("a number");
+    assert!(run["complete"] == false && (1..40).contains(&replications), "{replications} replications");
+    assert_eq!(run["stopped"]["replication"], replications);
+    fs::remove_file(out.join("report.html")).expect("a report");
+    expect(0, &["report", &shown]);
+    assert!(out.join("report.html").is_file());
+}
