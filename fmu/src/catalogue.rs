@@ -21,6 +21,7 @@ pub struct Entry {
     token: fn() -> u128,
     known_token: OnceLock<u128>,
     describe: fn() -> Description,
+    known_description: OnceLock<Description>,
     variables: fn() -> Vec<Variable>,
     make: fn(Interface, Option<PathBuf>, Log) -> Box<dyn Component>,
 }
@@ -34,6 +35,7 @@ impl Entry {
             token: description::token::<U>,
             known_token: OnceLock::new(),
             describe: Description::of::<U>,
+            known_description: OnceLock::new(),
             variables: variables::<U>,
             make: |interface, resources, log| Box::new(Instance::<U>::new(interface, resources, log)),
         }
@@ -49,9 +51,10 @@ impl Entry {
         (self.variables)()
     }
 
-    /// Everything that the package says about the unit.
-    pub fn describe(&self) -> Description {
-        (self.describe)()
+    /// Everything that the package says about the unit; finding out which output depends on which
+    /// input takes seconds the first time.
+    pub fn describe(&self) -> &Description {
+        self.known_description.get_or_init(self.describe)
     }
 
     /// A new instance.

@@ -29,7 +29,7 @@
 //! ```
 //! use toolroom_fmu::{Interface, Log, Slot, ValueType, units};
 //! let turning = units().find(|unit| unit.name == "turning").unwrap();
-//! let wear = turning.describe().variables.into_iter().find(|each| each.name == "process.flank_wear").unwrap();
+//! let wear = turning.describe().variables.iter().find(|each| each.name == "process.flank_wear").unwrap();
 //! let held = Interface::CoSimulation { event_mode: false, early_return: false };
 //! let mut unit = turning.instantiate(held, None, Log::new(None, false));
 //! unit.enter_initialization().unwrap();

@@ -301,7 +301,7 @@ fn directional_and_adjoint_derivatives_are_the_slopes_and_touch_what_is_declared
     for model in ["turning", "milling"] {
         let (mut unit, knowns, unknowns) = at_a_point(model);
         let entry = units().find(|unit| unit.name == model).expect("a shipped unit");
-        let declared = entry.describe().dependencies;
+        let declared = &entry.describe().dependencies;
         let mut slopes = vec![0.0; unknowns.len()];
         for &known in &knowns {
             let mut value = [0.0];

@@ -1,4 +1,4 @@
-//! The shared library as importers load it.
+//! The shared library as importers load it. Alone in its process, so that no other test takes memory.
 
 #![cfg(target_os = "linux")]
 
@@ -6,7 +6,7 @@ use libloading::{Library, Symbol};
 use std::ffi::{CString, c_char, c_void};
 use std::path::PathBuf;
 use std::ptr::{null, null_mut};
-use toolroom_fmu::{Binary, Platform, Version, package, units};
+use toolroom_fmu::units;
 
 /// The library that cargo built beside this test.
 fn library() -> PathBuf {
@@ -51,30 +51,4 @@ fn loading_and_unloading_leaves_nothing_behind() {
     (0..3000).for_each(|_| cycle(&path, &token));
     let growth = resident().saturating_sub(before);
     assert!(growth < 1 << 20, "{growth} bytes more after 3000 loads");
-}
-
-#[test]
-fn a_package_is_the_same_bytes_every_time_and_holds_what_it_should() {
-    let library = std::fs::read(library()).expect("the library");
-    let binaries = [Binary { platform: Platform::X86Linux, library }];
-    for unit in units() {
-        for version in [Version::Two, Version::Three] {
-            let bytes = package(unit, version, &binaries).expect("a package");
-            assert!(bytes == package(unit, version, &binaries).expect("a package"), "{} twice", unit.name);
-            let mut zip = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("a zip file");
-            let names: Vec<String> = (0..zip.len())
-                .map(|i| zip.by_index(i).expect("an entry").name().expect("a name").into_owned())
-                .collect();
-            assert_eq!(names[0], "modelDescription.xml");
-            for part in
-                ["binaries/", "documentation/index.html", "documentation/licenses/", "resources/tools/", "_out.csv"]
-            {
-                assert!(names.iter().any(|name| name.contains(part)), "{} lacks {part}: {names:?}", unit.name);
-            }
-            let page = std::io::read_to_string(zip.by_name("documentation/index.html").expect("a page")).expect("text");
-            for variable in unit.describe().variables {
-                assert!(page.contains(&format!("<code>{}</code>", variable.name)), "{}", variable.name);
-            }
-        }
-    }
 }

@@ -25,7 +25,7 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let mut written = Vec::new();
     for &version in versions {
         let bytes = package(unit, version, &binaries).map_err(|error| Failure::Work { message: error.to_string() })?;
-        let path = args.out.join(file_name(&description, version));
+        let path = args.out.join(file_name(description, version));
         std::fs::write(&path, &bytes).map_err(unwritable(&path))?;
         written.push((version, path, bytes.len()));
     }

@@ -75,7 +75,7 @@ pub fn package(unit: &Entry, version: Version, binaries: &[Binary]) -> Result<Ve
             zip.add(&name, &binary.library)?;
         }
     }
-    zip.add("documentation/index.html", documentation::page(&description, version).as_bytes())?;
+    zip.add("documentation/index.html", documentation::page(description, version).as_bytes())?;
     for (name, text) in LICENCES {
         zip.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
     }
@@ -83,15 +83,15 @@ pub fn package(unit: &Entry, version: Version, binaries: &[Binary]) -> Result<Ve
     for (name, text) in description.sets {
         zip.add(&format!("resources/tools/{name}.toml"), text.as_bytes())?;
     }
-    let icon = icon::svg(&description);
+    let icon = icon::svg(description);
     let folder = if version == Version::Two { "" } else { "terminalsAndIcons/" };
     if version == Version::Three {
         zip.add("terminalsAndIcons/terminalsAndIcons.xml", description.terminals().as_bytes())?;
     }
     zip.add(&format!("{folder}{}.svg", if version == Version::Two { "model" } else { "icon" }), icon.as_bytes())?;
-    let png = icon::png(&description);
+    let png = icon::png(description);
     zip.add(&format!("{folder}{}.png", if version == Version::Two { "model" } else { "icon" }), &png)?;
-    for (name, text) in reference::files(unit, &description)? {
+    for (name, text) in reference::files(unit, description)? {
         zip.add(&format!("extra/org.fmi-standard.fmi-ls-ref/{name}"), text.as_bytes())?;
     }
     Ok(zip.0.finish()?.into_inner())
