@@ -12,7 +12,7 @@ use std::sync::Arc;
 use toolroom_process::{Field, Kind, Record};
 
 /// Points at which dependencies are looked for.
-const POINTS: u64 = 24;
+const POINTS: u64 = 200;
 /// Points with a verdict on chatter, on each of two machines.
 const JUDGED_POINTS: u64 = 2;
 /// Share by which a known is moved: more than a verdict is rounded by.
