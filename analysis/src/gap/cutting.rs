@@ -16,6 +16,8 @@ pub trait Nominal: Process + Clone {
     const CONDITIONS: &'static [&'static str];
     /// Output, and component of the state, that lags with a time constant: the tool body.
     const LAGGED: Option<&'static str>;
+    /// How much less than in turning the form of wear over the land is believed (assumption).
+    const WEAR_CURVE: f64;
     /// Prior standard deviation of the logarithm of roughness over that of ideal edges (assumption).
     const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
@@ -30,6 +32,7 @@ pub trait Nominal: Process + Clone {
 impl Nominal for Turning {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_rev", "depth_of_cut"];
     const LAGGED: Option<&'static str> = Some("tool_body_temperature_rise");
+    const WEAR_CURVE: f64 = 1.0;
     const ROUGHNESS: f64 = 0.3;
     const SIGNED: &'static [&'static str] = &[];
     fn with_effects(&self, effects: Effects) -> Self {
@@ -43,6 +46,8 @@ impl Nominal for Turning {
 impl Nominal for Milling {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_tooth", "depth_of_cut", "width_of_cut"];
     const LAGGED: Option<&'static str> = None;
+    // The three stages of the wear curve are an assumption of the model.
+    const WEAR_CURVE: f64 = 2.5;
     // A micrometre of runout makes a wall many times as rough as ideal teeth would.
     const ROUGHNESS: f64 = 1.0;
     const SIGNED: &'static [&'static str] = &["feed_force"];
@@ -233,9 +238,10 @@ impl<P: Nominal> Cutting<P> {
             let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
             self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));
         }
-        self.parameter("wear rate, land", settings.form_land_wear, true, Change::WearOfLand(|land| land / LAND));
+        let of_land = P::WEAR_CURVE * settings.form_land_wear;
+        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(|land| land / LAND));
         let early: fn(f64) -> f64 = |land| (-land / 0.05e-3).exp();
-        self.parameter("wear rate, narrow land", settings.form_land_wear, true, Change::WearOfLand(early));
+        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(early));
     }
 
     /// Fixes the steps of every row by a nominal run; wear at the end of each row.

@@ -22,6 +22,12 @@ const REMAINDER: f64 = 0.8;
 /// Size over its standard error between groups that a named effect needs: all groups must speak
 /// for it, not one.
 const AGREED: f64 = 2.0;
+/// Score, at the size that was fitted, that a named effect needs: smaller ones are as often the
+/// work of causes that no catalogue has (blind checks on shops that were used for development).
+const CONVINCING: f64 = 4.5;
+/// Share of its gain by which an effect may fall behind a generic signature: the function of an
+/// effect is as little exact as any other (assumption).
+const FORM: f64 = 0.1;
 /// Lead over another effect beyond which groups left out need not be asked.
 const CLEAR: f64 = 8.0;
 /// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
@@ -268,6 +274,13 @@ fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
     allowances.map(|((name, _), x)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// Whether every effect of a trial scores at its size.
+fn convincing(model: &dyn Forward, trial: &Trial, base: &Trial) -> bool {
+    let lengths = base.scores().length;
+    let scores = trial.fit.active.iter().zip(trial.sizes(model)).map(|(index, size)| lengths[*index] * size);
+    scores.into_iter().all(|score| score > CONVINCING)
+}
+
 fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
     let count = model.frame().candidates.len();
     let best_of = |decision: &Decision, effects: usize| {
@@ -298,8 +311,8 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let after = remainder(model, basis, folds, trial, seed);
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
-        let passes = value > GATE && agreed(model, folds, trial);
-        let beaten = generic_gain - value > GATE;
+        let passes = value > GATE && agreed(model, folds, trial) && convincing(model, trial, &decision.base);
+        let beaten = generic_gain - value > GATE + FORM * value;
         let strained = strain(model, trial).filter(|(_, x)| *x > STRAINED);
         let beside = remaining > REMAINDER * value && left > after.threshold;
         if passes && groups < FEWEST_GROUPS {

@@ -317,13 +317,22 @@ const CONFUSED: f64 = 0.9;
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
     let basis = Basis::of_sheet(model);
     let mut linear = super::Linear::new(model, super::Point::nominal(model));
-    // What an effect shows at its ordinary size: slopes at zero promise too much of one that saturates.
+    // An effect promises no more than it shows at its ordinary size: its slope at zero overstates one
+    // that saturates, its change at that size one that runs away.
     let (nominal, _) = super::linear::predict(model, &linear.point);
     for (index, candidate) in model.frame().candidates.iter().enumerate() {
         let mut point = linear.point.clone();
         point.effects[index] = candidate.typical;
         let (there, _) = super::linear::predict(model, &point);
-        linear.effects[index] = there.iter().zip(&nominal).map(|(there, here)| there - here).collect();
+        let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| there - here).collect();
+        let observations = &model.frame().measured.observations;
+        let square = |column: &[f64]| {
+            let standard = column.iter().zip(observations).map(|(value, each)| value / each.deviation);
+            standard.map(|value| value * value).sum::<f64>()
+        };
+        if square(&change) < square(&linear.effects[index]) {
+            linear.effects[index] = change;
+        }
     }
     let fit = super::Fit { linear, active: Vec::new(), cost: 0.0 };
     let trial = Trial::of(model, &basis, &[], fit);

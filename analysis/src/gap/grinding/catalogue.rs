@@ -39,7 +39,8 @@ impl Grinding {
                 "wheel_wear" => {
                     add(effect, "each part finds contact".to_owned(), 0.1, plain(effect));
                     let by_command = Action::Effect { effect, by_command: true };
-                    add(effect, "positioned since dressing".to_owned(), 0.1, by_command);
+                    // It adds up over the parts.
+                    add(effect, "positioned since dressing".to_owned(), 0.01, by_command);
                 }
                 "threshold_force" => add(effect, String::new(), 15.0, plain(effect)),
                 "start_offset" => add(effect, String::new(), 3e-6, plain(effect)),

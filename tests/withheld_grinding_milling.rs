@@ -1,0 +1,100 @@
+//! Diagnosis of grinding and milling shops whose hidden effect, equations and noise no model here
+//! knows, and of records that lack what one would want.
+
+use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_analysis::records::parse_csv;
+use toolroom_truth::Case;
+
+fn diagnosed(process: &str, csv: &str) -> (Diagnosis, Vec<String>) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenarios/gap/{process}.toml"));
+    let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
+    let (records, _) = parse_csv("truth", csv.as_bytes(), model.kind()).expect("records of the contract");
+    let (forward, notes) = model.over(&records, None, |_, _| false);
+    (diagnose(forward.as_ref(), 1).diagnosis, notes)
+}
+
+/// `csv` without columns, and of the rows those that `keep`.
+fn reduced(csv: &str, without: &[&str], keep: impl Fn(usize) -> bool) -> String {
+    let header: Vec<&str> = csv.lines().next().unwrap_or_default().split(',').collect();
+    let kept: Vec<usize> =
+        (0..header.len()).filter(|i| !without.iter().any(|name| header[*i].starts_with(name))).collect();
+    let rows = csv.lines().enumerate().filter(|(line, _)| *line == 0 || keep(line - 1));
+    let row = |(_, line): (usize, &str)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        kept.iter().map(|i| cells[*i]).collect::<Vec<_>>().join(",")
+    };
+    rows.map(row).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_grinder_that_hides_nothing_is_blamed_for_nothing() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::null("grinding", 1).records());
+    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn a_wheel_that_dulls_is_named_with_its_size() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "wheel_dulling", 1.0, 1).records());
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["wheel_dulling"], "{}", diagnosis.terminal());
+    let [low, high] = diagnosis.effects[0].ci90;
+    assert!(low < 0.3 && 0.3 < high, "{low} {high}");
+}
+
+#[test]
+fn a_grinding_cause_outside_the_catalogue_gets_no_name() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "size_effect", 2.0, 1).records());
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+}
+
+#[test]
+fn without_names_of_wheels_and_dressings_parts_in_cycle_tell_them() {
+    let csv = Case::one("grinding", "coolant_change", 1.0, 1).records();
+    let csv = reduced(&csv, &["wheel_id", "dressing_cycle", "start_time", "width", "tangential_force"], |_| true);
+    let (diagnosis, notes) = diagnosed("grinding", &csv);
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["coolant_change"], "{}", diagnosis.terminal());
+    assert_eq!(diagnosis.held_out.len(), 8, "{:?}", diagnosis.held_out);
+    assert!(notes.iter().any(|note| note.contains("start_time")), "{notes:?}");
+}
+
+#[test]
+fn four_dressings_are_too_few_to_name_an_effect() {
+    let csv = reduced(&Case::one("grinding", "start_offset", 2.0, 1).records(), &[], |row| row < 4 * 7);
+    let (diagnosis, _) = diagnosed("grinding", &csv);
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    assert!(diagnosis.notes.iter().any(|note| note.contains("too few")), "{:?}", diagnosis.notes);
+}
+
+#[test]
+fn infeed_in_a_wrong_unit_is_said_and_blamed_on_nothing() {
+    let csv = Case::null("grinding", 2).records().replace("infeed_per_rev [um]", "infeed_per_rev [mm]");
+    let (diagnosis, notes) = diagnosed("grinding", &csv);
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    assert!(notes.iter().any(|note| note.contains("unit")), "{notes:?}");
+}
+
+#[test]
+fn mills_that_hide_nothing_are_blamed_for_nothing_whatever_the_sign_of_the_feed_force() {
+    let csv = Case::null("milling", 2).records();
+    let at = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("feed_force"));
+    let flipped: Vec<String> = csv
+        .lines()
+        .map(|line| {
+            let cells = line.split(',').enumerate();
+            let cell =
+                |(i, cell): (usize, &str)| if Some(i) == at { cell.trim_start_matches('-') } else { cell }.to_owned();
+            cells.map(cell).collect::<Vec<_>>().join(",")
+        })
+        .collect();
+    let (diagnosis, notes) = diagnosed("milling", &flipped.join("\n"));
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    assert!(notes.iter().any(|note| note.contains("feed_force") && note.contains("sign")), "{notes:?}");
+}
+
+#[test]
+fn a_drifting_force_sensor_of_a_mill_is_named() {
+    let (diagnosis, _) = diagnosed("milling", &Case::one("milling", "force_drift", 2.0, 1).records());
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["force_drift"], "{}", diagnosis.terminal());
+}
