@@ -122,6 +122,8 @@ const GROWTH: f64 = 0.35;
 const SMALL_LAND: f64 = 0.03e-3;
 /// Land beyond which no edge is followed, m.
 const GREATEST_LAND: f64 = 1.2e-3;
+/// Prior standard deviation of the form error of one part type: fixtures give way (assumption).
+const FIXTURE: f64 = 0.05;
 /// Prior standard deviation of an edge force: a linear law differs from a power law most at the
 /// thinnest chips (assumption).
 const EDGE_FORCE: f64 = 0.2;
@@ -359,6 +361,9 @@ impl<P: Nominal> Cutting<P> {
         add("thermo-EMF level".to_owned(), &find(&["thermo_emf"]), ones(), 0.05, false, false);
         add("roughness level".to_owned(), &find(&["roughness_ra"]), ones(), P::ROUGHNESS, false, false);
         add("form error level".to_owned(), &find(&["form_error"]), ones(), 0.1, false, false);
+        for (_, part, feature) in features::indicators(records, &["part_type"]) {
+            add(format!("form error, fixture of {part}"), &find(&["form_error"]), feature, FIXTURE, false, false);
+        }
         let cycle = find(&["cycle_time"]);
         add("handling time".to_owned(), &cycle, ones(), 120.0, false, true);
         add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, true, true);
