@@ -4,9 +4,11 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod import;
+mod lobes;
 mod planning;
 
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs};
+pub use lobes::LobesArgs;
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
 
 use clap::{Args, Parser, Subcommand};
@@ -98,7 +100,9 @@ pub enum Command {
   toolroom lobes scenarios/chatter/milling-slot.toml
   toolroom lobes scenarios/chatter/milling-slot.toml --at \"5000 rpm\" \"0.5 mm\" --json
   toolroom lobes scenarios/chatter/turning-bar.toml --set bar.position=\"100 mm\"
-  toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation")]
+  toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation
+  toolroom lobes chart.toml --plan plan.json --shards 64     for a cluster
+  toolroom lobes --run plan.json --shard 17 --out parts      one shard of it; then: toolroom merge parts")]
     Lobes(LobesArgs),
     /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
@@ -129,14 +133,14 @@ pub enum Command {
   toolroom contour setup.toml --gcode part.nc            contour from a part program
   toolroom contour scenarios/contour/cam.toml --ramps --json")]
     Contour(ContourArgs),
-    /// Run one shard of a plan made by life or compare with --plan
+    /// Run one shard of a plan made by life, compare or lobes with --plan
     #[command(before_help = "Examples:
   toolroom compare shop.toml --replications 1000 --plan plan.json --shards 50
   toolroom shard plan.json 17 --out parts            anywhere, in any order, as often as you like
   seq 0 49 | xargs -P 8 -I{} toolroom shard plan.json {} --out parts --threads 1
   toolroom merge parts")]
     Shard(ShardArgs),
-    /// Merge the parts of a study that was run in shards
+    /// Merge the parts of a study, comparison or chart that was run in shards
     #[command(before_help = "Examples:
   toolroom merge parts
   toolroom merge parts --out out/study --json")]
@@ -477,21 +481,6 @@ impl From<PointLife> for toolroom_cutting::LifeModel {
             PointLife::Ode => Self::Ode,
         }
     }
-}
-
-#[derive(Args, Debug)]
-pub struct LobesArgs {
-    /// Lobes file
-    pub file: PathBuf,
-    /// Verdict at this point alone: spindle speed and depth of cut, or speed ratio and modulation
-    #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
-    pub at: Vec<String>,
-    /// Replace a value of the file: path=value with unit, repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Directory of the results, out/NAME if left out
-    #[arg(long, value_name = "DIR", conflicts_with = "at")]
-    pub out: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

@@ -1,23 +1,33 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
+mod boundary;
 mod cut;
 mod file;
+mod judgement;
 mod picture;
 mod results;
+mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
 use crate::output::OutputDir;
+use crate::shard::{perform, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
-use cut::{Curve, Cut, Judgement, word};
+use boundary::{Curve, boundaries};
+use cut::Cut;
 use file::LobesFile;
+use judgement::{Judgement, word};
+use results::Origin;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_process::unit;
-use toolroom_sim::scenario::file::significant;
+use toolroom_sim::scenario::file::{FormFile, significant};
+
+pub use shards::{merge, shard};
 
 /// A chart worked out.
 struct Computed {
@@ -29,48 +39,76 @@ struct Computed {
 }
 
 pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
-    let file = file::read(&args.file, &args.set)?;
+    let Some(path) = &args.file else {
+        let (Some(plan), Some(number), Some(out)) = (&args.run, args.shard, &args.out) else {
+            return Err(Failure::argument(
+                "--run needs --shard and --out",
+                "write --run plan.json --shard 0 --out parts",
+            ));
+        };
+        return perform(plan, number, out, args.threads, voice);
+    };
+    let file = file::read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {
         return verdict(&file.content, speed, depth, voice);
+    }
+    let input = path.display().to_string();
+    if let Some(target) = &args.plan {
+        return shards::plan(&input, &file, args, target, voice);
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&file.content.name));
     // An unwritable place is told before the work, and nothing lies there while it lasts.
     drop(OutputDir::create(&target)?);
-    let start = Instant::now();
-    let computed = compute(&file.content, voice)?;
-    let wall = start.elapsed();
-    let out = OutputDir::create(&target)?;
-    results::write(&out, args, &file, &computed, wall)?;
+    pool(args.threads)?.install(|| {
+        let LobesFile { cut, chart, .. } = &file.content;
+        let start = Instant::now();
+        let grid = if chart.boundary_only {
+            None
+        } else {
+            voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
+            converged(cut.lobes(chart, 0..chart.speed.points), voice)?
+        };
+        let origin = Origin { file: &input, changes: &args.set, start };
+        finish(&file, grid, &origin, &target, voice)
+    })
+}
+
+/// The grid; without it where an eigenvalue was not found: the boundary does not come from the
+/// grid and stands alone.
+fn converged(grid: Result<Lobes, ChatterError>, voice: &Voice) -> Result<Option<Lobes>, Failure> {
+    match grid {
+        Err(error @ ChatterError::NotConverged { .. }) => {
+            voice.say(format_args!("warning: {error}; the boundary alone is drawn"));
+            Ok(None)
+        }
+        grid => grid.map(Some).map_err(refused),
+    }
+}
+
+/// Boundaries and operating points beside the grid, then every file.
+fn finish(
+    file: &FormFile<LobesFile>,
+    grid: Option<Lobes>,
+    origin: &Origin<'_>,
+    target: &Path,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let LobesFile { cut, chart, points, .. } = &file.content;
+    let judge = |point: &file::Point| cut.judge(point.speed, point.depth, chart);
+    let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(refused)?;
+    let curves = boundaries(cut, chart).map_err(refused)?;
+    let computed = Computed { curves, grid, judgements };
+    let out = OutputDir::create(target)?;
+    let told = results::write(&out, origin, file, &computed)?;
     let target = out.publish()?;
     if voice.json {
-        voice.json(&results::summary(&file.content, &computed))?;
+        voice.json(&told)?;
     } else {
         voice.data(summary(&file.content, &computed))?;
     }
-    voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
+    voice.detail(format_args!("{:.2} s", origin.start.elapsed().as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-fn compute(file: &LobesFile, voice: &Voice) -> Result<Computed, Failure> {
-    let LobesFile { cut, chart, points, .. } = file;
-    let judge = |point: &file::Point| cut.judge(point.speed, point.depth, chart);
-    let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(refused)?;
-    let curves = cut.boundaries(chart).map_err(refused)?;
-    let grid = if chart.boundary_only {
-        None
-    } else {
-        voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
-        match cut.lobes(chart) {
-            Err(error @ ChatterError::NotConverged { .. }) => {
-                // The boundary does not come from the grid; it stands without it.
-                voice.say(format_args!("warning: {error}; the boundary alone is drawn"));
-                None
-            }
-            grid => Some(grid.map_err(refused)?),
-        }
-    };
-    Ok(Computed { curves, grid, judgements })
 }
 
 /// What the stability model refuses: an iteration without result is no fault of the input.
@@ -86,7 +124,7 @@ fn verdict(file: &LobesFile, speed: &str, depth: &str, voice: &Voice) -> Result<
     let LobesFile { cut, chart, .. } = file;
     let (speed, depth) = (speed_at(cut, speed)?, depth_at(cut, depth)?);
     let judgement = cut.judge(speed, depth, chart).map_err(refused)?;
-    let values = cut.json(&judgement);
+    let values = judgement.json(cut);
     if voice.json {
         let mut object =
             serde_json::Map::from_iter([("schema".to_owned(), json!(1)), ("name".to_owned(), json!(file.name))]);
@@ -112,30 +150,38 @@ fn verdict(file: &LobesFile, speed: &str, depth: &str, voice: &Voice) -> Result<
 fn speed_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
     let example = example(cut);
     let speed = match cut {
-        Cut::Chuck(chuck) => match unit::quantity(text, "rad/s") {
-            Ok(spindle) => 3.0 * spindle / chuck.natural_frequency(),
-            Err(_) => unit::quantity(text, "1").map_err(|error| Failure::argument(error, example))?,
-        },
-        _ => unit::quantity(text, "rad/s").map_err(|error| Failure::argument(error, example))?,
+        Cut::Chuck(chuck) => ratio(text, 3.0 / chuck.natural_frequency(), example)?,
+        Cut::Lathe(lathe) => ratio(text, 1.0 / lathe.reference_frequency(), example)?,
+        _ => unit::quantity(text, cut.axes().speed.si).map_err(|error| Failure::argument(error, example))?,
     };
-    if speed.is_finite() && speed > 0.0 {
+    // A cut may come without lag.
+    let least = if matches!(cut, Cut::ChipLag(_)) { 0.0 } else { f64::MIN_POSITIVE };
+    if speed.is_finite() && speed >= least {
         return Ok(speed);
     }
     Err(Failure::argument(format_args!("the speed must be positive, is {text}"), example))
 }
 
+/// A ratio, or a spindle speed over that of ratio one.
+fn ratio(text: &str, per_speed: f64, example: &str) -> Result<f64, Failure> {
+    match unit::quantity(text, "rad/s") {
+        Ok(spindle) => Ok(per_speed * spindle),
+        Err(_) => unit::quantity(text, "1").map_err(|error| Failure::argument(error, example)),
+    }
+}
+
 fn example(cut: &Cut) -> &'static str {
     match cut {
-        Cut::Chuck(_) => "write for example --at 1 0.3",
+        Cut::Chuck(_) | Cut::Lathe(_) => "write for example --at 1 0.3",
+        Cut::ChipLag(_) => "write for example --at \"40 us\" \"1.9 N/um\"",
         _ => "write for example --at \"5000 rpm\" \"0.5 mm\"",
     }
 }
 
-/// A depth of cut, m, or the modulation of a chuck.
+/// A depth of cut, m, or what stands for it on the second axis.
 fn depth_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
     let example = example(cut);
-    let unit = if matches!(cut, Cut::Chuck(_)) { "1" } else { "m" };
-    let depth = unit::quantity(text, unit).map_err(|error| Failure::argument(error, example))?;
+    let depth = unit::quantity(text, cut.axes().depth.si).map_err(|error| Failure::argument(error, example))?;
     if depth.is_finite() && depth >= 0.0 {
         return Ok(depth);
     }

@@ -4,7 +4,7 @@ use crate::args::MergeArgs;
 use crate::failure::Failure;
 use crate::shard::checked;
 use crate::speak::Voice;
-use crate::{compare, life};
+use crate::{compare, life, lobes};
 use toolroom_analysis::shards::read_plan;
 
 pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
@@ -12,6 +12,7 @@ pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
         .map_err(|error| Failure::argument(error, "give the directory into which shards were run with --out"))?;
     checked(&plan)?;
     match plan.kind.as_str() {
+        "lobes" => lobes::merge(&plan, &args.dir, args.out.as_deref(), voice),
         "compare" => compare::merge(&plan, &args.dir, args.out.as_deref(), voice),
         _ => life::merge(&plan, &args.dir, args.out.as_deref(), &args.statistics, voice),
     }

@@ -3,7 +3,7 @@
 use crate::args::ShardArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use crate::{compare, life};
+use crate::{compare, life, lobes};
 use std::fs;
 use std::path::Path;
 use toolroom_analysis::shards::{Plan, ShardError, read_plan, write_plan};
@@ -30,6 +30,7 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
     let threads = pool(threads)?;
     threads.install(|| match plan.kind.as_str() {
         "compare" => compare::shard(&plan, number, out),
+        "lobes" => lobes::shard(&plan, number, out),
         _ => life::shard(&plan, number, out),
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
@@ -38,9 +39,9 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
 
 /// Refuses plans that this program does not know.
 pub fn checked(plan: &Plan) -> Result<(), Failure> {
-    if !matches!(plan.kind.as_str(), "life" | "compare") || plan.schema != 1 {
+    if !matches!(plan.kind.as_str(), "life" | "compare" | "lobes") || plan.schema != 1 {
         let message = format!("the plan is of kind \"{}\", schema {}", plan.kind, plan.schema);
-        return Err(Failure::argument(message, "make a plan with toolroom life or compare FILE --plan plan.json"));
+        return Err(Failure::argument(message, "make a plan with toolroom life, compare or lobes FILE --plan plan.json"));
     }
     if plan.version != env!("CARGO_PKG_VERSION") {
         let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));

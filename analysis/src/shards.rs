@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub struct Plan {
     /// Version of the format, 1.
     pub schema: u32,
-    /// Kind of work: `life`, `compare`.
+    /// Kind of work: `life`, `compare`, `lobes`.
     pub kind: String,
     /// Version of the program.
     pub version: String,
@@ -38,7 +38,7 @@ pub struct Plan {
     pub seed: u64,
     /// Names of the policies of a comparison, none for all of them.
     pub policies: Vec<String>,
-    /// Pieces of work: lives of each cell, replications of each policy.
+    /// Pieces of work: lives of each cell, replications of each policy, columns of a chart.
     pub pieces: u64,
     /// Number of shards.
     pub shards: u64,

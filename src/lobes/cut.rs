@@ -1,51 +1,27 @@
 //! What can be judged: a milling cut, a turning cut, a workpiece in a chuck.
 
 use super::file::Chart;
-use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use super::judgement::Judgement;
 use std::f64::consts::TAU;
-use toolroom_chatter::paper::Reduced;
+use std::ops::Range;
+use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{
-    Axis, BoundaryColumn, ChatterError, ChatterKind, Lobes, Milling, StabilityLimit, StabilityVerdict, Turning,
+    AtSpeed, ChatterError, Lobes, Milling, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_process::unit::convert;
-use toolroom_sim::scenario::lobes::LobesCut;
+use toolroom_sim::scenario::lobes::{LobesCut, axes};
 
-/// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
-///
-/// # Source
-/// Zakovorotny et al., "Parametrical phenomena under on-machine process control": c0 = rho t_p.
-const CHIP_PRESSURE: f64 = 300.0 * 9.80665e6;
-
-/// A cut without its operating point.
+/// A cut without its operating point, with the variation of its spindle speed.
 #[derive(Clone, Debug)]
 pub enum Cut {
-    Milling(Milling),
-    Turning(Turning),
+    Milling(Milling, Option<SpeedVariation>),
+    Turning(Turning, Option<SpeedVariation>),
+    /// Over speed ratio and modulation.
     Chuck(Reduced),
-}
-
-/// Verdict at a point and its distance from the boundary.
-#[derive(Clone, Debug)]
-pub struct Judgement {
-    pub speed: f64,
-    pub depth: f64,
-    pub verdict: StabilityVerdict,
-    /// Least unstable depth, m, or modulation of a chuck; `None` if there is none up to
-    /// `searched`.
-    pub limit: Option<f64>,
-    /// Greatest depth that was searched; infinite where the limit is exact.
-    pub searched: f64,
-}
-
-/// One boundary of a chart: (speed, depth) in the units of [`Chart`].
-#[derive(Clone, Debug)]
-pub struct Curve {
-    pub label: String,
-    /// Least unstable depth at each speed; NaN where there is none on the chart.
-    pub limit: Vec<(f64, f64)>,
-    /// Where the cut becomes stable again or unstable once more.
-    pub further: Vec<(f64, f64)>,
+    /// Over lag and cutting stiffness.
+    ChipLag(Reduced),
+    /// Over speed ratio and modulation.
+    Lathe(Box<FiveDegrees>),
 }
 
 /// Words and units of the axes.
@@ -60,7 +36,7 @@ pub struct Axes {
 pub struct Quantity {
     pub label: &'static str,
     pub key: &'static str,
-    si: &'static str,
+    pub si: &'static str,
     pub unit: &'static str,
 }
 
@@ -76,38 +52,52 @@ impl Quantity {
     }
 }
 
-impl From<LobesCut> for Cut {
-    fn from(cut: LobesCut) -> Self {
+impl Cut {
+    pub fn new(cut: LobesCut, variation: Option<SpeedVariation>) -> Self {
         match cut {
-            LobesCut::Milling(cut) => Self::Milling(cut),
+            LobesCut::Milling(cut) => Self::Milling(cut, variation),
             LobesCut::Turning { cut, bar } => {
                 // Where the tool is, the file was checked for: the bar gives way there.
                 let bending = bar.and_then(|(bar, place)| bar.mode_at(place).ok());
-                Self::Turning(Turning { modes: cut.modes.into_iter().chain(bending).collect(), ..cut })
+                let modes = cut.modes.into_iter().chain(bending).collect();
+                Self::Turning(Turning { modes, ..cut }, variation)
             }
             LobesCut::Chuck(chuck) => Self::Chuck(chuck),
+            LobesCut::ChipLag(chuck) => Self::ChipLag(chuck),
+            LobesCut::Lathe(lathe) => Self::Lathe(lathe),
         }
     }
-}
 
-impl Cut {
     pub fn process(&self) -> &'static str {
         match self {
-            Self::Milling(_) => "milling",
-            Self::Turning(_) => "turning",
+            Self::Milling(..) => "milling",
+            Self::Turning(..) => "turning",
             Self::Chuck(_) => "chuck",
+            Self::ChipLag(_) => "chip_lag",
+            Self::Lathe(_) => "lathe",
         }
     }
 
     pub fn axes(&self) -> Axes {
-        if matches!(self, Self::Chuck(_)) {
-            let speed = Quantity { label: "Speed ratio", key: "speed_ratio", si: "1", unit: "1" };
-            let depth = Quantity { label: "Modulation of the stiffness", key: "modulation", si: "1", unit: "1" };
-            return Axes { speed, depth };
+        let labels = match self {
+            Self::Milling(..) | Self::Turning(..) => ["Spindle speed", "Depth of cut"],
+            Self::Chuck(_) | Self::Lathe(_) => ["Speed ratio", "Modulation of the stiffness"],
+            Self::ChipLag(_) => ["Chip-formation lag", "Cutting stiffness"],
+        };
+        let [speed, depth] = axes(self.process());
+        let quantity = |label, (key, si, unit)| Quantity { label, key, si, unit };
+        Axes { speed: quantity(labels[0], speed), depth: quantity(labels[1], depth) }
+    }
+
+    /// Time over which the spectral radius counts.
+    pub fn period(&self) -> &'static str {
+        match self {
+            Self::Milling(_, Some(_)) | Self::Turning(_, Some(_)) => "a mean revolution",
+            Self::Milling(cut, None) if cut.cutter.runout == 0.0 && cut.cutter.pitch.is_empty() => "a tooth period",
+            Self::Milling(..) | Self::Turning(..) | Self::Lathe(_) => "a revolution",
+            Self::Chuck(_) => "a period of the modulation, a third of a revolution",
+            Self::ChipLag(_) => "a natural period",
         }
-        let speed = Quantity { label: "Spindle speed", key: "spindle_speed", si: "rad/s", unit: "rpm" };
-        let depth = Quantity { label: "Depth of cut", key: "depth_of_cut", si: "m", unit: "mm" };
-        Axes { speed, depth }
     }
 
     /// Verdict, limit and margin at a point; limits are searched up to the chart's greatest depth
@@ -115,147 +105,83 @@ impl Cut {
     pub fn judge(&self, speed: f64, depth: f64, chart: &Chart) -> Result<Judgement, ChatterError> {
         let searched = chart.depth.end.max(2.0 * depth);
         let (verdict, limit, searched) = match self {
-            Self::Milling(cut) => {
-                let mut at_speed = cut.at_speed(speed)?;
+            Self::Milling(cut, variation) => {
+                let mut at_speed = prepared(cut, *variation, speed)?;
                 (at_speed.verdict(depth)?, found(at_speed.limit(searched))?, searched)
             }
-            Self::Turning(cut) => (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY),
+            Self::Turning(cut, None) => (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY),
+            Self::Turning(cut, Some(variation)) => {
+                let limit = cut.limit_at_varying_speed(speed, *variation, searched, chart.depth.points);
+                (cut.verdict_at_varying_speed(speed, *variation, depth)?, found(limit)?, searched)
+            }
             Self::Chuck(chuck) => (chuck.verdict(depth, speed)?, chuck.critical_modulation(speed, searched)?, searched),
+            Self::ChipLag(chuck) => {
+                let chuck = Reduced { lag: speed, cutting_stiffness: depth, ..*chuck };
+                let limit = Some(chuck.cutting_stiffness_limit()).filter(|limit| limit.is_finite());
+                (chuck.verdict(0.0, 1.0)?, limit, f64::INFINITY)
+            }
+            Self::Lathe(lathe) => {
+                let spindle = speed * lathe.reference_frequency();
+                let at = FiveDegrees { mu_chuck: depth, ..FiveDegrees::clone(lathe) };
+                (at.verdict(spindle)?, lathe.critical_chuck_modulation(spindle, searched)?, searched)
+            }
         };
         Ok(Judgement { speed, depth, verdict, limit, searched })
     }
 
-    /// Verdicts over the grid of the chart.
-    pub fn lobes(&self, chart: &Chart) -> Result<Lobes, ChatterError> {
+    /// Verdicts over some columns of the chart's grid.
+    pub fn lobes(&self, chart: &Chart, columns: Range<usize>) -> Result<Lobes, ChatterError> {
+        let (speeds, depths) = (chart.speed.values("speed")?, chart.depth.values("depth")?);
+        let speeds = &speeds[columns];
         match self {
-            Self::Milling(cut) => cut.lobes(&chart.speed, &chart.depth),
-            Self::Turning(cut) => cut.lobe_chart(&chart.speed, &chart.depth),
-            Self::Chuck(chuck) => chuck.lobes(&chart.speed, &chart.depth),
+            Self::Milling(cut, None) => cut.lobes(speeds, &depths),
+            Self::Milling(cut, Some(variation)) => cut.lobes_at_varying_speed(speeds, *variation, &depths),
+            Self::Turning(cut, None) => cut.lobe_chart(speeds, &depths),
+            Self::Turning(cut, Some(variation)) => cut.lobe_chart_at_varying_speed(speeds, *variation, &depths),
+            Self::Chuck(chuck) => chuck.lobes(speeds, &depths),
+            Self::ChipLag(chuck) => chuck.stability_region(speeds, &depths),
+            Self::Lathe(lathe) => lathe.lobes(speeds, &depths),
         }
-    }
-
-    /// The boundary on the chart, and those of other lags.
-    pub fn boundaries(&self, chart: &Chart) -> Result<Vec<Curve>, ChatterError> {
-        let greatest = chart.depth.end;
-        match self {
-            Self::Milling(cut) => {
-                let boundary = cut.boundary(&chart.speed, greatest, chart.depth.points)?;
-                let depth = |column: &BoundaryColumn, i: usize| {
-                    column.crossings.get(i).map_or(f64::NAN, |crossing| crossing.limit.depth)
-                };
-                let limit = boundary.columns.iter().map(|column| (column.speed, depth(column, 0))).collect();
-                let further = |column: &BoundaryColumn| {
-                    let speed = column.speed;
-                    let depths: Vec<f64> = column.crossings.iter().skip(1).map(|c| c.limit.depth).collect();
-                    depths.into_iter().map(move |depth| (speed, depth))
-                };
-                let further = boundary.columns.iter().flat_map(further).collect();
-                Ok(vec![Curve { label: "stability limit".to_owned(), limit, further }])
-            }
-            Self::Turning(cut) => {
-                let on_chart = |limit: Option<f64>| limit.filter(|depth| *depth <= greatest).unwrap_or(f64::NAN);
-                let at = |speed| Ok((speed, on_chart(found(cut.limit(speed))?)));
-                let limit = finer(&chart.speed).values("spindle_speed")?.into_par_iter().map(at);
-                let limit = limit.collect::<Result<_, _>>()?;
-                Ok(vec![Curve { label: "stability limit".to_owned(), limit, further: Vec::new() }])
-            }
-            Self::Chuck(chuck) => {
-                let speeds = finer(&chart.speed).values("speed_ratio")?;
-                let others = chart.lags.iter().copied().filter(|lag| *lag != chuck.lag);
-                let lags = std::iter::once(chuck.lag).chain(others);
-                let curve = |lag: f64| {
-                    let chuck = Reduced { lag, ..*chuck };
-                    let at = |eta: &f64| Ok((*eta, chuck.critical_modulation(*eta, greatest)?.unwrap_or(f64::NAN)));
-                    let limit = speeds.par_iter().map(at).collect::<Result<_, _>>()?;
-                    let label = format!("limit at lag {} us", toolroom_sim::scenario::file::significant(lag * 1e6));
-                    Ok(Curve { label, limit, further: Vec::new() })
-                };
-                lags.map(curve).collect()
-            }
-        }
-    }
-
-    /// The verdict for programs.
-    pub fn json(&self, judgement: &Judgement) -> Map<String, Value> {
-        let Judgement { speed, depth, verdict, limit, searched } = judgement;
-        let axes = self.axes();
-        let mut object = Map::new();
-        let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
-        put("process", self.process().into());
-        put(&axes.speed.column(), axes.speed.shown(*speed).into());
-        put(&axes.depth.column(), axes.depth.shown(*depth).into());
-        put("spectral_radius", verdict.spectral_radius.into());
-        put("stable", verdict.stable.into());
-        put("type", word(verdict.kind).into());
-        let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
-        if let Self::Chuck(chuck) = self {
-            // Without modulation, by Routh; the limit of the modulation stands beside it.
-            let depth = chuck.cutting_stiffness_limit() / CHIP_PRESSURE;
-            put("stability_limit [mm]", finite(depth * 1e3));
-            put("margin", json!(verdict.margin));
-            put("critical_modulation", json!(limit));
-            put("modulation_margin", json!(judgement.margin()));
-            let spindle = chuck.natural_frequency() * speed / 3.0;
-            put("spindle_speed [rpm]", convert(spindle, "rad/s", "rpm").into());
-        } else {
-            put("stability_limit [mm]", json!(limit.map(|depth| depth * 1e3)));
-            put("margin", json!(judgement.margin()));
-            put("searched [mm]", finite(searched * 1e3));
-        }
-        put("chatter_frequency [Hz]", self.chatter_frequency(verdict).into());
-        put("chatter_frequencies [Hz]", json!(verdict.chatter_frequencies(self.greatest_frequency())));
-        put("residual", verdict.residual.into());
-        object
     }
 
     /// Frequency of the strongest line of the vibration, Hz; in a chuck the one that is nearest to
     /// the natural frequency.
     pub fn chatter_frequency(&self, verdict: &StabilityVerdict) -> f64 {
-        let Self::Chuck(chuck) = self else { return verdict.chatter_frequency };
-        let natural = chuck.natural_frequency() / TAU;
+        let natural = match self {
+            Self::Milling(..) | Self::Turning(..) => return verdict.chatter_frequency,
+            Self::Chuck(chuck) | Self::ChipLag(chuck) => chuck.natural_frequency() / TAU,
+            Self::Lathe(lathe) => lathe.reference_frequency() / TAU,
+        };
         let lines = verdict.chatter_frequencies(self.greatest_frequency());
         let nearest = lines.into_iter().min_by(|a, b| (a - natural).abs().total_cmp(&(b - natural).abs()));
         nearest.unwrap_or(verdict.chatter_frequency)
     }
 
     /// Twice the highest natural frequency, Hz, up to which the lines of a vibration are listed.
-    fn greatest_frequency(&self) -> f64 {
+    pub fn greatest_frequency(&self) -> f64 {
         let modes = match self {
-            Self::Milling(cut) => &cut.modes,
-            Self::Turning(cut) => &cut.modes,
-            Self::Chuck(chuck) => return 2.0 * chuck.natural_frequency() / TAU,
+            Self::Milling(cut, _) => &cut.modes,
+            Self::Turning(cut, _) => &cut.modes,
+            Self::Chuck(chuck) | Self::ChipLag(chuck) => return 2.0 * chuck.natural_frequency() / TAU,
+            Self::Lathe(lathe) => return 2.0 * lathe.reference_frequency() / TAU,
         };
         2.0 * modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max)
     }
 }
 
-impl Judgement {
-    /// `1 − depth/limit`; `None` without limit.
-    pub fn margin(&self) -> Option<f64> {
-        // A cut that is unstable at depth zero has no margin to speak of.
-        self.limit.filter(|limit| *limit > 0.0).map(|limit| 1.0 - self.depth / limit)
+/// A milling cut at a speed that may vary.
+pub fn prepared(cut: &Milling, variation: Option<SpeedVariation>, speed: f64) -> Result<AtSpeed<'_>, ChatterError> {
+    match variation {
+        Some(variation) => cut.at_varying_speed(speed, variation),
+        None => cut.at_speed(speed),
     }
 }
 
-/// Four times as many steps: lobes and tongues are a few percent of the speed wide.
-fn finer(axis: &Axis) -> Axis {
-    Axis { points: 4 * axis.points - 3, ..*axis }
-}
-
 /// A limit, or none within the depths that were searched.
-fn found(limit: Result<StabilityLimit, ChatterError>) -> Result<Option<f64>, ChatterError> {
+pub fn found(limit: Result<StabilityLimit, ChatterError>) -> Result<Option<f64>, ChatterError> {
     match limit {
         Ok(limit) => Ok(Some(limit.depth)),
         Err(ChatterError::NoLimit { .. }) => Ok(None),
         Err(error) => Err(error),
-    }
-}
-
-pub fn word(kind: ChatterKind) -> &'static str {
-    match kind {
-        ChatterKind::Stable => "stable",
-        ChatterKind::Hopf => "hopf",
-        ChatterKind::Flip => "flip",
-        ChatterKind::Parametric => "parametric",
     }
 }

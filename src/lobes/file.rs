@@ -17,7 +17,16 @@ pub struct LobesFile {
 }
 
 pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
-    let FormFile { content, echo, text, files } = lobes::read(path, overrides)?;
-    let lobes::LobesFile { name, title, cut, chart, points } = content;
-    Ok(FormFile { content: LobesFile { name, title, cut: cut.into(), chart, points }, echo, text, files })
+    lobes::read(path, overrides).map(judged)
+}
+
+/// A file from its text; `file` is its name in messages.
+pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
+    lobes::parse(file, text, overrides).map(judged)
+}
+
+fn judged(file: FormFile<lobes::LobesFile>) -> FormFile<LobesFile> {
+    let FormFile { content, echo, text, files } = file;
+    let lobes::LobesFile { name, title, cut, variation, chart, points } = content;
+    FormFile { content: LobesFile { name, title, cut: Cut::new(cut, variation), chart, points }, echo, text, files }
 }

@@ -1,18 +1,17 @@
 //! The chart as a picture and the report around it.
 
 use super::Computed;
-use super::cut::{Curve, Cut, Judgement, Quantity, word};
+use super::boundary::Curve;
+use super::cut::Quantity;
 use super::file::LobesFile;
-use toolroom_analysis::chart::{Axis, Chart, Colour, ColourMap, Dash, HeatMap, Marker, Plot, Style, Table};
+use super::judgement::{Judgement, word};
+use toolroom_analysis::chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
 use toolroom_analysis::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_sim::scenario::file::{Echo, significant};
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
 /// boundary (assumption).
 const MOST: f64 = 1.0;
-/// Margin below which a stable point is called close: the constants of a cut are rarely known
-/// better (assumption).
-const CLOSE: f64 = 0.1;
 
 /// The chart: spectral radius as colour where it was computed, boundaries, operating points.
 pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
@@ -21,10 +20,7 @@ pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
     let title = file.title.clone();
     let description =
         format!("{} over {}: stability boundary and operating points.", depth.label, speed.label.to_lowercase());
-    let further = |curve: &Curve| scaled(&curve.further, speed, depth);
-    let points = by_margin(&computed.judgements);
-    let spot = |judgement: &&Judgement| (speed.shown(judgement.speed), depth.shown(judgement.depth));
-    let small = Style::nth(0).colour(Colour::Ink).marker(Marker::Plus);
+    let lobes = lobes(&computed.curves, &computed.judgements, speed, depth);
     if let Some(grid) = &computed.grid {
         let rows = grid.depth.len();
         let growth = |row: usize, column: usize| {
@@ -34,79 +30,34 @@ pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
         let value = Axis::linear("Growth a period, ln(spectral radius)", "");
         let columns: Vec<f64> = grid.speed.iter().map(|value| speed.shown(*value)).collect();
         let depths: Vec<f64> = grid.depth.iter().map(|value| depth.shown(*value)).collect();
-        let mut map = HeatMap::new(title, [axis(speed), axis(depth), value], columns, depths, values)
-            .colours(ColourMap::Diverging)
-            .describe(description);
-        for (i, curve) in computed.curves.iter().enumerate() {
-            for (label, line) in runs(curve, speed, depth) {
-                map = map.line(label, line, line_style(i));
-            }
-            if !curve.further.is_empty() {
-                map = map.scatter("islands and pockets", further(curve), small);
-            }
-        }
-        for (label, style, group) in points {
-            map = map.scatter(label, group.iter().map(spot), style);
-        }
-        return Box::new(map);
+        let map = HeatMap::new(title, [axis(speed), axis(depth), value], columns, depths, values);
+        return Box::new(map.colours(ColourMap::Diverging).describe(description).lobes(&lobes));
     }
     let chart = &file.chart;
     let range = |quantity: Quantity, axis_of: &toolroom_chatter::Axis| {
         axis(quantity).range(quantity.shown(axis_of.start), quantity.shown(axis_of.end))
     };
-    let mut plot =
-        Plot::new(title, range(speed, &chart.speed), range(depth, &chart.depth)).height(320.0).describe(description);
-    for (i, curve) in computed.curves.iter().enumerate() {
-        for (label, line) in runs(curve, speed, depth) {
-            plot = plot.line(label, line, line_style(i));
-        }
-        if !curve.further.is_empty() {
-            plot = plot.scatter("islands and pockets", further(curve), small);
-        }
-    }
-    for (label, style, group) in points {
-        plot = plot.scatter(label, group.iter().map(spot), style);
-    }
-    Box::new(plot)
+    let plot = Plot::new(title, range(speed, &chart.speed), range(depth, &chart.depth)).height(320.0);
+    Box::new(plot.describe(description).lobes(&lobes))
 }
 
 fn axis(quantity: Quantity) -> Axis {
     Axis::linear(quantity.label, if quantity.unit == "1" { "" } else { quantity.unit })
 }
 
-fn line_style(i: usize) -> Style {
-    const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDot];
-    Style::nth(0).colour(Colour::Ink).dash(DASHES[i % DASHES.len()])
-}
-
-/// The stretches of a curve without a gap; the first carries the label. A single point is no line.
-fn runs(curve: &Curve, x: Quantity, y: Quantity) -> Vec<(&str, Vec<(f64, f64)>)> {
-    let stretches = curve.limit.split(|(_, depth)| !depth.is_finite()).filter(|stretch| stretch.len() > 1);
-    let label = |i| if i == 0 { curve.label.as_str() } else { "" };
-    stretches.enumerate().map(|(i, stretch)| (label(i), scaled(stretch, x, y))).collect()
-}
-
-fn scaled(points: &[(f64, f64)], x: Quantity, y: Quantity) -> Vec<(f64, f64)> {
-    points.iter().map(|point| (x.shown(point.0), y.shown(point.1))).collect()
-}
-
-/// The operating points that there are of each class, with its colour and marker.
-fn by_margin(judgements: &[Judgement]) -> Vec<(&'static str, Style, Vec<&Judgement>)> {
-    let style = |colour, marker| Style::nth(0).colour(colour).marker(marker);
-    let class = |judgement: &Judgement| match (judgement.verdict.stable, judgement.margin()) {
-        (false, _) => 2,
-        (true, Some(margin)) if margin < CLOSE => 1,
-        (true, _) => 0,
-    };
-    let classes = [
-        ("stable", style(Colour::Green, Marker::Circle)),
-        ("stable, margin below 10 %", style(Colour::Orange, Marker::Triangle)),
-        ("unstable", style(Colour::Purple, Marker::Square)),
-    ];
-    let groups = classes.into_iter().enumerate().map(|(i, (label, style))| {
-        (label, style, judgements.iter().filter(|judgement| class(judgement) == i).collect::<Vec<_>>())
-    });
-    groups.filter(|(.., group)| !group.is_empty()).collect()
+fn lobes(curves: &[Curve], judgements: &[Judgement], x: Quantity, y: Quantity) -> StabilityLobes {
+    let shown = |point: &(f64, f64)| (x.shown(point.0), y.shown(point.1));
+    let mut lobes = StabilityLobes::default();
+    for curve in curves {
+        lobes = lobes
+            .boundary(curve.label.as_str(), curve.limit.iter().map(shown))
+            .places("islands and pockets", curve.further.iter().map(shown));
+    }
+    for judgement in judgements {
+        let standing = Standing::of(judgement.verdict.stable, judgement.margin());
+        lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
+    }
+    lobes
 }
 
 /// The report of a chart.
@@ -136,7 +87,7 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
         section = section.paragraph(format!(
             "Colour is the growth of a disturbance over {}: below zero (blue) it dies out, above zero (red) it grows \
              until something else limits it. Beyond ±{MOST} the colour does not change.",
-            period(&file.cut)
+            file.cut.period()
         ));
     }
     let caption = "Below the line every cut is stable; marks beyond it are where a cut becomes stable again.";
@@ -155,15 +106,6 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
         ]);
     }
     report.section(Section::new("Inputs").table("Every value as it was understood", inputs)).provenance(provenance)
-}
-
-/// Time over which the spectral radius counts.
-fn period(cut: &Cut) -> &'static str {
-    match cut {
-        Cut::Milling(cut) if cut.cutter.runout == 0.0 && cut.cutter.pitch.is_empty() => "a tooth period",
-        Cut::Milling(_) | Cut::Turning(_) => "a revolution",
-        Cut::Chuck(_) => "a period of the modulation, a third of a revolution",
-    }
 }
 
 fn lead(judgements: &[Judgement]) -> String {

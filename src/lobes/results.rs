@@ -1,37 +1,53 @@
 //! The files of a chart.
 
 use super::Computed;
-use super::cut::word;
 use super::file::LobesFile;
+use super::judgement::word;
 use super::picture::{picture, report};
-use crate::args::LobesArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::time::Duration;
+use std::time::Instant;
+use toolroom_analysis::results::fingerprint;
 use toolroom_sim::scenario::file::FormFile;
 
-/// Writes `lobes.svg`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`.
+/// Where a chart comes from.
+pub struct Origin<'a> {
+    /// Name of the lobes file.
+    pub file: &'a str,
+    /// Changes to it, `path=value`.
+    pub changes: &'a [String],
+    /// When the work began.
+    pub start: Instant,
+}
+
+/// Writes `lobes.svg`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`; returns what
+/// is in `lobes.json`.
 pub fn write(
     out: &OutputDir,
-    args: &LobesArgs,
+    origin: &Origin<'_>,
     file: &FormFile<LobesFile>,
     computed: &Computed,
-    wall: Duration,
-) -> Result<(), Failure> {
-    let inputs = [(args.file.display().to_string(), file.text.as_bytes())];
-    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+) -> Result<Value, Failure> {
+    let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
+    let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let provenance = provenance("lobes", &inputs, changes, None);
-    out.put("lobes.svg", &picture(&file.content, computed).svg())?;
-    out.put("lobes.csv", &table(&file.content, computed))?;
-    out.put_json("lobes.json", &summary(&file.content, computed))?;
+    let picture = picture(&file.content, computed).svg();
+    out.put("lobes.svg", &picture)?;
+    let table = table(&file.content, computed);
+    out.put("lobes.csv", &table)?;
+    let mut summary = summary(&file.content, computed);
+    // Of every verdict and boundary: the same, however many threads or shards there were.
+    summary["digest"] = json!(fingerprint(format!("{table}{summary}").as_bytes()));
+    out.put_json("lobes.json", &summary)?;
     out.put("report.html", &report(&file.content, &file.echo, computed, provenance.clone()).html())?;
-    out.record(&provenance, wall)
+    out.record(&provenance, origin.start.elapsed())?;
+    Ok(summary)
 }
 
 /// The chart for programs: boundaries and operating points; the grid is in the table.
-pub fn summary(file: &LobesFile, computed: &Computed) -> Value {
+fn summary(file: &LobesFile, computed: &Computed) -> Value {
     let axes = file.cut.axes();
     let pairs = |points: &[(f64, f64)]| -> Vec<Value> {
         let pair = |(speed, depth): &(f64, f64)| {
@@ -58,7 +74,7 @@ pub fn summary(file: &LobesFile, computed: &Computed) -> Value {
         .zip(&computed.judgements)
         .map(|(point, judgement)| {
             let mut object = serde_json::Map::from_iter([("name".to_owned(), json!(point.name))]);
-            object.extend(file.cut.json(judgement));
+            object.extend(judgement.json(&file.cut));
             Value::Object(object)
         })
         .collect();

@@ -3,6 +3,7 @@
 use super::axis::{Axis, Scale};
 use super::frame::{self, Entry, Frame, Sample};
 use super::layer::{Form, Layer, label_references};
+use super::lobes::StabilityLobes;
 use super::style::{Colour, Hatch, Style};
 use super::svg::{Anchor, Area, Canvas, FONT, Px, WIDTH, fit, rectangle};
 use super::table::Table;
@@ -113,6 +114,13 @@ impl HeatMap {
     #[must_use]
     pub fn scatter(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, style: Style) -> Self {
         self.on_top(label, points, Form::Scatter, style)
+    }
+
+    /// Adds stability boundaries and operating points on top.
+    #[must_use]
+    pub fn lobes(mut self, lobes: &StabilityLobes) -> Self {
+        self.layers.extend(lobes.layers());
+        self
     }
 
     fn on_top(

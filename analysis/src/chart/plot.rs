@@ -3,6 +3,7 @@
 use super::axis::Axis;
 use super::frame::{self, Entry};
 use super::layer::{Form, Layer, label_references};
+use super::lobes::StabilityLobes;
 use super::strip::{self, Strip};
 use super::style::Style;
 use super::svg::Canvas;
@@ -87,6 +88,13 @@ impl Plot {
     #[must_use]
     pub fn scatter(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, style: Style) -> Self {
         self.points(label, points.into_iter().collect(), Form::Scatter, style)
+    }
+
+    /// Adds stability boundaries and operating points.
+    #[must_use]
+    pub fn lobes(mut self, lobes: &StabilityLobes) -> Self {
+        self.layers.extend(lobes.layers());
+        self
     }
 
     /// Adds a band of (x, lower, upper).

@@ -27,7 +27,8 @@ fn charts(c: &mut Criterion) {
     for immersion in [0.05, 1.0] {
         let Some(cut) = standard(immersion) else { continue };
         let (speed, depth) = axes(400, 200);
-        group.bench_function(format!("full, a/D = {immersion}"), |b| b.iter(|| black_box(cut.lobes(&speed, &depth))));
+        let (Ok(speeds), Ok(depths)) = (speed.values("speed"), depth.values("depth")) else { continue };
+        group.bench_function(format!("full, a/D = {immersion}"), |b| b.iter(|| black_box(cut.lobes(&speeds, &depths))));
         group.bench_function(format!("boundary, a/D = {immersion}"), |b| {
             b.iter(|| black_box(cut.boundary(&speed, 10e-3, 16)));
         });

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 use std::io::Write;
-use toolroom_chatter::{Axis, ChatterError, Cutter, Direction, Engagement, Milling, MillingForce, Mode};
+use toolroom_chatter::{ChatterError, Cutter, Direction, Engagement, Milling, MillingForce, Mode};
 
 const POINTS: usize = 10_000;
 
@@ -39,8 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let verdict = at_speed.verdict(depth)?;
         wrong += usize::from(verdict.stable != (truth < 1.0));
         worst = worst.max((verdict.spectral_radius / truth - 1.0).abs());
-        let axis = |centre: f64| Axis { start: centre, end: 1.0001 * centre, points: 2 };
-        let chart = cut.lobes(&axis(speed), &axis(depth))?;
+        let chart = cut.lobes(&[speed], &[depth])?;
         wrong_in_charts += usize::from(chart.at(0, 0).is_none_or(|v| v.stable != (truth < 1.0)));
     }
     let mut out = std::io::stdout();

@@ -3,7 +3,7 @@
 use crate::error::{ChatterError, finite};
 use crate::paper::{FiveDegrees, Reduced};
 use crate::verdict::{ChatterKind, StabilityVerdict};
-use crate::{Milling, StabilityLimit, Turning};
+use crate::{AtSpeed, Milling, SpeedVariation, StabilityLimit, Turning};
 use rayon::prelude::*;
 
 /// Evenly spaced values from `start` to `end`, both included.
@@ -58,13 +58,13 @@ impl Lobes {
         if j < self.depth.len() { self.verdicts.get(i * self.depth.len() + j) } else { None }
     }
 
-    /// Fills a chart column by column in parallel; the result does not depend on the threads.
-    fn fill<F, C>(speed: &Axis, depth: &Axis, column: F) -> Result<Self, ChatterError>
+    /// Fills a chart column by column in parallel. A verdict depends on its point alone, neither on
+    /// the threads nor on the columns beside it, so that a chart can be filled in parts.
+    fn fill<F, C>(speed: &[f64], depth: &[f64], column: F) -> Result<Self, ChatterError>
     where
         F: Fn(f64) -> Result<C, ChatterError> + Sync,
         C: FnMut(f64) -> Result<StabilityVerdict, ChatterError>,
     {
-        let (speed, depth) = (speed.values("speed")?, depth.values("depth")?);
         let columns: Result<Vec<Vec<_>>, _> = speed
             .par_iter()
             .map(|speed| {
@@ -72,7 +72,7 @@ impl Lobes {
                 depth.iter().map(|depth| verdict(*depth)).collect()
             })
             .collect();
-        Ok(Self { speed, depth, verdicts: columns?.concat() })
+        Ok(Self { speed: speed.to_vec(), depth: depth.to_vec(), verdicts: columns?.concat() })
     }
 }
 
@@ -80,10 +80,26 @@ impl Milling {
     /// Verdicts over spindle speeds (rad/s) and depths (m), in parallel.
     ///
     /// # Errors
-    /// As [`Milling::verdict`]; axes that are none.
-    pub fn lobes(&self, speed: &Axis, depth: &Axis) -> Result<Lobes, ChatterError> {
+    /// As [`Milling::verdict`].
+    pub fn lobes(&self, speed: &[f64], depth: &[f64]) -> Result<Lobes, ChatterError> {
         Lobes::fill(speed, depth, |speed| {
             let mut at_speed = self.at_speed(speed)?;
+            Ok(move |depth| at_speed.screen(depth))
+        })
+    }
+
+    /// [`Milling::lobes`] at speeds that vary about `speed`.
+    ///
+    /// # Errors
+    /// As [`Milling::verdict`]; a variation out of range.
+    pub fn lobes_at_varying_speed(
+        &self,
+        speed: &[f64],
+        variation: SpeedVariation,
+        depth: &[f64],
+    ) -> Result<Lobes, ChatterError> {
+        Lobes::fill(speed, depth, |speed| {
+            let mut at_speed = self.at_varying_speed(speed, variation)?;
             Ok(move |depth| at_speed.screen(depth))
         })
     }
@@ -98,27 +114,51 @@ impl Milling {
     /// # Errors
     /// As [`Milling::lobes`]; fewer than two steps.
     pub fn boundary(&self, speed: &Axis, greatest: f64, steps: usize) -> Result<Boundary, ChatterError> {
-        if steps < 2 {
-            return Err(ChatterError::TooFewPoints { quantity: "steps", points: steps });
-        }
-        let speeds = speed.values("speed")?;
-        crate::error::positive("greatest depth", greatest)?;
-        let trace = |i: &usize| -> Result<(usize, BoundaryColumn), ChatterError> {
-            let crossings = self.at_speed(speeds[*i])?.crossings(greatest, steps)?;
-            Ok((*i, BoundaryColumn { speed: speeds[*i], crossings }))
-        };
-        let mut columns = std::collections::BTreeMap::new();
-        let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
-        wanted.dedup();
-        // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
-        let tolerance = greatest / 400.0;
-        while !wanted.is_empty() {
-            let traced: Result<Vec<_>, _> = wanted.par_iter().map(trace).collect();
-            columns.extend(traced?);
-            wanted = bends(&columns, tolerance);
-        }
-        Ok(Boundary { columns: columns.into_values().collect() })
+        trace(speed, greatest, steps, |speed| self.at_speed(speed))
     }
+
+    /// [`Milling::boundary`] at speeds that vary about those of the axis.
+    ///
+    /// # Errors
+    /// As [`Milling::boundary`]; a variation out of range.
+    pub fn boundary_at_varying_speed(
+        &self,
+        speed: &Axis,
+        variation: SpeedVariation,
+        greatest: f64,
+        steps: usize,
+    ) -> Result<Boundary, ChatterError> {
+        trace(speed, greatest, steps, |speed| self.at_varying_speed(speed, variation))
+    }
+}
+
+/// [`Milling::boundary`] of a cut that `at` prepares at each speed.
+fn trace<'a>(
+    speed: &Axis,
+    greatest: f64,
+    steps: usize,
+    at: impl Fn(f64) -> Result<AtSpeed<'a>, ChatterError> + Sync,
+) -> Result<Boundary, ChatterError> {
+    if steps < 2 {
+        return Err(ChatterError::TooFewPoints { quantity: "steps", points: steps });
+    }
+    let speeds = speed.values("speed")?;
+    crate::error::positive("greatest depth", greatest)?;
+    let column = |i: &usize| -> Result<(usize, BoundaryColumn), ChatterError> {
+        let crossings = at(speeds[*i])?.crossings(greatest, steps)?;
+        Ok((*i, BoundaryColumn { speed: speeds[*i], crossings }))
+    };
+    let mut columns = std::collections::BTreeMap::new();
+    let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
+    wanted.dedup();
+    // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
+    let tolerance = greatest / 400.0;
+    while !wanted.is_empty() {
+        let traced: Result<Vec<_>, _> = wanted.par_iter().map(column).collect();
+        columns.extend(traced?);
+        wanted = bends(&columns, tolerance);
+    }
+    Ok(Boundary { columns: columns.into_values().collect() })
 }
 
 /// Speeds that are still missing between columns whose crossings do not continue each other.
@@ -197,9 +237,22 @@ impl Turning {
     /// Verdicts over spindle speeds (rad/s) and widths (m), in parallel.
     ///
     /// # Errors
-    /// As [`Turning::verdict`]; axes that are none.
-    pub fn lobe_chart(&self, speed: &Axis, width: &Axis) -> Result<Lobes, ChatterError> {
+    /// As [`Turning::verdict`].
+    pub fn lobe_chart(&self, speed: &[f64], width: &[f64]) -> Result<Lobes, ChatterError> {
         Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict_without_margin(speed, width)))
+    }
+
+    /// [`Turning::lobe_chart`] at speeds that vary about `speed`.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict_at_varying_speed`].
+    pub fn lobe_chart_at_varying_speed(
+        &self,
+        speed: &[f64],
+        variation: SpeedVariation,
+        width: &[f64],
+    ) -> Result<Lobes, ChatterError> {
+        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict_at_varying_speed(speed, variation, width)))
     }
 }
 
@@ -207,17 +260,18 @@ impl Reduced {
     /// Verdicts over speed ratios `eta` and modulations `mu` (the paper's Fig. 3), in parallel.
     ///
     /// # Errors
-    /// As [`Reduced::verdict`]; axes that are none.
-    pub fn lobes(&self, speed_ratio: &Axis, modulation: &Axis) -> Result<Lobes, ChatterError> {
+    /// As [`Reduced::verdict`].
+    pub fn lobes(&self, speed_ratio: &[f64], modulation: &[f64]) -> Result<Lobes, ChatterError> {
         Lobes::fill(speed_ratio, modulation, |eta| Ok(move |mu| self.verdict(mu, eta)))
     }
 
     /// Verdicts without modulation over lags (s) and cutting stiffnesses (N/m) (the paper's
-    /// Fig. 2), in parallel; the boundary is [`Reduced::cutting_stiffness_limit`].
+    /// Fig. 2), in parallel, each over a natural period; the boundary is
+    /// [`Reduced::cutting_stiffness_limit`].
     ///
     /// # Errors
-    /// As [`Reduced::verdict`]; axes that are none.
-    pub fn stability_region(&self, lag: &Axis, cutting_stiffness: &Axis) -> Result<Lobes, ChatterError> {
+    /// As [`Reduced::verdict`].
+    pub fn stability_region(&self, lag: &[f64], cutting_stiffness: &[f64]) -> Result<Lobes, ChatterError> {
         Lobes::fill(lag, cutting_stiffness, |lag| {
             Ok(move |cutting_stiffness| Self { lag, cutting_stiffness, ..*self }.verdict(0.0, 1.0))
         })
@@ -229,8 +283,8 @@ impl FiveDegrees {
     /// modulations of the chuck (the paper's Fig. 4), in parallel.
     ///
     /// # Errors
-    /// As [`FiveDegrees::verdict`]; axes that are none.
-    pub fn lobes(&self, speed_ratio: &Axis, mu_chuck: &Axis) -> Result<Lobes, ChatterError> {
+    /// As [`FiveDegrees::verdict`].
+    pub fn lobes(&self, speed_ratio: &[f64], mu_chuck: &[f64]) -> Result<Lobes, ChatterError> {
         let reference = self.reference_frequency();
         Lobes::fill(speed_ratio, mu_chuck, |ratio| {
             Ok(move |mu_chuck| Self { mu_chuck, ..self.clone() }.verdict(ratio * reference))

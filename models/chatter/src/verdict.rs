@@ -82,6 +82,15 @@ impl StabilityVerdict {
         }
     }
 
+    /// From the multiplier of `revolutions` to that of one of them: of several roots the one with the
+    /// least argument.
+    pub(crate) fn spread_over(&mut self, revolutions: u32) {
+        let count = f64::from(revolutions);
+        self.spectral_radius = self.spectral_radius.powf(1.0 / count);
+        self.multiplier_angle /= count;
+        self.period /= count;
+    }
+
     /// The frequencies that the vibration can show (Hz), ascending up to `greatest`:
     /// `|± angle/(2 pi period) + j/period|` for every whole j.
     ///

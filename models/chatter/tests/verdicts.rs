@@ -157,8 +157,10 @@ fn varying_speed_of_zero_amplitude_is_constant_speed() {
     let still = SpeedVariation { amplitude: 0.0, revolutions: 4 };
     let varying = cut.at_varying_speed(rpm(12000.0), still).unwrap().verdict(1.2e-3).unwrap();
     let constant = cut.verdict(rpm(12000.0), 1.2e-3).unwrap();
-    // Four revolutions are eight tooth periods.
-    assert!((varying.spectral_radius / constant.spectral_radius.powi(8) - 1.0).abs() < 1e-6);
+    // A revolution is two tooth periods.
+    assert!((varying.spectral_radius / constant.spectral_radius.powi(2) - 1.0).abs() < 1e-6);
+    assert!((varying.period / (2.0 * constant.period) - 1.0).abs() < 1e-12);
+    assert!((varying.chatter_frequency / constant.chatter_frequency - 1.0).abs() < 1e-6);
     let moving = SpeedVariation { amplitude: 0.2, revolutions: 4 };
     let moving = cut.at_varying_speed(rpm(12000.0), moving).unwrap().verdict(1.2e-3).unwrap();
     assert!((moving.spectral_radius / varying.spectral_radius - 1.0).abs() > 1e-2);
@@ -170,7 +172,7 @@ fn boundary_agrees_with_the_full_chart() {
         let cut = standard(degrees, immersion, Direction::Down);
         let speed = Axis { start: rpm(8000.0), end: rpm(20000.0), points: 81 };
         let depth = Axis { start: 0.0, end: 8e-3, points: 81 };
-        let chart = cut.lobes(&speed, &depth).unwrap();
+        let chart = cut.lobes(&speed.values("speed").unwrap(), &depth.values("depth").unwrap()).unwrap();
         let boundary = cut.boundary(&speed, 8e-3, 20).unwrap();
         let mut compared = 0;
         for (i, n) in chart.speed.iter().enumerate() {
@@ -190,12 +192,30 @@ fn boundary_agrees_with_the_full_chart() {
 }
 
 #[test]
+fn a_chart_at_varying_speed_is_that_of_constant_speed_where_nothing_varies() {
+    let cut = standard(1, 1.0, Direction::Down);
+    let speed = Axis { start: rpm(11000.0), end: rpm(13000.0), points: 5 };
+    let still = SpeedVariation { amplitude: 0.0, revolutions: 2 };
+    let boundary = cut.boundary_at_varying_speed(&speed, still, 4e-3, 12).unwrap();
+    for column in &boundary.columns {
+        let limit = cut.at_speed(column.speed).unwrap().limit(4e-3).unwrap().depth;
+        assert!((column.crossings[0].limit.depth - limit).abs() < 4e-3 / 12.0 * 2e-3, "{} rad/s", column.speed);
+    }
+    let chart = cut.lobes_at_varying_speed(&[rpm(12000.0)], still, &[0.2e-3, 3.9e-3]).unwrap();
+    assert_eq!(chart.verdicts.iter().map(|verdict| verdict.stable).collect::<Vec<_>>(), [true, false]);
+    let varying = SpeedVariation { amplitude: 0.3, revolutions: 1 };
+    assert!(cut.boundary_at_varying_speed(&speed, varying, 4e-3, 12).is_err());
+}
+
+#[test]
 fn chart_points_are_verdicts() {
     let cut = standard(1, 0.3, Direction::Down);
-    let speed = Axis { start: rpm(6000.0), end: rpm(9000.0), points: 4 };
-    let depth = Axis { start: 0.5e-3, end: 2e-3, points: 4 };
+    let (speed, depth) = ([6000.0, 7000.0, 8000.0, 9000.0].map(rpm), [0.5e-3, 1e-3, 1.5e-3, 2e-3]);
     let chart = cut.lobes(&speed, &depth).unwrap();
     assert_eq!(chart, cut.lobes(&speed, &depth).unwrap());
+    // Filled in parts it is the same.
+    let parts = [&speed[..1], &speed[1..]].map(|speed| cut.lobes(speed, &depth).unwrap().verdicts);
+    assert_eq!(chart.verdicts, parts.concat());
     for (i, n) in chart.speed.iter().enumerate() {
         for (j, b) in chart.depth.iter().enumerate() {
             let (quick, slow) = (chart.at(i, j).unwrap(), cut.verdict(*n, *b).unwrap());

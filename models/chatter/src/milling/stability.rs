@@ -94,7 +94,8 @@ impl Milling {
         AtSpeed::new(self, Motion::Constant(spindle_speed))
     }
 
-    /// The cut at a speed that varies about `spindle_speed` (rad/s).
+    /// The cut at a speed that varies about `spindle_speed` (rad/s); its spectral radii are those of
+    /// a mean revolution, `rho_T^RVF`.
     ///
     /// # Errors
     /// As [`Milling::at_speed`]; a variation out of range.
@@ -114,6 +115,30 @@ impl Milling {
     pub fn verdict(&self, spindle_speed: f64, depth: f64) -> Result<StabilityVerdict, ChatterError> {
         self.at_speed(spindle_speed)?.verdict(depth)
     }
+}
+
+/// Nodes of a stretch that holds no oscillation.
+const LEAST: usize = 3;
+
+/// What cuts where over `repeats` turns of the geometry.
+fn stretches(geometry: &Geometry, repeats: u32) -> Vec<PlannedStretch<(usize, usize, f64)>> {
+    let mut stretches = Vec::new();
+    for repeat in 0..repeats {
+        let shift = f64::from(repeat) * geometry.span;
+        for pair in geometry.breaks.windows(2) {
+            let mut terms: Vec<PlannedTerm<_>> = Vec::new();
+            for tooth in geometry.cutting(pair[0], pair[1]) {
+                let delay = geometry.teeth[tooth.0].1[tooth.1].delay;
+                let tooth = (tooth.0, tooth.1, tooth.2 - shift);
+                match terms.iter_mut().find(|term| (term.delay - delay).abs() < 1e-12) {
+                    Some(term) => term.teeth.push(tooth),
+                    None => terms.push(PlannedTerm { delay, teeth: vec![tooth] }),
+                }
+            }
+            stretches.push(PlannedStretch { from: pair[0] + shift, to: pair[1] + shift, terms });
+        }
+    }
+    stretches
 }
 
 impl<'a> AtSpeed<'a> {
@@ -155,25 +180,9 @@ impl<'a> AtSpeed<'a> {
             Motion::Constant(speed) => (1, speed),
             Motion::Varying(speed, variation) => (variation.revolutions, speed),
         };
-        let mut stretches = Vec::new();
-        for repeat in 0..repeats {
-            let shift = f64::from(repeat) * geometry.span;
-            for pair in geometry.breaks.windows(2) {
-                let mut terms: Vec<PlannedTerm<_>> = Vec::new();
-                for tooth in geometry.cutting(pair[0], pair[1]) {
-                    let delay = geometry.teeth[tooth.0].1[tooth.1].delay;
-                    let tooth = (tooth.0, tooth.1, tooth.2 - shift);
-                    match terms.iter_mut().find(|term| (term.delay - delay).abs() < 1e-12) {
-                        Some(term) => term.teeth.push(tooth),
-                        None => terms.push(PlannedTerm { delay, teeth: vec![tooth] }),
-                    }
-                }
-                stretches.push(PlannedStretch { from: pair[0] + shift, to: pair[1] + shift, terms });
-            }
-        }
         let teeth = Teeth { cut: self.cut, geometry: &geometry };
         let (stiffening, greatest) = self.stiffening(depth);
-        let period = assemble(&teeth, &self.frame, self.motion, &stretches, Resolution { extra, stiffening });
+        let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, repeats), Resolution { extra, stiffening });
         Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
 
@@ -201,7 +210,10 @@ impl<'a> AtSpeed<'a> {
     }
 
     /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of some three digits, for charts.
-    pub(crate) fn screen(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`].
+    pub fn screen(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
         self.judge(depth, Effort::Screening)
     }
 
@@ -218,6 +230,9 @@ impl<'a> AtSpeed<'a> {
         }
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
         verdict.name_frequency(&self.cut.modes);
+        if let Motion::Varying(_, variation) = self.motion {
+            verdict.spread_over(variation.revolutions);
+        }
         Ok(verdict)
     }
 
@@ -242,6 +257,19 @@ impl<'a> AtSpeed<'a> {
         let mut multipliers: Vec<_> = matrix.complex_eigenvalues().iter().copied().collect();
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Ok(multipliers)
+    }
+
+    /// Spectral radius at `depth` (m) with just `nodes` nodes in each stretch in cut, however many
+    /// oscillations it holds.
+    pub(crate) fn collocated(&self, depth: f64, nodes: usize) -> Result<f64, ChatterError> {
+        let geometry = Geometry::new(self.cut, depth, false)?;
+        // Without oscillations to resolve the rule gives LEAST nodes, and `extra` the rest.
+        let resolution = Resolution { extra: nodes - LEAST, stiffening: 0.0 };
+        let teeth = Teeth { cut: self.cut, geometry: &geometry };
+        let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, 1), resolution);
+        let mut storage = MapStorage::default();
+        let mut map = PeriodMap::new(&period, depth, &mut storage);
+        Ok(Krylov::default().dominant(&mut map, 1e-12)?.value.norm())
     }
 
     /// Least depth (m) at which the cut becomes unstable, to a relative 1e-9, and how.
@@ -316,43 +344,5 @@ impl<'a> AtSpeed<'a> {
             Err(error) => return Err(error),
         };
         Ok(verdict)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Cutter, Direction, Engagement, MillingForce, Mode};
-
-    /// Radius of the standard slot at 5000 rpm and 0.5 mm with a given number of nodes.
-    fn radius(nodes: usize) -> f64 {
-        let cut = Milling {
-            modes: vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)],
-            cutter: Cutter::straight(2, 0.02),
-            engagement: Engagement::new(1.0, Direction::Down).unwrap(),
-            force: MillingForce::new(6e8, 2e8),
-            feed_per_tooth: 0.1e-3,
-        };
-        let geometry = Geometry::new(&cut, 0.0, false).unwrap();
-        let terms = vec![PlannedTerm { delay: geometry.span, teeth: geometry.cutting(0.0, geometry.span) }];
-        let stretch = PlannedStretch { from: 0.0, to: geometry.span, terms };
-        let teeth = Teeth { cut: &cut, geometry: &geometry };
-        let motion = Motion::Constant(5000.0 / 60.0 * TAU);
-        // Without oscillations to resolve the rule gives three nodes, and `extra` the rest.
-        let resolution = Resolution { extra: nodes - 3, stiffening: 0.0 };
-        let period = assemble(&teeth, &Frame::new(&cut.modes), motion, &[stretch], resolution);
-        assert_eq!(period.elements[0].response.nodes, nodes);
-        let mut storage = MapStorage::default();
-        let mut map = PeriodMap::new(&period, 0.5e-3, &mut storage);
-        Krylov::default().dominant(&mut map, 1e-12).unwrap().value.norm()
-    }
-
-    #[test]
-    fn collocation_converges_faster_than_any_power() {
-        let error = |nodes| (radius(nodes) / 1.073975587 - 1.0).abs();
-        for (nodes, greatest) in [(20, 1e-1), (24, 5e-3), (28, 4e-5), (32, 1e-7), (40, 1e-9), (60, 1e-9)] {
-            assert!(error(nodes) < greatest, "{nodes}: {}", error(nodes));
-        }
-        assert!(error(24) / error(28) > 100.0 && error(28) / error(32) > 500.0);
     }
 }

@@ -10,7 +10,6 @@ use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{Modal, Modes};
 use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
-use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 impl Cut for Turning {
@@ -119,10 +118,10 @@ impl Turning {
         let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
         let mut storage = MapStorage::default();
         let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?;
-        let per_revolution = dominant.value.norm().powf(1.0 / f64::from(revolutions));
-        let multiplier = Complex::from_polar(per_revolution, dominant.value.arg() / f64::from(revolutions));
-        let mut verdict = StabilityVerdict::from_multiplier(multiplier, TAU / spindle_speed, dominant.residual);
+        let length = TAU * f64::from(revolutions) / spindle_speed;
+        let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
         verdict.name_frequency(&self.modes);
+        verdict.spread_over(revolutions);
         Ok(verdict)
     }
 
@@ -130,18 +129,19 @@ impl Turning {
     /// `spindle_speed` (rad/s), to three parts in a thousand of the step that it is found in.
     ///
     /// # Errors
-    /// As [`Turning::verdict_at_varying_speed`]; [`ChatterError::NoLimit`] where none of 8 even
+    /// As [`Turning::verdict_at_varying_speed`]; [`ChatterError::NoLimit`] where none of `steps` even
     /// steps is unstable.
     pub fn limit_at_varying_speed(
         &self,
         spindle_speed: f64,
         variation: SpeedVariation,
         greatest: f64,
+        steps: usize,
     ) -> Result<StabilityLimit, ChatterError> {
         positive("greatest width", greatest)?;
         let verdict = |width: f64| self.judge_varying(spindle_speed, variation, width, 1e-3);
         let mut excess = |width: f64| Ok(verdict(width)?.spectral_radius.ln());
-        let found = brackets(&mut excess, (0.0, -1.0), greatest, 8, true)?;
+        let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;
         let Some([before, after]) = found.first() else {
             return Err(ChatterError::NoLimit { searched: greatest });
         };

@@ -164,7 +164,9 @@ fn allowance_hardly_moves_the_chuck_threshold() {
 fn charts_of_figures_2_and_4() {
     let lag = Axis { start: 0.0, end: 0.8e-4, points: 3 };
     let stiffness = Axis { start: 200.0 * KGF_PER_MM, end: 700.0 * KGF_PER_MM, points: 6 };
-    let region = Reduced::from_preset(Preset::default(), 0.0).stability_region(&lag, &stiffness).unwrap();
+    let region = Reduced::from_preset(Preset::default(), 0.0)
+        .stability_region(&lag.values("lag").unwrap(), &stiffness.values("stiffness").unwrap())
+        .unwrap();
     for (i, lag) in region.speed.iter().enumerate() {
         assert!(region.at(i, 0).unwrap().stable);
         let limit = Reduced::from_preset(Preset::default(), *lag).cutting_stiffness_limit();
@@ -173,8 +175,7 @@ fn charts_of_figures_2_and_4() {
         }
     }
     let lathe = FiveDegrees::from_preset(Preset::Table2Milli, 0.4e-4, 0.1e-3);
-    let speeds = Axis { start: 0.5, end: 0.6, points: 3 };
-    let chart = lathe.lobes(&speeds, &Axis { start: 0.2, end: 0.3, points: 2 }).unwrap();
+    let chart = lathe.lobes(&[0.5, 0.55, 0.6], &[0.2, 0.3]).unwrap();
     assert!(chart.at(1, 0).unwrap().stable);
     assert_eq!(chart.at(1, 1).unwrap().kind, ChatterKind::Parametric);
     // With regeneration, the feed deflection a revolution ago, the radius changes a little.

@@ -65,6 +65,8 @@ struct ChuckKey {
 const PLACES: f64 = 64.0;
 /// Of these, every so many at varying speed, where verdicts cost much.
 const COARSE: u32 = 8;
+/// Steps in which it is searched.
+const VARYING_STEPS: usize = 8;
 /// Depths over the limit of constant speed to which the limit of varying speed is searched.
 const SEARCHED: f64 = 4.0;
 /// Ratio of depth to limit at which the limit cycle of a modulated chuck is taken; assumption.
@@ -192,7 +194,7 @@ impl TurningStructure {
                 Err(error) => return Err(error),
             };
             let Some(variation) = at.variation else { return Ok(still) };
-            let limit = match cut.limit_at_varying_speed(speed, variation, SEARCHED * still.limit) {
+            let limit = match cut.limit_at_varying_speed(speed, variation, SEARCHED * still.limit, VARYING_STEPS) {
                 Ok(limit) => limit.depth,
                 Err(ChatterError::NoLimit { searched }) => searched,
                 // Not found: that of constant speed, which variation seldom lowers.

@@ -23,11 +23,15 @@ const DEPTH: Kind = quantity("m", "mm", 0.0, 1.0, "0.5 mm");
 const SPEED: Kind = positive("rad/s", "rpm", 1e5, "5000 rpm");
 const LAG: Kind = quantity("s", "s", 0.0, 1.0, "0.4e-4 s");
 const SPEED_RATIO: Kind = positive("1", "1", 100.0, "1");
+const CUTTING_STIFFNESS: Kind = quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
 const MODULATION: Kind = quantity("1", "1", 0.0, 10.0, "0.3");
 
 const MILLING: &[&str] = &["milling"];
 const TURNING: &[&str] = &["turning"];
 const CHUCK: &[&str] = &["chuck"];
+const CHIP_LAG: &[&str] = &["chip_lag"];
+const LATHE: &[&str] = &["lathe"];
+const MODULATED: &[&str] = &["chuck", "lathe"];
 const CUTTING: &[&str] = &["milling", "turning"];
 
 /// The whole file.
@@ -38,14 +42,24 @@ pub static LOBES: Form = Form {
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::required("name", Kind::Name, "Short name, also of the output folder"),
         Key::default("title", Kind::Text, "", "One line for people"),
-        Key::required("process", Kind::Choice(&["milling", "turning", "chuck"]), "What vibrates"),
+        Key::required(
+            "process",
+            Kind::Choice(&["milling", "turning", "chuck", "chip_lag", "lathe"]),
+            "What vibrates: a cut that meets its own surface, or work in a chuck of three jaws: one mode over speed \
+             and modulation, the same at rest over lag and cutting stiffness, tool and work together",
+        ),
         Key::optional("mode", Kind::Tables(&MODE), "Vibration modes of tool and workpiece").when("process", CUTTING),
         Key::required("cutter", Kind::Table(&CUTTER), "Milling cutter").when("process", MILLING),
         Key::required("engagement", Kind::Table(&ENGAGEMENT), "How the cutter meets the work").when("process", MILLING),
         Key::required("force", Kind::Table(&FORCE), "Cutting force of milling").when("process", MILLING),
         Key::required("cut", Kind::Table(&CUT), "Cutting force and diameter of turning").when("process", TURNING),
         Key::optional("bar", Kind::Table(&BAR), "Bending of a slender workpiece at the tool").when("process", TURNING),
-        Key::required("chuck", Kind::Table(&CHUCK_FORM), "Workpiece in a chuck of three jaws").when("process", CHUCK),
+        Key::required("chuck", Kind::Table(&CHUCK_FORM), "Workpiece in a chuck of three jaws")
+            .when("process", &["chuck", "chip_lag"]),
+        Key::required("lathe", Kind::Table(&LATHE_FORM), "Tool and workpiece in a chuck of three jaws")
+            .when("process", LATHE),
+        Key::optional("speed_variation", Kind::Table(&SPEED_VARIATION), "Spindle speed that varies about its mean")
+            .when("process", CUTTING),
         Key::required("chart", Kind::Table(&CHART), "Range and resolution of the chart"),
         Key::optional("point", Kind::Tables(&POINT), "Operating points on the chart"),
     ],
@@ -136,25 +150,50 @@ static BAR: Form = Form {
     ],
 };
 
+static SPEED_VARIATION: Form = Form {
+    title: "[speed_variation]",
+    doc: "Sinusoidal spindle speed; limits and verdicts are those of the varying speed",
+    keys: &[
+        Key::required("amplitude", quantity("1", "1", 0.0, 0.9, "0.2"), "Amplitude over the mean speed, RVA"),
+        Key::required("revolutions", Kind::Count { min: 2, max: 200 }, "Mean revolutions in one period, 1/RVF"),
+    ],
+};
+
+const PRESET: Key = Key::default(
+    "preset",
+    Kind::Choice(&["f0_120hz", "fig3_fit", "table2_milli", "table2_literal"]),
+    "f0_120hz",
+    "Reading of the published constants",
+);
+
 static CHUCK_FORM: Form = Form {
     title: "[chuck]",
     doc: "Workpiece in a chuck of three jaws as one mode under a lagged cutting force",
     keys: &[
-        Key::default(
-            "preset",
-            Kind::Choice(&["f0_120hz", "fig3_fit", "table2_milli", "table2_literal"]),
-            "f0_120hz",
-            "Reading of the published constants",
-        ),
-        Key::required("lag", LAG, "Chip-formation lag"),
+        PRESET,
+        Key::required("lag", LAG, "Chip-formation lag").when("process", CHUCK),
         Key::optional("mass", MASS, "Modal mass; left out: the preset's"),
         Key::optional("damping", positive("N s/m", "N s/m", 1e9, "188 N s/m"), "Damping; left out: the preset's"),
         Key::optional("stiffness", STIFFNESS, "Mean stiffness of the clamping; left out: the preset's"),
         Key::optional(
             "cutting_stiffness",
-            quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um"),
+            CUTTING_STIFFNESS,
             "Stiffness of the cutting process; left out: the preset's",
-        ),
+        )
+        .when("process", CHUCK),
+    ],
+};
+
+static LATHE_FORM: Form = Form {
+    title: "[lathe]",
+    doc: "Tool in three directions and workpiece in two, coupled by a lagged cutting force",
+    keys: &[
+        PRESET,
+        Key::required("lag", LAG, "Chip-formation lag of every component of the force"),
+        Key::required("feed_per_rev", positive("m", "mm", 20e-3, "0.1 mm/rev"), "Feed"),
+        Key::optional("allowance", Kind::List(&MODULATION), "Modulation by an uneven allowance: harmonics 1, 3, 5 …"),
+        Key::default("workpiece_lag", Kind::Flag, "false", "Take the extra damping of the printed workpiece rows literally"),
+        Key::default("regeneration", Kind::Flag, "false", "Let the surface of the last revolution act on the force"),
     ],
 };
 
@@ -167,11 +206,21 @@ static CHART: Form = Form {
         Key::required(
             "speed_ratio",
             Kind::List(&SPEED_RATIO),
-            "Least and greatest ratio of the modulation's frequency, three times the spindle's, to the natural one",
+            "Least and greatest speed over the natural frequency: of the modulation, three times the spindle's, for a \
+             chuck; of the spindle for a lathe",
         )
-        .when("process", CHUCK),
+        .when("process", MODULATED),
         Key::required("modulation", Kind::List(&MODULATION), "Least and greatest modulation of the stiffness")
-            .when("process", CHUCK),
+            .when("process", MODULATED),
+        Key::required("chip_lag", Kind::List(&LAG), "Least and greatest chip-formation lag").when("process", CHIP_LAG),
+        Key::required("cutting_stiffness", Kind::List(&CUTTING_STIFFNESS), "Least and greatest stiffness of the cut")
+            .when("process", CHIP_LAG),
+        Key::optional(
+            "allowance",
+            Kind::List(&MODULATION),
+            "Other first harmonics of the allowance whose boundaries are drawn beside",
+        )
+        .when("process", LATHE),
         Key::optional("lag", Kind::List(&LAG), "Other lags whose boundaries are drawn beside").when("process", CHUCK),
         Key::default("columns", Kind::Count { min: 2, max: 4000 }, "200", "Points along the speed"),
         Key::default("rows", Kind::Count { min: 2, max: 2000 }, "100", "Points along the depth"),
@@ -186,8 +235,9 @@ static POINT: Form = Form {
         Key::optional("name", Kind::Name, "Name in tables and pictures"),
         Key::required("spindle_speed", SPEED, "Spindle speed").when("process", CUTTING),
         Key::required("depth_of_cut", DEPTH, "Depth of cut").when("process", CUTTING),
-        Key::required("speed_ratio", SPEED_RATIO, "Frequency of the modulation over the natural one")
-            .when("process", CHUCK),
-        Key::required("modulation", MODULATION, "Modulation of the stiffness by the jaws").when("process", CHUCK),
+        Key::required("speed_ratio", SPEED_RATIO, "Speed over the natural frequency").when("process", MODULATED),
+        Key::required("modulation", MODULATION, "Modulation of the stiffness by the jaws").when("process", MODULATED),
+        Key::required("chip_lag", LAG, "Chip-formation lag").when("process", CHIP_LAG),
+        Key::required("cutting_stiffness", CUTTING_STIFFNESS, "Stiffness of the cut").when("process", CHIP_LAG),
     ],
 };

@@ -6,10 +6,10 @@ mod keys;
 mod read;
 
 pub use keys::LOBES;
-pub use read::{read, resolve};
+pub use read::{parse, read};
 
-use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{Axis, Bar, Milling, Turning};
+use toolroom_chatter::paper::{FiveDegrees, Reduced};
+use toolroom_chatter::{Axis, Bar, Milling, SpeedVariation, Turning};
 
 /// What a lobes file says.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub struct LobesFile {
     pub title: String,
     /// What vibrates.
     pub cut: LobesCut,
+    /// How the spindle speed varies about its mean.
+    pub variation: Option<SpeedVariation>,
     /// What is drawn.
     pub chart: Chart,
     /// Operating points.
@@ -38,21 +40,35 @@ pub enum LobesCut {
         /// A slender workpiece and the place of the tool on it (m from the jaws).
         bar: Option<(Bar, f64)>,
     },
-    /// A workpiece in a chuck of three jaws.
+    /// A workpiece in a chuck of three jaws, over speed ratio and modulation.
     Chuck(Reduced),
+    /// The same without modulation, over chip-formation lag and cutting stiffness.
+    ChipLag(Reduced),
+    /// Tool and workpiece in a chuck of three jaws, over speed ratio and modulation.
+    Lathe(Box<FiveDegrees>),
+}
+
+/// Keys of the two axes of the chart of a process, and their units in files and for people.
+pub fn axes(process: &str) -> [(&'static str, &'static str, &'static str); 2] {
+    match process {
+        "chuck" | "lathe" => [("speed_ratio", "1", "1"), ("modulation", "1", "1")],
+        "chip_lag" => [("chip_lag", "s", "us"), ("cutting_stiffness", "N/m", "N/um")],
+        _ => [("spindle_speed", "rad/s", "rpm"), ("depth_of_cut", "m", "mm")],
+    }
 }
 
 /// Range and resolution of a chart.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Spindle speed, rad/s; speed ratio of a chuck.
+    /// Spindle speed, rad/s; speed ratio of a chuck or lathe; chip-formation lag, s.
     pub speed: Axis,
-    /// Depth of cut, m; modulation of a chuck.
+    /// Depth of cut, m; modulation of a chuck or lathe; cutting stiffness, N/m.
     pub depth: Axis,
     /// Whether only the boundary is wanted.
     pub boundary_only: bool,
-    /// Other lags whose boundaries are drawn beside, s.
-    pub lags: Vec<f64>,
+    /// Whose boundaries are drawn beside: other lags of a chuck, s, or other first harmonics of
+    /// the allowance of a lathe.
+    pub beside: Vec<f64>,
 }
 
 /// An operating point, in the units of [`Chart`].

@@ -1,12 +1,14 @@
 //! From the sections of a lobes file to cut, chart and operating points.
 
 use super::keys::LOBES;
-use super::{Chart, LobesCut, LobesFile, Point};
-use crate::scenario::file::{Fault, FormFile, ReadError, Section, Walk, read_form, significant};
+use super::{Chart, LobesCut, LobesFile, Point, axes};
+use crate::scenario::file::{Fault, FormFile, ReadError, Section, Walk, parse_form, read_form, significant};
 use std::f64::consts::TAU;
 use std::path::Path;
-use toolroom_chatter::paper::{Preset, Reduced};
-use toolroom_chatter::{Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Support, Turning};
+use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
+use toolroom_chatter::{
+    Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation, Support, Turning,
+};
 use toolroom_process::unit::convert;
 
 /// Reads a lobes file; `overrides` are `path=value` as after `--set`.
@@ -17,31 +19,48 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, Re
     read_form(path, overrides, &LOBES, resolve)
 }
 
+/// [`read`] of a text; `file` is its name in messages.
+///
+/// # Errors
+/// As [`file::parse`](crate::scenario::file::parse).
+pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
+    parse_form(file, text, overrides, &LOBES, resolve)
+}
+
 /// From the sections of a lobes file to what they mean.
-pub fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
+fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let process = root.text("process");
     let cut = match process {
         Some("milling") => milling(walk, root).map(LobesCut::Milling),
         Some("turning") => turning(walk, root),
-        Some("chuck") => chuck(walk, root).map(LobesCut::Chuck),
+        Some("chuck") => chuck(walk, root, "chuck").map(LobesCut::Chuck),
+        Some("chip_lag") => chuck(walk, root, "chip_lag").map(LobesCut::ChipLag),
+        Some("lathe") => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
         _ => None,
     };
+    let variation = walk.table(root, "speed_variation").and_then(|section| {
+        let revolutions = u32::try_from(section.count("revolutions")?).ok()?;
+        Some(SpeedVariation { amplitude: section.si("amplitude")?, revolutions })
+    });
     let case = process.map(|process| ("process", process));
-    let keys = if process == Some("chuck") { ["speed_ratio", "modulation"] } else { ["spindle_speed", "depth_of_cut"] };
-    let chart = walk.table_in(root, "chart", case).and_then(|section| chart(walk, &section, keys));
+    let axes = axes(process.unwrap_or_default());
+    let chart = walk.table_in(root, "chart", case).and_then(|section| chart(walk, &section, axes));
     let points = walk.sections(root, "point", case);
     let points = points.iter().enumerate().map(|(i, section)| Point {
         name: section.text("name").map_or_else(|| format!("point {}", i + 1), str::to_owned),
-        speed: section.required(keys[0]),
-        depth: section.required(keys[1]),
+        speed: section.required(axes[0].0),
+        depth: section.required(axes[1].0),
     });
     let points = points.collect();
     let name = root.text("name")?.to_owned();
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
-    Some(LobesFile { name, title, cut: cut?, chart: chart?, points })
+    Some(LobesFile { name, title, cut: cut?, variation, chart: chart?, points })
 }
 
-fn chart(walk: &mut Walk, section: &Section<'_>, [speed, depth]: [&'static str; 2]) -> Option<Chart> {
+/// Key of an axis, its unit in files and that for people.
+type Quantity = (&'static str, &'static str, &'static str);
+
+fn chart(walk: &mut Walk, section: &Section<'_>, [speed, depth]: [Quantity; 2]) -> Option<Chart> {
     let points = |key: &str| section.count(key).and_then(|count| usize::try_from(count).ok());
     let (columns, rows) = (points("columns")?, points("rows")?);
     let speed = range(walk, section, speed, columns);
@@ -50,24 +69,19 @@ fn chart(walk: &mut Walk, section: &Section<'_>, [speed, depth]: [&'static str; 
         speed: speed?,
         depth: depth?,
         boundary_only: section.flag("boundary_only")?,
-        lags: section.numbers("lag").unwrap_or_default(),
+        beside: section.numbers("lag").or_else(|| section.numbers("allowance")).unwrap_or_default(),
     })
 }
 
 /// Two ascending values.
-fn range(walk: &mut Walk, section: &Section<'_>, key: &'static str, points: usize) -> Option<Axis> {
+fn range(walk: &mut Walk, section: &Section<'_>, (key, si, display): Quantity, points: usize) -> Option<Axis> {
     let values = pair(walk, section, key, "two values, least and greatest")?;
     let [start, end] = values;
     if start < end {
         return Some(Axis { start, end, points });
     }
-    let (si, display) = match key {
-        "spindle_speed" => ("rad/s", "rpm"),
-        "depth_of_cut" => ("m", "mm"),
-        _ => ("1", ""),
-    };
     let shown = |value| match display {
-        "" => significant(value),
+        "1" => significant(value),
         unit => format!("{} {unit}", significant(convert(value, si, unit))),
     };
     let fault = Fault::Contradiction {
@@ -264,20 +278,36 @@ fn bending(walk: &mut Walk, section: &Section<'_>, diameter: f64) -> Option<(Bar
     bends.then_some((bar, position))
 }
 
-fn chuck(walk: &mut Walk, root: &Section<'_>) -> Option<Reduced> {
-    let section = walk.table(root, "chuck")?;
-    let preset = match section.text("preset")? {
+fn preset(section: &Section<'_>) -> Option<Preset> {
+    Some(match section.text("preset")? {
         "fig3_fit" => Preset::Fig3Fit,
         "table2_milli" => Preset::Table2Milli,
         "table2_literal" => Preset::Table2Literal,
         _ => Preset::F0_120Hz,
-    };
-    let published = Reduced::from_preset(preset, section.si("lag")?);
+    })
+}
+
+/// The section `[chuck]`; where lag and cutting stiffness are the axes they are none of its keys.
+fn chuck(walk: &mut Walk, root: &Section<'_>, process: &str) -> Option<Reduced> {
+    let section = walk.table_in(root, "chuck", Some(("process", process)))?;
+    let lag = if process == "chuck" { section.si("lag")? } else { 0.0 };
+    let published = Reduced::from_preset(preset(&section)?, lag);
     Some(Reduced {
         mass: section.si("mass").unwrap_or(published.mass),
         damping: section.si("damping").unwrap_or(published.damping),
         stiffness: section.si("stiffness").unwrap_or(published.stiffness),
         cutting_stiffness: section.si("cutting_stiffness").unwrap_or(published.cutting_stiffness),
         lag: published.lag,
+    })
+}
+
+fn lathe(walk: &mut Walk, root: &Section<'_>) -> Option<FiveDegrees> {
+    let section = walk.table(root, "lathe")?;
+    let (lag, feed_per_rev) = (section.si("lag")?, section.si("feed_per_rev")?);
+    Some(FiveDegrees {
+        mu_allowance: section.numbers("allowance").unwrap_or_default(),
+        workpiece_lag: section.flag("workpiece_lag")?,
+        regeneration: section.flag("regeneration")?,
+        ..FiveDegrees::from_preset(preset(&section)?, lag, feed_per_rev)
     })
 }

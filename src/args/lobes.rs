@@ -1,0 +1,35 @@
+//! Arguments of `toolroom lobes`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub struct LobesArgs {
+    /// Lobes file
+    #[arg(required_unless_present = "run", conflicts_with = "run")]
+    pub file: Option<PathBuf>,
+    /// Verdict at this point alone: the values of the two axes, such as spindle speed and depth of cut
+    #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
+    pub at: Vec<String>,
+    /// Replace a value of the file: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE", conflicts_with = "run")]
+    pub set: Vec<String>,
+    /// Directory of the results, out/NAME if left out; of the parts with --run
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["at", "plan"])]
+    pub out: Option<PathBuf>,
+    /// Write a plan of the chart's columns instead of computing them
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "run"])]
+    pub plan: Option<PathBuf>,
+    /// Number of shards, 16 if left out
+    #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub shards: Option<u64>,
+    /// Run one shard of a plan
+    #[arg(long, value_name = "PLAN", requires_all = ["shard", "out"], conflicts_with = "at")]
+    pub run: Option<PathBuf>,
+    /// Its number, from 0
+    #[arg(long, requires = "run")]
+    pub shard: Option<u64>,
+    /// Threads, 0 for one per processor; the results do not depend on it
+    #[arg(long, default_value_t = 0)]
+    pub threads: usize,
+}

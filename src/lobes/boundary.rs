@@ -1,0 +1,114 @@
+//! The boundaries on a chart.
+
+use super::cut::{Cut, found};
+use super::file::Chart;
+use rayon::prelude::*;
+use toolroom_chatter::paper::{FiveDegrees, Reduced};
+use toolroom_chatter::{Axis, Boundary, BoundaryColumn, ChatterError, Milling, SpeedVariation, Turning};
+use toolroom_sim::scenario::file::significant;
+
+/// One boundary of a chart: (speed, depth) in the units of [`Chart`].
+#[derive(Clone, Debug)]
+pub struct Curve {
+    pub label: String,
+    /// Least unstable depth at each speed; NaN where there is none on the chart.
+    pub limit: Vec<(f64, f64)>,
+    /// Where the cut becomes stable again or unstable once more.
+    pub further: Vec<(f64, f64)>,
+}
+
+/// The boundary of the cut first, then what it is compared with: other lags, other allowances, the
+/// same cut at constant speed.
+pub fn boundaries(cut: &Cut, chart: &Chart) -> Result<Vec<Curve>, ChatterError> {
+    match cut {
+        Cut::Milling(cut, variation) => compared(*variation, |variation| milling(cut, variation, chart)),
+        Cut::Turning(cut, variation) => compared(*variation, |variation| turning(cut, variation, chart)),
+        Cut::Chuck(chuck) => {
+            let others = chart.beside.iter().copied().filter(|lag| *lag != chuck.lag);
+            let curve = |lag: f64| {
+                let chuck = Reduced { lag, ..*chuck };
+                let at = |eta: f64| chuck.critical_modulation(eta, chart.depth.end);
+                Ok(curve(format!("limit at lag {} us", significant(lag * 1e6)), sampled(&finer(&chart.speed), at)?))
+            };
+            std::iter::once(chuck.lag).chain(others).map(curve).collect()
+        }
+        Cut::ChipLag(chuck) => {
+            let at = |lag: f64| Ok(on_chart(Some(Reduced { lag, ..*chuck }.cutting_stiffness_limit()), chart));
+            Ok(vec![curve("Routh limit".to_owned(), sampled(&finer(&chart.speed), at)?)])
+        }
+        Cut::Lathe(lathe) => {
+            let reference = lathe.reference_frequency();
+            let first = lathe.mu_allowance.first().copied().unwrap_or(0.0);
+            let others = chart.beside.iter().copied().filter(|allowance| *allowance != first);
+            let curve = |allowance: f64| {
+                let mut lathe = FiveDegrees::clone(lathe);
+                lathe.mu_allowance.resize(lathe.mu_allowance.len().max(1), 0.0);
+                lathe.mu_allowance[0] = allowance;
+                let at = |ratio: f64| lathe.critical_chuck_modulation(ratio * reference, chart.depth.end);
+                let label = format!("limit at allowance harmonic {}", significant(allowance));
+                Ok(curve(label, sampled(&chart.speed, at)?))
+            };
+            std::iter::once(first).chain(others).map(curve).collect()
+        }
+    }
+}
+
+/// The boundary at varying speed with that at constant speed beside it, or the latter alone.
+fn compared(
+    variation: Option<SpeedVariation>,
+    mut boundary: impl FnMut(Option<SpeedVariation>) -> Result<Curve, ChatterError>,
+) -> Result<Vec<Curve>, ChatterError> {
+    let mut curves = vec![boundary(variation)?];
+    if variation.is_some() {
+        curves.push(Curve { label: "limit at constant speed".to_owned(), ..boundary(None)? });
+    }
+    Ok(curves)
+}
+
+fn milling(cut: &Milling, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
+    let (speed, greatest, steps) = (&chart.speed, chart.depth.end, chart.depth.points);
+    let Boundary { columns } = match variation {
+        Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest, steps)?,
+        None => cut.boundary(speed, greatest, steps)?,
+    };
+    let first = |column: &BoundaryColumn| column.crossings.first().map_or(f64::NAN, |crossing| crossing.limit.depth);
+    let limit = columns.iter().map(|column| (column.speed, first(column))).collect();
+    let further = columns.iter().flat_map(|column| {
+        let depths = column.crossings.iter().skip(1).map(|crossing| crossing.limit.depth);
+        depths.map(|depth| (column.speed, depth))
+    });
+    Ok(Curve { further: further.collect(), ..curve("stability limit".to_owned(), limit) })
+}
+
+fn turning(cut: &Turning, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
+    let (greatest, steps) = (chart.depth.end, chart.depth.points);
+    let limit = match variation {
+        Some(variation) => {
+            let at = |speed| found(cut.limit_at_varying_speed(speed, variation, greatest, steps));
+            sampled(&chart.speed, at)?
+        }
+        None => sampled(&finer(&chart.speed), |speed| Ok(on_chart(found(cut.limit(speed))?, chart)))?,
+    };
+    Ok(curve("stability limit".to_owned(), limit))
+}
+
+fn curve(label: String, limit: Vec<(f64, f64)>) -> Curve {
+    Curve { label, limit, further: Vec::new() }
+}
+
+/// The limit at every value of the axis, in parallel.
+fn sampled(
+    axis: &Axis,
+    limit: impl Fn(f64) -> Result<Option<f64>, ChatterError> + Sync,
+) -> Result<Vec<(f64, f64)>, ChatterError> {
+    axis.values("speed")?.into_par_iter().map(|at| Ok((at, limit(at)?.unwrap_or(f64::NAN)))).collect()
+}
+
+fn on_chart(limit: Option<f64>, chart: &Chart) -> Option<f64> {
+    limit.filter(|depth| *depth <= chart.depth.end)
+}
+
+/// Four times as many steps: lobes and tongues are a few percent of the speed wide.
+fn finer(axis: &Axis) -> Axis {
+    Axis { points: 4 * axis.points - 3, ..*axis }
+}

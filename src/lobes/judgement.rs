@@ -1,0 +1,91 @@
+//! The verdict at a point, for people and programs.
+
+use super::cut::Cut;
+use serde_json::{Map, Value, json};
+use toolroom_chatter::paper::Reduced;
+use toolroom_chatter::{ChatterKind, StabilityVerdict};
+use toolroom_process::unit::convert;
+
+/// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
+///
+/// # Source
+/// Zakovorotny et al., "Parametrical phenomena under on-machine process control": c0 = rho t_p.
+const CHIP_PRESSURE: f64 = 300.0 * 9.80665e6;
+
+/// Verdict at a point and its distance from the boundary.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    pub speed: f64,
+    pub depth: f64,
+    pub verdict: StabilityVerdict,
+    /// Least unstable depth, m, or what stands for it on the second axis; `None` if there is none
+    /// up to `searched`.
+    pub limit: Option<f64>,
+    /// Greatest depth that was searched; infinite where the limit is exact.
+    pub searched: f64,
+}
+
+impl Judgement {
+    /// `1 − depth/limit`; `None` without limit.
+    pub fn margin(&self) -> Option<f64> {
+        // A cut that is unstable at depth zero has no margin to speak of.
+        self.limit.filter(|limit| *limit > 0.0).map(|limit| 1.0 - self.depth / limit)
+    }
+
+    /// The verdict on `cut` for programs.
+    pub fn json(&self, cut: &Cut) -> Map<String, Value> {
+        let Self { speed, depth, verdict, limit, searched } = self;
+        let axes = cut.axes();
+        let mut object = Map::new();
+        let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
+        put("process", cut.process().into());
+        put(&axes.speed.column(), axes.speed.shown(*speed).into());
+        put(&axes.depth.column(), axes.depth.shown(*depth).into());
+        put("spectral_radius", verdict.spectral_radius.into());
+        put("stable", verdict.stable.into());
+        put("type", word(verdict.kind).into());
+        let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+        // Without modulation, by Routh, as a depth of cut.
+        let routh = |chuck: &Reduced| finite(chuck.cutting_stiffness_limit() / CHIP_PRESSURE * 1e3);
+        match cut {
+            Cut::Milling(_, variation) | Cut::Turning(_, variation) => {
+                put("stability_limit [mm]", json!(limit.map(|depth| depth * 1e3)));
+                put("margin", json!(self.margin()));
+                put("searched [mm]", finite(searched * 1e3));
+                if let Some(variation) = variation {
+                    put("speed_variation", json!({ "amplitude": variation.amplitude, "revolutions": variation.revolutions }));
+                }
+            }
+            Cut::Chuck(chuck) => {
+                put("stability_limit [mm]", routh(chuck));
+                put("margin", json!(verdict.margin));
+                put("critical_modulation", json!(limit));
+                put("modulation_margin", json!(self.margin()));
+                put("spindle_speed [rpm]", convert(chuck.natural_frequency() * speed / 3.0, "rad/s", "rpm").into());
+            }
+            Cut::ChipLag(chuck) => {
+                put("stability_limit [mm]", routh(&Reduced { lag: *speed, cutting_stiffness: *depth, ..*chuck }));
+                put("critical_cutting_stiffness [N/um]", json!(limit.map(|limit| limit * 1e-6)));
+                put("margin", json!(self.margin()));
+            }
+            Cut::Lathe(lathe) => {
+                put("critical_modulation", json!(limit));
+                put("modulation_margin", json!(self.margin()));
+                put("spindle_speed [rpm]", convert(lathe.reference_frequency() * speed, "rad/s", "rpm").into());
+            }
+        }
+        put("chatter_frequency [Hz]", cut.chatter_frequency(verdict).into());
+        put("chatter_frequencies [Hz]", json!(verdict.chatter_frequencies(cut.greatest_frequency())));
+        put("residual", verdict.residual.into());
+        object
+    }
+}
+
+pub fn word(kind: ChatterKind) -> &'static str {
+    match kind {
+        ChatterKind::Stable => "stable",
+        ChatterKind::Hopf => "hopf",
+        ChatterKind::Flip => "flip",
+        ChatterKind::Parametric => "parametric",
+    }
+}

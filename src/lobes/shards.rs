@@ -1,0 +1,101 @@
+//! Charts in shards: the columns of the grid are cut into parts. Boundaries, which are traced from
+//! column to column, and operating points cost a tenth of the grid and are worked out at the merge.
+
+use super::file::{LobesFile, parse};
+use super::results::Origin;
+use super::{finish, refused};
+use crate::args::LobesArgs;
+use crate::failure::Failure;
+use crate::shard::refused as failed;
+use crate::speak::Voice;
+use crate::study::default_out;
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+use toolroom_analysis::results::fingerprint;
+use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
+use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
+use toolroom_sim::scenario::file::FormFile;
+
+/// `--plan FILE`: the columns of the grid cut into shards.
+pub fn plan(
+    input: &str,
+    file: &FormFile<LobesFile>,
+    args: &LobesArgs,
+    target: &Path,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let LobesFile { name, chart, .. } = &file.content;
+    if chart.boundary_only {
+        let help = "a boundary is traced from column to column and takes no grid; plan it with --set chart.boundary_only=false, or run it here";
+        return Err(Failure::argument("a boundary alone cannot be cut into shards", help));
+    }
+    let columns = chart.speed.points as u64;
+    let plan = Plan {
+        schema: 1,
+        kind: "lobes".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        name: name.clone(),
+        file: input.to_owned(),
+        directory: String::new(),
+        text: file.text.clone(),
+        overrides: args.set.clone(),
+        seed: 0,
+        policies: Vec::new(),
+        pieces: columns,
+        shards: args.shards.unwrap_or(16).min(columns),
+    };
+    write_plan(target, &plan).map_err(failed)?;
+    let (shown, shards) = (target.display(), plan.shards);
+    voice.say(format_args!(
+        "wrote {shown}: {shards} shards of {columns} columns   next: toolroom lobes --run {shown} --shard 0 --out parts"
+    ));
+    Ok(())
+}
+
+fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
+    Ok(parse(&plan.file, &plan.text, &plan.overrides)?)
+}
+
+/// One shard of a planned chart: its verdicts, column by column; none where an eigenvalue was not
+/// found.
+pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
+    let file = chart_of(plan)?;
+    let mut refusal = None;
+    let ran = shards::run(plan, number, out, |(from, to), _| {
+        let LobesFile { cut, chart, .. } = &file.content;
+        let content = match cut.lobes(chart, from as usize..to as usize) {
+            Ok(lobes) => Some(lobes.verdicts),
+            Err(ChatterError::NotConverged { .. }) => None,
+            Err(error) => {
+                refusal = Some(refused(error));
+                let source = std::io::Error::other("the chart was refused");
+                return Err(ShardError::File { path: out.to_owned(), source });
+            }
+        };
+        let digest = u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0);
+        Ok(Computed { content, digest, rows: false })
+    });
+    match refusal {
+        Some(refusal) => Err(refusal),
+        None => ran.map_err(failed),
+    }
+}
+
+/// Merges the parts of a planned chart: the same files and digest as without a plan.
+pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
+    let start = Instant::now();
+    let file = chart_of(plan)?;
+    let chart = &file.content.chart;
+    let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
+        shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
+    let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
+    let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
+    let grid = verdicts.map(|verdicts| Lobes { speed, depth, verdicts: verdicts.concat() });
+    if grid.is_none() {
+        voice.say("warning: an eigenvalue was not found; the boundary alone is drawn");
+    }
+    let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
+    let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
+    finish(&file, grid, &origin, &out, voice)
+}
