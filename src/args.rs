@@ -158,10 +158,11 @@ pub enum Command {
     /// FMI units: package a model, look into any, check it, run one
     #[command(subcommand)]
     Fmu(FmuCommand),
-    /// Print the JSON schema of scenario files
+    /// Print the JSON schema of a kind of file, for editors
     #[command(before_help = "Examples:
-  toolroom schema > scenario.schema.json")]
-    Schema,
+  toolroom schema > scenario.schema.json
+  toolroom schema lobes > lobes.schema.json")]
+    Schema(SchemaArgs),
     /// Where a nominal model and measured records differ, which effect is missing, how far the gap shrinks
     #[command(subcommand)]
     Gap(GapCommand),
@@ -380,6 +381,20 @@ impl BlindCases {
             Self::Full => "full",
         }
     }
+}
+
+#[derive(Args, Debug)]
+pub struct SchemaArgs {
+    /// Kind of file
+    #[arg(default_value = "scenario")]
+    pub kind: FileKind,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum FileKind {
+    Scenario,
+    Lobes,
+    Life,
 }
 
 #[derive(Args, Debug)]

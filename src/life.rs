@@ -15,6 +15,7 @@ use std::path::Path;
 use toolroom_analysis::life::analysis::Request;
 use toolroom_analysis::life::replacement::Costs;
 
+pub use keys::STUDY;
 pub use study::{merge, shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {

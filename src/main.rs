@@ -78,7 +78,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),
-        Command::Schema => schema::run(voice),
+        Command::Schema(args) => schema::run(&args, voice),
         Command::Gap(command) => gap::run(&command, voice),
         Command::Import(command) => import::run(&command, voice),
         Command::Explain(args) => explain::run(&args, voice),

@@ -50,8 +50,13 @@ impl OutputDir {
 
     /// Writes a file of the draft.
     pub fn put(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.put_bytes(name, text.as_bytes())
+    }
+
+    /// Writes a file of the draft that is no text.
+    pub fn put_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.draft.join(name);
-        fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
+        fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
     }
 
     /// Writes a JSON file of the draft.

@@ -1,8 +1,17 @@
 //! `toolroom schema`.
 
+use crate::args::{FileKind, SchemaArgs};
 use crate::failure::Failure;
+use crate::life::STUDY;
 use crate::speak::Voice;
+use toolroom_sim::scenario::file::{SCENARIO, schema};
+use toolroom_sim::scenario::lobes::LOBES;
 
-pub fn run(voice: &Voice) -> Result<(), Failure> {
-    voice.json(&toolroom_sim::scenario::file::schema())
+pub fn run(args: &SchemaArgs, voice: &Voice) -> Result<(), Failure> {
+    let schema = match args.kind {
+        FileKind::Scenario => schema(&SCENARIO, "toolroom scenario"),
+        FileKind::Lobes => schema(&LOBES, "toolroom lobes file"),
+        FileKind::Life => schema(&STUDY, "toolroom tool-life study"),
+    };
+    voice.json(&schema)
 }

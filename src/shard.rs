@@ -41,7 +41,10 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
 pub fn checked(plan: &Plan) -> Result<(), Failure> {
     if !matches!(plan.kind.as_str(), "life" | "compare" | "lobes") || plan.schema != 1 {
         let message = format!("the plan is of kind \"{}\", schema {}", plan.kind, plan.schema);
-        return Err(Failure::argument(message, "make a plan with toolroom life, compare or lobes FILE --plan plan.json"));
+        return Err(Failure::argument(
+            message,
+            "make a plan with toolroom life, compare or lobes FILE --plan plan.json",
+        ));
     }
     if plan.version != env!("CARGO_PKG_VERSION") {
         let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));

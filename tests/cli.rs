@@ -149,11 +149,15 @@ fn a_missing_file_and_a_wrong_verb_are_input_errors() {
 }
 
 #[test]
-fn the_shipped_schema_is_the_printed_one() {
-    let printed = json(&toolroom(&["schema"]));
-    let shipped = fs::read_to_string(format!("{}/scenarios/schema/scenario.schema.json", env!("CARGO_MANIFEST_DIR")));
-    let shipped: Value = serde_json::from_str(&shipped.expect("shipped")).expect("JSON");
-    assert!(printed == shipped, "run: toolroom schema > scenarios/schema/scenario.schema.json");
+fn the_shipped_schemas_are_the_printed_ones() {
+    for kind in ["scenario", "lobes", "life"] {
+        let printed = json(&toolroom(&["schema", kind]));
+        let path = format!("{}/scenarios/schema/{kind}.schema.json", env!("CARGO_MANIFEST_DIR"));
+        let shipped = fs::read_to_string(path).expect("shipped");
+        let shipped: Value = serde_json::from_str(&shipped).expect("JSON");
+        assert!(printed == shipped, "run: toolroom schema {kind} > scenarios/schema/{kind}.schema.json");
+    }
+    assert_eq!(json(&toolroom(&["schema"]))["title"], "toolroom scenario");
 }
 
 #[test]

@@ -183,7 +183,9 @@ fn a_chart_leaves_picture_table_numbers_and_report() {
     let entries = fs::read_dir(&out).expect("results").map(|entry| entry.expect("an entry").file_name());
     let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
     names.sort();
-    assert_eq!(names, ["lobes.csv", "lobes.json", "lobes.svg", "report.html", "run.json"]);
+    assert_eq!(names, ["lobes.csv", "lobes.json", "lobes.png", "lobes.svg", "report.html", "run.json"]);
+    let pixels = fs::read(out.join("lobes.png")).expect("a picture");
+    assert_eq!((&pixels[..8], &pixels[16..20]), (&b"\x89PNG\r\n\x1a\n"[..], &1600_u32.to_be_bytes()[..]));
     let written: Value = serde_json::from_slice(&fs::read(out.join("lobes.json")).expect("numbers")).expect("JSON");
     assert_eq!(written, summary);
     let table = fs::read_to_string(out.join("lobes.csv")).expect("a table");
@@ -232,6 +234,170 @@ fn the_shipped_bar_and_chuck_are_charts() {
     }
 }
 
+const STARS: &str = "chatter/chuck-fig2";
+const LATHE: &str = "chatter/chuck-fig4";
+const VARYING: &str = "chatter/speed-variation";
+
+#[test]
+fn the_stars_of_figure_2_stand_to_the_exact_routh_limit() {
+    // Limits [kgf/mm] at 40 and 80 us; 200 is just outside by the literal table.
+    for (preset, limits, third) in [
+        ("f0_120hz", [480.64035, 240.93141], true),
+        ("table2_milli", [583.62805, 311.15854], true),
+        ("table2_literal", [397.51237, 198.76858], false),
+    ] {
+        let preset = format!("chuck.preset={preset}");
+        for (lag, limit) in [("40 us", limits[0]), ("80 us", limits[1])] {
+            let star = verdict(STARS, [lag, "1.96133 N/um"], &[&preset]);
+            close(&star["critical_cutting_stiffness [N/um]"], limit * 9806.65e-6, 1e-6);
+            assert_eq!(star["stable"], lag == "40 us" || third, "{preset} {lag}");
+        }
+        let first = verdict(STARS, ["0 s", "1.96133 N/um"], &[&preset]);
+        assert_eq!((&first["stable"], &first["margin"]), (&true.into(), &Value::Null));
+    }
+}
+
+#[test]
+fn the_tool_widens_the_region_of_figure_4_and_the_allowance_does_not() {
+    let radius = |at, changes: &[&str]| verdict(LATHE, at, changes)["spectral_radius"].clone();
+    close(&radius(["0.55", "0.3"], &[]), 1.196003135, 1e-7);
+    close(&radius(["0.55", "0.2"], &[]), 0.947564657, 1e-7);
+    close(&radius(["0.274", "0.5"], &[]), 0.569386055, 1e-7);
+    close(&radius(["0.5", "0.5"], &["lathe.allowance=0.3"]), 1.502025864, 1e-7);
+    let tip = |allowance: &str| {
+        let change = format!("lathe.allowance={allowance}");
+        verdict(LATHE, ["0.547", "0.3"], &[&change])["critical_modulation"].as_f64().expect("a threshold")
+    };
+    let (even, uneven) = (tip("0"), tip("0.6"));
+    assert!((even - 0.2217).abs() < 5e-4 && (uneven / even - 1.0).abs() < 1e-3, "{even} {uneven}");
+}
+
+#[test]
+fn a_varying_speed_calms_what_chatters_at_constant_speed() {
+    // One and a half times the limit of constant speed: RVA, 1/RVF, spectral radius a revolution.
+    for (speed, limit, cases) in [
+        ("1500 rpm", 0.38491350, [(0.1, 5, 0.84211), (0.2, 5, 0.57866), (0.1, 10, 0.84023)]),
+        ("6000 rpm", 0.39462604, [(0.0, 5, 1.3002), (0.1, 5, 0.97724), (0.2, 5, 0.60473)]),
+    ] {
+        let depth = format!("{} mm", 1.5 * limit);
+        for (amplitude, revolutions, radius) in cases {
+            let mass = "mode.tool.natural_frequency=540.9 Hz";
+            let amplitude = format!("speed_variation.amplitude={amplitude}");
+            let revolutions = format!("speed_variation.revolutions={revolutions}");
+            let at = verdict(VARYING, [speed, &depth], &[mass, &amplitude, &revolutions]);
+            close(&at["spectral_radius"], radius, 2e-3);
+        }
+    }
+    // A mill as well: the flip of the standard slot at 12 000 rpm goes deeper.
+    let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
+    let path = directory("varying-mill").join("mill.toml");
+    let section = "[speed_variation]\namplitude = 0.2\nrevolutions = 5\n[chart]";
+    fs::write(&path, text.replacen("[chart]", section, 1)).expect("writable");
+    let path = path.display().to_string();
+    let at = json(&toolroom(&["lobes", &path, "--json", "--at", "6000 rpm", "0.45 mm"]));
+    assert_eq!((&at["stable"], &at["speed_variation"]["revolutions"]), (&true.into(), &5.into()));
+    assert_eq!(verdict(SLOT, ["6000 rpm", "0.45 mm"], &[])["stable"], false);
+}
+
+#[test]
+fn a_chart_is_the_same_from_any_number_of_shards() {
+    let folder = directory("shards");
+    let path = shipped(SLOT);
+    let small = ["--set", "chart.columns=11", "--set", "chart.rows=7"];
+    let place = |name: &str| folder.join(name).display().to_string();
+    let whole = json(&toolroom(&[&["lobes", &path, "--json", "--out", &place("whole")][..], &small].concat()));
+    let table = fs::read(folder.join("whole/lobes.csv")).expect("a table");
+    for shards in ["1", "4", "11"] {
+        let (plan, parts, out) = (place("plan.json"), place(&format!("parts{shards}")), place("merged"));
+        let planned = [&["lobes", &path, "--plan", &plan, "--shards", shards][..], &small].concat();
+        assert_eq!(toolroom(&planned).status.code(), Some(0));
+        // In any order, by either verb.
+        for shard in (0..shards.parse::<u32>().expect("a number")).rev().map(|shard| shard.to_string()) {
+            let output = if shard == "0" {
+                toolroom(&["shard", &plan, &shard, "--out", &parts])
+            } else {
+                toolroom(&["lobes", "--run", &plan, "--shard", &shard, "--out", &parts, "--threads", "1"])
+            };
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        }
+        let merged = json(&toolroom(&["merge", &parts, "--json", "--out", &out]));
+        assert_eq!(merged, whole, "{shards} shards");
+        assert_eq!(merged["digest"].as_str().map(str::len), Some(16));
+        assert_eq!(fs::read(folder.join("merged/lobes.csv")).expect("a table"), table);
+    }
+    fs::remove_file(folder.join("parts4/part-000002.json")).expect("a part");
+    let output = toolroom(&["merge", &place("parts4"), "--out", &place("merged")]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("1 of 4 shards are missing: 2"));
+    let plan = ["lobes", &path, "--plan", &place("other.json"), "--set", "chart.boundary_only=true"];
+    assert!(stderr(&toolroom(&plan)).contains("a boundary alone cannot be cut into shards"));
+    let other = ["lobes", "--run", &place("plan.json"), "--shard", "0", "--out", &place("parts4")];
+    assert!(stderr(&toolroom(&other)).contains("belongs to another plan"));
+}
+
+/// A faulty structure is told through the scenario whose tool names it, with place, value and fix in
+/// either file.
+#[test]
+fn faults_of_a_structure_are_told_through_the_scenario() {
+    let scenario = fs::read_to_string(shipped("chatter-policies")).expect("shipped");
+    let structures =
+        ["shaft", "endmill"].map(|name| fs::read_to_string(shipped(&format!("chatter/{name}"))).expect("shipped"));
+    let folder = directory("scenario-faults");
+    fs::create_dir_all(folder.join("chatter")).expect("writable");
+    let path = folder.join("shop.toml");
+    let check = |changed: [(&str, &str); 3]| {
+        let texts = [&scenario, &structures[0], &structures[1]];
+        let names = ["shop.toml", "chatter/shaft.toml", "chatter/endmill.toml"];
+        for ((text, name), (from, to)) in texts.into_iter().zip(names).zip(changed) {
+            assert!(text.contains(from), "{from}");
+            fs::write(folder.join(name), text.replacen(from, to, 1)).expect("writable");
+        }
+        let output = toolroom(&["check", &path.display().to_string()]);
+        let answer = stderr(&output);
+        let words: Vec<&str> = answer.split_whitespace().filter(|word| *word != "│").collect();
+        (output.status.code(), words.join(" "))
+    };
+    let none = ("", "");
+    assert_eq!(check([none, none, none]).0, Some(0));
+    for (shaft, mill, told) in [
+        (
+            ("stiffness = \"60 N/um\"", "stiffness = \"0 N/um\""),
+            none,
+            ["shaft.toml:15:", "`stiffness` = 0 N/um", "above 0"],
+        ),
+        (("stiffness = \"60 N/um\"", "stiffness = \"-60 N/um\""), none, ["shaft.toml:15:", "-60 N/um", "above 0"]),
+        (("damping_ratio = 0.04", "damping_ratio = -0.04"), none, ["shaft.toml:14:", "-0.04", "above 0"]),
+        (("damping_ratio = 0.04", "damping_ratio = nan"), none, ["shaft.toml:14:", "nan", "above 0"]),
+        (("\"800 rpm\", \"2800 rpm\"", "\"800 rpm\", \"800 rpm\""), none, ["shaft.toml:", "800 rpm", "ascends"]),
+        (("columns = 200", "columns = 1"), none, ["shaft.toml:", "`columns` = 1", "2 to 4000"]),
+        (none, ("immersion = 0.25", "immersion = 1.25"), ["endmill.toml:", "`immersion` = 1.25", "up to 1"]),
+        (none, ("teeth = 4", "teeth = 0"), ["endmill.toml:", "`teeth` = 0", "1 to 200"]),
+        (none, ("teeth = 4", "teeth = 3"), ["shop.toml:", "3 teeth", "that of the tool 4"]),
+        (none, ("stiffness = \"11 N/um\"", "stiffness = \"inf N/um\""), ["endmill.toml:", "inf", "number"]),
+    ] {
+        let (code, answer) = check([none, shaft, mill]);
+        assert_eq!(code, Some(2), "{told:?}: {answer}");
+        assert!(answer.contains("structure ="), "{answer}");
+        for told in told {
+            assert!(answer.contains(told), "{told} in\n{answer}");
+        }
+    }
+    // What the scenario says about the cut itself.
+    for (from, to, told) in [
+        ("width_of_cut = \"3 mm\"", "width_of_cut = \"13 mm\"", "13 mm"),
+        ("width_of_cut = \"3 mm\"", "width_of_cut = \"0 mm\"", "above 0"),
+        ("depth_of_cut = \"2 mm\"", "depth_of_cut = \"nan mm\"", "number"),
+        ("position = \"620 mm\"", "position = \"720 mm\"", "720 mm"),
+        ("natural_frequency = \"2 %\"", "natural_frequency = \"-2 %\"", "-2 %"),
+        ("amplitude = 0.2", "amplitude = 1.2", "1.2"),
+        ("chatter/shaft.toml", "chatter/endmill.toml", "describes no turning"),
+        ("chatter/shaft.toml", "chatter/nowhere.toml", "nowhere.toml"),
+    ] {
+        let (code, answer) = check([(from, to), none, none]);
+        assert_eq!(code, Some(2), "{to}: {answer}");
+        assert!(answer.contains(told) && answer.contains("shop.toml:"), "{told} in\n{answer}");
+    }
+}
+
 #[test]
 fn faults_of_a_file_are_told_with_their_place_and_fix() {
     let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
@@ -239,7 +405,12 @@ fn faults_of_a_file_are_told_with_their_place_and_fix() {
         ("teeth = 2", "teeth = 0", "1 to 200"),
         ("teeth = 2", "theeth = 2", "did you mean `teeth`?"),
         ("immersion = 1 ", "immersion = 1.2 ", "above 0 up to 1"),
+        ("immersion = 1 ", "immersion = 0 ", "above 0 up to 1"),
         ("immersion = 1 ", "immersion = nan ", "`immersion` = nan is outside"),
+        ("mass = \"0.03993 kg\"", "stiffness = \"-1 N/um\"", "`stiffness` = -1 N/um is outside"),
+        ("[force]", "[speed_variation]\namplitude = 1\nrevolutions = 5\n[force]", "`amplitude` = 1 is outside"),
+        ("[force]", "[speed_variation]\namplitude = 0.1\nrevolutions = 1\n[force]", "2 to 200"),
+        ("[force]", "[speed_variation]\namplitude = 0.1\n[force]", "lacks `revolutions`"),
         ("damping_ratio = 0.011", "damping_ratio = -0.011", "`damping_ratio` = -0.011 is outside"),
         ("mass = \"0.03993 kg\"", "stiffness = \"0 N/um\"", "`stiffness` = 0 N/um is outside"),
         ("mass = \"0.03993 kg\"", "", "lacks `stiffness`"),

@@ -1,5 +1,6 @@
 //! The report of a study: what was found, then the pictures that show why.
 
+mod chatter;
 mod difference;
 mod figures;
 mod quality;
@@ -74,6 +75,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if let Some(quality) = quality::section(&source) {
         report = report.section(quality);
+    }
+    if let Some(chatter) = chatter::section(&source) {
+        report = report.section(chatter);
     }
     report = report
         .section(wear::section(&source))

@@ -19,12 +19,15 @@ pub struct Style {
     pub wall: Option<Duration>,
 }
 
-/// Figures in the order of the table.
-const ROWS: [&str; 10] = [
+/// Figures in the order of the table; those of chatter only where stability is judged.
+const ROWS: [&str; 13] = [
     "parts_per_shift",
     "cost_per_part",
     "edges_per_100_parts",
     "scrap_from_tool_failure",
+    "chatter_share",
+    "scrap_from_chatter",
+    "chatter_onsets_per_shift",
     "oee",
     "tool_life",
     "path_per_edge",
@@ -35,11 +38,14 @@ const ROWS: [&str; 10] = [
 
 /// Figures of the table of more than two policies, with titles short enough for one line; the first
 /// [`MOST_COLUMNS`] that say something in this study.
-const COLUMNS: [(&str, &str); 12] = [
+const COLUMNS: [(&str, &str); 15] = [
     ("parts_per_shift", "parts / shift"),
     ("cost_per_part", "cost / part"),
     ("edges_per_100_parts", "edges / 100 parts"),
     ("scrap_from_tool_failure", "tool scrap, %"),
+    ("chatter_share", "in chatter, %"),
+    ("scrap_from_chatter", "chatter scrap, %"),
+    ("chatter_onsets_per_shift", "onsets / shift"),
     ("oee", "OEE"),
     ("tool_life", "life, min"),
     ("path_per_edge", "path, m"),
@@ -148,6 +154,14 @@ fn figures<'a>(study: &'a Study, ids: &[&str]) -> Vec<(usize, &'a Kpi)> {
     ids.iter().filter_map(|id| study.index(id)).map(|index| (index, &study.kpis[index])).collect()
 }
 
+/// [`ROWS`], without those of chatter where nothing is known of it.
+fn told<'a>(study: &'a Study, comparison: &Comparison) -> impl Iterator<Item = (usize, &'a Kpi)> {
+    let known = |index: usize| comparison.policies.iter().any(|policy| !policy.kpis[index].mean.is_nan());
+    figures(study, &ROWS)
+        .into_iter()
+        .filter(move |(index, kpi)| !kpi.definition.id.contains("chatter") || known(*index))
+}
+
 fn per_cent(kpi: &Kpi) -> &'static str {
     if kpi.definition.display == "%" { " %" } else { "" }
 }
@@ -171,7 +185,7 @@ fn title(scenario: &Scenario, kpi: &Kpi) -> Cell {
 fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, out: &mut String) {
     let policy = &comparison.policies[0];
     let mut rows = vec![vec![Cell::default(), policy.name.clone().into(), "95 % CI".to_owned().into()]];
-    for (index, kpi) in figures(study, &ROWS) {
+    for (index, kpi) in told(study, comparison) {
         let value = shown(kpi, &policy.kpis[index]);
         let digits = decimals(value.mean, value.half_width);
         let mut row = vec![title(scenario, kpi), format!("{}{}", plain(value.mean, digits), per_cent(kpi)).into()];
@@ -187,7 +201,7 @@ fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
     let (baseline, other) = (&comparison.policies[0], &comparison.policies[1]);
     let head = "difference (95 % CI)".to_owned();
     let mut rows = vec![vec![Cell::default(), baseline.name.clone().into(), other.name.clone().into(), head.into()]];
-    for (index, kpi) in figures(study, &ROWS) {
+    for (index, kpi) in told(study, comparison) {
         let difference = shown(kpi, &comparison.differences[0].kpis[index].difference);
         let values = [baseline, other].map(|policy| shown(kpi, &policy.kpis[index]).mean);
         let digits = decimals(values[0], difference.half_width);
@@ -217,7 +231,9 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(Cell::default()).chain(head).collect()];
     for policy in &comparison.policies {
         let values = columns.iter().map(|&(index, kpi)| {
-            let narrowest = comparison.policies.iter().map(|policy| shown(kpi, &policy.kpis[index]).half_width);
+            let widths = comparison.policies.iter().map(|policy| shown(kpi, &policy.kpis[index]).half_width);
+            // What never varies under some policy says nothing about the digits.
+            let narrowest = widths.filter(|width| *width > 0.0);
             let value = shown(kpi, &policy.kpis[index]);
             plain(value.mean, decimals(value.mean, narrowest.fold(f64::NAN, f64::min))).into()
         });

@@ -53,7 +53,10 @@ impl Judgement {
                 put("margin", json!(self.margin()));
                 put("searched [mm]", finite(searched * 1e3));
                 if let Some(variation) = variation {
-                    put("speed_variation", json!({ "amplitude": variation.amplitude, "revolutions": variation.revolutions }));
+                    put(
+                        "speed_variation",
+                        json!({ "amplitude": variation.amplitude, "revolutions": variation.revolutions }),
+                    );
                 }
             }
             Cut::Chuck(chuck) => {

@@ -9,8 +9,12 @@ use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
+use toolroom_analysis::chart::png;
 use toolroom_analysis::results::fingerprint;
 use toolroom_sim::scenario::file::FormFile;
+
+/// Width of the PNG: sharp over a column of print.
+const PIXELS: u32 = 1600;
 
 /// Where a chart comes from.
 pub struct Origin<'a> {
@@ -22,7 +26,7 @@ pub struct Origin<'a> {
     pub start: Instant,
 }
 
-/// Writes `lobes.svg`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`; returns what
+/// Writes `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`; returns what
 /// is in `lobes.json`.
 pub fn write(
     out: &OutputDir,
@@ -33,8 +37,9 @@ pub fn write(
     let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
     let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let provenance = provenance("lobes", &inputs, changes, None);
-    let picture = picture(&file.content, computed).svg();
-    out.put("lobes.svg", &picture)?;
+    let picture = picture(&file.content, computed);
+    out.put("lobes.svg", &picture.svg())?;
+    out.put_bytes("lobes.png", &png(picture.as_ref(), PIXELS))?;
     let table = table(&file.content, computed);
     out.put("lobes.csv", &table)?;
     let mut summary = summary(&file.content, computed);

@@ -8,7 +8,7 @@ use super::style::{Colour, Dash, Marker, Style};
 const CLOSE: f64 = 0.1;
 
 /// How an operating point stands to its boundary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Standing {
     /// Stable with a margin of a tenth at least, or without any limit.
     Stable,
@@ -19,7 +19,8 @@ pub enum Standing {
 }
 
 impl Standing {
-    const ALL: [Self; 3] = [Self::Stable, Self::Close, Self::Unstable];
+    /// All, the best first.
+    pub const ALL: [Self; 3] = [Self::Stable, Self::Close, Self::Unstable];
 
     /// Of a point with `margin`, 1 − depth/limit, where there is a limit.
     ///
@@ -104,7 +105,8 @@ impl StabilityLobes {
         self
     }
 
-    /// Adds an operating point of a group. Named groups have a marker each.
+    /// Adds an operating point of a group. Named groups have a marker each and stand in the legend
+    /// once, with the worst of their points.
     #[must_use]
     pub fn point(mut self, group: &str, at: (f64, f64), standing: Standing) -> Self {
         let known = self.groups.iter().position(|(name, _)| name == group);
@@ -119,12 +121,16 @@ impl StabilityLobes {
     /// The boundaries, then the points on top of them.
     pub(super) fn layers(&self) -> impl Iterator<Item = Layer> {
         let points = self.groups.iter().enumerate().flat_map(|(i, (name, standings))| {
-            let told = Standing::ALL.into_iter().zip(standings).filter(|(_, points)| !points.is_empty());
-            told.map(move |(standing, points)| {
+            let mut told: Vec<_> = Standing::ALL.into_iter().zip(standings).collect();
+            told.retain(|(_, points)| !points.is_empty());
+            let worst = told.last().map(|(standing, _)| *standing);
+            told.into_iter().map(move |(standing, points)| {
                 let (label, style) = match name.as_str() {
                     "" => (standing.label().to_owned(), standing.style()),
                     name => {
-                        (format!("{name}: {}", standing.label()), standing.style().marker(Style::nth(i).marker))
+                        let label = format!("{name}: {}", standing.label());
+                        let label = if Some(standing) == worst { label } else { String::new() };
+                        (label, standing.style().marker(Style::nth(i).marker))
                     }
                 };
                 Layer::Points { label, points: points.clone(), form: Form::Scatter, style }

@@ -1,8 +1,8 @@
-//! Charts as SVG text, drawn without any other crate.
+//! Charts as SVG text, drawn without any other crate, and as PNG.
 //!
 //! ```text
 //!   Axis ─► Scale ─┐
-//!   Style ─────────┼─► Plot, Bars, StackedBars, Gantt, HeatMap, Waterfall … : Chart ─► svg(), data()
+//!   Style ─────────┼─► Plot, Bars, StackedBars, Gantt, HeatMap, Waterfall … : Chart ─► svg(), png(), data()
 //!   values ────────┘
 //! ```
 //!
@@ -21,6 +21,7 @@ mod layer;
 mod lobes;
 mod plot;
 mod ranges;
+mod raster;
 mod rows;
 mod stacked;
 mod strip;
@@ -37,6 +38,7 @@ pub use histogram::Histogram;
 pub use lobes::{StabilityLobes, Standing};
 pub use plot::Plot;
 pub use ranges::Intervals;
+pub use raster::png;
 pub use stacked::StackedBars;
 pub use style::{Colour, Dash, Hatch, Marker, Style};
 pub use svg::escape;

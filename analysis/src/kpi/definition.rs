@@ -220,6 +220,17 @@ pub(super) const SHOP: &[ShopFigure] = &[
     ),
     (
         define(
+            "chatter_onsets_per_shift",
+            "chatter onsets / shift",
+            "1",
+            "1",
+            Less,
+            "Times that chatter has grown to its limit cycle, per shift length of working time; not defined where no structure is given.",
+        ),
+        |s, t| if t.judged_time > 0.0 { f64::from(t.chatter_onsets) / t.shifts(s) } else { f64::NAN },
+    ),
+    (
+        define(
             "oee",
             "OEE",
             "1",

@@ -1,7 +1,7 @@
 //! One walk over the tables of a log: everything that the key figures divide.
 
 use super::cell;
-use toolroom_sim::runlog::{ChangeReason, JobOutcome, MachineState, PassRow, RunLog};
+use toolroom_sim::runlog::{ChangeReason, EventRow, JobOutcome, MachineState, PassRow, RunLog};
 use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Scenario};
 use toolroom_sim::shop::programmed_cutting_times;
 
@@ -54,6 +54,8 @@ pub(super) struct Tally {
     /// Time in cut of passes whose stability is judged, and in an unstable cut, s.
     pub judged_time: f64,
     pub chatter_time: f64,
+    /// Times that chatter set in.
+    pub chatter_onsets: u32,
     pub tardy: u32,
     /// Sum of lead times, s.
     pub lead_time: f64,
@@ -103,6 +105,8 @@ impl Tally {
         tally.add_operations(scenario, log);
         tally.add_jobs(scenario, log);
         tally.add_edges(scenario, log);
+        let onset = |event: &&EventRow| event.event == "chatter_onset" && event.time >= scenario.warm_up;
+        tally.chatter_onsets = log.events.iter().filter(onset).count() as u32;
         tally
     }
 

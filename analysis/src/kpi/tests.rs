@@ -2,7 +2,7 @@ use super::*;
 use crate::fixture;
 use std::sync::Arc;
 use toolroom_cutting::Milling;
-use toolroom_sim::runlog::{ChangeReason, JobOutcome};
+use toolroom_sim::runlog::{ChangeReason, EventRow, JobOutcome};
 use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Work};
 use toolroom_sim::shop::programmed_cutting_times;
 
@@ -188,4 +188,32 @@ fn milling_takes_path_over_feed_rate() {
     let feed_rate = 1e-4 * teeth * 0.5 / (std::f64::consts::PI * diameter);
     let time = programmed_cutting_times(&scenario)[0][0];
     assert!((time - 60.0 / feed_rate).abs() < 1e-9 * time, "{time}");
+}
+
+#[test]
+fn chatter_counts_where_stability_is_judged_and_after_the_warm_up() {
+    let mut scenario = fixture::scenario();
+    let mut log = fixture::log();
+    let undefined = evaluate(&scenario, &log);
+    for id in ["chatter_share", "scrap_from_chatter", "chatter_onsets_per_shift"] {
+        assert!(value(&scenario, &undefined, id, None).is_nan(), "{id}");
+    }
+    // 300 s of cuts are judged, 60 s of them chatter; one of three onsets lies in the warm-up.
+    for (row, chatter_time) in log.passes.iter_mut().zip([45.0, 15.0]) {
+        (row.stability_margin, row.chatter_time) = (-0.1, chatter_time);
+    }
+    for time in [10.0, 100.0, 250.0] {
+        let onset = EventRow { time, event: "chatter_onset", machine: Some(0), job: Some(0), edge: Some(0) };
+        log.events.push(onset);
+    }
+    log.jobs[1].outcome = JobOutcome::Chatter;
+    scenario.warm_up = 30.0;
+    let values = evaluate(&scenario, &log);
+    // The shop is in shift for all of the 3570 s, of which a shift has 3600.
+    for (id, expected) in
+        [("chatter_share", 0.2), ("scrap_from_chatter", 0.5), ("chatter_onsets_per_shift", 2.0 * 3600.0 / 3570.0)]
+    {
+        let found = value(&scenario, &values, id, None);
+        assert!(near(found, expected), "{id} = {found}, not {expected}");
+    }
 }

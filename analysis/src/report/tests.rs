@@ -59,3 +59,46 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
         assert_eq!(page.contains("Which policy is better"), policies == 2);
     }
 }
+
+#[test]
+fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
+    use toolroom_sim::runlog::{EventRow, PassRow};
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/chatter-policies.toml");
+    let scenario = toolroom_sim::scenario::file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
+    let pass = |start: f64, stability_margin: f64| PassRow {
+        speed_start: 200.0 / 60.0,
+        speed_end: 200.0 / 60.0,
+        depth_of_cut: 0.55e-3,
+        stability_margin,
+        chatter_time: if stability_margin < 0.0 { 60.0 } else { 0.0 },
+        ..fixture::pass(0, 0, 0, 0, 0, start, start + 120.0)
+    };
+    let log = || {
+        let onset = EventRow { time: 4000.0, event: "chatter_onset", machine: Some(0), job: Some(0), edge: Some(0) };
+        RunLog {
+            passes: vec![pass(3700.0, 0.5), pass(3900.0, 0.05), pass(4100.0, -0.1)],
+            events: vec![onset],
+            horizon: scenario.horizon,
+            warm_up: scenario.warm_up,
+            ..fixture::log()
+        }
+    };
+    let page = html(&scenario, 2, &log);
+    for words in [
+        "Stability lobes: L1, insert",
+        "nominal limit, new edge",
+        "least limit in the run",
+        "constant: unstable",
+        "best lobe: unstable",
+        // 200 m/min at 40 mm; three passes, of which a sixth chatters.
+        "<td>1592</td>",
+        "<td>-10.0</td>",
+        "<td>16.7</td>",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains("Stability lobes: L2"), "nothing was cut on L2");
+    roxmltree::Document::parse(page.trim_start_matches("<!DOCTYPE html>")).expect("well-formed");
+    // Without a structure there is nothing to say.
+    assert!(!html(&fixture::scenario(), 2, &fixture::log).contains("Stability of the cuts"));
+}

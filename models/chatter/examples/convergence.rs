@@ -48,7 +48,8 @@ pub fn convergence() -> Result<Convergence, ChatterError> {
 
 /// The table in Markdown: one row a resolution, with the order between a row and the one before.
 pub fn table(errors: &Convergence) -> String {
-    let mut text = "| nodes | collocation | | steps | semi-discretisation | order | full discretisation | order |\n".to_owned();
+    let mut text =
+        "| nodes | collocation | | steps | semi-discretisation | order | full discretisation | order |\n".to_owned();
     text.push_str("|---|---|---|---|---|---|---|---|\n");
     let order = |errors: &[f64], i: usize| match i {
         0 => String::new(),

@@ -38,7 +38,7 @@ pub use contour::{ContourPlan, ContourSection, PlanError};
 pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::Observer;
 pub use resolve::ResolvedPolicy;
-pub use stability::Stability;
+pub use stability::{Stability, nominal_limit};
 pub use tool_change::ChangeRule;
 
 use crate::Stream;

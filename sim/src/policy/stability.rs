@@ -24,6 +24,13 @@ const PLACES: usize = 5;
 /// Layers of a pass at most (assumption).
 const MOST_LAYERS: f64 = 20.0;
 
+/// Depth (m) at which `cut` chatters somewhere along its pass at `cutting_speed` (m/s) with a land
+/// of `flank_wear` (m), by the nominal structure of its tool; infinite where it never does, `None`
+/// where no structure is known.
+pub fn nominal_limit(process: &ProcessModel, cut: &Cut, cutting_speed: f64, flank_wear: f64) -> Option<f64> {
+    Some(Nominal::of(process, cut)?.limit(cutting_speed, flank_wear))
+}
+
 /// A rule against chatter for one nominal cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stability {

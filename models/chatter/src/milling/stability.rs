@@ -182,7 +182,13 @@ impl<'a> AtSpeed<'a> {
         };
         let teeth = Teeth { cut: self.cut, geometry: &geometry };
         let (stiffening, greatest) = self.stiffening(depth);
-        let period = assemble(&teeth, &self.frame, self.motion, &stretches(&geometry, repeats), Resolution { extra, stiffening });
+        let period = assemble(
+            &teeth,
+            &self.frame,
+            self.motion,
+            &stretches(&geometry, repeats),
+            Resolution { extra, stiffening },
+        );
         Ok(Prepared { period, length: f64::from(repeats) * geometry.span / speed, greatest })
     }
 

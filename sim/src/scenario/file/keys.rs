@@ -609,7 +609,7 @@ static OUTPUT: Form = Form {
 };
 
 /// The whole file.
-pub(super) static SCENARIO: Form = Form {
+pub static SCENARIO: Form = Form {
     title: "the scenario",
     doc: "One shop under one or more policies, for toolroom",
     keys: &[

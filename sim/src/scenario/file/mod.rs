@@ -35,7 +35,7 @@ pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
 pub use fault::{Fault, nearest};
 pub use form::{Form, Key, Kind, Need, Quantity, When};
-pub use keys::{GAP, SENSORS};
+pub use keys::{GAP, SCENARIO, SENSORS};
 pub use processes::{deviations, scatter};
 pub use rules::{gap as gap_section, sensors};
 pub use schema::schema;
@@ -78,7 +78,7 @@ pub struct Output {
 /// # Errors
 /// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
 pub fn read(path: &Path, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
-    read_form(path, overrides, &keys::SCENARIO, resolve::scenario).map(ScenarioFile::new)
+    read_form(path, overrides, &SCENARIO, resolve::scenario).map(ScenarioFile::new)
 }
 
 /// Reads the text of a scenario; `file` is its name in messages.
@@ -94,7 +94,7 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<ScenarioFile, ReadError
 /// assert!(list.problems.iter().any(|problem| problem.fault.code() == "unknown-key"));
 /// ```
 pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFile, ReadError> {
-    parse_form(file, text, overrides, &keys::SCENARIO, resolve::scenario).map(ScenarioFile::new)
+    parse_form(file, text, overrides, &SCENARIO, resolve::scenario).map(ScenarioFile::new)
 }
 
 /// A file of some [`Form`], understood.

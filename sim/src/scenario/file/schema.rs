@@ -1,22 +1,22 @@
-//! The JSON schema (draft 2020-12) of scenario files, made from the same tables as the reader.
+//! The JSON schema (draft 2020-12) of files, made from the same tables as the reader.
 
 use super::form::{Form, Key, Kind, Need};
-use super::keys::SCENARIO;
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_process::{Field, unit};
 
-/// JSON schema of scenario files, for editors.
+/// JSON schema of a kind of file, called `title` in editors.
 ///
 /// ```
-/// let schema = toolroom_sim::scenario::file::schema();
+/// use toolroom_sim::scenario::file::{SCENARIO, schema};
+/// let schema = schema(&SCENARIO, "toolroom scenario");
 /// assert_eq!(schema["properties"]["machine"]["items"]["additionalProperties"], false);
 /// ```
-pub fn schema() -> Value {
-    let Value::Object(body) = form(&SCENARIO) else { return Value::Null };
+pub fn schema(of: &'static Form, title: &str) -> Value {
+    let Value::Object(body) = form(of) else { return Value::Null };
     let mut root = Map::new();
     root.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
-    root.insert("title".to_owned(), json!("toolroom scenario"));
+    root.insert("title".to_owned(), json!(title));
     root.extend(body);
     if let Some(version) = root.get_mut("properties").and_then(|properties| properties.get_mut("schema")) {
         *version = json!({ "const": 1, "description": "Version of the format" });

@@ -192,7 +192,12 @@ static LATHE_FORM: Form = Form {
         Key::required("lag", LAG, "Chip-formation lag of every component of the force"),
         Key::required("feed_per_rev", positive("m", "mm", 20e-3, "0.1 mm/rev"), "Feed"),
         Key::optional("allowance", Kind::List(&MODULATION), "Modulation by an uneven allowance: harmonics 1, 3, 5 …"),
-        Key::default("workpiece_lag", Kind::Flag, "false", "Take the extra damping of the printed workpiece rows literally"),
+        Key::default(
+            "workpiece_lag",
+            Kind::Flag,
+            "false",
+            "Take the extra damping of the printed workpiece rows literally",
+        ),
         Key::default("regeneration", Kind::Flag, "false", "Let the surface of the last revolution act on the force"),
     ],
 };
