@@ -92,7 +92,7 @@ fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
         "best lobe: unstable",
         // 200 m/min at 40 mm; three passes, of which a sixth chatters.
         "<td>1592</td>",
-        "<td>-10.0</td>",
+        "<td>−10.0</td>",
         "<td>16.7</td>",
     ] {
         assert!(page.contains(words), "{words}");
