@@ -3,10 +3,12 @@
 // Doc comments are help texts here: `time [s]` is a column, not a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod files;
 mod import;
 mod lobes;
 mod planning;
 
+pub use files::{CheckArgs, FileKind, NewArgs, SchemaArgs};
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs};
 pub use lobes::LobesArgs;
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
@@ -383,26 +385,6 @@ impl BlindCases {
     }
 }
 
-#[derive(Args, Debug)]
-pub struct SchemaArgs {
-    /// Kind of file
-    #[arg(default_value = "scenario")]
-    pub kind: FileKind,
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-pub enum FileKind {
-    Scenario,
-    Lobes,
-    Life,
-}
-
-#[derive(Args, Debug)]
-pub struct NewArgs {
-    /// Directory to create
-    pub dir: PathBuf,
-}
-
 /// A scenario and changes to it.
 #[derive(Args, Clone, Debug)]
 pub struct ScenarioArgs {
@@ -434,12 +416,6 @@ impl Changes {
         overrides.extend(self.replications.map(|count| format!("shop.replications={count}")));
         overrides
     }
-}
-
-#[derive(Args, Debug)]
-pub struct CheckArgs {
-    #[command(flatten)]
-    pub scenario: ScenarioArgs,
 }
 
 #[derive(Args, Debug)]

@@ -5,7 +5,7 @@ use super::form::{Kind, Quantity};
 use super::planned::{contour, cycle};
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::walk::{Section, Value, Walk};
-use super::words::display;
+use super::words::{display, significant};
 use crate::scenario::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
 use std::f64::consts::PI;
 
@@ -273,6 +273,19 @@ fn check(
         }
     }
     let Some(model) = model else { return };
+    let millimetres = |value: f64| format!("{} mm", significant(value * 1e3));
+    if let ProcessModel::Milling(milling) = model
+        && cut.width_of_cut > milling.cutter.diameter
+    {
+        let fault = Fault::Contradiction {
+            first: "width_of_cut",
+            first_value: millimetres(cut.width_of_cut),
+            second: "diameter of the cutter",
+            second_value: millimetres(milling.cutter.diameter),
+            rule: "a slot as wide as the cutter is the widest cut",
+        };
+        walk.fault(span("width_of_cut"), fault);
+    }
     if let ProcessModel::Turning(turning) = model
         && let Some(structure) = &turning.structure
     {
@@ -282,7 +295,6 @@ fn check(
             walk.fault(pass.span.clone(), fault);
         }
         if let Some(length) = structure.bar_length().filter(|length| cut.position > *length) {
-            let millimetres = |value: f64| format!("{} mm", value * 1e3);
             let fault = Fault::Contradiction {
                 first: "position",
                 first_value: millimetres(cut.position),
