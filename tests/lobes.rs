@@ -389,8 +389,8 @@ fn faults_of_a_structure_are_told_through_the_scenario() {
         ("position = \"620 mm\"", "position = \"720 mm\"", "720 mm"),
         ("natural_frequency = \"2 %\"", "natural_frequency = \"-2 %\"", "-2 %"),
         ("amplitude = 0.2", "amplitude = 1.2", "1.2"),
-        ("chatter/shaft.toml", "chatter/endmill.toml", "describes no turning"),
-        ("chatter/shaft.toml", "chatter/nowhere.toml", "nowhere.toml"),
+        ("= \"chatter/shaft.toml", "= \"chatter/endmill.toml", "describes no turning"),
+        ("= \"chatter/shaft.toml", "= \"chatter/nowhere.toml", "nowhere.toml"),
     ] {
         let (code, answer) = check([(from, to), none, none]);
         assert_eq!(code, Some(2), "{to}: {answer}");
