@@ -386,6 +386,11 @@ impl Fault {
             Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
             Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
+            Self::Structure { file, .. } => {
+                format!(
+                    "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"
+                )
+            }
             Self::Syntax { .. }
             | Self::CycleFile { .. }
             | Self::ContourFile { .. }
@@ -395,7 +400,6 @@ impl Fault {
             | Self::OutOfRange { .. }
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }
-            | Self::Structure { .. }
             | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })
