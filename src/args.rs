@@ -7,11 +7,13 @@ mod files;
 mod import;
 mod lobes;
 mod planning;
+mod program;
 
 pub use files::{CheckArgs, FileKind, NewArgs, SchemaArgs};
-pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs};
+pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
+pub use program::ProgramArgs;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -135,6 +137,12 @@ pub enum Command {
   toolroom contour setup.toml --gcode part.nc            contour from a part program
   toolroom contour scenarios/contour/cam.toml --ramps --json")]
     Contour(ContourArgs),
+    /// Nominal cycle time of a part program, block by block: feeds, rapids, dwells, tool changes, holes
+    #[command(before_help = "Examples:
+  toolroom program part.nc
+  toolroom program part.nc --set tool_change_time=\"6 s\" --set inverse_acceleration=\"0.5 s2/m\" --json
+  toolroom program part.nc --blocks blocks.csv")]
+    Program(ProgramArgs),
     /// Run one shard of a plan made by life, compare or lobes with --plan
     #[command(before_help = "Examples:
   toolroom compare shop.toml --replications 1000 --plan plan.json --shards 50

@@ -23,7 +23,11 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
 
 /// The nominal model of a file.
 fn nominal(data: &GapData) -> Result<NominalModel, Failure> {
-    NominalModel::read(&data.model, &data.set).map_err(|error| match error {
+    nominal_of(&data.model, &data.set)
+}
+
+fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
+    NominalModel::read(path, set).map_err(|error| match error {
         ModelFileError::Read(error) => Failure::from(error),
         other => Failure::argument(other, "see scenarios/gap for nominal models that work"),
     })

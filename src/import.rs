@@ -2,6 +2,7 @@
 
 mod csv;
 mod mtconnect;
+mod nist_runs;
 
 use crate::args::ImportCommand;
 use crate::failure::Failure;
@@ -17,6 +18,7 @@ pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
         ImportCommand::Csv(args) => csv::run(args, voice),
         ImportCommand::NasaMill(args) => csv::nasa_mill(args, voice),
         ImportCommand::Mtconnect(args) => mtconnect::run(args, voice),
+        ImportCommand::NistRuns(args) => nist_runs::run(args, voice),
     }
 }
 

@@ -28,6 +28,7 @@ mod merge;
 mod new;
 mod output;
 mod point;
+mod program;
 mod progress;
 mod records;
 mod report;
@@ -72,6 +73,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Life(args) => life::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),
         Command::Grind(args) => grind::run(&args, voice),
+        Command::Program(args) => program::run(&args, voice),
         Command::Contour(args) => contour::run(&args, voice),
         Command::Shard(args) => shard::run(&args, voice),
         Command::Merge(args) => merge::run(&args, voice),

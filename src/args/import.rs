@@ -18,8 +18,28 @@ pub enum ImportCommand {
     /// Logs of MTConnect adapters (SHDR: time|key|value|…) as events
     #[command(before_help = "Examples:
   toolroom import mtconnect mill.shdr --out out/mill
+  toolroom import mtconnect op2-*.shdr --program OP2 --nc op2.nc --out out/op2
   toolroom import mtconnect monday.shdr tuesday.shdr --machine M1 --key tool=T_Number --out out/week")]
     Mtconnect(MtconnectArgs),
+    /// The table of program runs derived from the logs of the NIST test bed
+    #[command(before_help = "Examples:
+  toolroom import nist-runs nist-mazak-runs-2017.csv --machine Mazak03 --program 103 --out out/mazak03-103")]
+    NistRuns(NistRunsArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct NistRunsArgs {
+    /// Table of runs: machine, day, hour, prog, mode, act, nom, hold, tc, nhold
+    pub file: PathBuf,
+    /// Only this machine
+    #[arg(long, value_name = "NAME")]
+    pub machine: Option<String>,
+    /// Only this program
+    #[arg(long, value_name = "NAME")]
+    pub program: Option<String>,
+    /// Directory of stretches.csv
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
 }
 
 #[derive(Args, Debug)]
@@ -34,7 +54,16 @@ pub struct MtconnectArgs {
     /// spindle_override, part_count or availability, where the usual names do not; repeatable
     #[arg(long, value_name = "ROLE=KEY")]
     pub key: Vec<String>,
-    /// Directory of events.csv
+    /// Name of the program, where the log does not tell it or not well
+    #[arg(long, value_name = "NAME")]
+    pub program: Option<String>,
+    /// Part program of the runs: they are timed stretch by stretch (stretches.csv)
+    #[arg(long, value_name = "FILE")]
+    pub nc: Option<PathBuf>,
+    /// Least nominal time of a stretch of motions
+    #[arg(long, value_name = "TIME", default_value = "10 s")]
+    pub stretch: String,
+    /// Directory of events.csv, runs.csv and stretches.csv
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

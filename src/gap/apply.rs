@@ -1,10 +1,14 @@
 //! `toolroom gap apply`: the nominal model with the named effects switched on.
 
+mod program;
+
+use super::nominal_of;
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::Value;
 use std::fmt::Write;
+use toolroom_analysis::gap::NominalProcess;
 use toolroom_effects::Effect;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
@@ -19,6 +23,9 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let named = diagnosis["effects"].as_array().cloned().unwrap_or_default();
     if named.is_empty() {
         return Err(Failure::argument("the diagnosis names no effect", "there is nothing to switch on"));
+    }
+    if let NominalProcess::Program(model) = nominal_of(&args.model, &[])?.process {
+        return write(args, &program::applied(&text, &model, &named)?, "toolroom gap diagnose --model", voice);
     }
     let mut entries: Vec<String> = Vec::new();
     for effect in &named {
@@ -54,8 +61,12 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     if !placed {
         return Err(Failure::argument("the model has no tool with a parameter set", "effects act on a physical model"));
     }
-    std::fs::write(&args.out, out).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
+    write(args, &out, "toolroom run", voice)
+}
+
+fn write(args: &ApplyArgs, text: &str, next: &str, voice: &Voice) -> Result<(), Failure> {
+    std::fs::write(&args.out, text).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
     voice.data(format_args!("wrote {}", args.out.display()))?;
-    voice.say(format_args!("next: toolroom run {} ; toolroom diff of the runs before and after", args.out.display()));
+    voice.say(format_args!("next: {next} {} ; compare with what it was before", args.out.display()));
     Ok(())
 }

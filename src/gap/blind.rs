@@ -26,6 +26,7 @@ const MODELS: &[(&str, &str)] = &[
     ("turning", include_str!("../../scenarios/gap/turning.toml")),
     ("milling", include_str!("../../scenarios/gap/milling.toml")),
     ("grinding", include_str!("../../scenarios/gap/grinding.toml")),
+    ("program", include_str!("../../scenarios/gap/program.toml")),
 ];
 
 pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {

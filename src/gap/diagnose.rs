@@ -8,6 +8,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use toolroom_analysis::gap::{Diagnosis, diagnose_parts};
 use toolroom_analysis::page::Provenance;
+use toolroom_analysis::records::RecordKind;
 use toolroom_analysis::results::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
@@ -16,8 +17,13 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.data.group.as_deref();
     let mut outside: Vec<String> = Vec::new();
     if let Some(path) = &args.holdout_data {
-        let more = recorded(path, &model, voice)?;
-        let column = group.unwrap_or("tool_id");
+        let mut more = recorded(path, &model, voice)?;
+        let column = group.unwrap_or(if model.kind() == RecordKind::Program { "section" } else { "tool_id" });
+        if model.kind() == RecordKind::Program {
+            // The same sections of the same programs ran on other pieces.
+            let names = more.texts(column).map(|names| names.iter().map(|name| format!("{name}, held out")).collect());
+            names.into_iter().for_each(|names| more.set_texts(column, names));
+        }
         outside = more.levels(column).map(|(names, _)| names).unwrap_or_default();
         let inside = records.levels(column).map(|(names, _)| names).unwrap_or_default();
         if let Some(both) = outside.iter().find(|name| inside.contains(name)) {

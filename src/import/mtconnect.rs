@@ -7,9 +7,14 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::time::Instant;
-use toolroom_analysis::mtconnect::{Lines, Passed, Role, Session, events, parse_shdr, sessions};
-use toolroom_analysis::records::write_csv;
+use toolroom_analysis::mtconnect::{
+    Lines, Passed, Role, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, whole,
+};
+use toolroom_analysis::records::{Records, write_csv};
+use toolroom_contour::{Drives, Program};
+use toolroom_process::unit;
 
 pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
@@ -34,28 +39,61 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
         let message = format!("no key tells the execution state; keys are {}, …", keys.join(", "));
         return Err(Failure::argument(message, "name it with --key execution=KEY"));
     }
-    let records = events(&all);
+    let own: Vec<Run> = all.iter().flat_map(|session| runs(session, args.program.as_deref())).collect();
+    let records = events(&all, &own);
+    let complete = whole(&own);
+    voice.say(format_args!("{} runs of programs, {} completed", own.len(), complete.len()));
+    let stretches = args.nc.as_deref().map(|nc| timed(args, nc, &own, voice)).transpose()?;
     let out = OutputDir::create(&args.out)?;
-    let mut csv = Vec::new();
-    write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
-    out.put("events.csv", &String::from_utf8_lossy(&csv))?;
+    put(&out, "events.csv", &records)?;
+    put(&out, "runs.csv", &complete)?;
+    if let Some(stretches) = &stretches {
+        put(&out, "stretches.csv", stretches)?;
+    }
     let inputs: Vec<(String, &[u8])> = inputs.iter().map(|(name, bytes)| (name.clone(), bytes.as_slice())).collect();
-    let options = ["--machine".to_owned(), args.machine.clone()];
-    let keys = args.key.iter().flat_map(|text| ["--key".to_owned(), text.clone()]);
-    out.record(&provenance("import mtconnect", &inputs, options.into_iter().chain(keys), None), start.elapsed())?;
+    let mut options = vec!["--machine".to_owned(), args.machine.clone()];
+    options.extend(args.key.iter().flat_map(|text| ["--key".to_owned(), text.clone()]));
+    options.extend(args.program.iter().flat_map(|name| ["--program".to_owned(), name.clone()]));
+    options.extend(args.nc.iter().flat_map(|nc| ["--nc".to_owned(), nc.display().to_string()]));
+    out.record(&provenance("import mtconnect", &inputs, options, None), start.elapsed())?;
     let target = out.publish()?;
     let summary = json!({
-        "schema": 1, "events": records.len(), "sessions": all.len(), "out": target.display().to_string(),
+        "schema": 1, "events": records.len(), "sessions": all.len(), "runs": own.len(), "completed": complete.len(),
+        "stretches": stretches.as_ref().map(Records::len), "out": target.display().to_string(),
     });
     if voice.json {
         return voice.json(&summary);
     }
-    voice.data(format_args!(
-        "{} events of {} sessions in {}",
-        records.len(),
-        all.len(),
-        target.join("events.csv").display()
-    ))
+    let timed = stretches.map_or(String::new(), |stretches| format!(", {} timed stretches", stretches.len()));
+    voice.data(format_args!("{} events of {} sessions{timed} in {}", records.len(), all.len(), target.display()))
+}
+
+fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
+    let mut csv = Vec::new();
+    write_csv(records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+    out.put(name, &String::from_utf8_lossy(&csv))
+}
+
+/// Stretches of the part program in every run of it; runs that are left out are told.
+fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<Records, Failure> {
+    let name = nc.display().to_string();
+    let text =
+        fs::read_to_string(nc).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+    let program = Program::read(&text)
+        .map_err(|error| Failure::argument(format!("{name}: {error}"), "`toolroom program` says what can be read"))?;
+    let least = unit::quantity(&args.stretch, "s")
+        .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
+    let list: Vec<&Run> = own.iter().collect();
+    let (records, untimed) = stretches(&list, &program, least, Drives::default().rapid_speed);
+    for Untimed { run, reason } in &untimed {
+        voice.say(format_args!("  {run} left out: {reason}"));
+    }
+    if records.is_empty() {
+        let message =
+            format!("no run of {name} was timed: {}", untimed.first().map_or("there is none", |one| &one.reason));
+        return Err(Failure::argument(message, "give the part program that ran, with all its lines"));
+    }
+    Ok(records)
 }
 
 /// `ROLE=KEY` of the command line.

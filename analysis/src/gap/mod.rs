@@ -17,7 +17,7 @@
 //! |---|---|
 //! | [`diagnose()`] | the whole way |
 //! | [`diagnose_parts()`] | the same for channels that are models of their own |
-//! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling |
+//! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling, [`program::Stretches`] for part programs |
 //! | [`Diagnosis`] | what is said, and its JSON form |
 //! | [`Basis`], [`Noise`] | by what all models are judged |
 //!
@@ -48,6 +48,7 @@ mod measured;
 mod noise;
 mod nominal;
 mod plausible;
+pub mod program;
 mod score;
 mod settings;
 mod summary;

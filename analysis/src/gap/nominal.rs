@@ -3,6 +3,7 @@
 use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
+use super::program::{self, ProgramModel, Stretches};
 use super::{Forward, Sensor, Settings};
 use crate::records::{RecordKind, Records};
 use std::path::Path;
@@ -11,6 +12,9 @@ use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
 use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors, ToolType};
+
+/// Stretches of part programs that are told by name.
+const PLACES: usize = 6;
 
 /// The process behind a nominal model.
 #[derive(Clone, Debug)]
@@ -23,6 +27,8 @@ pub enum NominalProcess {
     Grinding(Box<Infeed>),
     /// Power laws.
     Empirical,
+    /// Part programs.
+    Program(Box<ProgramModel>),
 }
 
 /// A nominal model with its priors and sensors.
@@ -77,7 +83,14 @@ impl NominalModel {
     /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
         let file = path.display().to_string();
-        if std::fs::read_to_string(path).is_ok_and(|text| is_plain(&text)) {
+        let text = std::fs::read_to_string(path);
+        if text.as_ref().is_ok_and(|text| is_program(text)) {
+            let directory = path.parent().unwrap_or(Path::new("."));
+            let resolve = |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, directory));
+            let (section, model) = file::read_form(path, overrides, &program::FORM, resolve)?.content;
+            return Self::of_programs(&file, section, model);
+        }
+        if text.is_ok_and(|text| is_plain(&text)) {
             let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file, Some(read.content), &[]);
         }
@@ -90,6 +103,12 @@ impl NominalModel {
     /// # Errors
     /// As [`NominalModel::read`].
     pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ModelFileError> {
+        if is_program(text) {
+            let resolve =
+                |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, Path::new(".")));
+            let (section, model) = file::parse_form(file, text, overrides, &program::FORM, resolve)?.content;
+            return Self::of_programs(file, section, model);
+        }
         if is_plain(text) {
             let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file.to_owned(), Some(read.content), &[]);
@@ -120,6 +139,13 @@ impl NominalModel {
         Ok(model)
     }
 
+    fn of_programs(file: &str, section: Option<GapSection>, programs: ProgramModel) -> Result<Self, ModelFileError> {
+        let process = NominalProcess::Program(Box::new(programs));
+        let settings =
+            section.map_or_else(|| Ok(Settings::default()), |own| settings(file, &own, RecordKind::Program))?;
+        Ok(Self { process, settings })
+    }
+
     /// The records that it can be held against.
     pub fn kind(&self) -> RecordKind {
         match self.process {
@@ -127,6 +153,7 @@ impl NominalModel {
             NominalProcess::Milling(_) => RecordKind::Milling,
             NominalProcess::Grinding(_) => RecordKind::Grinding,
             NominalProcess::Empirical => RecordKind::Empirical,
+            NominalProcess::Program(_) => RecordKind::Program,
         }
     }
 
@@ -152,6 +179,12 @@ impl NominalModel {
         group: Option<&str>,
         held: impl Fn(usize, &str) -> bool,
     ) -> (Vec<Box<dyn Forward>>, Vec<String>) {
+        if let NominalProcess::Program(model) = &self.process {
+            let groups = self.groups(records, group, &held);
+            let stretches = Stretches::new((**model).clone(), records, groups, &self.settings);
+            let notes = [stretches.totals(), stretches.places(PLACES)].concat();
+            return (vec![Box::new(stretches)], notes);
+        }
         let all = self.parts_of_all(records, group, &held);
         let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
         if matches!(self.process, NominalProcess::Empirical) {
@@ -168,19 +201,33 @@ impl NominalModel {
         (rest, suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect())
     }
 
+    /// Names of the groups, that of each row, and which of them are fitted.
+    fn groups(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: &dyn Fn(usize, &str) -> bool,
+    ) -> (Vec<String>, Vec<usize>, Vec<bool>) {
+        let asked = group.and_then(|column| records.levels(column));
+        let whole = || (vec!["all".to_owned()], vec![0; records.len()]);
+        let (names, of_row) = asked.unwrap_or_else(|| match self.process {
+            NominalProcess::Grinding(_) => super::grinding::dressings(records),
+            NominalProcess::Program(_) => {
+                records.levels("section").or_else(|| records.levels("operation_id")).unwrap_or_else(whole)
+            }
+            _ => records.levels("tool_id").unwrap_or_else(whole),
+        });
+        let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
+        (names, of_row, fitted)
+    }
+
     fn parts_of_all(
         &self,
         records: &Records,
         group: Option<&str>,
         held: &dyn Fn(usize, &str) -> bool,
     ) -> Vec<Box<dyn Forward>> {
-        let asked = group.and_then(|column| records.levels(column));
-        let (names, of_row) = asked.unwrap_or_else(|| match self.process {
-            NominalProcess::Grinding(_) => super::grinding::dressings(records),
-            _ => records.levels("tool_id").unwrap_or_else(|| (vec!["all".to_owned()], vec![0; records.len()])),
-        });
-        let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
-        let groups = (names, of_row, fitted);
+        let groups = self.groups(records, group, held);
         let settings = &self.settings;
         match &self.process {
             NominalProcess::Turning(turning) => {
@@ -198,8 +245,20 @@ impl NominalModel {
                 };
                 empirical::channels(records, settings).into_iter().map(part).collect()
             }
+            NominalProcess::Program(model) => {
+                vec![Box::new(Stretches::new((**model).clone(), records, groups, settings))]
+            }
         }
     }
+}
+
+/// Whether a file describes part programs.
+fn is_program(text: &str) -> bool {
+    text.lines().any(|line| line.replace(' ', "").starts_with("process=\"program\""))
+}
+
+fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path) -> (Option<GapSection>, ProgramModel) {
+    (file::gap_section(walk, root), program::section(walk, root, directory))
 }
 
 /// Whether a file has no shop: nothing but priors and sensors of an empirical model.

@@ -1,11 +1,13 @@
 //! States of machines as records of events.
 
+use super::runs::Run;
 use super::session::Session;
 use super::state::{MachineState, states};
 use crate::records::{RecordKind, Records};
 
 /// Events of all sessions in the order of time, one row a change; time counts from the first.
-pub fn events(sessions: &[Session]) -> Records {
+/// `runs` name the operations.
+pub fn events(sessions: &[Session], runs: &[Run]) -> Records {
     let mut rows: Vec<(&str, MachineState)> = Vec::new();
     for session in sessions {
         rows.extend(states(session).into_iter().map(|state| (session.machine.as_str(), state)));
@@ -26,6 +28,8 @@ pub fn events(sessions: &[Session]) -> Records {
     ];
     records.set_numbers("time", rows.iter().map(|(_, state)| state.time - origin).collect());
     records.set_texts("machine", rows.iter().map(|(machine, _)| (*machine).to_owned()).collect());
+    let operation = |time: f64| runs.iter().find(|run| run.start <= time && time < run.end).map_or("", |run| &run.id);
+    records.set_texts("operation_id", rows.iter().map(|(_, state)| operation(state.time).to_owned()).collect());
     for (name, value) in texts {
         records.set_texts(name, rows.iter().map(|(_, state)| value(state).to_owned()).collect());
     }

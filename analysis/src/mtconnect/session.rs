@@ -40,14 +40,22 @@ impl Session {
     }
 }
 
-/// Cuts a log where time goes back. `chosen` says which key a role is read from where the usual
+/// Cuts a log where time goes back and where the adapter connects anew: it sends only what changes,
+/// so that the same availability again, after a while, begins what it sends first. `chosen` says which key a role is read from where the usual
 /// names do not.
 pub fn sessions(machine: &str, lines: &Lines, chosen: &[(Role, String)]) -> Vec<Session> {
     let mut parts: Vec<Vec<Entry>> = Vec::new();
     let mut latest = f64::NEG_INFINITY;
+    let mut available: Option<&Entry> = None;
     for entry in &lines.entries {
+        let tells = roles(&entry.key).any(|(role, _)| role == Role::Availability);
+        let same = available.is_some_and(|before| before.key == entry.key && before.value == entry.value);
+        let anew = tells && same && entry.time > latest + JITTER;
+        if tells {
+            available = Some(entry);
+        }
         match parts.last_mut() {
-            Some(part) if entry.time >= latest - JITTER => part.push(entry.clone()),
+            Some(part) if entry.time >= latest - JITTER && !anew => part.push(entry.clone()),
             _ => {
                 parts.push(vec![entry.clone()]);
                 latest = entry.time;
@@ -88,6 +96,15 @@ mod tests {
         assert_eq!(sessions.iter().map(Session::span).collect::<Vec<_>>(), [(10.0, 12.0), (3.0, 4.0)]);
         assert_eq!((sessions[0].disordered, sessions[1].line), (1, 5));
         assert_eq!(sessions[0].unused(), ["a"]);
+    }
+
+    #[test]
+    fn an_adapter_that_connects_anew_begins_another_session() {
+        let lines = parse_shdr("1|avail|AVAILABLE|a|1\n2|a|2\n900|avail|AVAILABLE|a|3\n901|avail|UNAVAILABLE\n");
+        assert_eq!(
+            sessions("m", &lines, &[]).iter().map(Session::span).collect::<Vec<_>>(),
+            [(1.0, 2.0), (900.0, 901.0)]
+        );
     }
 
     #[test]

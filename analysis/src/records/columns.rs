@@ -156,6 +156,24 @@ const SHOP: &[RecordColumn] = &[
     condition("part_count", "1", "1", 1e9),
 ];
 
+/// Columns of runs of part programs, as a whole or stretch by stretch.
+const PROGRAM: &[RecordColumn] = &[
+    required(text("operation_id")),
+    required(text("machine")),
+    required(text("program")),
+    required(condition("sequence", "1", "1", 1e7)),
+    text("tool_id"),
+    text("section"),
+    condition("first_block", "1", "1", 1e9),
+    condition("last_block", "1", "1", 1e9),
+    condition("start_time", "s", "s", 1e10),
+    condition("feed_override", "1", "%", 300.0),
+    condition("tool_changes", "1", "1", 1e4),
+    condition("hold_count", "1", "1", 1e4),
+    condition("hold_time", "s", "s", 1e6),
+    channel("cycle_time", "s", "s", 1e6),
+];
+
 /// Columns that every table of an empirical model may have.
 const ANY: &[RecordColumn] = &[
     required(text("operation_id")),
@@ -202,6 +220,7 @@ impl RecordKind {
             Self::Milling => MILLING,
             Self::Grinding => GRINDING,
             Self::Shop => SHOP,
+            Self::Program => PROGRAM,
             Self::Empirical => ANY,
         }
     }
@@ -218,6 +237,7 @@ impl RecordKind {
             Self::Milling => "cuts",
             Self::Grinding => "trials",
             Self::Shop => "events",
+            Self::Program => "stretches",
         }
     }
 }

@@ -45,6 +45,8 @@ pub enum RecordKind {
     Grinding,
     /// Events of machines.
     Shop,
+    /// Runs of part programs, as a whole or stretch by stretch.
+    Program,
     /// Operations of any process, for an empirical model.
     Empirical,
 }

@@ -75,6 +75,12 @@ pub enum RecordError {
 /// # Errors
 /// [`RecordError`]: a file that cannot be read, a missing column, a unit that does not fit.
 pub fn read(path: &Path, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+    if path.is_dir() && find(path, kind).is_err() {
+        let parts = folders(path, kind);
+        if !parts.is_empty() {
+            return joined(&parts, kind);
+        }
+    }
     let path = if path.is_dir() { find(path, kind)? } else { path.to_owned() };
     let file = path.display().to_string();
     let table = if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
@@ -101,6 +107,33 @@ pub fn read(path: &Path, kind: RecordKind) -> Result<(Records, ReadReport), Reco
 /// ```
 pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
     understand(file, &csv_table::parse(bytes), kind)
+}
+
+/// Folders of a directory that hold a file of the kind, by name.
+fn folders(dir: &Path, kind: RecordKind) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().filter_map(Result::ok);
+    let mut list: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    list.retain(|path| find(path, kind).is_ok());
+    list.sort();
+    list
+}
+
+/// The records of several folders, one after the other.
+fn joined(parts: &[PathBuf], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+    let (mut records, mut report) = read(&parts[0], kind)?;
+    for part in &parts[1..] {
+        let (more, read) = read(part, kind)?;
+        records = records.followed_by(&more);
+        report.file = format!("{}, {}", report.file, read.file);
+        report.rows += read.rows;
+        report
+            .columns
+            .extend(read.columns.into_iter().filter(|column| !report.columns.contains(column)).collect::<Vec<_>>());
+        report.notes.extend(read.notes);
+        report.dropped.extend(read.dropped);
+        report.unreadable.extend(read.unreadable);
+    }
+    Ok((records, report))
 }
 
 fn find(dir: &Path, kind: RecordKind) -> Result<PathBuf, RecordError> {

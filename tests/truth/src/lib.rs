@@ -33,6 +33,7 @@
 pub mod grinding;
 pub mod milling;
 mod noise;
+pub mod program;
 mod steel;
 mod suite;
 pub mod turning;
@@ -54,7 +55,7 @@ pub struct Generator {
 }
 
 /// Every kind of shop.
-pub const GENERATORS: &[Generator] = &[turning::GENERATOR, milling::GENERATOR, grinding::GENERATOR];
+pub const GENERATORS: &[Generator] = &[turning::GENERATOR, milling::GENERATOR, grinding::GENERATOR, program::GENERATOR];
 
 /// One hidden cause.
 #[derive(Clone, Copy, Debug, PartialEq)]

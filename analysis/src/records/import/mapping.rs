@@ -187,6 +187,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Mapping> {
         "milling" => RecordKind::Milling,
         "grinding" => RecordKind::Grinding,
         "shop" => RecordKind::Shop,
+        "program" => RecordKind::Program,
         _ => RecordKind::Empirical,
     };
     let sections = walk.sections(root, "column", None);

@@ -97,6 +97,7 @@ impl RecordKind {
             Self::Grinding => "grinding",
             Self::Shop => "shop",
             Self::Empirical => "empirical",
+            Self::Program => "program",
         }
     }
 
@@ -105,6 +106,7 @@ impl RecordKind {
         match self {
             Self::Grinding => ("dressing_cycle", "part_in_cycle"),
             Self::Shop => ("machine", "time"),
+            Self::Program => ("operation_id", "sequence"),
             _ => ("tool_id", "sequence"),
         }
     }

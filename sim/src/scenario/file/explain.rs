@@ -73,6 +73,10 @@ pub const CODES: &[(&str, &str)] = &[
         "No rough, finish and spark-out cycle keeps all the limits on this wheel: the message names those that conflict. Policies that design for a duller wheel need wider limits than the dressed one. `toolroom grind` shows a cycle file by itself.",
     ),
     (
+        "part-program",
+        "A part program named in the file has a block whose time cannot be told: a subprogram, a variable, a motion at feed without F, an arc that misses its end. `toolroom program` reads it by itself.",
+    ),
+    (
         "contour",
         "The contour file is at fault, is drawn for another cutter than the tool, or has a section that no spindle speed and feed of this machine can mill within its limits; the message names the section and the limits that conflict. `toolroom contour` shows a contour file by itself.",
     ),

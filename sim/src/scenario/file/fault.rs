@@ -1,7 +1,7 @@
 //! What can be wrong in a scenario file, and the likely fix of each.
 
 use crate::policy::{PlanError, PolicyError};
-use toolroom_contour::FileError;
+use toolroom_contour::{FileError, ProgramError};
 use toolroom_infeed::{CycleError, CycleFileError};
 use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
@@ -238,6 +238,14 @@ pub enum Fault {
         /// The fault with its place in that file.
         reason: FileError,
     },
+    /// A part program with a fault of its own.
+    #[error("{file}, {reason}")]
+    PartProgram {
+        /// The file as written.
+        file: String,
+        /// The fault with its place in that file.
+        reason: ProgramError,
+    },
     /// A contour that cannot be milled as planned.
     #[error("{subject}: {reason}")]
     Contour {
@@ -347,6 +355,7 @@ impl Fault {
             Self::Unit { .. } => "unit",
             Self::Beside { .. } => "beside",
             Self::ContourFile { .. } | Self::Contour { .. } => "contour",
+            Self::PartProgram { .. } => "part-program",
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Model { .. } => "model",
@@ -394,6 +403,7 @@ impl Fault {
             Self::Syntax { .. }
             | Self::CycleFile { .. }
             | Self::ContourFile { .. }
+            | Self::PartProgram { .. }
             | Self::Contour { .. }
             | Self::Policy { .. }
             | Self::Cycle { .. }

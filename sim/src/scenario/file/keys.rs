@@ -638,7 +638,7 @@ pub static GAP: Form = Form {
     keys: &[
         Key::optional(
             "process",
-            Kind::Choice(&["turning", "milling", "infeed", "empirical", "shop"]),
+            Kind::Choice(&["turning", "milling", "infeed", "empirical", "shop", "program"]),
             "Process that is diagnosed; that of the first tool, if left out",
         ),
         Key::default("force", SPREAD, "0.08", "Force coefficients"),

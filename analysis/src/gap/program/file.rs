@@ -1,0 +1,141 @@
+//! Sections of a file that describe a machine and its part programs.
+
+use super::ProgramModel;
+use std::path::Path;
+use toolroom_contour::Program;
+use toolroom_process::Record;
+use toolroom_sim::effects::ShopDeviations;
+use toolroom_sim::scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
+
+const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })
+}
+
+static DRIVES: Form = Form {
+    title: "[drives]",
+    doc: "Feed drives and tool changer",
+    keys: &[
+        Key::default("rapid_speed", quantity("m/s", "m/min", 10.0, "30 m/min"), "30 m/min", "Rapid speed of each axis"),
+        Key::default(
+            "tool_change_time",
+            quantity("s", "s", 3600.0, "4 s"),
+            "0 s",
+            "Time of a tool change by the sheet",
+        ),
+        Key::default(
+            "corner_deviation",
+            quantity("m", "um", 1e-3, "10 um"),
+            "10 um",
+            "Distance by which corners may be rounded",
+        ),
+    ],
+};
+
+static EFFECTS: Form = Form {
+    title: "[effects]",
+    doc: "Effects that are switched on",
+    keys: &[
+        Key::default("feed_override", quantity("1", "1", 10.0, "1"), "0", "Share of the logged override that acts"),
+        Key::default(
+            "feed_hold",
+            quantity("s", "s", 3600.0, "10 s"),
+            "0 s",
+            "Time of a mean hold; holds count as long as logged",
+        ),
+        Key::default(
+            "axis_acceleration",
+            quantity("s2/m", "s2/m", 100.0, "0.5 s2/m"),
+            "0 s2/m",
+            "Inverse of the acceleration",
+        ),
+        Key::default("canned_cycle_dwell", quantity("s", "s", 60.0, "1 s"), "0 s", "Time per hole"),
+        Key::default(
+            "tool_change_delay",
+            quantity("s", "s", 3600.0, "10 s"),
+            "0 s",
+            "Time per tool change beside that of the sheet",
+        ),
+    ],
+};
+
+static PROGRAM: Form = Form {
+    title: "[[program]]",
+    doc: "A part program",
+    keys: &[
+        Key::required("name", Kind::Name, "Name under which its runs are recorded"),
+        Key::required("file", Kind::Text, "G-code, from the directory of this file"),
+    ],
+};
+
+/// Shipped part programs, found where the directory of the file has none of the name.
+const SHIPPED: [(&str, &str); 3] = [
+    ("programs/bracket.nc", include_str!("../../../../scenarios/gap/programs/bracket.nc")),
+    ("programs/plate.nc", include_str!("../../../../scenarios/gap/programs/plate.nc")),
+    ("programs/pocket.nc", include_str!("../../../../scenarios/gap/programs/pocket.nc")),
+];
+
+/// The form of a file that describes part programs.
+pub static FORM: Form = Form {
+    title: "the nominal model",
+    doc: "A machine and its part programs",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("gap", Kind::Table(&GAP), "Priors and sensors"),
+        Key::optional("drives", Kind::Table(&DRIVES), "Feed drives and tool changer"),
+        Key::optional("effects", Kind::Table(&EFFECTS), "Effects that are switched on"),
+        Key::optional("program", Kind::Tables(&PROGRAM), "Part programs"),
+    ],
+};
+
+/// The model of a file in `directory`; programs that cannot be read are faults of it.
+pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> ProgramModel {
+    let mut model = ProgramModel::default();
+    if let Some(section) = walk.table(root, "drives") {
+        fill(&mut model.drives, &section, &DRIVES);
+    }
+    if let Some(section) = walk.table(root, "effects") {
+        fill(&mut model.effects, &section, &EFFECTS);
+    }
+    for section in walk.sections(root, "program", None) {
+        let (Some(name), Some(file)) = (section.text("name"), section.text("file")) else { continue };
+        let path = directory.join(file);
+        let span = section.span_of("file");
+        let file = path.display().to_string();
+        let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
+        let text = std::fs::read_to_string(&path);
+        match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
+            Ok(text) => match Program::read(&text) {
+                Ok(program) => model.programs.push((name.to_owned(), program)),
+                Err(reason) => walk.fault(span, Fault::PartProgram { file, reason }),
+            },
+            Err(error) => walk.fault(span, Fault::Unreadable { file, reason: error.kind() }),
+        }
+    }
+    model
+}
+
+/// Sets the fields of a record that `form` has as keys.
+fn fill<R: Record>(record: &mut R, section: &Section<'_>, form: &Form) {
+    for key in form.keys {
+        if let (Some(index), Some(value)) = (R::index_of(key.name), section.si(key.name)) {
+            record.set(index, value);
+        }
+    }
+}
+
+/// The section `[effects]` of a file with `effects` on.
+pub fn effects_section(effects: &ShopDeviations) -> String {
+    let mut text = String::from("[effects]\n");
+    for key in EFFECTS.keys {
+        let Some(index) = ShopDeviations::<f64>::index_of(key.name) else { continue };
+        let field = &ShopDeviations::<f64>::FIELDS[index];
+        let value = effects.get(index).unwrap_or(0.0);
+        if value != 0.0 {
+            let number = field.to_display(value);
+            let unit = field.display;
+            let written = if unit == "1" { format!("{number}") } else { format!("\"{number} {unit}\"") };
+            text += &format!("{} = {written}\n", key.name);
+        }
+    }
+    text
+}

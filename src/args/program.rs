@@ -1,0 +1,17 @@
+//! Arguments of `program`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub struct ProgramArgs {
+    /// Part program (G-code) of a milling machine
+    pub file: PathBuf,
+    /// Replace a value of drives and changer, repeatable: rapid_speed, tool_change_time,
+    /// inverse_acceleration, corner_deviation, hole_dwell
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Table of every block (CSV)
+    #[arg(long, value_name = "CSV")]
+    pub blocks: Option<PathBuf>,
+}

@@ -1,0 +1,170 @@
+//! Real programs: from logs of machines and G-code to a diagnosis.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_analysis::records::{RecordKind, parse_csv};
+use toolroom_truth::Case;
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom")).args(arguments).output().expect("the binary runs")
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+fn directory(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).expect("the target directory is writable");
+    path
+}
+
+const PROGRAM: &str = "%\nO1(PART)\nT1 M6\nG21 G90 G54 G0 X0 Y0 Z5. S3000 M3\nG1 Z-1. F300.\nX60. F600.\nY60.\nG0 Z50.\n\
+    T2 M6\nG0 X10. Y10. Z5.\nG98 G81 Z-5. R2. F60.\nX20.\nG80\nG4 P500\nM30\n%\n";
+
+/// Two runs of the program: the second is held for three seconds and runs at half feed for a while.
+const LOG: &str = "2024-05-02T08:00:00Z|avail|AVAILABLE|execution|READY|program|O1|Fovr|100|tool|1|line|0\n\
+    2024-05-02T08:00:10Z|execution|ACTIVE|line|3\n2024-05-02T08:00:14Z|line|4\n2024-05-02T08:00:15Z|line|6\n\
+    2024-05-02T08:00:27Z|line|8\n2024-05-02T08:00:28Z|line|9\n2024-05-02T08:00:30Z|tool|2\n2024-05-02T08:00:33Z|line|11\n\
+    2024-05-02T08:00:41Z|line|12\n2024-05-02T08:00:49Z|line|14\n2024-05-02T08:00:50Z|line|15\n\
+    2024-05-02T08:00:51Z|execution|PROGRAM_COMPLETED|PartCountAct|1\n2024-05-02T08:01:00Z|tool|1\n\
+    2024-05-02T08:01:10Z|execution|ACTIVE|line|3\n2024-05-02T08:01:14Z|line|4\n2024-05-02T08:01:15Z|line|6\n\
+    2024-05-02T08:01:18Z|execution|FEED_HOLD\n2024-05-02T08:01:21Z|execution|ACTIVE|Fovr|50\n2024-05-02T08:01:31Z|Fovr|100\n\
+    2024-05-02T08:01:34Z|line|8\n2024-05-02T08:01:35Z|line|9\n2024-05-02T08:01:37Z|tool|2\n2024-05-02T08:01:40Z|line|11\n\
+    2024-05-02T08:01:48Z|line|12\n2024-05-02T08:01:56Z|line|14\n2024-05-02T08:01:57Z|line|15\n\
+    2024-05-02T08:01:58Z|execution|PROGRAM_COMPLETED|PartCountAct|2\n2024-05-02T08:02:00Z|coolant|WARNING|17|2|LOW|level\n";
+
+#[test]
+fn a_log_becomes_events_runs_and_timed_stretches() {
+    let dir = directory("import-mtconnect");
+    let (log, nc, out) = (dir.join("mill.shdr"), dir.join("part.nc"), dir.join("out"));
+    fs::write(&log, LOG).expect("writable");
+    fs::write(&nc, PROGRAM).expect("writable");
+    let [log, nc, out_text] = [&log, &nc, &out].map(|path| path.display().to_string());
+    let output =
+        toolroom(&["import", "mtconnect", &log, "--nc", &nc, "--stretch", "30 s", "--out", &out_text, "--json"]);
+    let summary = json(&output);
+    assert_eq!((summary["runs"].as_u64(), summary["completed"].as_u64()), (Some(2), Some(2)), "{summary}");
+    let report = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(report.contains("condition") && report.contains("execution = execution"), "{report}");
+    let events = fs::read_to_string(out.join("events.csv")).expect("events");
+    assert!(
+        events.contains("FEED_HOLD") && events.lines().last().is_some_and(|line| line.contains("UNAVAILABLE")),
+        "{events}"
+    );
+    let stretches = fs::read(out.join("stretches.csv")).expect("stretches");
+    let (records, _) = parse_csv("stretches.csv", &stretches, RecordKind::Program).expect("records");
+    let numbers = |name: &str| records.numbers(name).expect("a column").to_vec();
+    assert_eq!(numbers("first_block"), [1.0, 5.0, 9.0, 10.0, 11.0, 15.0].repeat(2));
+    // The second run was held for 3 s and lost 5 s at half feed, less what the samples round.
+    let (time, held) = (numbers("cycle_time"), numbers("hold_time"));
+    assert!((time[7] - time[1] - 7.0).abs() < 0.1 && held[7] == 3.0 && held[1] == 0.0, "{time:?} {held:?}");
+    assert!((numbers("feed_override")[7] - 13.0 / 18.0).abs() < 0.01);
+}
+
+#[test]
+fn what_is_no_log_and_another_version_of_a_program_are_refused_with_a_fix() {
+    let dir = directory("import-mtconnect-bad");
+    let (log, nc, out) = (dir.join("mill.shdr"), dir.join("part.nc"), dir.join("out"));
+    let [log_text, nc_text, out] = [&log, &nc, &out].map(|path| path.display().to_string());
+    let refused = |arguments: &[&str]| {
+        let output = toolroom(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    fs::write(&log, "hello\nworld\n").expect("writable");
+    assert!(refused(&["import", "mtconnect", &log_text, "--out", &out]).contains("time|key|value"));
+    fs::write(&log, LOG).expect("writable");
+    fs::write(&nc, PROGRAM.replace("G4 P500\n", "")).expect("writable");
+    let text = refused(&["import", "mtconnect", &log_text, "--nc", &nc_text, "--out", &out]);
+    assert!(text.contains("another version"), "{text}");
+    let text = refused(&["import", "mtconnect", &log_text, "--key", "tol=x", "--out", &out]);
+    assert!(text.contains("spindle_override"), "{text}");
+    fs::write(&nc, "G0 X0\nG1 X1\n").expect("writable");
+    assert!(refused(&["program", &nc_text]).contains("line 2"), "the block without feed is named");
+}
+
+#[test]
+fn the_time_of_a_program_is_told_by_tool() {
+    let nc = directory("program-time").join("part.nc");
+    fs::write(&nc, PROGRAM).expect("writable");
+    let summary = json(&toolroom(&["program", &nc.display().to_string(), "--set", "tool_change_time=4 s", "--json"]));
+    assert_eq!(summary["tools"].as_array().map(Vec::len), Some(2), "{summary}");
+    // 6 mm at 300 and 120 mm at 600 mm/min, one change.
+    let feed = summary["tools"][0]["feed_time [s]"].as_f64().expect("a number");
+    assert!((feed - 13.2).abs() < 1e-6, "{feed}");
+    assert_eq!(summary["tools"][1]["holes"].as_u64(), Some(2));
+}
+
+fn diagnosed(case: &Case) -> Diagnosis {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/program.toml");
+    let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
+    let (records, _) =
+        parse_csv("truth", case.records().as_bytes(), RecordKind::Program).expect("records of the contract");
+    diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis
+}
+
+#[test]
+fn an_undisturbed_machine_has_no_gap() {
+    let diagnosis = diagnosed(&Case::null("program", 1));
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+}
+
+#[test]
+fn slow_tool_changes_are_named_with_their_size() {
+    let diagnosis = diagnosed(&Case::one("program", "tool_change_delay", 1.0, 5));
+    assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
+    assert_eq!((diagnosis.effects[0].id, diagnosis.effects.len()), ("tool_change_delay", 1));
+    assert!((diagnosis.effects[0].size - 5.0).abs() < 1.5, "{}", diagnosis.terminal());
+}
+
+/// Folder of measured data, which is not part of the project.
+fn data(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("TOOLROOM_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
+    let path = folder.join(name);
+    if !path.exists() {
+        println!("skipped: {} is not there; set TOOLROOM_DATA to the folder of the measured data", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+#[test]
+fn the_box_of_the_nist_test_bed_is_timed_and_its_gap_named() {
+    let Some(folder) = data("nist-box") else { return };
+    let dir = directory("nist-box");
+    let file = |name: &str| folder.join(name).display().to_string();
+    for operation in [2, 3] {
+        let logs: Vec<String> =
+            (6..=9).map(|piece| file(&format!("box-op{operation}-piece-{piece:02}.shdr.txt"))).collect();
+        let (nc, name) = (file(&format!("box-op{operation}.nc")), format!("OP{operation}"));
+        let out = dir.join(&name).display().to_string();
+        let mut arguments = vec!["import", "mtconnect", "--program", &name, "--nc", &nc, "--out", &out, "--json"];
+        arguments.extend(logs.iter().map(String::as_str));
+        let summary = json(&toolroom(&arguments));
+        assert_eq!(summary["completed"].as_u64(), Some(4), "{summary}");
+    }
+    let model = dir.join("box.toml");
+    let programs = [2, 3].map(|operation| {
+        format!("[[program]]\nname = \"OP{operation}\"\nfile = \"{}\"\n", file(&format!("box-op{operation}.nc")))
+    });
+    fs::write(&model, format!("schema = 1\n[gap]\nprocess = \"program\"\n{}", programs.concat())).expect("writable");
+    let [model, dir] = [model, dir].map(|path| path.display().to_string());
+    let diagnosis = json(&toolroom(&["gap", "diagnose", "--model", &model, "--data", &dir, "--json"]));
+    let named: Vec<&str> =
+        diagnosis["effects"].as_array().into_iter().flatten().filter_map(|own| own["id"].as_str()).collect();
+    assert!(named.contains(&"tool_change_delay"), "{diagnosis}");
+}
+
+#[test]
+fn the_log_of_an_okuma_falls_into_its_four_segments() {
+    let Some(log) = data("okuma-mtconnect-shdr.txt") else { return };
+    let out = directory("okuma").join("out").display().to_string();
+    let summary = json(&toolroom(&["import", "mtconnect", &log.display().to_string(), "--out", &out, "--json"]));
+    assert_eq!((summary["sessions"].as_u64(), summary["completed"].as_u64()), (Some(4), Some(4)), "{summary}");
+}
