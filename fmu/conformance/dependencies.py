@@ -142,6 +142,7 @@ def try_points(path, points, seed, chatter=False, damped=True):
     inputs = [each for each in knowns if each not in unit.states]
     source = random.Random(seed)
     shown, judged = set(), set()
+    amplitude = next(i for i, each in enumerate(unknowns) if each.name == "process.vibration_amplitude")
     for point in range(points):
         scale = (0.1, 1.0, 100.0)[point % 3]
         states = {each: scattered(each, source, scale, True) for each in unit.states}
@@ -160,6 +161,8 @@ def try_points(path, points, seed, chatter=False, damped=True):
                 after = unit.at(states, {**given, known: moved(known, given[known])}, unknowns)
             else:
                 after = unit.at({**states, known: moved(known, states[known])}, given, unknowns)
+            if float.fromhex(before[amplitude]) < 0.0 or float.fromhex(after[amplitude]) < 0.0:
+                continue  # a force below zero: the effects together left the range of the equations
             shown |= {(unknown.name, known.name) for unknown, one, other in zip(unknowns, before, after) if one != other}
     return shown, judged
 

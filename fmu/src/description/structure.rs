@@ -90,7 +90,12 @@ impl Dependencies {
             let u = scattered::<U::Input>(point + 1000, scatter);
             let before = evaluate(process, &x, &u);
             let mut compare = |known: Slot, x: &U::State, u: &U::Input| {
-                for ((unknown, before), after) in unknowns.iter().zip(&before).zip(evaluate(process, x, u)) {
+                let after = evaluate(process, x, u);
+                // A force below zero: the effects together left the range of the equations.
+                if outside::<U>(&before) || outside::<U>(&after) {
+                    return;
+                }
+                for ((unknown, before), after) in unknowns.iter().zip(&before).zip(after) {
                     let knowns = self.0.entry(unknown.reference()).or_default();
                     if before.to_bits() != after.to_bits() && !knowns.contains(&known.reference()) {
                         knowns.push(known.reference());
@@ -136,6 +141,12 @@ fn evaluate<U: Unit>(process: &U, x: &U::State, u: &U::Input) -> Vec<f64> {
         values.extend((0..U::State::LEN).filter_map(|i| rates.get(i)));
     }
     values
+}
+
+/// Whether an amplitude is below zero.
+fn outside<U: Unit>(values: &[f64]) -> bool {
+    let amplitude = |field: &Field| field.name == "vibration_amplitude";
+    U::Output::FIELDS.iter().zip(values).any(|(field, value)| amplitude(field) && *value < 0.0)
 }
 
 /// A point of the range around the start values.
