@@ -354,6 +354,9 @@ pub struct ApplyArgs {
     /// A finished diagnosis
     #[arg(long, value_name = "diagnosis.json")]
     pub diagnosis: PathBuf,
+    /// Recorded events: run the shop with and without the effects and hold both against them
+    #[arg(long, value_name = "DATA")]
+    pub data: Option<PathBuf>,
     /// File to write
     #[arg(long, value_name = "MODEL2.toml")]
     pub out: PathBuf,

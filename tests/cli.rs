@@ -535,3 +535,31 @@ fn an_interrupted_study_keeps_what_is_complete() {
     let report = toolroom(&["report", &out.display().to_string()]);
     assert!(stderr(&report).contains("interrupted"), "{}", stderr(&report));
 }
+
+#[test]
+fn a_recorded_shop_is_diagnosed_and_its_key_figures_come_nearer() {
+    let dir = directory("recorded-shop");
+    let path = |name: &str| dir.join(name).display().to_string();
+    let nominal = shipped("gap/shop");
+    let late = "\n[[deviation]]\nid = \"operator_delay\"\nsize = \"15 s\"\nshift = \"S2\"\n";
+    let text = fs::read_to_string(&nominal).expect("a shipped scenario");
+    fs::write(path("true.toml"), text + late).expect("writable");
+    let (records, out, better) = (path("records"), path("gap"), path("better.toml"));
+    let run = ["run", &path("true.toml"), "--replications", "2", "--out", &path("run"), "--records", &records];
+    assert_eq!(toolroom(&run).status.code(), Some(0), "{}", stderr(&toolroom(&run)));
+    assert_eq!(names(Path::new(&records)), ["cuts.csv", "events.csv", "operations.csv"]);
+    let found = json(&toolroom(&["gap", "diagnose", "--model", &nominal, "--data", &records, "--out", &out, "--json"]));
+    assert_eq!(
+        (&found["verdict"], &found["effects"][0]["id"]),
+        (&"effect".into(), &"operator_delay".into()),
+        "{found}"
+    );
+    assert_eq!(found["effects"][0]["shape"], "shift=S2");
+    let diagnosis = format!("{out}/diagnosis.json");
+    let apply = ["gap", "apply", "--model", &nominal, "--diagnosis", &diagnosis, "--out", &better];
+    let applied = json(&toolroom(&[&apply[..], &["--data", &records, "--json"]].concat()));
+    let cycle = &applied["kpi"][0];
+    assert_eq!(cycle["kpi"], "cycle_time");
+    assert!(cycle["closed"].as_f64().is_some_and(|closed| closed > 0.7), "{applied}");
+    assert_eq!(toolroom(&["check", &better]).status.code(), Some(0));
+}

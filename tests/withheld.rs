@@ -5,10 +5,11 @@ use toolroom_analysis::records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
 fn diagnosed(case: &Case) -> Diagnosis {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/gap/turning.toml");
+    let shipped = format!("scenarios/gap/{}.toml", case.process);
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(shipped);
     let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
     let csv = case.records();
-    let (records, _) = parse_csv("truth", csv.as_bytes(), RecordKind::Turning).expect("records of the contract");
+    let (records, _) = parse_csv("truth", csv.as_bytes(), model.kind()).expect("records of the contract");
     diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis
 }
 
@@ -50,4 +51,29 @@ fn a_channel_in_a_wrong_unit_is_said() {
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
     assert!(forward.frame().measured.channels.iter().all(|channel| channel.name != "cutting_force"));
     assert!(notes.iter().any(|note| note.contains("cutting_force") && note.contains("unit")));
+}
+
+#[test]
+fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
+    let diagnosis = diagnosed(&Case::one("shop", "micro_stops", 1.0, 1));
+    assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
+    let effect = &diagnosis.effects[0];
+    assert_eq!((effect.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+    // 1.5 stops an hour, of 20 s: less than one per cent of the time in cut. Blocks of many stops
+    // count as outliers, so that sizes come out low by up to a quarter.
+    assert!((1.5 * 0.75..1.5 * 1.1).contains(&effect.size), "{} 1/h", effect.size);
+}
+
+#[test]
+fn a_shop_that_hides_nothing_is_blamed_on_nothing() {
+    let diagnosis = diagnosed(&Case::null("shop", 1));
+    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn chips_that_jam_one_program_are_no_short_stops() {
+    let diagnosis = diagnosed(&Case::one("shop", "chip_jam", 1.0, 1));
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    let cell = &diagnosis.cells[0];
+    assert_eq!(cell.group, "program=flange/turn", "{}", diagnosis.terminal());
 }

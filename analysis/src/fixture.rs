@@ -106,6 +106,7 @@ pub(crate) fn scenario() -> Scenario {
             policy("constant", SpeedRule::Constant(SpeedChoice::BestCost)),
             policy("adaptive", SpeedRule::MinimumWear { literal: false }),
         ],
+        deviations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

@@ -84,6 +84,7 @@ fn scenario() -> Scenario {
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy(SpeedRule::Programmed)],
+        deviations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

@@ -32,13 +32,17 @@ const fn rises(channel: &'static str) -> Touched {
     Touched { channel, sign: Sign::Rises }
 }
 
+const fn falls(channel: &'static str) -> Touched {
+    Touched { channel, sign: Sign::Falls }
+}
+
 /// Every effect of the shop, one row each, in the order of [`ShopDeviations`].
 pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
     CatalogueEntry {
         id: "feed_override",
         title: "operators turn the feed override down",
         size: &ShopDeviations::<f64>::FIELDS[0],
-        channels: &[rises("cycle_time")],
+        channels: &[rises("cycle_time"), rises("cutting_time")],
         regime: "all feed moves of a shift or operator",
         confounder: "micro_stops",
         separating_test: "log the override beside the cycle",
@@ -49,7 +53,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "feed_hold",
         title: "operators hold the feed",
         size: &ShopDeviations::<f64>::FIELDS[1],
-        channels: &[rises("cycle_time")],
+        channels: &[rises("cycle_time"), rises("feed_hold_time")],
         regime: "operations with holds in the event log",
         confounder: "micro_stops",
         separating_test: "log execution states (INTERRUPTED, FEED_HOLD)",
@@ -60,7 +64,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "axis_acceleration",
         title: "axes need time to accelerate",
         size: &ShopDeviations::<f64>::FIELDS[2],
-        channels: &[rises("cycle_time")],
+        channels: &[rises("cycle_time"), rises("cutting_time")],
         regime: "programs of many short blocks",
         confounder: "rapid override",
         separating_test: "time a program of long and one of short blocks",
@@ -82,7 +86,14 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "micro_stops",
         title: "short stops that nobody books",
         size: &ShopDeviations::<f64>::FIELDS[4],
-        channels: &[rises("cycle_time"), rises("stop_count"), rises("stop_time")],
+        channels: &[
+            rises("cycle_time"),
+            rises("stop_count"),
+            rises("stop_time"),
+            rises("cutting_tail"),
+            rises("cutting_excess"),
+            rises("cutting_spread"),
+        ],
         regime: "a tail of long cycles, in proportion to their length",
         confounder: "feed_override",
         separating_test: "log every stop for a shift",
@@ -93,7 +104,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "operator_delay",
         title: "operators come late to the machine",
         size: &ShopDeviations::<f64>::FIELDS[5],
-        channels: &[rises("cycle_time")],
+        channels: &[rises("cycle_time"), rises("handling_time")],
         regime: "one shift or operator",
         confounder: "setup time",
         separating_test: "one operator at two shifts",
@@ -104,7 +115,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "tool_change_delay",
         title: "a tool change takes longer than planned",
         size: &ShopDeviations::<f64>::FIELDS[6],
-        channels: &[rises("cycle_time")],
+        channels: &[rises("cycle_time"), rises("tool_change_time")],
         regime: "the first operation of an edge",
         confounder: "operator_delay",
         separating_test: "time ten changes",
@@ -115,7 +126,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "tool_change_policy",
         title: "edges are changed at another wear than planned",
         size: &ShopDeviations::<f64>::FIELDS[7],
-        channels: &[rises("flank_wear")],
+        channels: &[rises("flank_wear"), rises("edge_life")],
         regime: "the last operation of an edge",
         confounder: "chipping",
         separating_test: "measure every edge that is taken out",
@@ -126,7 +137,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         id: "breakdown_shape",
         title: "breakdowns come in bursts or after wear",
         size: &ShopDeviations::<f64>::FIELDS[8],
-        channels: &[rises("stop_time")],
+        channels: &[rises("stop_time"), falls("failure_interval")],
         regime: "times between breakdowns",
         confounder: "breakdown rate",
         separating_test: "log breakdowns for a quarter of a year",

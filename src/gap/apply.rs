@@ -1,4 +1,7 @@
-//! `toolroom gap apply`: the nominal model with the named effects switched on.
+//! `toolroom gap apply`: the nominal model with the named effects switched on, and what that does
+//! to the key figures of the shop.
+
+mod figures;
 
 mod program;
 
@@ -6,10 +9,11 @@ use super::nominal_of;
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_analysis::gap::NominalProcess;
 use toolroom_effects::Effect;
+use toolroom_sim::scenario::Deviation;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let read = |path: &std::path::Path| {
@@ -25,48 +29,78 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
         return Err(Failure::argument("the diagnosis names no effect", "there is nothing to switch on"));
     }
     if let NominalProcess::Program(model) = nominal_of(&args.model, &[])?.process {
-        return write(args, &program::applied(&text, &model, &named)?, "toolroom gap diagnose --model", voice);
+        let text = program::applied(&text, &model, &named)?;
+        put(args, &text)?;
+        return wrote(args, "toolroom gap diagnose --model", voice);
     }
-    let mut entries: Vec<String> = Vec::new();
+    let (mut of_process, mut of_shop) = (Vec::new(), String::new());
     for effect in &named {
         let (Some(id), Some(size)) = (effect["id"].as_str(), effect["size"].as_f64()) else {
             return Err(Failure::argument("an effect of the diagnosis has no id or size", "diagnose again"));
         };
-        if Effect::named(id).is_err() {
-            voice.say(format_args!("{id} is an effect of the shop: set it in the times of the scenario by hand"));
-            continue;
-        }
         let unit = effect["unit"].as_str().unwrap_or("1");
-        let size = if unit == "1" { format!("{size}") } else { format!("\"{size} {unit}\"") };
-        entries.push(format!("{{ id = \"{id}\", size = {size} }}"));
-    }
-    if entries.is_empty() {
-        return Err(Failure::argument("none of the named effects acts on a process", "nothing was written"));
-    }
-    let mut out = String::new();
-    let mut placed = false;
-    for line in text.lines() {
-        if line.trim_start().starts_with("effects") {
-            return Err(Failure::argument(
-                "the model switches effects on already",
-                "add the new ones to its list by hand",
-            ));
-        }
-        let _ = writeln!(out, "{line}");
-        if line.trim_start().starts_with("parameter_set") && !placed {
-            let _ = writeln!(out, "effects = [{}] # by {}", entries.join(", "), args.diagnosis.display());
-            placed = true;
+        if Effect::named(id).is_ok() {
+            let size = if unit == "1" { format!("{size}") } else { format!("\"{size} {unit}\"") };
+            of_process.push(format!("{{ id = \"{id}\", size = {size} }}"));
+        } else if Deviation::IDS.contains(&id) {
+            let size = if unit == "1" { format!("{size}") } else { format!("{size} {unit}") };
+            let shift = effect["shape"].as_str().and_then(|shape| shape.strip_prefix("shift="));
+            let shift = shift.map_or_else(String::new, |shift| format!("shift = \"{shift}\"\n"));
+            let by = args.diagnosis.display();
+            let _ = writeln!(of_shop, "\n[[deviation]] # by {by}\nid = \"{id}\"\nsize = \"{size}\"\n{shift}");
+        } else {
+            voice.say(format_args!("{id} is no effect that a simulated shop can have; it is left out"));
         }
     }
-    if !placed {
-        return Err(Failure::argument("the model has no tool with a parameter set", "effects act on a physical model"));
+    if of_process.is_empty() && of_shop.is_empty() {
+        return Err(Failure::argument("none of the named effects can be simulated", "nothing was written"));
     }
-    write(args, &out, "toolroom run", voice)
+    let mut out = switched_on(&text, &of_process, &args.diagnosis.display().to_string())?;
+    out.push_str(of_shop.trim_end());
+    out.push('\n');
+    put(args, &out)?;
+    let figures = args.data.as_ref().map(|data| figures::figures(&args.model, &args.out, data, voice)).transpose()?;
+    if voice.json {
+        let figures = figures.iter().flatten().map(figures::Figure::json).collect::<Vec<_>>();
+        return voice.json(&json!({ "schema": 1, "model": args.out.display().to_string(), "kpi": figures }));
+    }
+    if let Some(figures) = &figures {
+        voice.data(figures::table(figures).trim_end())?;
+    }
+    wrote(args, "toolroom run", voice)
 }
 
-fn write(args: &ApplyArgs, text: &str, next: &str, voice: &Voice) -> Result<(), Failure> {
-    std::fs::write(&args.out, text).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
+fn put(args: &ApplyArgs, text: &str) -> Result<(), Failure> {
+    std::fs::write(&args.out, text).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })
+}
+
+fn wrote(args: &ApplyArgs, next: &str, voice: &Voice) -> Result<(), Failure> {
     voice.data(format_args!("wrote {}", args.out.display()))?;
     voice.say(format_args!("next: {next} {} ; compare with what it was before", args.out.display()));
     Ok(())
+}
+
+/// The model with effects of its first tool.
+fn switched_on(text: &str, effects: &[String], by: &str) -> Result<String, Failure> {
+    let mut out = String::new();
+    let mut placed = effects.is_empty();
+    for line in text.lines() {
+        let _ = writeln!(out, "{line}");
+        if placed {
+            continue;
+        }
+        if line.trim_start().starts_with("effects") {
+            let fix = "add the new ones to its list by hand";
+            return Err(Failure::argument("the model switches effects on already", fix));
+        }
+        if line.trim_start().starts_with("parameter_set") {
+            let _ = writeln!(out, "effects = [{}] # by {by}", effects.join(", "));
+            placed = true;
+        }
+    }
+    if placed {
+        Ok(out)
+    } else {
+        Err(Failure::argument("the model has no tool with a parameter set", "effects act on a physical model"))
+    }
 }

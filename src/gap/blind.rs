@@ -14,6 +14,7 @@ use crate::progress::Bar;
 use crate::speak::Voice;
 use judged::Judged;
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 use tally::Tally;
@@ -27,16 +28,20 @@ const MODELS: &[(&str, &str)] = &[
     ("milling", include_str!("../../scenarios/gap/milling.toml")),
     ("grinding", include_str!("../../scenarios/gap/grinding.toml")),
     ("program", include_str!("../../scenarios/gap/program.toml")),
+    ("shop", include_str!("../../scenarios/gap/shop.toml")),
 ];
 
 pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     let out = args.out.as_deref().map(OutputDir::create).transpose()?;
     let start = Instant::now();
     let cases = chosen(args)?;
+    let processes: BTreeSet<&str> = cases.iter().map(|case| case.process).collect();
+    let models = processes.into_iter().map(|process| Ok((process, nominal(process)?)));
+    let models = models.collect::<Result<BTreeMap<&str, NominalModel>, Failure>>()?;
     let bar = Bar::new(voice);
     let done = AtomicU32::new(0);
     let judge = |case: &Case| {
-        let judged = Judged::of(case, &nominal(case.process)?);
+        let judged = Judged::of(case, &models[case.process]);
         bar.at(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total: cases.len() as u32 });
         judged
     };

@@ -39,7 +39,8 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
     });
     if parts.iter().all(|part| part.frame().measured.is_empty()) {
-        let message = "no channel that the model predicts is recorded".to_owned();
+        let found = notes.iter().fold(String::new(), |all, note| format!("{all}; {note}"));
+        let message = format!("no channel that the model predicts is recorded{found}");
         return Err(Failure::argument(message, "`toolroom gap` compares forces, wear, power, temperature, stock, …"));
     }
     let mut diagnosis = diagnose_parts(&parts, args.seed);

@@ -255,18 +255,17 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
 
 /// Effects that such data can hardly show at their ordinary size.
 fn masked(model: &dyn Forward, decision: &Decision) -> Vec<MaskedEffect> {
-    let mut list: Vec<MaskedEffect> = Vec::new();
+    let mut list: Vec<(Identifiable, f64)> = Vec::new();
     for (row, typical) in identified(model, &decision.base) {
-        let hidden = row.minimal_detectable > typical;
         // Of several shapes of an effect the one that shows best speaks for all.
-        match list.iter_mut().find(|other| other.id == row.id) {
-            Some(other) if row.minimal_detectable < other.minimal_detectable => *other = row.masked(),
+        match list.iter_mut().find(|(other, _)| other.id == row.id) {
+            Some(other) if row.minimal_detectable < other.0.minimal_detectable => *other = (row, typical),
             Some(_) => {}
-            None if hidden => list.push(row.masked()),
-            None => {}
+            None => list.push((row, typical)),
         }
     }
-    list
+    let hidden = list.iter().filter(|(row, typical)| row.minimal_detectable > *typical);
+    hidden.map(|(row, _)| row.masked()).collect()
 }
 
 /// What records of such a design can show of one effect.

@@ -51,6 +51,7 @@ mod plausible;
 pub mod program;
 mod score;
 mod settings;
+pub mod shop;
 mod summary;
 mod trial;
 mod units;

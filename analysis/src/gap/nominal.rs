@@ -4,14 +4,16 @@ use super::cutting::Cutting;
 use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
+use super::shop::{Shop, ShopModel};
 use super::{Forward, Sensor, Settings};
 use crate::records::{RecordKind, Records};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
+use toolroom_sim::Scenario;
 use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
-use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors, ToolType};
+use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// Stretches of part programs that are told by name.
 const PLACES: usize = 6;
@@ -29,6 +31,8 @@ pub enum NominalProcess {
     Empirical,
     /// Part programs.
     Program(Box<ProgramModel>),
+    /// The events of a shop.
+    Shop(Box<Shop>),
 }
 
 /// A nominal model with its priors and sensors.
@@ -92,10 +96,10 @@ impl NominalModel {
         }
         if text.is_ok_and(|text| is_plain(&text)) {
             let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
-            return Self::of(file, Some(read.content), &[]);
+            return Self::of(file, Some(read.content), None);
         }
         let read = file::read(path, overrides)?;
-        Self::of(file, read.gap, &read.scenario.tools)
+        Self::of(file, read.gap, Some(&read.scenario))
     }
 
     /// [`NominalModel::read`] of a text; `file` is its name in messages.
@@ -111,18 +115,21 @@ impl NominalModel {
         }
         if is_plain(text) {
             let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
-            return Self::of(file.to_owned(), Some(read.content), &[]);
+            return Self::of(file.to_owned(), Some(read.content), None);
         }
         let read = file::parse(file, text, overrides)?;
-        Self::of(file.to_owned(), read.gap, &read.scenario.tools)
+        Self::of(file.to_owned(), read.gap, Some(&read.scenario))
     }
 
-    fn of(file: String, section: Option<GapSection>, tools: &[ToolType]) -> Result<Self, ModelFileError> {
+    fn of(file: String, section: Option<GapSection>, scenario: Option<&Scenario>) -> Result<Self, ModelFileError> {
+        let tools = scenario.map_or(&[][..], |scenario| &scenario.tools);
         let wanted = section.as_ref().and_then(|section| section.process.clone());
         let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
         let wanted = wanted.unwrap_or_else(|| "empirical".to_owned());
         let process = if wanted == "empirical" {
             NominalProcess::Empirical
+        } else if let ("shop", Some(scenario)) = (wanted.as_str(), scenario) {
+            NominalProcess::Shop(Box::new(Shop::of(scenario)))
         } else {
             let tool = tools.iter().find(|tool| tool.process.name() == wanted);
             match tool.map(|tool| &tool.process) {
@@ -154,6 +161,7 @@ impl NominalModel {
             NominalProcess::Grinding(_) => RecordKind::Grinding,
             NominalProcess::Empirical => RecordKind::Empirical,
             NominalProcess::Program(_) => RecordKind::Program,
+            NominalProcess::Shop(_) => RecordKind::Shop,
         }
     }
 
@@ -184,6 +192,10 @@ impl NominalModel {
             let stretches = Stretches::new((**model).clone(), records, groups, &self.settings);
             let notes = [stretches.totals(), stretches.places(PLACES)].concat();
             return (vec![Box::new(stretches)], notes);
+        }
+        if let NominalProcess::Shop(shop) = &self.process {
+            let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings);
+            return (vec![Box::new(model)], notes);
         }
         let all = self.parts_of_all(records, group, &held);
         let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
@@ -247,6 +259,9 @@ impl NominalModel {
             }
             NominalProcess::Program(model) => {
                 vec![Box::new(Stretches::new((**model).clone(), records, groups, settings))]
+            }
+            NominalProcess::Shop(shop) => {
+                vec![Box::new(ShopModel::new(shop, records, group, held, settings).0)]
             }
         }
     }

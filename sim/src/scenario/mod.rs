@@ -7,6 +7,7 @@
 //! into indices and reports every fault of a file with its place.
 
 mod contour;
+mod deviation;
 mod distribution;
 pub mod file;
 mod gap;
@@ -19,6 +20,7 @@ mod station;
 mod unit;
 
 pub use contour::{ContourRule, ContourWork};
+pub use deviation::{Deviation, MICRO_STOP};
 pub use distribution::Distribution;
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
@@ -63,6 +65,8 @@ pub struct Scenario {
     pub failures: Vec<FailureMode>,
     /// The comparison axis; the first one is the baseline of every difference.
     pub policies: Vec<PolicyRule>,
+    /// What the true shop does otherwise than planned.
+    pub deviations: Vec<Deviation>,
     /// Currency code of all costs.
     pub currency: String,
 }

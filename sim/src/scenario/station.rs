@@ -131,7 +131,7 @@ pub struct ToolType {
 }
 
 /// Working time that repeats.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ShiftCalendar {
     /// Name, unique.
     pub name: String,

@@ -6,7 +6,7 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::Purpose;
 use crate::runlog::JobOutcome;
-use crate::scenario::{FailureClock, Interruption};
+use crate::scenario::{Distribution, FailureClock, Interruption};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Draws the first failure of every mode.
@@ -17,7 +17,12 @@ impl<R: Recorder> Shop<'_, R> {
     /// A mode begins to run towards its next failure.
     fn wind_up(&mut self, mode: usize) -> Result<(), ShopError> {
         let failure = &self.scenario.failures[mode];
-        let time = failure.time_between.sample(&mut self.failure_stream(mode, Purpose::Failure));
+        let regular = self.deviation("breakdown_shape", failure.machine);
+        let between = match failure.time_between {
+            Distribution::Exponential { mean } if regular > 0.0 => Distribution::Weibull { mean, shape: 1.0 + regular },
+            other => other,
+        };
+        let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
         self.world.modes[mode].left = time;
         match failure.clock {
             FailureClock::Calendar => {

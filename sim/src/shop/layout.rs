@@ -38,6 +38,8 @@ pub(super) struct OperationPlan {
     pub tool: u32,
     pub passes: u32,
     pub setup_group: u32,
+    /// Its passes as programmed, s.
+    pub cutting_time: f64,
     /// Expected time on its first machine, s: loading, passes as programmed, unloading.
     pub nominal_time: f64,
     /// The same for this and all later operations, s.
@@ -70,6 +72,7 @@ impl Layout {
                     passes,
                     setup_group: setup_group as u32,
                     nominal_time: machine.load_time.mean() + cutting + machine.unload_time.mean(),
+                    cutting_time: cutting,
                     work_left: 0.0,
                     first_pass,
                 });

@@ -64,6 +64,8 @@ pub struct Task {
     pub load_time: f64,
     /// Time of unloading, s.
     pub unload_time: f64,
+    /// Time that the program takes beyond its passes, s.
+    pub delay: f64,
     /// Row of the pass in work.
     pub row: Option<PassRow>,
     /// Share of the pass that is still to be cut.
@@ -99,6 +101,8 @@ pub enum Step {
     ToolChange,
     /// Cutting.
     Pass,
+    /// The program runs longer than its passes.
+    Delay,
     /// Dressing the wheel.
     Dressing,
     /// Taking the part off.
@@ -112,7 +116,7 @@ impl Step {
             Self::Setup => MachineState::Setup,
             Self::Load | Self::Unload => MachineState::Handling,
             Self::ToolChange => MachineState::ToolChange,
-            Self::Pass => MachineState::Cutting,
+            Self::Pass | Self::Delay => MachineState::Cutting,
             Self::Dressing => MachineState::Dressing,
         }
     }

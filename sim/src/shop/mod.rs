@@ -34,6 +34,7 @@ mod arrival;
 mod chatter;
 mod contour;
 mod cut;
+mod deviation;
 mod dispatch;
 mod draws;
 mod edge;

@@ -24,6 +24,8 @@ impl<R: Recorder> Shop<'_, R> {
             None => time.mean(),
         };
         let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
+        let load_time = load_time + self.deviation("operator_delay", machine);
+        let delay = self.delay(machine, slot);
         let plan = self.layout.operations[part][index];
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
@@ -39,6 +41,7 @@ impl<R: Recorder> Shop<'_, R> {
             end: None,
             load_time,
             unload_time,
+            delay,
             row: None,
             share_left: 1.0,
             lost_edges: 0,
@@ -119,6 +122,10 @@ impl<R: Recorder> Shop<'_, R> {
                 self.next_pass(machine)
             }
             Step::Pass => self.end_pass(machine),
+            Step::Delay => {
+                self.finish_cutting(machine);
+                Ok(())
+            }
             Step::Dressing => {
                 self.dress(machine);
                 self.handle(machine, Step::Unload);
@@ -140,6 +147,12 @@ impl<R: Recorder> Shop<'_, R> {
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
         let Some(task) = &mut self.world.machines[machine].task else { return };
+        let delay = std::mem::take(&mut task.delay);
+        if delay > 0.0 {
+            task.step = Step::Delay;
+            task.left = delay;
+            return;
+        }
         let tool = task.tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()

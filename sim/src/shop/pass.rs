@@ -401,8 +401,9 @@ impl<R: Recorder> Shop<'_, R> {
     fn read_wear(&mut self, machine: usize, place: Place) {
         let plan = self.layout.operations[place.part][place.operation];
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let later = self.deviation("tool_change_policy", machine);
         let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
-        let Some(limit) = controller.reading_limit() else { return };
+        let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return };
         let reading = u64::from(edge.row.passes);
         let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, reading);
         if edge.spent.is_none() && edge.row.flank_wear + controller.reading_error(&mut stream) >= limit {

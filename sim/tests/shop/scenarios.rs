@@ -181,6 +181,7 @@ pub fn scenario() -> Scenario {
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy("programmed", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: u32::MAX })],
+        deviations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

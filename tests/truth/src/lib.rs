@@ -34,6 +34,7 @@ pub mod grinding;
 pub mod milling;
 mod noise;
 pub mod program;
+mod shop;
 mod steel;
 mod suite;
 pub mod turning;
@@ -55,7 +56,8 @@ pub struct Generator {
 }
 
 /// Every kind of shop.
-pub const GENERATORS: &[Generator] = &[turning::GENERATOR, milling::GENERATOR, grinding::GENERATOR, program::GENERATOR];
+pub const GENERATORS: &[Generator] =
+    &[turning::GENERATOR, milling::GENERATOR, grinding::GENERATOR, program::GENERATOR, shop::GENERATOR];
 
 /// One hidden cause.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -87,10 +87,8 @@ impl Run<'_> {
     /// Shift of a machine at a time; empty where it has no calendar of several shifts.
     fn shift(&self, machine: usize, time: f64) -> String {
         let calendar = self.scenario.machines[machine].calendar.map(|index| &self.scenario.calendars[index]);
-        let Some(calendar) = calendar.filter(|calendar| calendar.shifts.len() > 1) else { return String::new() };
-        let phase = time.rem_euclid(calendar.period);
-        let within = calendar.shifts.iter().position(|shift| phase >= shift.start && phase < shift.end);
-        within.map_or_else(String::new, |index| format!("S{}", index + 1))
+        let several = calendar.filter(|calendar| calendar.shifts.len() > 1);
+        several.and_then(|calendar| calendar.shift_at(time)).unwrap_or_default()
     }
 
     fn machine(&self, index: u32) -> String {

@@ -623,8 +623,19 @@ pub static SCENARIO: Form = Form {
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
         Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
+        Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
         Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
+    ],
+};
+
+static SHOP_DEVIATION: Form = Form {
+    title: "[[deviation]]",
+    doc: "An effect of the shop that its planner does not know",
+    keys: &[
+        Key::required("id", Kind::Choice(crate::scenario::Deviation::IDS), "Effect; `toolroom effects` lists them"),
+        Key::required("size", Kind::Text, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
+        Key::optional("shift", Kind::Name, "Shift in which it acts, S1, S2 … of the machine's calendar"),
     ],
 };
 

@@ -34,6 +34,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
+    let deviations = rules::deviations(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -69,6 +70,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         calendars,
         failures,
         policies,
+        deviations,
         currency,
     };
     planned::policies(walk, &scenario, &places);
