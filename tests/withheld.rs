@@ -60,8 +60,8 @@ fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
     let effect = &diagnosis.effects[0];
     assert_eq!((effect.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
     // 1.5 stops an hour, of 20 s: less than one per cent of the time in cut. Blocks of many stops
-    // count as outliers, so that sizes come out low by up to a quarter.
-    assert!((1.5 * 0.75..1.5 * 1.1).contains(&effect.size), "{} 1/h", effect.size);
+    // count as outliers, so that sizes come out low by up to a third.
+    assert!((1.5 * 0.6..1.5 * 1.1).contains(&effect.size), "{} 1/h", effect.size);
 }
 
 #[test]
