@@ -73,6 +73,7 @@ impl Process for Breaking {
 
 impl Unit for Breaking {
     type Machine = TurningMachine;
+    type Memory = ();
     const IDENTIFIER: &'static str = "breaking";
     const TITLE: &'static str = "";
     const ABSTRACT: &'static str = "";

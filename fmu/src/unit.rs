@@ -2,7 +2,7 @@
 
 use toolroom_cutting::Regeneration;
 use toolroom_effects::Effects;
-use toolroom_process::{Process, Record, record};
+use toolroom_process::{Advance, ModelError, Process, Record, record};
 
 /// A [`Process`] with what its description needs and its records do not say.
 ///
@@ -12,6 +12,9 @@ pub trait Unit: Process + Clone + 'static {
     /// What vibrates around the cut: parameters `machine.FIELD`. The first field says whether the
     /// cut is judged for chatter at all.
     type Machine: Record;
+
+    /// What [`Unit::step`] keeps from one step to the next.
+    type Memory: Default + Send;
 
     /// Model identifier: name of the package and of its shared library.
     const IDENTIFIER: &'static str;
@@ -49,6 +52,21 @@ pub trait Unit: Process + Clone + 'static {
 
     /// The effects of the process.
     fn effects_mut(&mut self) -> &mut Effects;
+
+    /// [`Process::advance`] with a memory of the step before, which makes the next one cheaper and
+    /// changes no result. It is forgotten where a parameter changes.
+    ///
+    /// # Errors
+    /// As [`Process::advance`].
+    fn step(
+        &self,
+        x: &mut Self::State,
+        u: &Self::Input,
+        dt: f64,
+        _memory: &mut Self::Memory,
+    ) -> Result<Advance, ModelError> {
+        self.advance(x, u, dt)
+    }
 
     /// Puts the process on a machine that may chatter.
     ///

@@ -1,7 +1,8 @@
 //! What a unit does is what its process does.
 
-use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput};
+use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput, TurningState};
 use toolroom_fmu::{Component, Interface, Log, Slot, Status, ValueType, Variable, units};
+use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::{Process, Record};
 
 const HELD: Interface = Interface::CoSimulation { event_mode: false, early_return: false };
@@ -154,7 +155,7 @@ fn model_exchange_gives_the_right_hand_side() {
     unit.unit.set_states(&x[..count]).expect("states");
     let mut slopes = [0.0; 16];
     unit.unit.derivatives(&mut slopes[..count]).expect("derivatives");
-    let state = toolroom_cutting::TurningState::from_slice(&x[..count]);
+    let state = TurningState::from_slice(&x[..count]);
     let expected = turning.derivative(&state, &TurningInput::default()).expect("an ODE");
     (0..count).for_each(|i| assert_eq!(Some(slopes[i]), expected.get(i)));
     // A discrete input between events is latched, with a remark.
@@ -163,6 +164,99 @@ fn model_exchange_gives_the_right_hand_side() {
     assert!(unit.unit.completed_step().expect("a step"), "the unit asks for Event Mode");
     unit.unit.enter_event_mode().expect("Event Mode");
     assert_eq!(unit.get("process.engaged"), 0.0);
+}
+
+/// Integrates a unit of Model Exchange, as an importer does that sets the speed at every instant.
+fn exchange(unit: &mut Bench, from: f64, to: f64, speed: impl Fn(f64) -> f64) {
+    const STATES: usize = TurningState::LEN;
+    let mut start = [0.0; STATES];
+    unit.unit.states(&mut start).expect("states");
+    // Sizes of wear (m), body (K), damage, parts of wear, path (m), time (s), hazard, energy (J), chatter (s).
+    let sizes = [0.6e-3, 300.0, 1.0, 0.6e-3, 0.6e-3, 13.0, 20.0, 1.0, 5e4, 1e5];
+    let tolerance = Tolerance { relative: 1e-10, absolute: sizes.map(|size| 1e-10 * size) };
+    let end = ode::integrate(
+        |time, y: &[f64; STATES]| {
+            unit.unit.set_time(from + time).expect("a time");
+            unit.set("process.cutting_speed", speed(from + time));
+            unit.unit.set_states(y).expect("states");
+            let mut slopes = [0.0; STATES];
+            unit.unit.derivatives(&mut slopes).expect("derivatives");
+            slopes
+        },
+        |_, _| [-1.0],
+        &start,
+        to - from,
+        &tolerance,
+    );
+    unit.unit.set_time(to).expect("a time");
+    unit.unit.set_states(&end.expect("a trajectory").state).expect("states");
+}
+
+/// m/s: 40 m/min, from 100 s to 200 s up to 50 m/min, from 300 s on down to 30 m/min at 600 s.
+fn ramps(time: f64) -> f64 {
+    let up = (time - 100.0).clamp(0.0, 100.0) / 100.0 * 10.0;
+    let down = (time - 300.0).max(0.0) / 300.0 * 20.0;
+    (40.0 + up - down) / 60.0
+}
+
+/// Wear at 600 s of a unit of Co-Simulation under [`ramps`], the edge changed at 300 s.
+fn stepped_over_ramps(step: f64, with_slope: bool) -> f64 {
+    let mut unit = Bench::new("turning", HELD).start();
+    let count = (600.0 / step).round() as u32;
+    for i in 0..count {
+        let time = f64::from(i) * step;
+        unit.set("process.cutting_speed", ramps(time));
+        if with_slope {
+            unit.set("process.cutting_acceleration", (ramps(time + step) - ramps(time)) / step);
+        }
+        if time == 300.0 {
+            unit.set("tool.change", 1.0);
+        }
+        unit.unit.do_step(time, step).expect("a step");
+    }
+    assert_eq!(unit.get("tool.count"), 2.0);
+    unit.get("tool.flank_wear")
+}
+
+#[test]
+fn both_interfaces_agree_over_ramps_and_a_change_of_the_edge() {
+    let mut unit = Bench::new("turning", Interface::ModelExchange).start();
+    unit.unit.enter_continuous_mode().expect("Continuous-Time Mode");
+    for (from, to) in [(0.0, 100.0), (100.0, 200.0), (200.0, 300.0)] {
+        exchange(&mut unit, from, to, ramps);
+    }
+    unit.unit.enter_event_mode().expect("Event Mode");
+    unit.set("tool.change", 1.0);
+    assert!(unit.unit.update_discrete().expect("an update").states_changed);
+    unit.unit.enter_continuous_mode().expect("Continuous-Time Mode");
+    exchange(&mut unit, 300.0, 600.0, ramps);
+    let exact = unit.get("tool.flank_wear");
+    let error = |step: f64, with_slope: bool| stepped_over_ramps(step, with_slope) / exact - 1.0;
+    assert!(error(1.0, true).abs() < 1e-8, "{:e}", error(1.0, true));
+    // A speed alone is held over the step: it lags by half a step, and so does its error.
+    let (whole, half) = (error(1.0, false), error(0.5, false));
+    assert!(whole.abs() > 1e-4 && (whole / half - 2.0).abs() < 0.02, "{whole:e}, {half:e}");
+}
+
+#[test]
+fn both_interfaces_agree_under_the_built_in_policy() {
+    let mut unit = Bench::new("turning", Interface::ModelExchange);
+    unit.set("adaptive.enable", 1.0);
+    let mut unit = unit.start();
+    let mut time = 0.0;
+    while time < 120.0 {
+        let next = unit.unit.update_discrete().expect("an update").next_event.expect("the next command");
+        unit.unit.enter_continuous_mode().expect("Continuous-Time Mode");
+        exchange(&mut unit, time, next, |_| 40.0 / 60.0);
+        unit.unit.enter_event_mode().expect("Event Mode");
+        time = next;
+    }
+    let mut stepped = Bench::new("turning", HELD);
+    stepped.set("adaptive.enable", 1.0);
+    let mut stepped = stepped.start();
+    stepped.run(0.0, 120.0, 1.0);
+    let ratio = stepped.get("tool.flank_wear") / unit.get("tool.flank_wear");
+    assert!(time == 120.0 && (ratio - 1.0).abs() < 1e-8, "{time} s: {ratio}");
 }
 
 #[test]
@@ -212,7 +306,7 @@ fn an_effect_of_size_zero_is_off_and_a_size_switches_it_on() {
         unit.start().get("process.cutting_force")
     };
     let bare = Turning::default();
-    let worn = toolroom_cutting::TurningState { flank_wear: 0.3e-3, ..bare.initial() };
+    let worn = TurningState { flank_wear: 0.3e-3, ..bare.initial() };
     let expected = bare.output(&worn, &TurningInput::default()).cutting_force;
     assert_eq!(force(0.0), expected);
     assert!((force(0.2) / expected - 1.2).abs() < 1e-12);

@@ -55,18 +55,23 @@ impl<U: Unit> Instance<U> {
         }
     }
 
-    /// A real output, which is what importers read most.
+    /// A real output or scalar state, which is what importers read most.
     #[inline]
-    fn real_output(&mut self, reference: u32) -> Option<f64> {
-        let Some(Slot::Output(i)) = Slot::of(reference) else { return None };
-        let field = U::Output::FIELDS.get(i)?;
-        if field.kind == Kind::Real { self.outputs().get(i).copied() } else { None }
+    fn real(&mut self, reference: u32) -> Option<f64> {
+        let is_real = |fields: &[Field], i: usize| fields.get(i).is_some_and(|field| field.kind == Kind::Real);
+        match Slot::of(reference)? {
+            Slot::Output(i) if is_real(U::Output::FIELDS, i) => self.outputs().get(i).copied(),
+            Slot::State(i) if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, i) => {
+                self.states().get(i).copied()
+            }
+            _ => None,
+        }
     }
 
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
         let (mut at, total) = (0, values.len());
         for &reference in references {
-            if let (ValueType::Real, Some(value)) = (value_type, self.real_output(reference))
+            if let (ValueType::Real, Some(value)) = (value_type, self.real(reference))
                 && let Some(target) = values.get_mut(at)
             {
                 *target = value;
@@ -189,6 +194,7 @@ impl<U: Unit> Instance<U> {
             }
         }
         if !parameters.is_empty() {
+            self.process_changed();
             Arc::make_mut(&mut self.core.model).assign(&parameters)?;
         }
         self.changed();
@@ -240,7 +246,7 @@ impl<U: Unit> Instance<U> {
         let mut model = Configured::clone(&self.core.model);
         model.choose_set(text, self.resources.as_deref())?;
         self.core.model = Arc::new(model);
-        self.changed();
+        self.process_changed();
         Ok(Status::Ok)
     }
 }

@@ -178,7 +178,7 @@ impl<U: Unit> Instance<U> {
     pub(super) fn begin_anew(&mut self) -> Outcome {
         self.core = Core::fresh(self.fresh.clone());
         self.waiting.clear();
-        self.changed();
+        self.process_changed();
         Ok(Status::Ok)
     }
 }

@@ -102,6 +102,8 @@ impl<U: Unit> Core<U> {
 /// ```
 pub struct Instance<U: Unit> {
     core: Core<U>,
+    /// What the last step left for the next one.
+    memory: U::Memory,
     interface: Interface,
     log: Log,
     resources: Option<PathBuf>,
@@ -137,6 +139,7 @@ impl<U: Unit> Instance<U> {
         let fresh = Arc::new(Configured::shipped());
         Self {
             core: Core::fresh(fresh.clone()),
+            memory: U::Memory::default(),
             interface,
             log,
             resources,
@@ -201,6 +204,12 @@ impl<U: Unit> Instance<U> {
     fn changed(&mut self) {
         self.outputs_valid = false;
         self.states_valid = false;
+    }
+
+    /// The same where the process itself may be another one.
+    fn process_changed(&mut self) {
+        self.memory = U::Memory::default();
+        self.changed();
     }
 
     fn say(&self, category: Category, text: impl FnOnce() -> String) {

@@ -68,7 +68,7 @@ impl<U: Unit> Instance<U> {
     pub(super) fn go_back(&mut self, handle: usize) -> Outcome {
         self.core = self.saved(handle)?.clone();
         self.waiting.clear();
-        self.changed();
+        self.process_changed();
         Ok(Status::Ok)
     }
 

@@ -47,11 +47,13 @@ impl<U: Unit> Instance<U> {
         while left > 0.0 {
             let due = if self.is_adaptive() { self.core.discrete.next_sample - self.core.time } else { f64::INFINITY };
             let part = left.min(due.max(0.0));
-            let advance = self.core.model.process.advance(&mut self.core.state, &held, part)?;
+            let advance = self.core.model.process.step(&mut self.core.state, &held, part, &mut self.memory)?;
             // What remains is counted down, so that the end of the step is met exactly.
             left = if advance.event.is_none() && part == left { 0.0 } else { left - advance.elapsed };
             self.core.time = end - left;
-            held = self.core.model.process.input_after(&held, advance.elapsed);
+            if left > 0.0 {
+                held = self.core.model.process.input_after(&held, advance.elapsed);
+            }
             if let Some(happened) = advance.event {
                 let index = U::EVENTS.iter().position(|each| *each == happened);
                 let new = index.is_some_and(|i| self.note(i));

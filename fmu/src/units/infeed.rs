@@ -9,6 +9,7 @@ use toolroom_process::Process;
 impl Unit for InfeedProfile {
     // Never asked for.
     type Machine = TurningMachine;
+    type Memory = ();
     const IDENTIFIER: &'static str = "toolroom_infeed";
     const TITLE: &'static str = "Plunge grinding: infeed, deflection, stock, burn and the wheel";
     const ABSTRACT: &'static str = "Plunge grinding as a delay equation around the circumference of the part: what a \

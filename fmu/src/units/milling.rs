@@ -13,6 +13,7 @@ use toolroom_process::num_dual::Dual64;
 
 impl Unit for Milling {
     type Machine = MillingMachine;
+    type Memory = ();
     const IDENTIFIER: &'static str = "toolroom_milling";
     const TITLE: &'static str = "Milling: wear, force, power and form error of one cutter";
     const ABSTRACT: &'static str = "Peripheral milling of a wall or a slot with one cutter: mean forces by the linear \

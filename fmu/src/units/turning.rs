@@ -4,14 +4,15 @@ use super::TurningMachine;
 use crate::unit::{AdaptivePolicy, Renewal, Unit};
 use std::sync::Arc;
 use toolroom_chatter::Mode;
-use toolroom_cutting::{Regeneration, Turning, TurningInput, TurningOutput, TurningState, TurningStructure};
+use toolroom_cutting::{Regeneration, Turning, TurningInput, TurningMemory, TurningOutput, TurningState, TurningStructure};
 use toolroom_effects::Effects;
-use toolroom_process::Process;
+use toolroom_process::{Advance, ModelError, Process};
 use toolroom_process::num_dual::Dual64;
 use toolroom_wear::{Cut, PARAMETER_SETS};
 
 impl Unit for Turning {
     type Machine = TurningMachine;
+    type Memory = TurningMemory;
     const IDENTIFIER: &'static str = "toolroom_turning";
     const TITLE: &'static str = "Turning: wear, force, heat and power of one edge";
     const ABSTRACT: &'static str = "One cutting edge in one workpiece. The flank land grows by force along the path \
@@ -59,6 +60,16 @@ impl Unit for Turning {
 
     fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
+    }
+
+    fn step(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        memory: &mut TurningMemory,
+    ) -> Result<Advance, ModelError> {
+        Turning::step(self, x, u, dt, memory)
     }
 
     fn mount(&mut self, machine: &TurningMachine, regeneration: Regeneration) -> Result<(), String> {

@@ -45,5 +45,5 @@ pub mod turning;
 mod vibration;
 
 pub use milling::{Cutter, CutterLife, EdgeForce, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
-pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningOutput, TurningState};
+pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningMemory, TurningOutput, TurningState};
 pub use vibration::{MillingStructure, Regeneration, TurningStructure, Vibration};

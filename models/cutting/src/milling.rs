@@ -124,13 +124,10 @@ impl Milling {
         // Without effects and structure the cutter changes the cut by its land alone.
         let settled = self.effects.is_empty() && self.structure.is_none();
         let first = self.engagement(x, u);
-        let rates = |y: &[f64; STATES]| {
-            let x = MillingState::from_slice(y);
-            if settled { self.rates_in(&first, &x) } else { self.rates(&x, u) }
-        };
         let rhs = |_: f64, y: &[f64; STATES]| {
+            let x = MillingState::from_slice(y);
             let mut slope = [0.0; STATES];
-            rates(y).write_to(&mut slope);
+            if settled { self.rates_in(&first, &x) } else { self.rates(&x, u) }.write_to(&mut slope);
             slope
         };
         let events = |_: f64, y: &[f64; STATES]| self.indicators(&MillingState::from_slice(y), u);
@@ -138,7 +135,7 @@ impl Milling {
         let mut state = [0.0; STATES];
         x.write_to(&mut state);
         // The wear curve is as steep at its end as at its start.
-        let stage = |_: f64, y: &[f64; STATES]| STAGE * self.life.wear_limit / rates(y).flank_wear;
+        let stage = |slope: &[f64; STATES]| STAGE * self.life.wear_limit / MillingState::from_slice(slope).flank_wear;
         let end = ode::integrate_staged(rhs, events, &state, dt, &tolerance, stage, |_| ())?;
         let advance = Advance { elapsed: end.time, event: end.event.map(|index| EVENTS[index]) };
         Ok((MillingState::from_slice(&end.state), advance))

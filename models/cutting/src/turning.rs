@@ -2,10 +2,12 @@
 
 mod equations;
 mod life;
+mod memory;
 mod records;
 mod vibration;
 
 pub use life::LifeModel;
+pub use memory::TurningMemory;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};
 
 use crate::vibration::TurningStructure;
@@ -89,6 +91,78 @@ impl Turning {
         scales.write_to(&mut absolute);
         absolute.map(|scale| relative * scale)
     }
+
+    /// [`Process::advance_watched`] by the adaptive pair.
+    fn integrate(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        times: &[f64],
+        see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
+    ) -> Result<Advance, ModelError> {
+        u.check()?;
+        if !(dt >= 0.0 && dt.is_finite()) {
+            return Err(ModelError::Step { seconds: dt });
+        }
+        TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
+        let first = self.engagement(x, u);
+        if let Some(event) = lost_at_once(&first, x, u) {
+            return Ok(Advance { elapsed: 0.0, event: Some(event) });
+        }
+        if u.engaged == 0.0 {
+            // Out of cut nothing happens but that the body cools, x' = -x/T.
+            let cooled = |x: &TurningState, time: f64| {
+                let left = (-time / self.pair.temperature.body_time_constant).exp();
+                TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
+            };
+            for (i, &time) in times.iter().enumerate() {
+                let u = self.input_after(u, time);
+                see(i, &u, &self.observe(&cooled(x, time), &u));
+            }
+            *x = cooled(x, dt);
+            return Ok(Advance { elapsed: dt, event: None });
+        }
+        // Without effects and structure the edge changes the contact by its land alone, a ramp by its speed.
+        let settled = self.effects.is_empty() && self.structure.is_none();
+        let held = u.cutting_acceleration == 0.0;
+        let engagement = |time: f64, x: &TurningState| match (settled, held) {
+            (true, true) => Cow::Borrowed(&first),
+            (true, false) => Cow::Owned(first.at_speed(&self.pair, u.cutting_speed + u.cutting_acceleration * time)),
+            (false, _) => Cow::Owned(self.engagement(x, &self.input_after(u, time))),
+        };
+        let rhs = |time: f64, y: &[f64; STATES]| {
+            let x = TurningState::from_slice(y);
+            let mut slope = [0.0; STATES];
+            self.mean_rates(&engagement(time, &x), &x, u).write_to(&mut slope);
+            slope
+        };
+        let events = |time: f64, y: &[f64; STATES]| {
+            let x = TurningState::from_slice(y);
+            engagement(time, &x).event_indicators(&x, u.chipping_resistance)
+        };
+        let stage = |slope: &[f64; STATES]| {
+            STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear
+        };
+        let mut seen = 0;
+        let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
+            while seen < times.len() && times[seen] <= until {
+                let time = times[seen];
+                let x = TurningState::from_slice(&at(time));
+                let u = self.input_after(u, time);
+                see(seen, &u, &self.observe_in(&engagement(time, &x), &x, &u));
+                seen += 1;
+            }
+        };
+        let mut start = [0.0; STATES];
+        x.write_to(&mut start);
+        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
+        let watch = |step: &ode::Stretch<'_, STATES>| look(step.end, &|time| step.at(time));
+        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage, watch)?;
+        look(end.time, &|_| end.state);
+        *x = TurningState::from_slice(&end.state);
+        Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
+    }
 }
 
 /// Place of the tool after a cutting path: it moves towards the jaws by the feed. A place that is not
@@ -141,7 +215,7 @@ impl Process for Turning {
     }
 
     fn advance(&self, x: &mut TurningState, u: &TurningInput, dt: f64) -> Result<Advance, ModelError> {
-        self.advance_watched(x, u, dt, &[], &mut |_, _, _| ())
+        self.step(x, u, dt, &mut TurningMemory::default())
     }
 
     fn advance_watched(
@@ -152,68 +226,10 @@ impl Process for Turning {
         times: &[f64],
         see: &mut dyn FnMut(usize, &TurningInput, &TurningOutput),
     ) -> Result<Advance, ModelError> {
-        u.check()?;
-        if !(dt >= 0.0 && dt.is_finite()) {
-            return Err(ModelError::Step { seconds: dt });
+        if times.is_empty() {
+            return self.advance(x, u, dt);
         }
-        TurningInput::FIELDS[0].check(u.cutting_speed + u.cutting_acceleration * dt)?;
-        let first = self.engagement(x, u);
-        if let Some(event) = lost_at_once(&first, x, u) {
-            return Ok(Advance { elapsed: 0.0, event: Some(event) });
-        }
-        if u.engaged == 0.0 {
-            // Out of cut nothing happens but that the body cools, x' = -x/T.
-            let cooled = |x: &TurningState, time: f64| {
-                let left = (-time / self.pair.temperature.body_time_constant).exp();
-                TurningState { tool_body_temperature_rise: x.tool_body_temperature_rise * left, ..*x }
-            };
-            for (i, &time) in times.iter().enumerate() {
-                let u = self.input_after(u, time);
-                see(i, &u, &self.observe(&cooled(x, time), &u));
-            }
-            *x = cooled(x, dt);
-            return Ok(Advance { elapsed: dt, event: None });
-        }
-        // Without effects and structure the edge changes the contact by its land alone, a ramp by its speed.
-        let settled = self.effects.is_empty() && self.structure.is_none();
-        let held = u.cutting_acceleration == 0.0;
-        let engagement = |time: f64, x: &TurningState| match (settled, held) {
-            (true, true) => Cow::Borrowed(&first),
-            (true, false) => Cow::Owned(first.at_speed(&self.pair, u.cutting_speed + u.cutting_acceleration * time)),
-            (false, _) => Cow::Owned(self.engagement(x, &self.input_after(u, time))),
-        };
-        let rates = |time: f64, y: &[f64; STATES]| {
-            let x = TurningState::from_slice(y);
-            self.mean_rates(&engagement(time, &x), &x, u)
-        };
-        let rhs = |time: f64, y: &[f64; STATES]| {
-            let mut slope = [0.0; STATES];
-            rates(time, y).write_to(&mut slope);
-            slope
-        };
-        let events = |time: f64, y: &[f64; STATES]| {
-            let x = TurningState::from_slice(y);
-            engagement(time, &x).event_indicators(&x, u.chipping_resistance)
-        };
-        let stage = |time: f64, y: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / rates(time, y).flank_wear;
-        let mut seen = 0;
-        let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
-            while seen < times.len() && times[seen] <= until {
-                let time = times[seen];
-                let x = TurningState::from_slice(&at(time));
-                let u = self.input_after(u, time);
-                see(seen, &u, &self.observe_in(&engagement(time, &x), &x, &u));
-                seen += 1;
-            }
-        };
-        let mut start = [0.0; STATES];
-        x.write_to(&mut start);
-        let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let watch = |step: &ode::Stretch<'_, STATES>| look(step.end, &|time| step.at(time));
-        let end = ode::integrate_staged(rhs, events, &start, dt, &tolerance, stage, watch)?;
-        look(end.time, &|_| end.state);
-        *x = TurningState::from_slice(&end.state);
-        Ok(Advance { elapsed: end.time, event: end.event.map(|index| WEAR_EVENTS[index]) })
+        self.integrate(x, u, dt, times, see)
     }
 
     fn input_after(&self, u: &TurningInput, elapsed: f64) -> TurningInput {

@@ -1,7 +1,7 @@
 //! The process contract, the published lives and the neutrality of turning.
 
 use proptest::prelude::*;
-use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
+use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningMemory, TurningState};
 use toolroom_effects::{Effect, Effects};
 use toolroom_process::num_dual::Dual64;
 use toolroom_process::{Process, ProcessEvent, Record, process_contract};
@@ -32,6 +32,38 @@ fn the_life_of_a_cold_start_is_the_reference_value() {
     close(life.cutting_time / 60.0, 14.77972);
     close(life.mechanical_wear * 1e3, 0.21278695);
     close(life.thermal_wear * 1e3, 0.38721305);
+}
+
+/// Short steps are of third order and remember the one before: they add up to what long ones give.
+#[test]
+fn short_steps_add_up_to_a_long_one() {
+    let (turning, u) = (process(), TurningInput::default());
+    let wear = |count: u32| {
+        let (mut x, mut memory) = (turning.initial(), TurningMemory::default());
+        for _ in 0..count {
+            turning.step(&mut x, &u, 200.0 / f64::from(count), &mut memory).expect("a step");
+        }
+        x.flank_wear
+    };
+    let (whole, tenths, hundredths) = (wear(1), wear(2000), wear(20_000));
+    assert!((tenths / hundredths - 1.0).abs() < 3e-8, "{tenths:e}, {hundredths:e}");
+    assert!((tenths / whole - 1.0).abs() < 5e-7, "{tenths:e}, {whole:e}");
+}
+
+/// What a step remembers belongs to its input.
+#[test]
+fn a_changed_input_is_not_mistaken_for_the_remembered_one() {
+    let turning = process();
+    let slow = TurningInput::default();
+    let fast = TurningInput { cutting_speed: 0.9, ..slow };
+    let (mut x, mut y, mut memory) = (turning.initial(), turning.initial(), TurningMemory::default());
+    for u in [slow, slow, fast, fast, slow, TurningInput { engaged: 0.0, ..slow }, slow] {
+        turning.step(&mut x, &u, 0.1, &mut memory).expect("a step");
+        turning.advance(&mut y, &u, 0.1).expect("a step");
+        assert_eq!(x, y);
+    }
+    assert!(turning.step(&mut x, &TurningInput { feed_per_rev: -1.0, ..slow }, 0.1, &mut memory).is_err());
+    assert_eq!(x, y);
 }
 
 /// Quasi-steady lives: the state equations with a slaved body equal the quadrature.

@@ -3,7 +3,7 @@
 use crate::emf::Junction;
 use crate::law::Wear;
 use crate::temperature::Heating;
-use crate::{Cut, Load, Pair};
+use crate::{Cut, Load, Measurement, Pair};
 use toolroom_process::{Number, record};
 
 record! {
@@ -36,6 +36,13 @@ record! {
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<'a, N: Copy = f64> {
     pub(crate) pair: &'a Pair<N>,
+    pub(crate) at: Coefficients<N>,
+}
+
+/// The numbers of a [`Contact`] without its pair, for whoever keeps them: they hold as long as
+/// neither the cut nor a parameter of the pair changes.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients<N: Copy = f64> {
     pub(crate) cut: Cut<N>,
     heating: Heating<N>,
     level: Wear<N>,
@@ -47,11 +54,27 @@ impl<N: Number> Pair<N> {
     pub fn contact(&self, cut: &Cut<N>) -> Contact<'_, N> {
         Contact {
             pair: self,
-            cut: *cut,
-            heating: self.temperature.heating(cut),
-            level: self.law.level(cut),
-            damage_gain: self.damage_terms(cut).1,
+            at: Coefficients {
+                cut: *cut,
+                heating: self.temperature.heating(cut),
+                level: self.law.level(cut),
+                damage_gain: self.damage_terms(cut).1,
+            },
         }
+    }
+
+    /// The contact that had these [`Contact::coefficients`].
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let kept = pair.contact(&pair.reference_cut()).coefficients();
+    /// assert_eq!(pair.contact_of(kept).rise(0.2e-3), pair.contact(&pair.reference_cut()).rise(0.2e-3));
+    /// ```
+    #[inline]
+    pub fn contact_of(&self, coefficients: Coefficients<N>) -> Contact<'_, N> {
+        Contact { pair: self, at: coefficients }
     }
 
     /// Quasi-steady point: the tool body is as warm as this cut makes it, no thermal damage.
@@ -82,24 +105,32 @@ impl<'a, N: Number> Contact<'a, N> {
     /// ```
     #[inline]
     pub fn at_speed(&self, cutting_speed: N) -> Self {
-        let cut = Cut { cutting_speed, ..self.cut };
-        Contact {
-            heating: self.pair.temperature.at_speed(&self.heating, cutting_speed),
-            level: self.pair.law.level_at_speed(self.level, &cut),
+        let cut = Cut { cutting_speed, ..self.at.cut };
+        let coefficients = Coefficients {
+            heating: self.pair.temperature.at_speed(&self.at.heating, cutting_speed),
+            level: self.pair.law.level_at_speed(self.at.level, &cut),
             cut,
-            ..*self
-        }
+            ..self.at
+        };
+        Contact { at: coefficients, ..*self }
     }
 
     /// The cut of this contact.
+    #[inline]
     pub fn cut(&self) -> &Cut<N> {
-        &self.cut
+        &self.at.cut
+    }
+
+    /// What is to be kept of it for [`Pair::contact_of`].
+    #[inline]
+    pub fn coefficients(&self) -> Coefficients<N> {
+        self.at
     }
 
     /// Temperature rise by chip and flank in cut, K.
     #[inline]
     pub fn rise(&self, flank_wear: N) -> N {
-        self.heating.chip + self.heating.flank(flank_wear)
+        self.at.heating.chip + self.at.heating.flank(flank_wear)
     }
 
     /// Quasi-steady contact temperature, K.
@@ -112,13 +143,13 @@ impl<'a, N: Number> Contact<'a, N> {
     #[inline]
     pub fn temperature(&self, rise: N, body: N) -> N {
         let share = self.pair.temperature.body_share;
-        self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.cut.engaged) + share * body
+        self.pair.temperature.ambient_temperature + (-share + 1.0) * (rise * self.at.cut.engaged) + share * body
     }
 
     /// Wear at a contact temperature.
     #[inline]
     pub fn wear(&self, flank_wear: N, temperature: N, damage: N) -> Wear<N> {
-        self.pair.law.wear(self.level, flank_wear, temperature, damage, self.damage_gain)
+        self.pair.law.wear(self.at.level, flank_wear, temperature, damage, self.at.damage_gain)
     }
 
     /// Quasi-steady wear without damage.
@@ -128,21 +159,21 @@ impl<'a, N: Number> Contact<'a, N> {
 
     /// `∂ ln theta / ∂ ln v` at a quasi-steady contact temperature, χ.
     pub fn speed_sensitivity(&self, flank_wear: N, temperature: N) -> N {
-        let flank = self.heating.flank(flank_wear);
-        (self.pair.temperature.speed_exponent * self.heating.chip + flank * 0.5) / temperature
+        let flank = self.at.heating.flank(flank_wear);
+        (self.pair.temperature.speed_exponent * self.at.heating.chip + flank * 0.5) / temperature
     }
 
     /// `w_M·A` and `w_T·B/v`, whose difference is `-∂J/∂ln v`, quasi-steady.
     pub(crate) fn balance(&self, flank_wear: N, temperature: N, wear: Wear<N>) -> (N, N) {
         let chi = self.speed_sensitivity(flank_wear, temperature);
         let (mechanical, thermal) = self.pair.law.weights(temperature, chi);
-        (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.cut.cutting_speed)
+        (mechanical * wear.mechanical_per_path, thermal * wear.thermal_rate / self.at.cut.cutting_speed)
     }
 
     /// Everything at a state of the edge under the forces of the same cut; `body` is the tool
     /// body's temperature rise.
     pub fn point(&self, load: &Load<N>, flank_wear: N, body: N, damage: N) -> Point<N> {
-        let cut = &self.cut;
+        let cut = &self.at.cut;
         let temperature = self.temperature(self.rise(flank_wear), body);
         let wear = self.wear(flank_wear, temperature, damage);
         let moving = cut.cutting_speed.re() > 0.0;
@@ -168,32 +199,44 @@ impl<'a, N: Number> Contact<'a, N> {
         }
     }
 
+    /// What sensors without error show at a state of the edge under the forces of the same cut;
+    /// `body` is the tool body's temperature rise.
+    pub fn measurement(&self, load: &Load<N>, flank_wear: N, body: N) -> Measurement<N> {
+        let cut = self.cut();
+        let temperature = self.temperature(self.rise(flank_wear), body);
+        Measurement {
+            spindle_power: load.cutting(flank_wear) * cut.engaged * cut.cutting_speed,
+            feed_force: load.feed(flank_wear) * cut.engaged,
+            thermo_emf: self.thermo_emf(flank_wear, temperature),
+        }
+    }
+
     /// Thermo-EMF at a contact temperature, V.
     pub(crate) fn thermo_emf(&self, flank_wear: N, temperature: N) -> N {
         let pair = self.pair;
         let junction = Junction {
             ambient: pair.temperature.ambient_temperature,
-            chip: self.heating.chip,
+            chip: self.at.heating.chip,
             temperature,
-            chip_thickness: pair.force.chip_thickness(&self.cut),
+            chip_thickness: pair.force.chip_thickness(&self.at.cut),
             land: flank_wear + pair.temperature.land_offset,
         };
-        pair.emf.value(junction) * self.cut.engaged
+        pair.emf.value(junction) * self.at.cut.engaged
     }
 }
 
 impl<'a> Contact<'a> {
     /// The same contact of a pair lifted to another number type, for derivatives by the state.
     pub(crate) fn lift<N: Number>(&self, pair: &'a Pair<N>) -> Contact<'a, N> {
-        Contact {
-            pair,
-            cut: self.cut.map(N::from),
-            heating: self.heating.map(N::from),
+        let coefficients = Coefficients {
+            cut: self.at.cut.map(N::from),
+            heating: self.at.heating.map(N::from),
             level: Wear {
-                mechanical_per_path: N::from(self.level.mechanical_per_path),
-                thermal_rate: N::from(self.level.thermal_rate),
+                mechanical_per_path: N::from(self.at.level.mechanical_per_path),
+                thermal_rate: N::from(self.at.level.thermal_rate),
             },
-            damage_gain: N::from(self.damage_gain),
-        }
+            damage_gain: N::from(self.at.damage_gain),
+        };
+        pair.contact_of(coefficients)
     }
 }

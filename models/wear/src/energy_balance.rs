@@ -76,12 +76,13 @@ impl<N: Number> EnergyBalance<N> {
     pub(crate) fn wear(&self, level: Wear<N>, flank_wear: N, temperature: N, damage: N, damage_gain: N) -> Wear<N> {
         let run_in = (flank_wear + self.run_in_offset).recip() * self.run_in_land + 1.0;
         let layer = flank_wear / self.heated_layer_land;
+        let hot = self.arrhenius(self.mechanical_activation_energy, temperature);
+        // Several sets have one energy for both: an exponential less, the same to the bit.
+        let same = N::NDERIV == 0 && self.mechanical_activation_energy.re() == self.thermal_activation_energy.re();
+        let activation = if same { hot } else { self.activation(temperature) };
         Wear {
-            mechanical_per_path: level.mechanical_per_path
-                * run_in
-                * self.softening(temperature)
-                * (damage_gain * damage + 1.0),
-            thermal_rate: level.thermal_rate * (layer * layer + 1.0) * self.activation(temperature),
+            mechanical_per_path: level.mechanical_per_path * run_in * self.softened(hot) * (damage_gain * damage + 1.0),
+            thermal_rate: level.thermal_rate * (layer * layer + 1.0) * activation,
         }
     }
 
@@ -94,8 +95,13 @@ impl<N: Number> EnergyBalance<N> {
     /// Mechanical wear against that at the reference temperature, phi.
     #[inline]
     pub fn softening(&self, temperature: N) -> N {
+        self.softened(self.arrhenius(self.mechanical_activation_energy, temperature))
+    }
+
+    /// The same of the Arrhenius factor of mechanical wear.
+    #[inline]
+    fn softened(&self, hot: N) -> N {
         let plateau = self.cold_plateau.recip();
-        let hot = self.arrhenius(self.mechanical_activation_energy, temperature);
         (plateau + (-plateau + 1.0) * hot).recip()
     }
 

@@ -21,7 +21,7 @@
 //! | [`Cut`] | what the edge meets, with neutral multipliers |
 //! | [`Temperature`], [`Force`], [`Emf`], [`Chipping`], [`Limits`] | the parts of a pair |
 //! | [`WearLaw`]: [`EnergyBalance`], [`ExtendedTaylor`], [`TakeyamaMurata`] | how fast the flank wears |
-//! | [`Contact`], [`Point`] | algebra at one instant |
+//! | [`Contact`], [`Coefficients`], [`Point`] | algebra at one instant |
 //! | [`WearState`], [`EdgeRun`] | what changes: [`Pair::derivative`], [`Pair::run`] |
 //! | [`Life`], [`Objective`] | life by quadrature, best constant speed |
 //! | [`SpeedMode`], [`PassPlan`], [`SpeedTable`], [`SpeedSchedule`] | control laws for a pass, tabulated, or open loop |
@@ -83,7 +83,7 @@ mod temperature;
 pub use calibrate::WearTarget;
 pub use chipping::Chipping;
 pub use claims::{ClaimError, claims};
-pub use contact::{Contact, Point};
+pub use contact::{Coefficients, Contact, Point};
 pub use cut::Cut;
 pub use emf::Emf;
 pub use energy_balance::EnergyBalance;

@@ -96,7 +96,7 @@ impl<N: Number> Contact<'_, N> {
     /// [`Pair::derivative`] under the cut of this contact.
     #[inline]
     pub fn derivative(&self, state: &WearState<N>) -> WearState<N> {
-        let (pair, cut) = (self.pair, &self.cut);
+        let (pair, cut) = (self.pair, self.cut());
         let rise = self.rise(state.flank_wear);
         let temperature = self.temperature(rise, state.body_temperature_rise);
         let wear = self.wear(state.flank_wear, temperature, state.thermal_damage);
@@ -118,11 +118,11 @@ impl<N: Number> Contact<'_, N> {
     }
 
     fn damage_growth(&self, state: &WearState<N>, temperature: N, wear_rate: N) -> N {
-        let (rate, gain) = self.pair.damage_terms(&self.cut);
+        let (rate, gain) = self.pair.damage_terms(self.cut());
         match &self.pair.law {
             crate::WearLaw::EnergyBalance(law) if gain.re() > 0.0 => {
                 let damage = state.thermal_damage;
-                self.cut.engaged * rate * law.activation(temperature) * (-damage + 1.0)
+                self.cut().engaged * rate * law.activation(temperature) * (-damage + 1.0)
                     - damage * wear_rate / law.damage_wear_depth
             }
             _ => N::from(0.0),

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 use toolroom_sim::scenario::SensorSheet;
-use toolroom_wear::{Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable};
+use toolroom_wear::{
+    Coefficients, Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable,
+};
 
 /// A rule, before it is worked out for a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +60,8 @@ pub struct Policy {
     speed: Speed,
     pair: Arc<Pair>,
     cut: Cut,
+    /// Contact of the pair in the nominal cut.
+    contact: Coefficients,
     sensors: SensorSheet,
     reading: Reading,
     template: Option<Observer>,
@@ -114,6 +118,7 @@ impl Policy {
             speed,
             pair: Arc::new(pair.clone()),
             cut: *cut,
+            contact: pair.contact(cut).coefficients(),
             sensors,
             reading,
             largest_step: LARGEST_STEP * limits.reference_speed,
@@ -188,7 +193,7 @@ impl Policy {
         // v² changes by 2·a·l over a path.
         let reach = 2.0 * LARGEST_ACCELERATION * limits.reference_speed * length;
         let (slowest, fastest) = ((start * start - reach).max(0.0).sqrt(), (start * start + reach).sqrt());
-        let contact = self.pair.contact(&self.cut.at_speed(start));
+        let contact = self.pair.contact_of(self.contact);
         let intensity = |wear: f64, speed: f64| factor * contact.at_speed(speed).steady_wear(wear).intensity(speed);
         let most = limits.wear_limit;
         let mut growth = (intensity(wear, start) * length).min(most);

@@ -3,7 +3,7 @@
 use super::{Turning, TurningInput, TurningOutput, TurningState};
 use toolroom_effects::{Context, Terms};
 use toolroom_process::Number;
-use toolroom_wear::{Contact, Cut, Load, Pair, WearLaw};
+use toolroom_wear::{Coefficients, Contact, Cut, Load, Pair, WearLaw};
 
 /// The contact and the forces of one instant: everything that does not depend on the state of
 /// the edge but through effects.
@@ -14,6 +14,34 @@ pub(crate) struct Engagement<'a, N: Copy = f64> {
     terms: Terms<N>,
     ambient: N,
     chatters: bool,
+}
+
+/// What is kept of an [`Engagement`] that nothing changes but the edge's wear.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kept {
+    contact: Coefficients,
+    load: Load<f64>,
+    terms: Terms<f64>,
+}
+
+impl Engagement<'_> {
+    pub(super) fn keep(&self) -> Kept {
+        Kept { contact: self.contact.coefficients(), load: self.load, terms: self.terms }
+    }
+}
+
+impl Turning {
+    /// The engagement of which something was kept.
+    #[inline]
+    pub(super) fn engagement_of(&self, kept: &Kept) -> Engagement<'_> {
+        Engagement {
+            contact: self.pair.contact_of(kept.contact),
+            load: kept.load,
+            terms: kept.terms,
+            ambient: self.pair.temperature.ambient_temperature,
+            chatters: false,
+        }
+    }
 }
 
 impl<N: Number> Engagement<'_, N> {

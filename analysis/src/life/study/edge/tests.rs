@@ -1,0 +1,82 @@
+use super::super::points::{Points, Sampling};
+use super::super::policy::{Reading, Rule};
+use super::super::{Ends, Passes, cell};
+use super::*;
+use toolroom_sim::scenario::SensorSheet;
+
+/// A study of the default pair from 30 m/min with chipping.
+fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study {
+    let mut pair = Pair::default();
+    let cut = pair.reference_cut().at_speed(0.5);
+    pair.chipping = pair.chipping.for_share(&pair, &cut, 0.3).unwrap();
+    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default())];
+    Study {
+        name: String::new(),
+        title: String::new(),
+        seed: 11,
+        lives: 1000,
+        pair,
+        scatter,
+        fields: Vec::new(),
+        copula: None,
+        cells,
+        ends: Ends::default(),
+        passes: Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } },
+        lagged,
+        sampling: Sampling::Plain,
+        tilt: Tilt::default(),
+        early: 0.0,
+    }
+}
+
+/// The lives of the first edges with every step and panel cut into `parts`.
+fn lives(study: &Study, edges: u64, parts: u32) -> Vec<Outcome> {
+    let points = Points::new(study.sampling, study.seed, study.lives);
+    let mut point = vec![0.0; study.dimensions()];
+    let cell = &study.cells[0];
+    (0..edges)
+        .map(|index| {
+            points.at(index, &mut point);
+            let stream = &mut stream_of(study.seed, index);
+            live_in_parts(study, &study.pair, &cell.cut, &cell.speed, &point, stream, parts)
+        })
+        .collect()
+}
+
+/// Greatest relative difference of the lives of two runs; every edge ends in the same way.
+fn difference(rows: &[Outcome], others: &[Outcome]) -> f64 {
+    let each = rows.iter().zip(others).map(|(row, other)| {
+        assert_eq!(row.end, other.end);
+        (row.life / other.life - 1.0).abs().max((row.path / other.path - 1.0).abs())
+    });
+    each.fold(0.0, f64::max)
+}
+
+#[test]
+fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
+    let shop = Scatter::shop();
+    let even = Scatter { allowance: 0.0, piece_hardness: 0.0, ..shop };
+    let mut faults = Vec::new();
+    let smooth = Scatter { life_noise: 0.0, ..even };
+    for (name, study) in [
+        ("steady", study(even, Rule::Programmed, Reading::Pass, false)),
+        ("steady without noise", study(smooth, Rule::Programmed, Reading::Pass, false)),
+        ("passes", study(shop, Rule::Programmed, Reading::Pass, false)),
+        ("fast passes", study(shop, Rule::Makarov(0.1e-3), Reading::Pass, false)),
+        ("lagged body", study(shop, Rule::Programmed, Reading::Pass, true)),
+        ("one reading a pass", study(shop, Rule::MinimumWear, Reading::Pass, false)),
+        ("readings every 6 s", study(shop, Rule::MinimumWear, Reading::Period, false)),
+        ("oracle", study(shop, Rule::Oracle, Reading::Pass, false)),
+    ] {
+        let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
+        let chipped = exact.iter().filter(|row| row.end == End::Chipping).count();
+        assert!((10..140).contains(&chipped), "{name}: {chipped} of 150 chip");
+        let error = difference(&lives(&study, 150, 1), &exact);
+        // The reference: its own error is well below its distance from half as many parts.
+        let doubt = difference(&check, &exact);
+        if error >= 1e-4 || doubt >= 5e-6 {
+            faults.push(format!("{name}: {error:.1e}, the reference within {doubt:.1e}"));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:?}");
+}

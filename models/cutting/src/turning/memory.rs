@@ -1,0 +1,111 @@
+//! Steps that remember what the step before worked out.
+
+use super::equations::Kept;
+use super::{ACCURACY, STATES, Turning, TurningInput, TurningState, lost_at_once};
+use toolroom_process::ode::{self, Tolerance};
+use toolroom_process::{Advance, ModelError, Record};
+use toolroom_wear::WEAR_EVENTS;
+
+/// What a step under held input works out and the next one under the same input need not work out
+/// again. Forgetting it changes no result, to the bit; it holds for one process only and has to be
+/// forgotten where a parameter of that changes.
+#[derive(Clone, Debug, Default)]
+pub struct TurningMemory {
+    known: Option<Known>,
+}
+
+#[derive(Clone, Debug)]
+struct Known {
+    input: TurningInput,
+    engagement: Kept,
+    tolerance: Tolerance<STATES>,
+    last: Option<Last>,
+}
+
+/// Where the last step ended.
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    state: TurningState,
+    slope: [f64; STATES],
+    indicators: [f64; 3],
+}
+
+impl Turning {
+    /// [`Process::advance`](toolroom_process::Process::advance) with a memory of the step before:
+    /// coefficients of the input and the right-hand side at the end of the step.
+    ///
+    /// # Errors
+    /// As [`Process::advance`](toolroom_process::Process::advance).
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_cutting::{Turning, TurningInput, TurningMemory};
+    /// use toolroom_process::Process;
+    /// let (turning, u) = (Turning::default(), TurningInput::default());
+    /// let (mut x, mut y, mut memory) = (turning.initial(), turning.initial(), TurningMemory::default());
+    /// for _ in 0..100 {
+    ///     turning.step(&mut x, &u, 0.1, &mut memory).unwrap();
+    ///     turning.advance(&mut y, &u, 0.1).unwrap();
+    /// }
+    /// assert_eq!(x, y);
+    /// ```
+    pub fn step(
+        &self,
+        x: &mut TurningState,
+        u: &TurningInput,
+        dt: f64,
+        memory: &mut TurningMemory,
+    ) -> Result<Advance, ModelError> {
+        if !(self.keeps_still(u) && dt >= 0.0 && dt.is_finite()) {
+            return self.integrate(x, u, dt, &[], &mut |_, _, _| ());
+        }
+        let known = match &mut memory.known {
+            Some(known) if known.input == *u => known,
+            known => {
+                u.check()?;
+                let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
+                known.insert(Known { input: *u, engagement: self.engagement(x, u).keep(), tolerance, last: None })
+            }
+        };
+        let engagement = self.engagement_of(&known.engagement);
+        let slope = |x: &TurningState| {
+            let mut slope = [0.0; STATES];
+            engagement.rates(x).write_to(&mut slope);
+            slope
+        };
+        let last = match &mut known.last {
+            Some(last) if last.state == *x => last,
+            last => {
+                if let Some(event) = lost_at_once(&engagement, x, u) {
+                    return Ok(Advance { elapsed: 0.0, event: Some(event) });
+                }
+                let indicators = engagement.event_indicators(x, u.chipping_resistance);
+                last.insert(Last { state: *x, slope: slope(x), indicators })
+            }
+        };
+        let mut y = [0.0; STATES];
+        x.write_to(&mut y);
+        let rhs = |_: f64, y: &[f64; STATES]| slope(&TurningState::from_slice(y));
+        if let Some((end, slope)) = ode::short_step(rhs, 0.0, &y, &last.slope, dt, &known.tolerance) {
+            let state = TurningState::from_slice(&end);
+            let indicators = engagement.event_indicators(&state, u.chipping_resistance);
+            // An edge that may not go on is refused at the start of the next step.
+            if !(0..WEAR_EVENTS.len()).any(|i| last.indicators[i] < 0.0 && indicators[i] >= 0.0) {
+                *x = state;
+                *last = Last { state, slope, indicators };
+                return Ok(Advance { elapsed: dt, event: None });
+            }
+        }
+        self.integrate(x, u, dt, &[], &mut |_, _, _| ())
+    }
+
+    /// Whether nothing but the edge's wear changes in a step: no ramp, no effect, no chatter, no
+    /// variation of speed.
+    fn keeps_still(&self, u: &TurningInput) -> bool {
+        u.cutting_acceleration == 0.0
+            && u.engaged > 0.0
+            && u.speed_variation <= 0.0
+            && self.effects.is_empty()
+            && self.structure.is_none()
+    }
+}
