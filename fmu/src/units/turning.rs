@@ -4,10 +4,12 @@ use super::TurningMachine;
 use crate::unit::{AdaptivePolicy, Renewal, Unit};
 use std::sync::Arc;
 use toolroom_chatter::Mode;
-use toolroom_cutting::{Regeneration, Turning, TurningInput, TurningMemory, TurningOutput, TurningState, TurningStructure};
+use toolroom_cutting::{
+    Regeneration, Turning, TurningInput, TurningMemory, TurningOutput, TurningState, TurningStructure,
+};
 use toolroom_effects::Effects;
-use toolroom_process::{Advance, ModelError, Process};
 use toolroom_process::num_dual::Dual64;
+use toolroom_process::{Advance, ModelError, Process};
 use toolroom_wear::{Cut, PARAMETER_SETS};
 
 impl Unit for Turning {

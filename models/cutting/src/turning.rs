@@ -141,9 +141,8 @@ impl Turning {
             let x = TurningState::from_slice(y);
             engagement(time, &x).event_indicators(&x, u.chipping_resistance)
         };
-        let stage = |slope: &[f64; STATES]| {
-            STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear
-        };
+        let stage =
+            |slope: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear;
         let mut seen = 0;
         let mut look = |until: f64, at: &dyn Fn(f64) -> [f64; STATES]| {
             while seen < times.len() && times[seen] <= until {

@@ -59,9 +59,8 @@ impl Turning {
             self.pair.event_indicators(&x.wear(), &self.cut(&held, &self.terms(&x, &held).0), held.chipping_resistance)
         };
         let tolerance = Tolerance { relative: ACCURACY, absolute: self.scales(ACCURACY) };
-        let stage = |slope: &[f64; STATES]| {
-            STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear
-        };
+        let stage =
+            |slope: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear;
         let end = ode::integrate_staged(rhs, events, &[0.0; STATES], LONGEST, &tolerance, stage, |_| ())?;
         let Some(event) = end.event else { return Err(endless("the edge does not wear out")) };
         let state = TurningState::from_slice(&end.state);
