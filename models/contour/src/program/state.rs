@@ -131,7 +131,7 @@ impl State {
             10 => mode(Mode::Line)?,
             20 => mode(Mode::Arc { left: false })?,
             30 => mode(Mode::Arc { left: true })?,
-            730 | 810..=860 | 890 if code % 10 == 0 => mode(Mode::Cycle(Cycle::new(code / 10)))?,
+            730 | 810..=860 | 890 if code.is_multiple_of(10) => mode(Mode::Cycle(Cycle::new(code / 10)))?,
             // G80 in the first line of a program does not ask for a motion.
             800 => self.mode = if matches!(self.mode, Mode::Cycle(_)) { Mode::Rapid } else { self.mode },
             40 => once.dwell = true,
