@@ -5,6 +5,7 @@
 //! looked at only afterwards.
 
 mod judged;
+mod shrunk;
 mod tally;
 
 use crate::args::{BlindArgs, BlindCases};
@@ -17,10 +18,10 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
-use tally::Tally;
-use toolroom_analysis::gap::NominalModel;
+use tally::{Ablation, Tally};
+use toolroom_analysis::gap::{Method, NominalModel};
 use toolroom_analysis::study::Progress;
-use toolroom_truth::{Case, Extent, GENERATORS, suite};
+use toolroom_truth::{Case, Extent, GENERATORS, Set, suite};
 
 /// Shipped nominal models, by process.
 const MODELS: &[(&str, &str)] = &[
@@ -31,6 +32,24 @@ const MODELS: &[(&str, &str)] = &[
     ("shop", include_str!("../../scenarios/gap/shop.toml")),
 ];
 
+/// What is left of the method without its parts.
+const ABLATIONS: [(&str, Method); 3] = [
+    ("without abstention", Method { allowance: true, abstention: false, memory: true }),
+    ("without form allowance", Method { allowance: false, abstention: true, memory: true }),
+    ("naive: no allowance, no abstention, white noise", Method { allowance: false, abstention: false, memory: false }),
+];
+
+/// Cases on which the ablations are tried: effects at their ordinary strength, a third of the nulls,
+/// causes outside the catalogue.
+fn in_ablation(case: &Case) -> bool {
+    match case.set {
+        Set::Effect => case.hidden.iter().all(|hidden| hidden.strength == 1.0),
+        Set::Null => case.seed.is_multiple_of(3),
+        Set::Outside => true,
+        _ => false,
+    }
+}
+
 pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     let out = args.out.as_deref().map(OutputDir::create).transpose()?;
     let start = Instant::now();
@@ -40,12 +59,28 @@ pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     let models = models.collect::<Result<BTreeMap<&str, NominalModel>, Failure>>()?;
     let bar = Bar::new(voice);
     let done = AtomicU32::new(0);
-    let judge = |case: &Case| {
-        let judged = Judged::of(case, &models[case.process]);
-        bar.at(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total: cases.len() as u32 });
+    let methods: &[(&'static str, Method)] = if args.cases == BlindCases::Full { &ABLATIONS } else { &[] };
+    let reduced: Vec<Case> = cases.iter().filter(|case| in_ablation(case)).cloned().collect();
+    let total = (cases.len() + methods.len() * reduced.len()) as u32;
+    let judge = |case: &Case, method: Method| {
+        let judged = Judged::of(case, &models[case.process], method);
+        bar.at(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
         judged
     };
-    let judged = cases.par_iter().map(judge).collect::<Result<Vec<Judged>, Failure>>()?;
+    let all = |cases: &[Case], method: Method| -> Result<Vec<Judged>, Failure> {
+        cases.par_iter().map(|case| judge(case, method)).collect()
+    };
+    let judged = all(&cases, Method::default())?;
+    let mut ablations: Vec<Ablation> = Vec::new();
+    for (name, method) in methods {
+        ablations.extend(Ablation::of_processes(name, &all(&reduced, *method)?));
+    }
+    if !ablations.is_empty() {
+        ablations.extend(Ablation::of_processes(
+            "the whole method, same cases",
+            judged.iter().filter(|judged| in_ablation(&judged.case)),
+        ));
+    }
     bar.finish();
     let tallies: Vec<Tally> = GENERATORS
         .iter()
@@ -54,15 +89,16 @@ pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
         .collect();
     if let Some(out) = out {
         out.put("cases.csv", &judged::table(&judged))?;
-        out.put_json("blind.json", &tally::json(&tallies, &judged))?;
+        out.put_json("blind.json", &tally::json(&tallies, &ablations, &judged))?;
         let arguments = [format!("--seed {} --cases {}", args.seed, args.cases.name())];
         out.record(&provenance("gap blind", &[], arguments, Some(args.seed)), start.elapsed())?;
         voice.say(format_args!("wrote {}", out.publish()?.join("cases.csv").display()));
     }
     if voice.json {
-        voice.json(&tally::json(&tallies, &judged))
+        voice.json(&tally::json(&tallies, &ablations, &judged))
     } else {
-        tallies.iter().try_for_each(|tally| voice.data(tally))
+        tallies.iter().try_for_each(|tally| voice.data(tally))?;
+        ablations.iter().try_for_each(|ablation| voice.data(ablation))
     }
 }
 

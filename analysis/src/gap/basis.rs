@@ -2,7 +2,7 @@
 
 use super::fit::{Fit, fit, offset_residual};
 use super::gram::{factor, part, part_column};
-use super::{Forward, Gram, Linear, Noise, Point, evidence, generic};
+use super::{Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
 
 /// Factors on the scale of an estimated local scatter that are tried.
 const SCALES: [f64; 6] = [0.15, 0.3, 0.5, 0.75, 1.1, 1.6];
@@ -18,6 +18,8 @@ pub struct Basis {
     pub local_scale: Vec<f64>,
     /// What the saturated model leaves.
     pub floor: Vec<f64>,
+    /// Parts of the method that take part.
+    pub method: Method,
     /// The model linearised at its nominal point, but for the wear of each edge, which is brought
     /// near its readings: an edge whose model has run away has no slope.
     pub nominal: Linear,
@@ -62,17 +64,18 @@ impl Basis {
         let fitted: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
         let locals = measured.fitted_groups().count() * linear.locals.len();
         let freedom = 1.0 - (used + locals as f64) / fitted as f64;
-        Self {
-            noise: Noise::estimate(measured, &left, freedom),
-            local_scale,
-            floor: left,
-            nominal: before.nominal.clone(),
+        let mut noise = Noise::estimate(measured, &left, freedom);
+        if !before.method.memory {
+            noise.memory.fill(0.0);
+            noise.weight.fill(1.0);
         }
+        Self { noise, local_scale, floor: left, method: before.method, nominal: before.nominal.clone() }
     }
 
     /// The sensor sheet and the priors as they stand.
-    pub fn of_sheet(model: &dyn Forward) -> Self {
+    pub fn of_sheet(model: &dyn Forward, method: Method) -> Self {
         Self {
+            method,
             noise: Noise::of_sheet(&model.frame().measured),
             local_scale: vec![1.0; model.frame().locals.len()],
             floor: vec![0.0; model.frame().measured.len()],
@@ -82,7 +85,7 @@ impl Basis {
 
     /// Fits the nominal model from the nominal point.
     pub fn start(&self, model: &dyn Forward) -> Fit {
-        fit(model, &self.noise, self.nominal.clone(), &[], &self.local_scale)
+        fit(model, &self.noise, self.nominal.clone(), &[], &self.local_scale).complete(model)
     }
 }
 

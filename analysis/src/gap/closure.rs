@@ -4,7 +4,7 @@ use super::evidence::{left_out_solutions, solution};
 use super::fit::offset_residual;
 use super::noise::HUBER;
 use super::trial::{Trial, columns};
-use super::{Basis, Closure, Diagnosed, Forward, Measured};
+use super::{Basis, Closure, Diagnosed, Forward, Measured, Method};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -37,6 +37,42 @@ pub fn held_out_residuals(model: &dyn Forward, trial: &Trial, folds: &[Vec<usize
         }
     }
     left
+}
+
+/// Closure on groups that were kept out of the fit, of any effects that one asks about: by how much
+/// an effect that is known to be there would close the gap.
+pub struct Outside<'a> {
+    model: &'a dyn Forward,
+    basis: Basis,
+    base: Trial,
+    left: Vec<f64>,
+    groups: Vec<usize>,
+}
+
+impl<'a> Outside<'a> {
+    /// Fits the nominal model to the groups that are to be fitted; `None` where none is kept out.
+    pub fn new(model: &'a dyn Forward) -> Option<Self> {
+        let measured = &model.frame().measured;
+        let kept_out = |group: &usize| !measured.fitted[*group] && !measured.spans[*group].is_empty();
+        let groups: Vec<usize> = (0..measured.groups.len()).filter(kept_out).collect();
+        if groups.is_empty() {
+            return None;
+        }
+        let sheet = Basis::of_sheet(model, Method::default());
+        let first = sheet.start(model);
+        let basis = Basis::new(model, &first, &sheet);
+        let base = Trial::of(model, &basis, &[], first);
+        let left = held_out_residuals(model, &base, &[]);
+        Some(Self { model, basis, base, left, groups })
+    }
+
+    /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
+    pub fn closure(&self, active: &[usize], touched: &[&str], seed: u64) -> (Closure, f64) {
+        let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
+        let chosen = held_out_residuals(self.model, &trial, &[]);
+        let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
+        (total, trial.fit.cost)
+    }
 }
 
 /// Sums of squares of the groups on which a closure is scored.

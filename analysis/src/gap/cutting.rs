@@ -293,7 +293,8 @@ impl<P: Nominal> Cutting<P> {
         let damage = P::State::index_of("thermal_damage");
         let start = *x;
         // Damage of a hot edge comes and goes within seconds; its equation is linear.
-        let damaging = damage.filter(|i| rates(&start).get(*i).unwrap_or(0.0) != 0.0);
+        let first = rates(&start);
+        let damaging = damage.filter(|i| first.get(*i).unwrap_or(0.0) != 0.0);
         let moved = |rate: &P::State, dt: f64| {
             let mut next = start;
             for i in 0..P::State::LEN {
@@ -317,7 +318,7 @@ impl<P: Nominal> Cutting<P> {
             }
             next
         };
-        let middle = moved(&rates(x), 0.5 * dt);
+        let middle = moved(&first, 0.5 * dt);
         let end = moved(&rates(&middle), dt);
         *x = end;
         middle

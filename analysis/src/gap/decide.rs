@@ -222,10 +222,11 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
     let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
     let mut tried: Vec<Vec<usize>> = Vec::new();
     for first in best {
-        let single = &decision.trials[first];
-        if decision.gain_of(single, count) < GATE || !single.evidence.admissible {
+        if decision.gain_of(&decision.trials[first], count) < GATE || !decision.trials[first].evidence.admissible {
             continue;
         }
+        decision.trials[first] = decision.trials[first].clone().complete(model, basis, folds);
+        let single = &decision.trials[first];
         let scores = single.scores();
         let own = model.frame().candidates[single.fit.active[0]].id;
         let second = (0..count)
@@ -311,15 +312,16 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let after = remainder(model, basis, folds, trial, seed);
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
+        let abstains = basis.method.abstention;
         let passes = value > GATE && agreed(model, folds, trial) && convincing(model, trial, &decision.base);
-        let beaten = generic_gain - value > GATE + FORM * value;
-        let strained = strain(model, trial).filter(|(_, x)| *x > STRAINED);
-        let beside = remaining > REMAINDER * value && left > after.threshold;
+        let beaten = abstains && generic_gain - value > GATE + FORM * value;
+        let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
+        let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
         if passes && groups < FEWEST_GROUPS {
             decision.reasons.push(format!("{groups} groups are too few to name an effect; at least {FEWEST_GROUPS}"));
         } else if passes && beaten {
             decision.reasons.push("a generic signature predicts groups left out better than any effect".to_owned());
-        } else if passes && !credible(model, decision, trial) {
+        } else if passes && abstains && !credible(model, decision, trial) {
             decision.reasons.push("the calibration of the nominal model did not settle: no effect is named".to_owned());
         } else if let Some((name, x)) = strained.filter(|_| passes) {
             let far = format!("`{name}` would be off by {x:.1} prior standard deviations");
@@ -338,7 +340,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
             return;
         }
     }
-    if structured {
+    if structured && basis.method.abstention {
         decision.reasons.push("structure is left that no effect of the catalogue explains".to_owned());
         decision.verdict = GapVerdict::Unknown;
     }

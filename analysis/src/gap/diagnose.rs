@@ -3,10 +3,11 @@
 use super::closure::{closures, held_out_residuals, scored};
 use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
+use super::method::Bare;
 use super::trial::Trial;
 use super::{
-    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
-    Transform, report_units,
+    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, Method, NamedEffect, NextExperiment,
+    Ranked, Transform, report_units,
 };
 use toolroom_effects::{CatalogueEntry, Effect};
 use toolroom_sim::effects::SHOP_EFFECTS;
@@ -39,18 +40,33 @@ pub(crate) fn entry(id: &str) -> Option<&'static CatalogueEntry> {
 
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
 pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
-    let sheet = Basis::of_sheet(model);
+    diagnose_by(model, Method::default(), seed)
+}
+
+/// [`diagnose`] by parts of the method only.
+pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+    if method.allowance { diagnosed(model, method, seed) } else { diagnosed(&Bare::new(model), method, seed) }
+}
+
+fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+    let sheet = Basis::of_sheet(model, method);
     let first = sheet.start(model);
     let rough = Basis::new(model, &first, &sheet);
-    // A strong effect may not be taken for noise: the noise is read off beside the best effect.
-    let probe = Trial::of(model, &rough, &[], first);
-    let scores = probe.scores();
-    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
-    let basis = match best.filter(|index| scores.score[*index] > DETECTABLE) {
-        Some(index) => Basis::new(model, &Trial::new(model, &rough, &[], &probe.fit, &[index]).fit, &rough),
-        None => Basis::new(model, &probe.fit, &rough),
-    };
-    let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale);
+    // A strong effect may not be taken for noise: the noise is read off beside the best effect, again
+    // as long as it falls, since what is best is judged by the noise.
+    let mut probe = Trial::of(model, &rough, &[], first);
+    let mut basis = beside_best(model, &rough, &probe);
+    for _ in 0..NOISES {
+        let fit = super::fit::fit(model, &basis.noise, probe.fit.linear.clone(), &[], &basis.local_scale);
+        probe = Trial::of(model, &basis, &[], fit.complete(model));
+        let next = beside_best(model, &basis, &probe);
+        let fell = basis.noise.scale.iter().zip(&next.noise.scale).any(|(before, after)| *after < 0.8 * before);
+        if !fell {
+            break;
+        }
+        basis = next;
+    }
+    let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale).complete(model);
     let spread = Trial::of(model, &basis, &[], refit.clone());
     let folds = folds(&spread.gram, &model.frame().measured.fitted);
     let base = Trial::of(model, &basis, &folds, refit);
@@ -92,6 +108,22 @@ pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
 
+/// Times that the noise is read off anew.
+const NOISES: usize = 3;
+
+/// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
+fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
+    let scores = probe.scores();
+    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
+    match best.filter(|index| scores.score[*index] > DETECTABLE) {
+        Some(index) => {
+            let best = Trial::new(model, basis, &[], &probe.fit, &[index]);
+            Basis::new(model, &best.fit.complete(model), basis)
+        }
+        None => Basis::new(model, &probe.fit, basis),
+    }
+}
+
 /// Times that the nominal model is fitted anew from the fits with effects.
 const RESTARTS: usize = 3;
 
@@ -102,10 +134,10 @@ fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision:
     let fits = decision.trials.iter().filter(|trial| near(trial)).take(3).map(|trial| {
         let mut point = trial.fit.linear.point.clone();
         point.effects.iter_mut().for_each(|size| *size = 0.0);
-        super::fit::fit(model, &basis.noise, super::Linear::new(model, point), &[], &basis.local_scale)
+        super::fit::fit(model, &basis.noise, super::Linear::with(model, point, &[]), &[], &basis.local_scale)
     });
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best))
+    (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
 }
 
 fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<NamedEffect> {
@@ -314,7 +346,7 @@ const CONFUSED: f64 = 0.9;
 /// What records of the design of `model` could show, by the sensor sheet alone: no measured value
 /// counts.
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
-    let basis = Basis::of_sheet(model);
+    let basis = Basis::of_sheet(model, Method::default());
     let mut linear = super::Linear::new(model, super::Point::nominal(model));
     // An effect promises no more than it shows at its ordinary size: its slope at zero overstates one
     // that saturates, its change at that size one that runs away.

@@ -12,6 +12,12 @@ const STILL: f64 = 0.02;
 const LITTLE: f64 = 0.05;
 /// Move beyond which derivatives are taken anew.
 const FAR: f64 = 0.5;
+/// Damping of shared numbers that is tried, in prior precisions: none first, more where a model far
+/// from linear makes the full step worse.
+const DAMPING: [f64; 5] = [0.0, 1.0, 10.0, 100.0, 1000.0];
+/// Greatest move of a group's own factor in a round, in prior standard deviations: an edge whose
+/// model runs away has no slope that could bring it back.
+const FARTHEST: f64 = 1.5;
 /// Prior standard deviation of an effect, in ordinary sizes: all but flat.
 pub(crate) const EFFECT_PRIOR: f64 = 20.0;
 
@@ -24,6 +30,16 @@ pub struct Fit {
     pub active: Vec<usize>,
     /// Half the sum of squares of noise and priors.
     pub cost: f64,
+}
+
+impl Fit {
+    /// The same with derivatives by all candidates.
+    pub(crate) fn complete(self, model: &dyn Forward) -> Self {
+        if self.linear.effects.iter().all(|column| !column.is_empty()) {
+            return self;
+        }
+        Self { linear: Linear::new(model, self.linear.point), ..self }
+    }
 }
 
 /// Residual of the linearised model at the origin: what `columns · x` has to explain.
@@ -50,31 +66,30 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
     residual
 }
 
-/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in [`Gram::new`].
+/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in [`Gram::new`]. Only
+/// derivatives by what is active are sure to be there in the end.
 pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], local_scale: &[f64]) -> Fit {
     let mut linear = start;
+    if active.iter().any(|index| linear.effects[*index].is_empty()) {
+        linear = Linear::with(model, linear.point, active);
+    }
     let mut cost = objective(model, noise, &linear, local_scale);
     // Whether the derivatives are those of the present point.
     let mut fresh = true;
     for _ in 0..ROUNDS {
-        let target = step(model, noise, &linear, active, local_scale);
-        let moved = distance(model, &linear.point, &target);
-        let mut share = 1.0;
-        let mut accepted = None;
-        while share > 0.05 {
-            let trial = linear.moved(model, between(&linear.point, &target, share));
+        let normal = Normal::new(model, noise, &linear, active, local_scale);
+        let accepted = DAMPING.iter().find_map(|damping| {
+            let target = normal.step(*damping);
+            let moved = distance(model, &linear.point, &target);
+            let trial = linear.moved(model, target);
             let trial_cost = objective(model, noise, &trial, local_scale);
-            if trial_cost <= cost + 1e-9 * cost.abs() {
-                accepted = Some((trial, trial_cost));
-                break;
-            }
-            share *= 0.4;
-        }
-        let Some((trial, trial_cost)) = accepted else {
+            (trial_cost <= cost + 1e-9 * cost.abs()).then_some((trial, trial_cost, moved))
+        });
+        let Some((trial, trial_cost, moved)) = accepted else {
             if fresh {
                 break;
             }
-            linear = Linear::new(model, linear.point);
+            linear = Linear::with(model, linear.point, active);
             fresh = true;
             continue;
         };
@@ -87,14 +102,14 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
             if had_fresh {
                 break;
             }
-            linear = Linear::new(model, linear.point);
+            linear = Linear::with(model, linear.point, active);
             fresh = true;
         } else if moved > FAR {
-            linear = Linear::new(model, linear.point);
+            linear = Linear::with(model, linear.point, active);
             fresh = true;
         }
     }
-    let linear = if fresh { linear } else { Linear::new(model, linear.point) };
+    let linear = if fresh { linear } else { Linear::with(model, linear.point, active) };
     Fit { linear, active: active.to_vec(), cost }
 }
 
@@ -111,47 +126,73 @@ fn objective(model: &dyn Forward, noise: &Noise, linear: &Linear, local_scale: &
     0.5 * (data + shared + local)
 }
 
-/// The point that minimises the linearised objective; sizes stay within their range.
-fn step(model: &dyn Forward, noise: &Noise, linear: &Linear, active: &[usize], local_scale: &[f64]) -> Point {
-    let measured = &model.frame().measured;
-    let residual = offset_residual(model, linear, active);
-    let mut free: Vec<usize> = active.to_vec();
-    loop {
-        let columns: Vec<&[f64]> = linear
-            .nuisance
-            .iter()
-            .map(Vec::as_slice)
-            .chain(free.iter().map(|index| linear.effects[*index].as_slice()))
-            .collect();
-        let gram = Gram::new(measured, noise, linear, &columns, &residual, local_scale);
-        let nuisance = linear.nuisance.len();
-        let solution = solve(&gram, nuisance, columns.len());
-        if let Some(negative) = (0..free.len()).find(|i| solution[nuisance + i] < 0.0) {
-            free.remove(negative);
-            continue;
-        }
-        let mut point = linear.point.clone();
+/// Normal equations of a linearised model over nuisance and active candidates.
+struct Normal<'a> {
+    model: &'a dyn Forward,
+    noise: &'a Noise,
+    linear: &'a Linear,
+    active: &'a [usize],
+    local_scale: &'a [f64],
+    columns: Vec<&'a [f64]>,
+    residual: Vec<f64>,
+    gram: Gram,
+}
+
+impl<'a> Normal<'a> {
+    fn new(
+        model: &'a dyn Forward,
+        noise: &'a Noise,
+        linear: &'a Linear,
+        active: &'a [usize],
+        local_scale: &'a [f64],
+    ) -> Self {
+        let effects = active.iter().map(|index| linear.effects[*index].as_slice());
+        let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).chain(effects).collect();
+        let residual = offset_residual(model, linear, active);
+        let gram = Gram::new(&model.frame().measured, noise, linear, &columns, &residual, local_scale);
+        Self { model, noise, linear, active, local_scale, columns, residual, gram }
+    }
+
+    /// The point that minimises the linearised objective, shared numbers held back by `damping`;
+    /// sizes stay within their range.
+    fn step(&self, damping: f64) -> Point {
+        let candidates = &self.model.frame().candidates;
+        let nuisance = self.linear.nuisance.len();
+        let mut point = self.linear.point.clone();
+        let sizes = self.active.iter().map(|index| point.effects[*index] / candidates[*index].typical);
+        let here: Vec<f64> = point.parameters.iter().chain(&point.surfaces).copied().chain(sizes).collect();
+        let mut at: Vec<usize> = (0..self.columns.len()).collect();
+        let solution = loop {
+            let mut matrix = part(&self.gram.total, &at, &at);
+            let mut right = part_column(&self.gram.total, &at, self.gram.last());
+            for (i, column) in at.iter().enumerate() {
+                let prior = if *column < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
+                matrix[(i, i)] += prior + damping;
+                right[i] += damping * here[*column];
+            }
+            let solution = factor(matrix).solve(&right);
+            match (nuisance..at.len()).find(|i| solution[*i] < 0.0) {
+                Some(negative) => at.remove(negative),
+                None => break solution,
+            };
+        };
         let parameters = point.parameters.len();
         point.parameters.copy_from_slice(&solution.as_slice()[..parameters]);
         point.surfaces.copy_from_slice(&solution.as_slice()[parameters..nuisance]);
-        active.iter().for_each(|index| point.effects[*index] = 0.0);
-        for (i, index) in free.iter().enumerate() {
-            let candidate = &model.frame().candidates[*index];
-            point.effects[*index] = (solution[nuisance + i] * candidate.typical).min(candidate.greatest);
+        self.active.iter().for_each(|index| point.effects[*index] = 0.0);
+        for (column, x) in at.iter().zip(solution.iter()).skip(nuisance) {
+            let index = self.active[column - nuisance];
+            point.effects[index] = (x * candidates[index].typical).min(candidates[index].greatest);
         }
-        point.locals = locals(model, noise, linear, &columns, &residual, &solution, local_scale);
-        return point;
+        let columns: Vec<&[f64]> = at.iter().map(|column| self.columns[*column]).collect();
+        let found = locals(self.model, self.noise, self.linear, &columns, &self.residual, &solution, self.local_scale);
+        for (here, there) in point.locals.iter_mut().zip(found) {
+            here.iter_mut()
+                .zip(there)
+                .for_each(|(here, there)| *here = there.clamp(*here - FARTHEST, *here + FARTHEST));
+        }
+        point
     }
-}
-
-/// Solution of the normal equations with the priors of nuisance and effects.
-fn solve(gram: &Gram, nuisance: usize, size: usize) -> DVector<f64> {
-    let at: Vec<usize> = (0..size).collect();
-    let mut matrix = part(&gram.total, &at, &at);
-    for i in 0..size {
-        matrix[(i, i)] += if i < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
-    }
-    factor(matrix).solve(&part_column(&gram.total, &at, gram.last()))
 }
 
 /// Local factors given everything else, also of groups that were not fitted.
@@ -185,16 +226,6 @@ fn locals(
         values.iter_mut().zip(solution.iter()).for_each(|(values, x)| values[group] = *x);
     }
     values
-}
-
-fn between(from: &Point, to: &Point, share: f64) -> Point {
-    let mix = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + share * (b - a)).collect::<Vec<f64>>();
-    Point {
-        parameters: mix(&from.parameters, &to.parameters),
-        surfaces: mix(&from.surfaces, &to.surfaces),
-        effects: mix(&from.effects, &to.effects),
-        locals: from.locals.iter().zip(&to.locals).map(|(a, b)| mix(a, b)).collect(),
-    }
 }
 
 /// Greatest move of a shared number, in prior standard deviations or ordinary sizes.

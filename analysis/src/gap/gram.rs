@@ -73,7 +73,8 @@ impl Gram {
                 None => residual[span.start + i],
             });
             let z = DMatrix::from_fn(rows, locals.len(), |i, j| locals[j][span.start + i] * local_scale[j]);
-            let mut gram = x.tr_mul(&x);
+            // Multiplied as a product of two matrices it runs through the blocked kernel.
+            let mut gram = x.transpose() * &x;
             let lengths = gram.diagonal();
             let mut inner = z.tr_mul(&z);
             for i in 0..inner.nrows() {

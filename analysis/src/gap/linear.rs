@@ -19,7 +19,7 @@ pub struct Linear {
     pub raw: Vec<f64>,
     /// Derivatives by parameters, then surfaces (prior standard deviations).
     pub nuisance: Vec<Vec<f64>>,
-    /// Derivatives by the sizes of the candidates, per ordinary size.
+    /// Derivatives by the sizes of the candidates, per ordinary size; empty where nobody asked.
     pub effects: Vec<Vec<f64>>,
     /// Derivatives by the local factors, those of a kind in one column.
     pub locals: Vec<Vec<f64>>,
@@ -70,8 +70,14 @@ impl Linear {
         Self { point, residual, raw, ..self.clone() }
     }
 
-    /// Linearises `model` at `point` by forward differences.
+    /// Linearises `model` at `point` by forward differences, with all candidates.
     pub fn new(model: &dyn Forward, point: Point) -> Self {
+        let all: Vec<usize> = (0..model.frame().candidates.len()).collect();
+        Self::with(model, point, &all)
+    }
+
+    /// Linearises `model` at `point`; of the candidates only those `wanted`.
+    pub fn with(model: &dyn Forward, point: Point, wanted: &[usize]) -> Self {
         let simulated = model.simulate(&point);
         let mut raw = simulated.clone();
         surfaces(model, &point, &mut raw);
@@ -96,17 +102,18 @@ impl Linear {
             difference(&shifted, STEP)
         };
         let parameters = model.frame().parameters.len();
-        let (effects, locals) = (model.frame().candidates.len(), model.frame().locals.len());
-        let mut columns: Vec<Vec<f64>> = (0..parameters + effects + locals)
+        let locals = model.frame().locals.len();
+        let mut columns: Vec<Vec<f64>> = (0..parameters + wanted.len() + locals)
             .into_par_iter()
             .map(|i| match i {
                 i if i < parameters => by_parameter(i),
-                i if i < parameters + effects => by_effect(i - parameters),
-                i => by_local(i - parameters - effects),
+                i if i < parameters + wanted.len() => by_effect(wanted[i - parameters]),
+                i => by_local(i - parameters - wanted.len()),
             })
             .collect();
-        let locals = columns.split_off(parameters + effects);
-        let effects = columns.split_off(parameters);
+        let locals = columns.split_off(parameters + wanted.len());
+        let mut effects = vec![Vec::new(); model.frame().candidates.len()];
+        wanted.iter().zip(columns.split_off(parameters)).for_each(|(index, column)| effects[*index] = column);
         let mut nuisance = columns;
         nuisance.extend(surface_columns(model, &raw, &prediction));
         Self { residual: residual(model, &prediction), point, raw, nuisance, effects, locals }

@@ -45,6 +45,7 @@ mod gram;
 pub mod grinding;
 mod linear;
 mod measured;
+mod method;
 mod noise;
 mod nominal;
 mod plausible;
@@ -58,8 +59,9 @@ mod units;
 
 pub use basis::Basis;
 pub use channels::diagnose_parts;
+pub use closure::Outside;
 pub use decide::{Decision, FEWEST_GROUPS};
-pub use diagnose::{Diagnosed, Identifiable, diagnose, identifiability};
+pub use diagnose::{Diagnosed, Identifiable, diagnose, diagnose_by, identifiability};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
 };
@@ -70,6 +72,7 @@ pub use forward::{Candidate, Covariate, Forward, Frame, Local, Parameter, Point,
 pub use gram::Gram;
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};
+pub use method::Method;
 pub use noise::Noise;
 pub(crate) use noise::median;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};

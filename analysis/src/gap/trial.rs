@@ -26,6 +26,12 @@ impl Trial {
         Self::of(model, basis, folds, if near.cost <= far.cost { near } else { far })
     }
 
+    /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::with`] need.
+    #[must_use]
+    pub fn complete(self, model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>]) -> Self {
+        Self::of(model, basis, folds, self.fit.complete(model))
+    }
+
     /// The evidence of a finished fit.
     pub fn of(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], fit: Fit) -> Self {
         let gram = gram(model, basis, &fit, &[]);
@@ -98,7 +104,10 @@ pub(crate) fn columns(fit: &Fit, active: &[usize]) -> Vec<usize> {
 /// Normal equations of nuisance, all candidates and `more` columns.
 pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, more: &[&[f64]]) -> Gram {
     let linear = &fit.linear;
-    let own = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice);
+    // A candidate whose derivative nobody asked for is as one that cannot be seen.
+    let none = vec![0.0; linear.raw.len()];
+    let effects = linear.effects.iter().map(|column| if column.is_empty() { &none } else { column });
+    let own = linear.nuisance.iter().chain(effects).map(Vec::as_slice);
     let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
     Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale)

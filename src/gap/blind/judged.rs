@@ -1,10 +1,11 @@
 //! One case, diagnosed and held against what was hidden.
 
+use super::shrunk::Shrunk;
 use crate::failure::Failure;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_analysis::gap::{Forward, GapVerdict, NamedEffect, NominalModel, diagnose, identifiability};
-use toolroom_analysis::records::parse_csv;
+use toolroom_analysis::gap::{Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
+use toolroom_analysis::records::{Records, parse_csv};
 use toolroom_truth::Case;
 
 /// Seed of every diagnosis; what is random about a case is the case.
@@ -51,22 +52,28 @@ pub struct Judged {
     /// Score that the design of the records promised for the hidden cause of its size; of several,
     /// the least. `None` where nothing of the catalogue is hidden.
     pub promised: Option<f64>,
+    /// How far the gap shrinks, where one hidden cause was answered with a name.
+    pub shrunk: Option<Shrunk>,
     pub notes: Vec<String>,
 }
 
 impl Judged {
     /// Diagnoses the records of `case` with `model`.
-    pub fn of(case: &Case, model: &NominalModel) -> Result<Self, Failure> {
-        let text = case.records();
-        let (records, _) = parse_csv(case.process, text.as_bytes(), model.kind()).map_err(|error| Failure::Work {
-            message: format!("records of {} {}: {error}", case.process, case.seed),
-        })?;
+    pub fn of(case: &Case, model: &NominalModel, method: Method) -> Result<Self, Failure> {
+        let records = recorded(case, model)?;
         let (forward, _) = model.over(&records, None, |_, _| false);
-        let diagnosis = diagnose(forward.as_ref(), SEED).diagnosis;
-        let promised = promised(case, forward.as_ref());
+        let diagnosis = diagnose_by(forward.as_ref(), method, SEED).diagnosis;
+        let whole = method == Method::default();
+        let promised = if whole { promised(case, forward.as_ref()) } else { None };
         let mark = mark(case, diagnosis.verdict, &diagnosis.effects);
+        let shrunk = match case.hidden.as_slice() {
+            [hidden] if whole && promised.is_some() && !diagnosis.effects.is_empty() => {
+                Shrunk::of(hidden.id, &diagnosis, &records, &recorded(&case.on_new_edges(), model)?, model)
+            }
+            _ => None,
+        };
         let (verdict, named, notes) = (diagnosis.verdict, diagnosis.effects, diagnosis.notes);
-        Ok(Self { case: case.clone(), verdict, mark, named, promised, notes })
+        Ok(Self { case: case.clone(), verdict, mark, named, promised, shrunk, notes })
     }
 
     fn hidden(&self) -> String {
@@ -84,9 +91,17 @@ impl Judged {
         json!({
             "process": self.case.process, "set": self.case.set.name(), "seed": self.case.seed, "hidden": self.hidden(),
             "promised_z": self.promised, "verdict": self.verdict.name(), "mark": self.mark.name(),
+            "closure": self.shrunk.as_ref().map(Shrunk::json),
             "named": self.named.iter().map(named).collect::<Vec<_>>(), "notes": self.notes,
         })
     }
+}
+
+fn recorded(case: &Case, model: &NominalModel) -> Result<Records, Failure> {
+    let text = case.records();
+    let read = parse_csv(case.process, text.as_bytes(), model.kind());
+    read.map(|(records, _)| records)
+        .map_err(|error| Failure::Work { message: format!("records of {} {}: {error}", case.process, case.seed) })
 }
 
 fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
@@ -119,12 +134,15 @@ fn promised(case: &Case, forward: &dyn Forward) -> Option<f64> {
 
 /// Every case as CSV.
 pub fn table(judged: &[Judged]) -> String {
-    let mut text = String::from("process,set,seed,hidden,promised_z,verdict,mark,named,class,size,probability,z\n");
+    let mut text = String::from(
+        "process,set,seed,hidden,promised_z,verdict,mark,named,class,size,probability,z,\
+         closed,closed_low,closed_high,closed_on_new_edges,closed_by_hidden_effect\n",
+    );
     for row in judged {
         let join = |value: &dyn Fn(&NamedEffect) -> String| row.named.iter().map(value).collect::<Vec<_>>().join(" + ");
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{}",
             row.case.process,
             quoted(row.case.set.name()),
             row.case.seed,
@@ -137,6 +155,7 @@ pub fn table(judged: &[Judged]) -> String {
             join(&|effect| format!("{:.4} {}", effect.size, effect.unit)),
             join(&|effect| format!("{:.3}", effect.probability)),
             join(&|effect| format!("{:.2}", effect.z)),
+            row.shrunk.as_ref().map_or_else(|| ",,,,".to_owned(), Shrunk::csv),
         );
     }
     text

@@ -127,7 +127,7 @@ fn records(case: &Case) -> String {
     // A closure that is to be believed needs more edges than a diagnosis.
     let (first, tools) = match case.edges {
         Edges::Diagnosed => (1, TOOLS),
-        Edges::New => (TOOLS + 1, 4 * TOOLS),
+        Edges::New => (TOOLS + 1, 2 * TOOLS),
     };
     for tool in 0..tools {
         if tool % TOOLS == 0 {

@@ -1,0 +1,51 @@
+//! Parts of the method that can be left out, to show what they are worth.
+
+use super::{Forward, Frame, Point};
+
+/// Which parts of the method take part. The diagnosis uses all of them; the blind benchmark leaves
+/// them out one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// The form allowance: equations may be a few per cent wrong.
+    pub allowance: bool,
+    /// "Unknown" where structure is left that no effect explains.
+    pub abstention: bool,
+    /// Correlation of neighbouring readings, and less weight for outliers.
+    pub memory: bool,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self { allowance: true, abstention: true, memory: true }
+    }
+}
+
+/// A model without its form allowance.
+pub(super) struct Bare<'a> {
+    model: &'a dyn Forward,
+    frame: Frame,
+}
+
+impl<'a> Bare<'a> {
+    pub fn new(model: &'a dyn Forward) -> Self {
+        let mut frame = model.frame().clone();
+        frame.parameters.retain(|parameter| !parameter.allowance);
+        frame.surfaces.retain(|surface| !surface.allowance);
+        Self { model, frame }
+    }
+}
+
+impl Forward for Bare<'_> {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        let mut own = at.parameters.iter();
+        let whole = &self.model.frame().parameters;
+        let value = |allowance: bool| if allowance { 0.0 } else { own.next().copied().unwrap_or(0.0) };
+        let parameters = whole.iter().map(|parameter| parameter.allowance).map(value).collect();
+        let surfaces = vec![0.0; self.model.frame().surfaces.len()];
+        self.model.simulate(&Point { parameters, surfaces, ..at.clone() })
+    }
+}
