@@ -77,14 +77,16 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
     // Whether the derivatives are those of the present point.
     let mut fresh = true;
     for _ in 0..ROUNDS {
-        let normal = Normal::new(model, noise, &linear, active, local_scale);
-        let accepted = DAMPING.iter().find_map(|damping| {
-            let target = normal.step(*damping);
-            let moved = distance(model, &linear.point, &target);
-            let trial = linear.moved(model, target);
-            let trial_cost = objective(model, noise, &trial, local_scale);
-            (trial_cost <= cost + 1e-9 * cost.abs()).then_some((trial, trial_cost, moved))
-        });
+        let accepted = {
+            let normal = Normal::new(model, noise, &linear, active, local_scale);
+            DAMPING.iter().find_map(|damping| {
+                let target = normal.step(*damping);
+                let moved = distance(model, &linear.point, &target);
+                let trial = linear.moved(model, target);
+                let trial_cost = objective(model, noise, &trial, local_scale);
+                (trial_cost <= cost + 1e-9 * cost.abs()).then_some((trial, trial_cost, moved))
+            })
+        };
         let Some((trial, trial_cost, moved)) = accepted else {
             if fresh {
                 break;
@@ -187,9 +189,8 @@ impl<'a> Normal<'a> {
         let columns: Vec<&[f64]> = at.iter().map(|column| self.columns[*column]).collect();
         let found = locals(self.model, self.noise, self.linear, &columns, &self.residual, &solution, self.local_scale);
         for (here, there) in point.locals.iter_mut().zip(found) {
-            here.iter_mut()
-                .zip(there)
-                .for_each(|(here, there)| *here = there.clamp(*here - FARTHEST, *here + FARTHEST));
+            let near = |here: f64, there: f64| there.max(here - FARTHEST).min(here + FARTHEST);
+            here.iter_mut().zip(there).for_each(|(here, there)| *here = near(*here, there));
         }
         point
     }
