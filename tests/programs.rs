@@ -124,6 +124,7 @@ fn slow_tool_changes_are_named_with_their_size() {
 }
 
 /// Folder of measured data, which is not part of the project.
+#[allow(clippy::print_stdout)] // a skipped test says why
 fn data(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("TOOLROOM_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
     let path = folder.join(name);
@@ -131,7 +132,7 @@ fn data(name: &str) -> Option<PathBuf> {
         println!("skipped: {} is not there; set TOOLROOM_DATA to the folder of the measured data", path.display());
         return None;
     }
-    Some(path)
+    path.canonicalize().ok()
 }
 
 #[test]

@@ -72,8 +72,11 @@ impl Standing {
 pub struct StabilityLobes {
     boundaries: Vec<Layer>,
     count: usize,
-    groups: Vec<(String, [Vec<(f64, f64)>; 3])>,
+    groups: Vec<(String, [Points; 3])>,
 }
+
+/// Speed and depth of each.
+type Points = Vec<(f64, f64)>;
 
 impl StabilityLobes {
     /// Adds a boundary; where a depth is no number it has a gap. Each one has a dash of its own.

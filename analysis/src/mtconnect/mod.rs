@@ -19,7 +19,8 @@
 //! use toolroom_analysis::mtconnect::{events, parse_shdr, sessions};
 //! let log = parse_shdr("2017-02-07T10:00:00Z|execution|READY\n2017-02-07T10:00:05Z|execution|ACTIVE|Fovr|50\n");
 //! let records = events(&sessions("mill", &log, &[]), &[]);
-//! assert_eq!(records.numbers("time"), Some(&[0.0, 5.0][..]));
+//! // The end of the log is an event of its own.
+//! assert_eq!(records.numbers("time"), Some(&[0.0, 5.0, 5.0][..]));
 //! ```
 
 mod events;

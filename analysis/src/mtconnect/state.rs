@@ -90,7 +90,7 @@ pub fn states(session: &Session) -> Vec<MachineState> {
 /// A tool as a name: `3.000000` is tool 3; 0 and nothing are no tool.
 fn tool(value: &str) -> Option<String> {
     match value.parse::<f64>() {
-        Ok(number) if number == 0.0 => None,
+        Ok(0.0) => None,
         Ok(number) if number.fract() == 0.0 && number.abs() < 1e15 => Some(format!("{number:.0}")),
         _ => (!value.is_empty()).then(|| value.to_owned()),
     }

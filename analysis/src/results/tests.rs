@@ -3,11 +3,14 @@ use crate::fixture;
 use crate::study::study_with;
 use std::collections::BTreeMap;
 use std::fs;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// All files of a study on so many threads, without `run.json`.
 fn files(threads: usize, format: Format) -> BTreeMap<String, Vec<u8>> {
-    let name = format!("toolroom-results-{threads}-{}-{}", format.extension(), std::process::id());
-    let directory = std::env::temp_dir().join(name);
+    // Tests of one process run side by side.
+    static FOLDERS: AtomicUsize = AtomicUsize::new(0);
+    let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+    let directory = std::env::temp_dir().join(format!("toolroom-results-{}-{number}", std::process::id()));
     fs::create_dir_all(&directory).expect("a folder");
     let scenario = fixture::scenario();
     let options = StudyOptions { replications: 22, threads, logged: 6, ..StudyOptions::of(&scenario) };

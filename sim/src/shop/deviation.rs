@@ -32,7 +32,7 @@ impl<R: Recorder> Shop<'_, R> {
         let wait = Distribution::Exponential { mean: 1.0 };
         let stop = Distribution::Exponential { mean: MICRO_STOP };
         let (mut at, mut stopped) = (0.0, 0.0);
-        while rate > 0.0 {
+        loop {
             at += wait.sample(&mut stream);
             if at > rate * programmed {
                 break;

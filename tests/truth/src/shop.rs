@@ -236,7 +236,7 @@ fn records(case: &Case) -> String {
         change: (0.03 * unsure * shop.normal()).exp(),
         scatter: 0.10 * case.scatter,
         spread: 0.2 * case.scatter,
-        logged: case.seed % 2 == 0,
+        logged: case.seed.is_multiple_of(2),
         chance: Chance::new(case.seed, 20 + case.stream()),
         case,
     };

@@ -252,9 +252,11 @@ fn column(walk: &mut Walk, section: &Section<'_>, kind: RecordKind) -> Option<Ma
             return None;
         }
         (None, Some(text)) if is_text => Origin::Text(text.to_owned()),
-        (None, Some(text)) => match constant(text, column) {
+        (None, Some(text)) => match unit::quantity(text, column.unit) {
             Ok(value) => Origin::Number(value),
-            Err(fault) => {
+            Err(reason) => {
+                let example = format!("1 {}", column.display);
+                let fault = Fault::Quantity { key: "constant".to_owned(), reason, example };
                 walk.fault(section.span_of("constant"), fault);
                 return None;
             }
@@ -278,10 +280,4 @@ fn column(walk: &mut Walk, section: &Section<'_>, kind: RecordKind) -> Option<Ma
         }
     };
     Some(Mapped { column, origin, combine })
-}
-
-fn constant(text: &str, column: &RecordColumn) -> Result<f64, Fault> {
-    let example = format!("1 {}", column.display);
-    let quantity = unit::quantity(text, column.unit);
-    quantity.map_err(|reason| Fault::Quantity { key: "constant".to_owned(), reason, example })
 }

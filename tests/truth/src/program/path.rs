@@ -60,7 +60,7 @@ pub(super) fn read(text: &str) -> Vec<Line> {
         let value = |wanted: char| list.iter().find(|(letter, _)| *letter == wanted).map(|(_, value)| *value);
         let g = |wanted: f64| list.iter().any(|(letter, value)| *letter == 'G' && *value == wanted);
         let m = list.iter().any(|(letter, _)| *letter == 'M');
-        let change = list.iter().any(|word| *word == ('M', 6.0));
+        let change = list.contains(&('M', 6.0));
         for (letter, value) in &list {
             match (*letter, *value as i64) {
                 ('G', code @ (0..=3 | 81..=85)) => mode = code,
