@@ -1,6 +1,7 @@
 //! One edge: how it differs from nominal, and its life under a policy.
 
 mod chips;
+mod cubic;
 mod noise;
 mod passes;
 mod steady;

@@ -1,6 +1,7 @@
 //! A life in passes, under any policy: the state equations.
 
 use super::chips::{Chips, share_at};
+use super::cubic::Cubic;
 use super::noise::Noise;
 use super::{Edge, LEVELS, Outcome, collapse, level_share};
 use crate::life::study::policy::{Pilot, Policy, Ramp};
@@ -54,37 +55,6 @@ pub(super) struct Machining<'a> {
     largest_bend: f64,
     /// The next step, as far as the bend of the last one tells, s.
     next_step: f64,
-}
-
-/// A quantity over one step: the cubic through its ends with their slopes (per step).
-#[derive(Clone, Copy)]
-struct Cubic {
-    ends: [f64; 2],
-    slopes: [f64; 2],
-}
-
-impl Cubic {
-    fn at(&self, share: f64) -> f64 {
-        let ([start, end], [first, last]) = (self.ends, self.slopes);
-        let rise = end - start;
-        start + share * (first + share * (3.0 * rise - 2.0 * first - last + share * (first + last - 2.0 * rise)))
-    }
-
-    /// Share of the step at which a growing quantity reaches `value`, by Newton's method.
-    fn share_at(&self, value: f64) -> f64 {
-        let ([start, end], [first, last]) = (self.ends, self.slopes);
-        let rise = end - start;
-        let mut share = ((value - start) / rise).clamp(0.0, 1.0);
-        for _ in 0..3 {
-            let slope =
-                first + share * (2.0 * (3.0 * rise - 2.0 * first - last) + share * 3.0 * (first + last - 2.0 * rise));
-            if slope <= 0.0 {
-                break;
-            }
-            share = (share - (self.at(share) - value) / slope).clamp(0.0, 1.0);
-        }
-        share
-    }
 }
 
 /// A step that was taken, before its end is accepted.

@@ -1,20 +1,24 @@
 //! A life in which nothing but wear changes: quadrature over wear.
 
 use super::chips::{Chips, share_at};
+use super::cubic::Cubic;
 use super::noise::Clock;
 use super::{Edge, LEVELS, Outcome, collapse, level_share};
 use crate::life::study::{End, Study};
 use toolroom_sim::Stream;
 use toolroom_wear::{Contact, Cut, Pair};
 
-/// Nodes and weights of the 4-point Gauss–Legendre rule, and the weights of the same nodes for the
-/// first half of the interval: the integrals of the nodes' Lagrange polynomials.
+/// Nodes and weights of the 4-point Gauss–Legendre rule. Of the cubic through the values at the
+/// nodes: the weights of its integral over the first half, and of its values at start and middle.
 const NODES: [f64; 4] =
     [-0.861_136_311_594_052_6, -0.339_981_043_584_856_26, 0.339_981_043_584_856_26, 0.861_136_311_594_052_6];
 const WEIGHTS: [f64; 4] =
     [0.347_854_845_137_453_85, 0.652_145_154_862_546_1, 0.652_145_154_862_546_1, 0.347_854_845_137_453_85];
 const FIRST_HALF: [f64; 4] =
     [0.352_211_875_877_324_1, 0.609_831_878_967_724_4, 0.042_313_275_894_822_03, -0.004_357_030_739_870_302];
+const AT_START: [f64; 4] =
+    [1.526_788_125_457_266_4, -0.813_632_449_486_927, 0.400_761_520_311_650_35, -0.113_917_196_281_989_93];
+const AT_MIDDLE: [f64; 4] = [-0.09232659844072881, 0.59232659844072877, 0.59232659844072877, -0.09232659844072881];
 
 /// A life at one speed where nothing changes from pass to pass.
 ///
@@ -54,7 +58,16 @@ pub(super) fn life(study: &Study, pair: &Pair, edge: &Edge, speed: f64, stream: 
             to = collapse(&contact, hot, from, to);
         }
         let panel = Panel::new(&contact, speed, scale, from, to);
-        let aged = panel.parabola([from, panel.middle, to].map(|land| chips.aged(land)));
+        let squares = panel.squares(scale, from, to);
+        let aged = |advanced: f64| {
+            let half = panel.first_half;
+            let square = if advanced < half {
+                squares[0].at(advanced / half)
+            } else {
+                squares[1].at((advanced - half) / (panel.duration - half))
+            };
+            chips.aged(square.sqrt() - scale)
+        };
         let (mut stop, mut kind) = (f64::INFINITY, End::Time);
         let mut last = (0.0, time);
         let end = clock.advance(panel.duration, stream, |advanced, time| {
@@ -94,36 +107,44 @@ pub(super) fn life(study: &Study, pair: &Pair, edge: &Edge, speed: f64, stream: 
     done(time, limit, study.limit_kind(pair), passages)
 }
 
-/// Time without noise from one wear to another: Gauss–Legendre in ln(1 + h/scale).
+/// Time without noise from one wear to another: Gauss–Legendre in x = ln(1 + h/scale).
 struct Panel {
     /// s.
     duration: f64,
-    /// The part of it that takes the wear to the middle of the interval, s.
+    /// Time to the middle, s.
     first_half: f64,
-    /// Wear there, m.
+    /// x in the middle.
     middle: f64,
+    /// Time per x at start, middle and end, s.
+    paces: [f64; 3],
 }
 
 impl Panel {
     fn new(contact: &Contact<'_>, speed: f64, scale: f64, from: f64, to: f64) -> Self {
         let (a, b) = ((from / scale).ln_1p(), (to / scale).ln_1p());
         let (centre, half) = (0.5 * (a + b), 0.5 * (b - a));
-        let (mut duration, mut first_half) = (0.0, 0.0);
+        let mut panel = Self { duration: 0.0, first_half: 0.0, middle: centre, paces: [0.0; 3] };
         for (i, node) in NODES.iter().enumerate() {
             let stretch = (centre + half * node).exp();
             let pace = scale * stretch / contact.steady_wear(scale * (stretch - 1.0)).rate(speed);
-            duration += half * WEIGHTS[i] * pace;
-            first_half += half * FIRST_HALF[i] * pace;
+            panel.duration += half * WEIGHTS[i] * pace;
+            panel.first_half += half * FIRST_HALF[i] * pace;
+            for (sum, weight) in panel.paces.iter_mut().zip([AT_START[i], AT_MIDDLE[i], AT_START[3 - i]]) {
+                *sum += weight * pace;
+            }
         }
-        Self { duration, first_half, middle: scale * centre.exp_m1() }
+        panel
     }
 
-    /// The parabola in time without noise through values at start, middle and end of the interval of
-    /// wear.
-    fn parabola(&self, [start, middle, end]: [f64; 3]) -> impl Fn(f64) -> f64 + use<> {
-        let (duration, half) = (self.duration, self.first_half);
-        let to_middle = (middle - start) / half;
-        let bend = ((end - start) / duration - to_middle) / (duration - half);
-        move |time| start + time * (to_middle + bend * (time - half))
+    /// The square of the land with its offset, which runs in evenly, over the two halves of x.
+    fn squares(&self, scale: f64, from: f64, to: f64) -> [Cubic; 2] {
+        let lands = [from + scale, scale * self.middle.exp(), to + scale];
+        let squares = lands.map(|land| land * land);
+        let half = |i: usize, duration: f64| {
+            // d (h + scale)²/dx = 2 (h + scale)²
+            let slope = |k: usize| 2.0 * squares[k] * duration / self.paces[k];
+            Cubic { ends: [squares[i], squares[i + 1]], slopes: [slope(i), slope(i + 1)] }
+        };
+        [half(0, self.first_half), half(1, self.duration - self.first_half)]
     }
 }

@@ -66,6 +66,8 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
         ("lagged body", study(shop, Rule::Programmed, Reading::Pass, true)),
         ("one reading a pass", study(shop, Rule::MinimumWear, Reading::Pass, false)),
         ("readings every 6 s", study(shop, Rule::MinimumWear, Reading::Period, false)),
+        ("schedule", study(shop, Rule::Schedule, Reading::Pass, false)),
+        ("price of a metre", study(shop, Rule::Price(1.3), Reading::Period, false)),
         ("oracle", study(shop, Rule::Oracle, Reading::Pass, false)),
     ] {
         let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
