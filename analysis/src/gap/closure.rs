@@ -1,7 +1,7 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
 use super::evidence::{left_out_solutions, solution};
-use super::fit::offset_residual;
+use super::fit::{offset_residual, own_factors};
 use super::noise::HUBER;
 use super::trial::{Trial, columns};
 use super::{Basis, Closure, Diagnosed, Forward, Measured, Method};
@@ -12,9 +12,11 @@ use rand_chacha::ChaCha8Rng;
 const RESAMPLES: usize = 400;
 
 /// Residuals of every observation predicted without its own group: the fit that predicts a group
-/// has not seen it, and its own factors are unknown. The form allowance protects the attribution
-/// only: it is no part of the model that is scored.
-pub fn held_out_residuals(model: &dyn Forward, trial: &Trial, folds: &[Vec<usize>]) -> Vec<f64> {
+/// has not seen it. Of the group's own factors, those that are mere scatter follow its readings, with
+/// or without an effect: no model of means predicts them, and beside them a gap of the means would
+/// drown. The others are unknown. The form allowance protects the attribution only: it is no part of
+/// the model that is scored.
+pub fn held_out_residuals(model: &dyn Forward, basis: &Basis, trial: &Trial, folds: &[Vec<usize>]) -> Vec<f64> {
     let measured = &model.frame().measured;
     let linear = &trial.fit.linear;
     let nuisance = linear.nuisance.len();
@@ -34,6 +36,13 @@ pub fn held_out_residuals(model: &dyn Forward, trial: &Trial, folds: &[Vec<usize
         for (i, x) in at.iter().zip(solution.iter()) {
             let slope = column(*i);
             measured.spans[*group].clone().for_each(|row| left[row] -= slope[row] * x);
+        }
+    }
+    let own = own_factors(model, &basis.noise, linear, &left, &basis.local_scale);
+    for ((column, x), local) in linear.locals.iter().zip(&own).zip(&model.frame().locals) {
+        if local.scatter {
+            let each = measured.spans.iter().zip(x).flat_map(|(span, x)| span.clone().map(move |row| (row, x)));
+            each.for_each(|(row, x)| left[row] -= column[row] * x);
         }
     }
     left
@@ -62,14 +71,14 @@ impl<'a> Outside<'a> {
         let first = sheet.start(model);
         let basis = Basis::new(model, &first, &sheet);
         let base = Trial::of(model, &basis, &[], first);
-        let left = held_out_residuals(model, &base, &[]);
+        let left = held_out_residuals(model, &basis, &base, &[]);
         Some(Self { model, basis, base, left, groups })
     }
 
     /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
     pub fn closure(&self, active: &[usize], touched: &[&str], seed: u64) -> (Closure, f64) {
         let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
-        let chosen = held_out_residuals(self.model, &trial, &[]);
+        let chosen = held_out_residuals(self.model, &self.basis, &trial, &[]);
         let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
         (total, trial.fit.cost)
     }

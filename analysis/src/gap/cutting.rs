@@ -154,8 +154,8 @@ impl<P: Nominal> Cutting<P> {
         let measured_channels = measured.channels.len();
         let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
         let locals = vec![
-            Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true },
-            Local { name: "force of the edge", deviation: settings.edge_force, estimated: false },
+            Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true, scatter: true },
+            Local { name: "force of the edge", deviation: settings.edge_force, estimated: false, scatter: true },
         ];
         let mut model = Self {
             process,

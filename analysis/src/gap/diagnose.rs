@@ -75,8 +75,8 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         let Some(better) = restarted(model, &basis, &folds, &decision) else { break };
         decision = decide(model, &basis, &folds, better, seed);
     }
-    let base_left = held_out_residuals(model, &decision.base, &folds);
-    let chosen_left = held_out_residuals(model, decision.model(), &folds);
+    let base_left = held_out_residuals(model, &basis, &decision.base, &folds);
+    let chosen_left = held_out_residuals(model, &basis, decision.model(), &folds);
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let active = &decision.model().fit.active;

@@ -82,7 +82,7 @@ impl Empirical {
         let wear = records.numbers("flank_wear").filter(|_| !is_wear);
         let age = age(records, &group_of_row);
         // Edges differ in level and in the course of their life: what all of them have in common counts.
-        let local = |name| Local { name, deviation: settings.edge_wear, estimated: true };
+        let local = |name| Local { name, deviation: settings.edge_wear, estimated: true, scatter: false };
         let locals = vec![local("level of the group"), local("course of the group")];
         let course = match wear {
             Some(land) => land.iter().map(|land| if land.is_finite() { land / LAND } else { 0.0 }).collect(),

@@ -196,6 +196,17 @@ impl<'a> Normal<'a> {
     }
 }
 
+/// Local factors that each group's own readings ask for, given what everything else leaves of them.
+pub(crate) fn own_factors(
+    model: &dyn Forward,
+    noise: &Noise,
+    linear: &Linear,
+    left: &[f64],
+    local_scale: &[f64],
+) -> Vec<Vec<f64>> {
+    locals(model, noise, linear, &[], left, &DVector::zeros(0), local_scale)
+}
+
 /// Local factors given everything else, also of groups that were not fitted.
 fn locals(
     model: &dyn Forward,

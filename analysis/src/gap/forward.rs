@@ -41,6 +41,9 @@ pub struct Local {
     pub deviation: f64,
     /// Whether the standard deviation is estimated from the data.
     pub estimated: bool,
+    /// Whether it is scatter and nothing else, which closes no gap; false where what differs from
+    /// group to group (a coolant, a material) acts through it.
+    pub scatter: bool,
 }
 
 /// An effect with a shape, which the data may ask for.

@@ -75,7 +75,12 @@ impl Grinding {
         let measured = Measured::new(channels(records, settings), names, group_of_row, fitted);
         let (conditions, notes) = Conditions::new(records);
         let frame = Frame {
-            locals: vec![Local { name: "process stiffness of the dressing", deviation: DRESSING, estimated: true }],
+            locals: vec![Local {
+                name: "process stiffness of the dressing",
+                deviation: DRESSING,
+                estimated: true,
+                scatter: false,
+            }],
             notes,
             ..Frame::new(measured)
         };

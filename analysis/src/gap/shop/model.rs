@@ -215,8 +215,8 @@ impl ShopModel {
         surfaces.retain(|surface| !surface.channels.is_empty());
         self.frame.surfaces = surfaces;
         self.frame.locals = vec![
-            Local { name: "cutting time of the day", deviation: DAILY, estimated: true },
-            Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true },
+            Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
+            Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true, scatter: false },
         ];
     }
 
