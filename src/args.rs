@@ -294,6 +294,11 @@ pub enum GapCommand {
     #[command(before_help = "Examples:
   toolroom gap identifiability --model scenarios/gap/turning.toml --data planned.csv")]
     Identifiability(IdentifiabilityArgs),
+    /// The next experiment: which runs would tell apart what the records cannot
+    #[command(before_help = "Examples:
+  toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv
+  toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv --out out/plan     runs.csv to fill in")]
+    Plan(PlanArgs),
     /// Write the nominal model with the named effects switched on
     #[command(before_help = "Examples:
   toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
@@ -336,6 +341,18 @@ pub struct DiagnoseArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Directory of diagnosis.json and report.html
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct PlanArgs {
+    #[command(flatten)]
+    pub data: GapData,
+    /// Seed of the null distribution
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of plan.json and of the planned runs as records to fill in
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

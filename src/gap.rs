@@ -4,6 +4,7 @@ mod apply;
 mod blind;
 mod diagnose;
 mod identifiability;
+mod plan;
 
 use crate::args::{GapCommand, GapData};
 use crate::failure::Failure;
@@ -18,6 +19,7 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Identifiability(args) => identifiability::run(args, voice),
         GapCommand::Apply(args) => apply::run(args, voice),
         GapCommand::Blind(args) => blind::run(args, voice),
+        GapCommand::Plan(args) => plan::run(args, voice),
     }
 }
 
@@ -41,4 +43,11 @@ fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records,
     })?;
     voice.say(report.to_string().trim_end());
     Ok(records)
+}
+
+/// Nothing of what the model predicts was measured.
+fn nothing_measured(notes: &[String]) -> Failure {
+    let found = notes.iter().fold(String::new(), |all, note| format!("{all}; {note}"));
+    let message = format!("no channel that the model predicts is recorded{found}");
+    Failure::argument(message, "`toolroom gap` compares forces, wear, power, temperature, stock, …")
 }

@@ -6,7 +6,8 @@ use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
-use toolroom_analysis::gap::{Diagnosis, diagnose_parts};
+use toolroom_analysis::gap::plan::plan;
+use toolroom_analysis::gap::{Diagnosis, NextExperiment, diagnose_parts};
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::records::RecordKind;
 use toolroom_analysis::results::fingerprint;
@@ -39,11 +40,13 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
     });
     if parts.iter().all(|part| part.frame().measured.is_empty()) {
-        let found = notes.iter().fold(String::new(), |all, note| format!("{all}; {note}"));
-        let message = format!("no channel that the model predicts is recorded{found}");
-        return Err(Failure::argument(message, "`toolroom gap` compares forces, wear, power, temperature, stock, …"));
+        return Err(super::nothing_measured(&notes));
     }
     let mut diagnosis = diagnose_parts(&parts, args.seed);
+    if let Some(best) = plan(&model, &records, group, &diagnosis).best() {
+        let separates = best.separates();
+        diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
+    }
     diagnosis.notes.extend(notes);
     write(args, &diagnosis, voice)
 }

@@ -37,6 +37,9 @@ fn label(diagnosis: &mut Diagnosis, name: &'static str, count: usize) {
     }
     diagnosis.effects.iter_mut().for_each(|effect| effect.shape = shaped(&effect.shape));
     diagnosis.masked.iter_mut().for_each(|masked| masked.shape = shaped(&masked.shape));
+    for tried in &mut diagnosis.tried {
+        tried.effects.iter_mut().for_each(|effect| *effect = format!("{name}: {effect}"));
+    }
     diagnosis.ranking.iter_mut().for_each(|ranked| ranked.shape = shaped(&ranked.shape));
     diagnosis.notes.iter_mut().for_each(|note| *note = format!("{name}: {note}"));
 }
@@ -74,6 +77,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         next: next.cloned().unwrap_or_else(NextExperiment::default),
         calibration,
         ranking,
+        tried: each().flat_map(|own| own.tried.clone()).collect(),
         notes: each().flat_map(|own| own.notes.clone()).collect(),
     }
 }

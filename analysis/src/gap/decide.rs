@@ -284,13 +284,16 @@ fn convincing(model: &dyn Forward, trial: &Trial, base: &Trial) -> bool {
 
 fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
     let count = model.frame().candidates.len();
+    let groups = model.frame().measured.fitted_groups().count();
+    // Where groups disagree about the best effect, the next may be the one they agree on.
+    let spoken: Vec<bool> =
+        decision.trials.iter().map(|trial| groups < FEWEST_GROUPS || agreed(model, folds, trial)).collect();
     let best_of = |decision: &Decision, effects: usize| {
-        (0..decision.trials.len())
-            .filter(|i| decision.trials[*i].fit.active.len() == effects && decision.trials[*i].evidence.admissible)
-            .max_by(|a, b| {
-                let value = |i: usize| decision.gain_of(&decision.trials[i], count);
-                value(*a).total_cmp(&value(*b))
-            })
+        let eligible = |trial: &Trial| trial.fit.active.len() == effects && trial.evidence.admissible;
+        (0..decision.trials.len()).filter(|i| spoken[*i] && eligible(&decision.trials[*i])).max_by(|a, b| {
+            let value = |i: usize| decision.gain_of(&decision.trials[i], count);
+            value(*a).total_cmp(&value(*b))
+        })
     };
     let mut chosen = best_of(decision, 1);
     if let (Some(single), Some(pair)) = (chosen, best_of(decision, 2)) {
@@ -300,7 +303,6 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
             chosen = Some(pair);
         }
     }
-    let groups = model.frame().measured.fitted_groups().count();
     let strongest = decision.before.strongest;
     let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
     let generic_gain = gain(&decision.before.evidence, &decision.base.evidence);
@@ -317,9 +319,19 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let beaten = abstains && generic_gain - value > GATE + FORM * value;
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
-        if passes && groups < FEWEST_GROUPS {
-            decision.reasons.push(format!("{groups} groups are too few to name an effect; at least {FEWEST_GROUPS}"));
-        } else if passes && beaten {
+        if value > GATE && groups < FEWEST_GROUPS {
+            let mut alike = vec![model.frame().candidates[trial.fit.active[0]].id];
+            alike.extend(decision.class(model, trial.fit.active[0]).into_iter().map(|(id, _)| id));
+            let reason = format!(
+                "{groups} groups are too few to name an effect, at least {FEWEST_GROUPS} are due; suspected: {}",
+                alike.join(" or ")
+            );
+            decision.reasons.push(reason);
+            decision.after = Some(after);
+            decision.verdict = GapVerdict::Unknown;
+            return;
+        }
+        if passes && beaten {
             decision.reasons.push("a generic signature predicts groups left out better than any effect".to_owned());
         } else if passes && abstains && !credible(model, decision, trial) {
             decision.reasons.push("the calibration of the nominal model did not settle: no effect is named".to_owned());

@@ -7,7 +7,7 @@ use super::method::Bare;
 use super::trial::Trial;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, Method, NamedEffect, NextExperiment,
-    Ranked, Transform, report_units,
+    Ranked, Transform, Tried, report_units,
 };
 use toolroom_effects::{CatalogueEntry, Effect};
 use toolroom_sim::effects::SHOP_EFFECTS;
@@ -85,7 +85,14 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
     let named = named(model, &decision, &folds);
     let masked = masked(model, &decision);
-    let notes = decision.reasons.clone();
+    let tried = tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
+    let mut notes = decision.reasons.clone();
+    if decision.verdict == GapVerdict::Unknown
+        && let Some(best) = tried.first().filter(|best| best.gain > 0.0 && best.closure.closed > 0.0)
+    {
+        let (effects, closed) = (best.effects.join(" with "), 100.0 * best.closure.closed);
+        notes.push(format!("{effects} would close {closed:.0} % of the gap on groups left out; that is no proof"));
+    }
     let mut diagnosis = Diagnosis {
         verdict: decision.verdict,
         effects: named,
@@ -98,6 +105,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         next: NextExperiment::default(),
         calibration: calibration(model, &decision),
         ranking: ranking(model, &decision),
+        tried,
         notes,
     };
     if diagnosis.verdict == GapVerdict::NoGap && hidden_by_calibration(&diagnosis) {
@@ -122,6 +130,34 @@ fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
         }
         None => Basis::new(model, &probe.fit, basis),
     }
+}
+
+/// What every fitted model would close, by falling gain.
+fn tried(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    decision: &Decision,
+    base_left: &[f64],
+    scored: &[usize],
+    seed: u64,
+) -> Vec<Tried> {
+    let candidates = &model.frame().candidates;
+    let word = |index: &usize| match candidates[*index].shape.as_str() {
+        "" => candidates[*index].id.to_owned(),
+        shape => format!("{} ({shape})", candidates[*index].id),
+    };
+    let one = |trial: &Trial| {
+        let left = held_out_residuals(model, trial, folds);
+        Tried {
+            effects: trial.fit.active.iter().map(word).collect(),
+            gain: decision.gain_of(trial, candidates.len()),
+            closure: closures(model, basis, base_left, &left, scored, &[], seed).0,
+        }
+    };
+    let mut tried: Vec<Tried> = decision.trials.iter().filter(|trial| trial.evidence.admissible).map(one).collect();
+    tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    tried
 }
 
 /// Times that the nominal model is fitted anew from the fits with effects.

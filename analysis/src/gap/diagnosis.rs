@@ -166,8 +166,21 @@ pub struct Diagnosis {
     pub calibration: Vec<Calibrated>,
     /// Ranking of single effects: id, shape, size, gain and its standard error.
     pub ranking: Vec<Ranked>,
+    /// What every model that was fitted would close.
+    pub tried: Vec<Tried>,
     /// Anything else worth knowing.
     pub notes: Vec<String>,
+}
+
+/// A model with effects that was fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// Its effects with their shapes.
+    pub effects: Vec<String>,
+    /// Gain over the nominal model, the choice among many paid for.
+    pub gain: f64,
+    /// Closure on groups left out.
+    pub closure: Closure,
 }
 
 /// One row of the ranking.
@@ -258,6 +271,9 @@ impl Diagnosis {
                 "prior_sd_moved": number(each.prior_sd_moved),
             })).collect::<Vec<_>>(),
             "ranking": self.ranking.iter().map(ranked).collect::<Vec<_>>(),
+            "tried": self.tried.iter().map(|tried| json!({
+                "effects": tried.effects, "gain": number(tried.gain), "closure": tried.closure.json(None),
+            })).collect::<Vec<_>>(),
             "notes": self.notes,
         })
     }

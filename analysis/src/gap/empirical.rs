@@ -24,6 +24,11 @@ const LEVEL: f64 = 5.0;
 const CURVED: f64 = 0.05;
 /// What the exponent of wear over time may differ from a constant rate (assumption).
 const GROWN: f64 = 0.1;
+/// What the course of a channel over the life of an edge may differ from its nominal form by,
+/// relative: wear, feed and passive force, anything else (assumptions).
+const COURSE: [f64; 3] = [0.15, 0.10, 0.05];
+/// Share of a median life over which an edge is young.
+const YOUNG: f64 = 0.1;
 /// Age below which it counts as this, relative to the median.
 const YOUNGEST: f64 = 1e-3;
 /// Argument of the tangent beyond which an edge has run away.
@@ -102,6 +107,7 @@ impl Empirical {
             model.grow(&age, settings.constant_rate);
         }
         model.laws(records, column.name, &known);
+        model.course_of_life(column.name, &age);
         model.covariates(records, &known, wear, &age);
         let seen = empirical_effects::Seen {
             records,
@@ -142,6 +148,20 @@ impl Empirical {
                 self.law(format!("gain of {channel}, machine {machine}"), rows, super::settings::MACHINE_GAIN, false);
             }
         }
+    }
+
+    /// What all edges may have in common over their life without that an effect is missing.
+    fn course_of_life(&mut self, channel: &str, age: &[f64]) {
+        let life = empirical_effects::life(age, &self.frame.measured.group_of_row);
+        let deviation = match channel {
+            "flank_wear" => COURSE[0],
+            name if empirical_effects::presses(name) => COURSE[1],
+            _ => COURSE[2],
+        };
+        let passed = |shape: fn(f64) -> f64| age.iter().map(|age| shape(age / life)).collect::<Vec<f64>>();
+        self.law(format!("{channel}, young edge"), passed(|share| (-share / YOUNG).exp()), deviation, true);
+        self.law(format!("{channel}, course of life"), passed(|share| share), deviation, true);
+        self.law(format!("{channel}, end of life"), passed(|share| share * share), deviation, true);
     }
 
     fn covariates(&mut self, records: &Records, known: &[String], wear: Option<&[f64]>, age: &[f64]) {
@@ -190,13 +210,15 @@ impl Forward for Empirical {
                 value.iter_mut().zip(feature).for_each(|(value, feature)| *value += deviation * x * feature);
             }
         }
+        value.iter_mut().for_each(|value| *value = self.level * value.exp());
+        for (action, size) in self.actions.iter().zip(&at.effects).filter(|(_, size)| **size != 0.0) {
+            action.act(*size, &mut value);
+        }
+        // Last, so that what differs from edge to edge bends no effect.
         let locals = &self.frame.locals;
         for ((value, course), group) in value.iter_mut().zip(&self.course).zip(&measured.group_of_row) {
             let [level, slope] = [0, 1].map(|kind| locals[kind].deviation * at.locals[kind][*group]);
-            *value = self.level * (*value + level + slope * course).exp();
-        }
-        for (action, size) in self.actions.iter().zip(&at.effects).filter(|(_, size)| **size != 0.0) {
-            action.act(*size, &mut value);
+            *value *= (level + slope * course).exp();
         }
         measured.observations.iter().map(|observation| value[observation.row]).collect()
     }

@@ -48,6 +48,7 @@ mod measured;
 mod method;
 mod noise;
 mod nominal;
+pub mod plan;
 mod plausible;
 pub mod program;
 mod score;
@@ -63,7 +64,7 @@ pub use closure::Outside;
 pub use decide::{Decision, FEWEST_GROUPS};
 pub use diagnose::{Diagnosed, Identifiable, diagnose, diagnose_by, identifiability};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked,
+    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked, Tried,
 };
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;

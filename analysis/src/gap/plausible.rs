@@ -1,7 +1,7 @@
 //! Channels whose numbers no cut gives, for models that have no nominal value to compare with.
 
 use super::noise::median;
-use crate::records::Records;
+use crate::records::{ColumnKind, RecordColumn, Records};
 
 /// Force over chip cross-section that materials have, Pa: soft aluminium in thick chips to hardened
 /// steel in thin ones (assumption, with room).
@@ -46,9 +46,9 @@ pub fn suspicious(records: &Records) -> Vec<(&'static str, String)> {
         let note = format!("spindle_power is {ratio:.3} times cutting force × speed");
         list.push(("spindle_power", with_slip(note, ratio, POWER)));
     }
-    for column in records.kind.columns().iter().filter(|column| column.kind == crate::records::ColumnKind::Channel) {
+    for column in records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel) {
         if list.iter().all(|(channel, _)| *channel != column.name)
-            && let Some(note) = odd_groups(records, column.name)
+            && let Some(note) = beyond(records, column).or_else(|| odd_groups(records, column.name))
         {
             list.push((column.name, note));
         }
@@ -87,6 +87,16 @@ fn with_slip(note: String, ratio: f64, range: [f64; 2]) -> String {
         format!("; is it {what} ({}{factor})?", if ratio > range[1] { "×" } else { "÷" })
     });
     format!("{note}: left out, check its unit and those of the conditions{likely}")
+}
+
+/// A channel of which most values are greater than any in practice.
+fn beyond(records: &Records, column: &RecordColumn) -> Option<String> {
+    let values = records.numbers(column.name)?.iter().copied().filter(|value| value.is_finite());
+    let middle = median(&mut values.collect::<Vec<f64>>()) / column.scale();
+    let (name, display) = (column.name, column.display);
+    (middle.abs() > column.greatest).then(|| {
+        format!("{name} is {middle:.4} {display} in the middle, beyond any in practice: left out, check its unit")
+    })
 }
 
 /// Groups of a channel that lie by a slip of units off all others.

@@ -243,6 +243,11 @@ impl RecordKind {
 }
 
 impl RecordColumn {
+    /// SI value of one display unit.
+    pub fn scale(&self) -> f64 {
+        super::csv_table::scale(self.display, self.unit).map_or(1.0, |(factor, _)| factor)
+    }
+
     /// `name [unit]`.
     pub fn header(&self) -> String {
         if self.display == "1" { self.name.to_owned() } else { format!("{} [{}]", self.name, self.display) }

@@ -241,6 +241,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
         RecordKind::Shop => Vec::new(),
         _ => used.iter().filter(|each| IDENTITY.contains(&each.name.as_str())).map(|each| each.at).collect(),
     };
+    let mut beyond: BTreeMap<usize, (Vec<usize>, usize, String)> = BTreeMap::new();
     'rows: for (at, (line, cells)) in table.rows.iter().enumerate() {
         let mut numbers = Vec::with_capacity(used.len());
         for each in used {
@@ -257,6 +258,17 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 continue;
             }
             let number = number(read);
+            if let (Some(value), Some(column)) = (number, column)
+                && (value * each.factor + each.offset).abs() > column.greatest * column.scale()
+            {
+                let reason =
+                    format!("{} is {read}, beyond {} {}: check its unit", each.name, column.greatest, column.display);
+                if must {
+                    report.dropped.push((*line, reason));
+                    continue 'rows;
+                }
+                beyond.entry(numbers.len()).or_insert_with(|| (Vec::new(), *line, reason)).0.push(at);
+            }
             if number.is_none() && !missing {
                 report.unreadable.push((*line, each.name.clone(), read.to_owned()));
             }
@@ -276,6 +288,15 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
             first_of.insert(key, *line);
         }
         kept.push(Kept { at, numbers });
+    }
+    for (column, (places, line, reason)) in beyond {
+        // A few slips are no values; a whole channel in another unit is for the diagnosis to say.
+        let few = 2 * places.len() < kept.len();
+        let what = if few { format!("; {} such values are taken as missing", places.len()) } else { String::new() };
+        report.notes.push(format!("line {line}: {reason}{what}"));
+        for row in kept.iter_mut().filter(|row| few && places.binary_search(&row.at).is_ok()) {
+            row.numbers[column] = f64::NAN;
+        }
     }
     kept
 }

@@ -122,7 +122,7 @@ fn column(
         return Ok(Cells::Texts(rows.iter().map(word).collect()));
     }
     let (scale, offset) = units(title, unit.as_deref(), mapped, file, report)?;
-    let greatest = scale_of_display(column) * column.greatest;
+    let greatest = column.scale() * column.greatest;
     let mut beyond: BTreeMap<usize, f64> = BTreeMap::new();
     let mut numbers = Vec::with_capacity(rows.len());
     for row in rows {
@@ -147,14 +147,10 @@ fn column(
             column.name,
             column.greatest,
             column.display,
-            toolroom_sim::scenario::file::significant(*value / scale_of_display(column)),
+            toolroom_sim::scenario::file::significant(*value / column.scale()),
         ));
     }
     Ok(Cells::Numbers(numbers))
-}
-
-fn scale_of_display(column: &super::super::RecordColumn) -> f64 {
-    scale(column.display, column.unit).map_or(1.0, |(factor, _)| factor)
 }
 
 /// Factor and offset to SI: the mapping's unit, else the header's, else the unit of the records.

@@ -1,0 +1,42 @@
+//! `toolroom gap plan`.
+
+use super::{nominal, recorded};
+use crate::args::PlanArgs;
+use crate::failure::Failure;
+use crate::output::{OutputDir, provenance};
+use crate::speak::Voice;
+use std::time::Instant;
+use toolroom_analysis::gap::diagnose_parts;
+use toolroom_analysis::gap::plan::plan;
+use toolroom_analysis::records::write_csv;
+
+pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
+    let began = Instant::now();
+    let model = nominal(&args.data)?;
+    let records = recorded(&args.data.data, &model, voice)?;
+    let group = args.data.group.as_deref();
+    let (parts, notes) = model.parts(&records, group, |_, _| false);
+    notes.iter().for_each(|note| voice.say(note));
+    if parts.iter().all(|part| part.frame().measured.is_empty()) {
+        return Err(super::nothing_measured(&notes));
+    }
+    let diagnosis = diagnose_parts(&parts, args.seed);
+    let plan = plan(&model, &records, group, &diagnosis);
+    if let Some(target) = &args.out {
+        let out = OutputDir::create(target)?;
+        out.put_json("plan.json", &plan.json())?;
+        if let Some(best) = plan.best() {
+            let mut csv = Vec::new();
+            write_csv(&best.runs, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+            out.put("runs.csv", &String::from_utf8_lossy(&csv))?;
+        }
+        let name = args.data.model.display().to_string();
+        let bytes = std::fs::read(&args.data.model)
+            .map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+        let data = args.data.data.display().to_string();
+        let record = provenance("gap plan", &[(name, &bytes)], ["--data".to_owned(), data], Some(args.seed));
+        out.record(&record, began.elapsed())?;
+        voice.say(format_args!("wrote {}", out.publish()?.join("plan.json").display()));
+    }
+    if voice.json { voice.json(&plan.json()) } else { voice.data(plan.text()) }
+}

@@ -1,0 +1,189 @@
+//! The gap commands on measured data as it comes: lookalikes of public sets, bad data, and the sets
+//! themselves where they are to be had.
+
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary runs")
+}
+
+fn shipped(name: &str) -> String {
+    format!("{}/scenarios/gap/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Diagnosis of a table by a shipped model, with what was said.
+fn diagnosis(model: &str, csv: &str) -> (Value, String) {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("operations.csv");
+    fs::write(&path, csv).expect("a writable folder");
+    let run = toolroom(&["gap", "diagnose", "--model", model, "--data", &path.display().to_string(), "--json"]);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert_eq!(run.status.code(), Some(0), "{said}");
+    (serde_json::from_slice(&run.stdout).expect("JSON"), said)
+}
+
+/// Repeatable numbers around zero, about normal.
+fn noise(i: usize) -> f64 {
+    let uniform = |k: usize| (((i * 12 + k) as f64 * 12.9898).sin() * 43758.547).rem_euclid(1.0);
+    (0..12).map(uniform).sum::<f64>() - 6.0
+}
+
+/// Turning of `edges` edges whose force follows feed, wear and the edge; `scale` spoils the force.
+fn lookalike(edges: usize, wear_force: f64, scale: f64) -> String {
+    let mut csv = "operation_id,tool_id,sequence,feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],flank_wear [mm],cutting_force [N]\n".to_owned();
+    for edge in 0..edges {
+        let level = 0.03 * noise(1000 + edge);
+        let rate = 0.02 * (0.2 * noise(2000 + edge)).exp();
+        for pass in 0..12_usize {
+            let i = 12 * edge + pass;
+            let feed: f64 = [0.1, 0.2, 0.3][(pass * 5 + edge) % 3];
+            let land = rate * (pass + 1) as f64;
+            let force = 2000.0 * feed.powf(0.75) * (level + 0.01 * noise(i)).exp() * (1.0 + wear_force * land / 0.3);
+            let _ = writeln!(csv, "{edge}-{pass},T{edge},{},{feed},1,1,{land:.4},{:.3}", pass + 1, force * scale);
+        }
+    }
+    csv
+}
+
+fn empirical() -> (tempfile::TempDir, String) {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("model.toml");
+    fs::write(&path, "schema = 1\n[gap]\nprocess = \"empirical\"\n").expect("a writable folder");
+    let name = path.display().to_string();
+    (dir, name)
+}
+
+fn ids(diagnosis: &Value) -> Vec<&str> {
+    diagnosis["effects"].as_array().expect("a list").iter().filter_map(|effect| effect["id"].as_str()).collect()
+}
+
+#[test]
+fn force_that_grows_with_wear_is_named_without_a_physical_model() {
+    let (_dir, model) = empirical();
+    let csv: String = lookalike(12, 0.5, 1.0);
+    let (found, _) = diagnosis(&model, &csv);
+    assert_eq!((found["verdict"].as_str(), ids(&found).contains(&"wear_force")), (Some("effect"), true), "{found:#}");
+    let closed = found["closure"]["channels"]["cutting_force"]["closed"].as_f64().expect("a number");
+    assert!(closed > 0.4, "{closed}");
+}
+
+#[test]
+fn nothing_hidden_in_an_empirical_set_is_no_gap() {
+    let (_dir, model) = empirical();
+    let (found, _) = diagnosis(&model, &lookalike(12, 0.0, 1.0));
+    assert!(ids(&found).is_empty(), "{found:#}");
+}
+
+#[test]
+fn forces_in_a_wrong_unit_are_said_and_blamed_on_nothing() {
+    let (_dir, model) = empirical();
+    for scale in [25.4, 60.0, 1000.0, 1.0 / 25.4, 1.0 / 60.0, 1e-3] {
+        let (found, _) = diagnosis(&model, &lookalike(8, 0.0, scale));
+        let notes = found["notes"].to_string();
+        assert!(ids(&found).is_empty(), "{scale}: {found:#}");
+        assert!(notes.contains("cutting_force") && notes.contains("unit"), "{scale}: {notes}");
+    }
+}
+
+#[test]
+fn few_groups_and_constant_channels_name_nothing() {
+    let (_dir, model) = empirical();
+    for edges in [1, 4] {
+        let (found, _) = diagnosis(&model, &lookalike(edges, 0.5, 1.0));
+        assert!(ids(&found).is_empty(), "{edges}: {found:#}");
+    }
+    let constant: String = lookalike(8, 0.0, 1.0)
+        .lines()
+        .enumerate()
+        .map(|(i, line)| {
+            if i == 0 {
+                format!("{line}\n")
+            } else {
+                format!("{},700\n", line.rsplit_once(',').map_or("", |(head, _)| head))
+            }
+        })
+        .collect();
+    let (found, _) = diagnosis(&model, &constant);
+    assert!(ids(&found).is_empty(), "{found:#}");
+}
+
+#[test]
+fn a_table_without_any_channel_is_refused() {
+    let (dir, model) = empirical();
+    let path = dir.path().join("operations.csv");
+    fs::write(&path, "operation_id,tool_id,sequence,cutting_force [N]\n1,A,1,\n2,A,2,n/a\n")
+        .expect("a writable folder");
+    let run = toolroom(&["gap", "diagnose", "--model", &model, "--data", &path.display().to_string()]);
+    assert_eq!(run.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&run.stderr).contains("no channel"), "{run:?}");
+}
+
+#[test]
+fn conditions_in_a_wrong_unit_are_refused_with_the_place() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("operations.csv");
+    let head = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],cutting_force [N]";
+    fs::write(&path, format!("{head}\n1,L,A,1,12000,0.2,1,1,900\n")).expect("a writable folder");
+    let run = toolroom(&["gap", "diagnose", "--model", &shipped("turning"), "--data", &path.display().to_string()]);
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.code() == Some(2) && said.contains("line 2") && said.contains("unit"), "{said}");
+}
+
+#[test]
+fn a_plan_asks_for_three_edges_and_writes_the_runs() {
+    let (dir, model) = empirical();
+    let path = dir.path().join("operations.csv");
+    fs::write(&path, lookalike(3, 0.0, 1.0)).expect("a writable folder");
+    let out = dir.path().join("plan").display().to_string();
+    let data = path.display().to_string();
+    let run = toolroom(&["gap", "plan", "--model", &model, "--data", &data, "--out", &out, "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let plan: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+    let next = &plan["next"];
+    assert!(next["edges"] == 3 && next["minutes"].as_f64().is_some_and(|minutes| minutes > 0.0), "{plan:#}");
+    let pairs = next["pairs"].as_array().expect("a list");
+    assert!(pairs.iter().all(|pair| pair["z_after"].as_f64() >= pair["z_before"].as_f64()), "{plan:#}");
+    let runs = fs::read_to_string(Path::new(&out).join("runs.csv")).expect("runs");
+    assert!(runs.lines().count() > 30 && !runs.contains("cutting_force"), "{runs}");
+}
+
+/// The public sets, where they are: docs/gap-on-real-data.md tells where to get them.
+#[allow(clippy::print_stderr)] // a test that is left out says so
+fn public(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("TOOLROOM_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let path = folder.join(name);
+    if !path.is_file() {
+        eprintln!("skipped: {} is not there (TOOLROOM_DATA names its folder)", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// Diagnosis of a public set by its shipped mapping and model.
+fn of_public(file: &str, map: &str, model: &str) -> Option<Value> {
+    let path = public(file)?;
+    let dir = tempfile::tempdir().expect("a folder");
+    let out = dir.path().join("records").display().to_string();
+    let run = toolroom(&["import", "csv", &path.display().to_string(), "--map", &shipped(map), "--out", &out]);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let run = toolroom(&["gap", "diagnose", "--model", &shipped(model), "--data", &out, "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    Some(serde_json::from_slice(&run.stdout).expect("JSON"))
+}
+
+#[test]
+fn three_cutters_of_phm_2010_name_no_cause() {
+    let Some(found) = of_public("phm2010-milling-wear.csv", "map-phm2010", "phm2010") else { return };
+    assert!(ids(&found).is_empty(), "{found:#}");
+    assert!(found["notes"].to_string().contains("too few"), "{}", found["notes"]);
+}
