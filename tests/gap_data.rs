@@ -151,7 +151,8 @@ fn a_plan_asks_for_three_edges_and_writes_the_runs() {
     let next = &plan["next"];
     assert!(next["edges"] == 3 && next["minutes"].as_f64().is_some_and(|minutes| minutes > 0.0), "{plan:#}");
     let pairs = next["pairs"].as_array().expect("a list");
-    assert!(pairs.iter().all(|pair| pair["z_after"].as_f64() >= pair["z_before"].as_f64()), "{plan:#}");
+    let shown = |pair: &Value| Some(pair["z_after"].as_f64()? - pair["z_before"].as_f64()?);
+    assert!(pairs.iter().filter_map(shown).any(|more| more > 0.5), "{plan:#}");
     let runs = fs::read_to_string(Path::new(&out).join("runs.csv")).expect("runs");
     assert!(runs.lines().count() > 30 && !runs.contains("cutting_force"), "{runs}");
 }

@@ -1,5 +1,6 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
+use super::diagnose::entry;
 use super::evidence::{left_out_solutions, solution};
 use super::fit::{offset_residual, own_factors};
 use super::noise::HUBER;
@@ -155,6 +156,27 @@ pub fn pooled(parts: &[(&dyn Forward, &Diagnosed)], seed: u64) -> Closure {
         }
     }
     closure(&sums, seed)
+}
+
+/// Channels that the effects of a trial touch.
+pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
+    let rows = trial.fit.active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
+    rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
+}
+
+/// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
+/// the others; what is kept out of the fit altogether has no part in a decision.
+pub fn crossed(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    base: &Trial,
+    trial: &Trial,
+    seed: u64,
+) -> Closure {
+    let [before, after] = [base, trial].map(|each| held_out_residuals(model, each, folds));
+    let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
+    closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }
 
 /// Groups on which a closure is scored: those outside the fit, or all.

@@ -1,8 +1,9 @@
 //! From fitted trials to a verdict.
 
+use super::closure::crossed;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::{Remainder, Trial, remainder};
-use super::{Basis, Forward, GapVerdict};
+use super::{Basis, Closure, Forward, GapVerdict};
 
 /// Gain of log posterior density that a named effect needs beside the price of having been chosen.
 pub(crate) const GATE: f64 = 4.0;
@@ -37,7 +38,7 @@ const SLACK: f64 = 20.0;
 /// themselves are not believed any more.
 const STRAINED: f64 = 5.0;
 /// Cosine of projected signatures above which two effects are the same to the data.
-const SAME: f64 = 0.95;
+pub(crate) const SAME: f64 = 0.95;
 /// Fewest groups that can name an effect.
 pub const FEWEST_GROUPS: usize = 5;
 
@@ -282,6 +283,49 @@ fn convincing(model: &dyn Forward, trial: &Trial, base: &Trial) -> bool {
     scores.into_iter().all(|score| score > CONVINCING)
 }
 
+/// Another shape of the effect of trial `index` that shrinks the gap clearly further on groups left
+/// out, and what to say about it. The gain is judged beside the form allowance, which is no part of
+/// the model that a user goes on with: a shape that needs the allowance is the worse one there.
+fn shape(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    decision: &Decision,
+    index: usize,
+    closed: &Closure,
+    seed: u64,
+) -> Option<(usize, String)> {
+    let candidates = &model.frame().candidates;
+    let [own] = decision.trials[index].fit.active[..] else { return None };
+    let stands = |other: usize| {
+        let trial = &decision.trials[other];
+        let alike = other != index && matches!(trial.fit.active[..], [one] if candidates[one].id == candidates[own].id);
+        alike
+            && trial.evidence.admissible
+            && decision.gain_of(trial, candidates.len()) > GATE
+            && agreed(model, folds, trial)
+            && convincing(model, trial, &decision.base)
+    };
+    let others = (0..decision.trials.len()).filter(|other| stands(*other));
+    let judged =
+        others.map(|other| (other, crossed(model, basis, folds, &decision.base, &decision.trials[other], seed)));
+    let clearly = judged.filter(|(_, other)| other.ci90[0] > closed.ci90[1]);
+    let (other, further) = clearly.max_by(|a, b| a.1.closed.total_cmp(&b.1.closed))?;
+    let name = |index: usize| match candidates[index].shape.as_str() {
+        "" => "the plain form",
+        shape => shape,
+    };
+    let note = format!(
+        "{}: {} fits better beside the form allowance, but closes {:.0} % of the gap on groups left out where {} closes {:.0} %",
+        candidates[own].id,
+        name(own),
+        100.0 * closed.closed,
+        name(decision.trials[other].fit.active[0]),
+        100.0 * further.closed,
+    );
+    Some((other, note))
+}
+
 fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
     let count = model.frame().candidates.len();
     let groups = model.frame().measured.fitted_groups().count();
@@ -319,6 +363,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let beaten = abstains && generic_gain - value > GATE + FORM * value;
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
+        let closed = (passes && abstains).then(|| crossed(model, basis, folds, &decision.base, trial, seed));
         if value > GATE && groups < FEWEST_GROUPS {
             let mut alike = vec![model.frame().candidates[trial.fit.active[0]].id];
             alike.extend(decision.class(model, trial.fit.active[0]).into_iter().map(|(id, _)| id));
@@ -338,12 +383,26 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         } else if let Some((name, x)) = strained.filter(|_| passes) {
             let far = format!("`{name}` would be off by {x:.1} prior standard deviations");
             decision.reasons.push(format!("beside the best effect the form of the equations is wrong: {far}"));
+        } else if passes && closed.as_ref().is_some_and(|closed| closed.ci90[1] <= 0.0) {
+            let [low, high] = closed.map_or([0.0; 2], |closed| closed.ci90.map(|end| 100.0 * end));
+            let names: Vec<&str> = trial.fit.active.iter().map(|index| model.frame().candidates[*index].id).collect();
+            decision.reasons.push(format!(
+                "{} would close {low:.0} … {high:.0} % of the gap on groups left out: it is not named",
+                names.join(" with ")
+            ));
         } else if passes && beside {
             decision.reasons.push(format!("beside the best effect as much structure is left (score {left:.1})"));
         } else if passes {
-            decision.chosen = Some(index);
+            let shape = closed.and_then(|closed| shape(model, basis, folds, decision, index, &closed, seed));
+            if let Some((other, note)) = shape {
+                decision.reasons.push(note);
+                decision.after = Some(remainder(model, basis, folds, &decision.trials[other], seed));
+                decision.chosen = Some(other);
+            } else {
+                decision.chosen = Some(index);
+                decision.after = Some(after);
+            }
             decision.verdict = GapVerdict::Effect;
-            decision.after = Some(after);
             return;
         }
         if passes {

@@ -1,7 +1,7 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
-use super::closure::{closures, held_out_residuals, scored};
-use super::decide::{Decision, decide};
+use super::closure::{closures, held_out_residuals, scored, touched};
+use super::decide::{Decision, SAME, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::method::Bare;
 use super::trial::Trial;
@@ -79,11 +79,9 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let chosen_left = held_out_residuals(model, &basis, decision.model(), &folds);
     let measured = &model.frame().measured;
     let scored = scored(measured);
-    let active = &decision.model().fit.active;
-    let rows = active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
-    let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect();
+    let touched = touched(model, decision.model());
     let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
-    let named = named(model, &decision, &folds);
+    let named = named(model, &basis, &decision, &folds);
     let masked = masked(model, &decision);
     let tried = tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
     let mut notes = decision.reasons.clone();
@@ -100,7 +98,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         total,
         channels,
         held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
-        budget: budget(model, &basis, &decision),
+        budget: budget(model, &decision),
         masked,
         next: NextExperiment::default(),
         calibration: calibration(model, &decision),
@@ -176,14 +174,14 @@ fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision:
     (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
 }
 
-fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<NamedEffect> {
+fn named(model: &dyn Forward, basis: &Basis, decision: &Decision, folds: &[Vec<usize>]) -> Vec<NamedEffect> {
     if decision.verdict != GapVerdict::Effect {
         return Vec::new();
     }
     let trial = decision.model();
     let posterior = trial.deviations();
     let between = trial.jackknife(folds);
-    let probabilities = inclusion(model, decision);
+    let probabilities = inclusion(model, basis, decision);
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
     let one = |(place, index): (usize, &usize)| {
@@ -212,11 +210,14 @@ fn named(model: &dyn Forward, decision: &Decision, folds: &[Vec<usize>]) -> Vec<
 
 /// Probability of each id: models weighted by their gain, the choice among many paid for, with the
 /// nominal model and the best generic signature among them.
-fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64)> {
+fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'static str, f64)> {
     let count = model.frame().candidates.len();
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
         - (decision.before.dictionary.len().max(1) as f64).ln();
-    let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0), (Vec::new(), generic)];
+    let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
+    if !image(model, basis, decision) {
+        models.push((Vec::new(), generic));
+    }
     let single = |single: &super::decide::Single| {
         (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - (count.max(1) as f64).ln())
     };
@@ -231,6 +232,16 @@ fn inclusion(model: &dyn Forward, decision: &Decision) -> Vec<(&'static str, f64
         models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
     };
     ids.iter().map(|id| (*id, with(id))).collect()
+}
+
+/// Whether the strongest generic signature is nothing but the image of a named effect.
+fn image(model: &dyn Forward, basis: &Basis, decision: &Decision) -> bool {
+    let base = &decision.base.fit;
+    let Some(signature) = decision.before.dictionary.get(decision.before.strongest) else { return false };
+    let gram = super::trial::gram(model, basis, base, &[signature.column.as_slice()]);
+    let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
+    let generic = cosine.nrows() - 1;
+    decision.model().fit.active.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
 }
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
@@ -473,41 +484,32 @@ fn next(diagnosis: &Diagnosis) -> NextExperiment {
     }
 }
 
-/// Mean squares after each stage of explanation.
-fn budget(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Budget {
-    let measured = &model.frame().measured;
-    let mean_square = |residual: &[f64]| {
-        let inside = measured.fitted_groups().flat_map(|group| measured.spans[group].clone());
-        let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), i| {
-            (sum + (residual[i] / basis.noise.deviation(measured, i)).powi(2), count + 1.0)
-        });
-        sum / count
+/// Shares of the gap after each stage of explanation. The gap is the sum of squares as the fit sees it:
+/// noise and scatter between groups weigh readings, and what went far from its prior is paid for. Every
+/// stage has more freedom than the one before, so that no share is negative or more than the whole.
+fn budget(model: &dyn Forward, decision: &Decision) -> Budget {
+    let (frame, gram) = (model.frame(), &decision.base.gram);
+    let parameters = frame.parameters.iter().map(|each| each.allowance);
+    let allowance: Vec<bool> = parameters.chain(frame.surfaces.iter().map(|each| each.allowance)).collect();
+    let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
+    let within = |at: &[usize]| {
+        let right = super::gram::part_column(&gram.total, at, gram.last());
+        let solution = super::evidence::solution(gram, at, allowance.len());
+        gram.total[(gram.last(), gram.last())] - right.dot(&solution)
     };
-    let point = &decision.base.fit.linear.point;
-    let mut plain = super::Point::nominal(model);
-    let nominal = mean_square(&super::linear::residuals(model, &plain));
-    for ((x, fitted), parameter) in plain.parameters.iter_mut().zip(&point.parameters).zip(&model.frame().parameters) {
-        *x = if parameter.allowance { 0.0 } else { *fitted };
-    }
-    for ((x, fitted), surface) in plain.surfaces.iter_mut().zip(&point.surfaces).zip(&model.frame().surfaces) {
-        *x = if surface.allowance { 0.0 } else { *fitted };
-    }
-    let calibrated = mean_square(&super::linear::residuals(model, &plain));
-    let mut allowed = point.clone();
-    allowed.locals.iter_mut().flatten().for_each(|x| *x = 0.0);
-    let allowed = mean_square(&super::linear::residuals(model, &allowed));
-    let mut explained = decision.model().fit.linear.point.clone();
-    explained.locals.iter_mut().flatten().for_each(|x| *x = 0.0);
-    let explained = mean_square(&super::linear::residuals(model, &explained));
-    let with_locals = mean_square(&decision.model().fit.linear.residual);
-    let floor = mean_square(&basis.floor).min(with_locals);
+    let nominal = gram.total[(gram.last(), gram.last())];
+    let calibrated = within(&calibration);
+    let allowed = -2.0 * decision.base.evidence.profile;
+    let explained = (-2.0 * decision.model().evidence.profile).min(allowed);
+    let measured = &frame.measured;
+    let readings: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
+    let floor = explained.min(readings as f64);
     let share = |value: f64| if nominal > 0.0 { value / nominal } else { f64::NAN };
     Budget {
         calibration: share(nominal - calibrated),
         form_allowance: share(calibrated - allowed),
         effects: share(allowed - explained),
-        unexplained: share(with_locals - floor),
-        // Scatter from edge to edge belongs to what no model of means can predict.
-        noise_floor: share(floor + explained - with_locals),
+        unexplained: share(explained - floor),
+        noise_floor: share(floor),
     }
 }

@@ -40,7 +40,7 @@ pub struct NamedEffect {
     pub unit: &'static str,
     /// 90 % interval of the size.
     pub ci90: [f64; 2],
-    /// Probability that it belongs to the model, by stacking over groups.
+    /// Probability that it belongs to the model, by the posterior weights of all models that were tried.
     pub probability: f64,
     /// Score after projection.
     pub z: f64,
@@ -92,7 +92,8 @@ pub struct MaskedEffect {
     pub id: &'static str,
     /// Shape; may be empty.
     pub shape: String,
-    /// Share of its signature that calibration, allowance and group factors take up.
+    /// Share of the squared length of its signature that calibration, allowance and group factors take
+    /// up: 0.98 leaves 14 % of the length, which many readings may well show.
     pub masking: f64,
     /// Least size that would reach a score of 5, display unit.
     pub minimal_detectable: f64,
@@ -104,7 +105,7 @@ pub struct MaskedEffect {
     pub bias: String,
 }
 
-/// Share of the mean square gap by cause; they sum to 1.
+/// Share of the gap by cause; none is negative, they sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
     /// Removed by recalibration.

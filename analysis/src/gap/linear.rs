@@ -120,11 +120,7 @@ impl Linear {
     }
 }
 
-/// Transformed measurements less predictions at a point.
-pub fn residuals(model: &dyn Forward, point: &Point) -> Vec<f64> {
-    residual(model, &predict(model, point).0)
-}
-
+/// Transformed measurements less predictions.
 fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
     let observations = &model.frame().measured.observations;
     observations.iter().zip(prediction).map(|(observation, prediction)| observation.value - prediction).collect()

@@ -84,3 +84,27 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, seed: u64) -> f64 {
     greatest.sort_by(f64::total_cmp);
     greatest[((1.0 - LEVEL) * DRAWS as f64) as usize]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normal equations of orthonormal readings: a calibration that shifts the first, an effect that
+    /// shows in both to these shares, a residual.
+    fn gram(effect: [f64; 2]) -> Gram {
+        let columns = [[1e3, 0.0], effect, [0.0, 1.0]];
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let total = DMatrix::from_fn(3, 3, |i, j| dot(columns[i], columns[j]));
+        let lengths = total.diagonal();
+        Gram { groups: Vec::new(), matrices: Vec::new(), log_determinants: Vec::new(), total, lengths }
+    }
+
+    #[test]
+    fn masking_is_the_share_of_the_squared_length_that_calibration_takes() {
+        for (effect, masking, length) in [([0.0, 5.0], 0.0, 5.0), ([3.0, 4.0], 0.36, 4.0), ([7.0, 0.0], 1.0, 0.0)] {
+            let scores = scores(&gram(effect), 1, &[]);
+            assert!((scores.masking[0] - masking).abs() < 1e-4, "{effect:?}: {}", scores.masking[0]);
+            assert!((scores.length[0] - length).abs() < 0.01, "{effect:?}: {}", scores.length[0]);
+        }
+    }
+}

@@ -123,8 +123,8 @@ impl Diagnosis {
         let budget = &self.budget;
         let total =
             budget.calibration + budget.form_allowance + budget.effects + budget.unexplained + budget.noise_floor;
-        let chart = Waterfall::new("Where the gap goes", Axis::linear("Share of the mean square gap", "%"))
-            .describe("Mean square of measurement less nominal model, in units of noise, stage by stage.")
+        let chart = Waterfall::new("Where the gap goes", Axis::linear("Share of the gap", "%"))
+            .describe("Sum of squares of measurement less model, weighed by noise and scatter, stage by stage.")
             .total("nominal model", 100.0 * total)
             .change("calibration", -100.0 * budget.calibration)
             .change("form allowance", -100.0 * budget.form_allowance)
