@@ -174,7 +174,7 @@ pub fn crossed(
     trial: &Trial,
     seed: u64,
 ) -> Closure {
-    let [before, after] = [base, trial].map(|each| held_out_residuals(model, each, folds));
+    let [before, after] = [base, trial].map(|each| held_out_residuals(model, basis, each, folds));
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }

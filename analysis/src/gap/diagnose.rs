@@ -146,7 +146,7 @@ fn tried(
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
-        let left = held_out_residuals(model, trial, folds);
+        let left = held_out_residuals(model, basis, trial, folds);
         Tried {
             effects: trial.fit.active.iter().map(word).collect(),
             gain: decision.gain_of(trial, candidates.len()),
