@@ -33,10 +33,14 @@ const MODELS: &[(&str, &str)] = &[
 ];
 
 /// What is left of the method without its parts.
-const ABLATIONS: [(&str, Method); 3] = [
-    ("without abstention", Method { allowance: true, abstention: false, memory: true }),
-    ("without form allowance", Method { allowance: false, abstention: true, memory: true }),
-    ("naive: no allowance, no abstention, white noise", Method { allowance: false, abstention: false, memory: false }),
+const ABLATIONS: [(&str, Method); 4] = [
+    ("without form tolerance", Method { allowance: true, abstention: true, tolerance: false, memory: true }),
+    ("without abstention", Method { allowance: true, abstention: false, tolerance: true, memory: true }),
+    ("without form allowance", Method { allowance: false, abstention: true, tolerance: true, memory: true }),
+    (
+        "naive: no allowance, tolerance or abstention, white noise",
+        Method { allowance: false, abstention: false, tolerance: false, memory: false },
+    ),
 ];
 
 /// Cases on which the ablations are tried: effects at their ordinary strength, a third of the nulls,

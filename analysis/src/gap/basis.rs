@@ -79,7 +79,7 @@ impl Basis {
             noise: Noise::of_sheet(&model.frame().measured),
             local_scale: vec![1.0; model.frame().locals.len()],
             floor: vec![0.0; model.frame().measured.len()],
-            nominal: Linear::new(model, warm(model)),
+            nominal: Linear::new(model, warm(model, Point::nominal(model))),
         }
     }
 
@@ -92,9 +92,8 @@ impl Basis {
 /// Rounds in which the wear of edges is brought near its readings.
 const WARMING: usize = 5;
 
-/// The nominal point with the wear factor of every edge near what its last reading says.
-fn warm(model: &dyn Forward) -> Point {
-    let mut point = Point::nominal(model);
+/// `point` with the wear factor of every edge near what its last reading says.
+pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
     let measured = &model.frame().measured;
     let kind = model.frame().locals.iter().position(|local| local.estimated);
     let wear = measured.channels.iter().position(|channel| channel.name == "flank_wear");

@@ -24,13 +24,14 @@ pub fn held_out_residuals(model: &dyn Forward, basis: &Basis, trial: &Trial, fol
     let parameters = model.frame().parameters.iter().map(|parameter| parameter.allowance);
     let allowance: Vec<bool> =
         parameters.chain(model.frame().surfaces.iter().map(|surface| surface.allowance)).collect();
-    let mut at = columns(&trial.fit, &trial.fit.active);
-    at.retain(|i| *i >= nuisance || !allowance[*i]);
-    let solutions = left_out_solutions(&trial.gram, folds, &at, nuisance);
+    let shared = trial.shared;
+    let mut at: Vec<usize> = columns(shared, &trial.fit.active);
+    at.retain(|i| *i >= shared || (*i < nuisance && !allowance[*i]));
+    let solutions = left_out_solutions(&trial.gram, folds, &at, shared);
     let mut left = offset_residual(model, linear, &trial.fit.active);
-    let column = |i: usize| if i < nuisance { &linear.nuisance[i] } else { &linear.effects[i - nuisance] };
+    let column = |i: usize| if i < nuisance { &linear.nuisance[i] } else { &linear.effects[i - shared] };
     // Groups outside the fit are predicted by the fit to all that is inside.
-    let whole = solution(&trial.gram, &at, nuisance);
+    let whole = solution(&trial.gram, &at, shared);
     for (index, group) in trial.gram.groups.iter().enumerate() {
         let fold = folds.iter().position(|fold| fold.contains(&index));
         let solution = fold.map_or(&whole, |fold| &solutions[fold]);

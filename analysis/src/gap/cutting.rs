@@ -3,7 +3,7 @@
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Sensor, Surface, Transform};
+use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Sensor, Surface, Transform, broken};
 use crate::records::Records;
 use rayon::prelude::*;
 use toolroom_cutting::{Milling, Turning};
@@ -126,7 +126,7 @@ const GREATEST_LAND: f64 = 1.2e-3;
 const FIXTURE: f64 = 0.05;
 /// Prior standard deviation of an edge force: a linear law differs from a power law most at the
 /// thinnest chips (assumption).
-const EDGE_FORCE: f64 = 0.2;
+const EDGE_FORCE: f64 = 0.3;
 /// Land to which features of wear refer, m.
 const LAND: f64 = 0.3e-3;
 
@@ -150,7 +150,10 @@ impl<P: Nominal> Cutting<P> {
             lot: index("lot_deviation"),
             pass_time: P::Input::index_of("pass_time"),
         };
-        let measured = Measured::new(channels::<P>(records, settings), names, group_of_row, fitted);
+        let mut channels = channels::<P>(records, settings);
+        let broken = broken::take_out(&mut channels, &group_of_row);
+        let mut measured = Measured::new(channels, names, group_of_row, fitted);
+        broken::widen(&mut measured);
         let measured_channels = measured.channels.len();
         let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
         let locals = vec![
@@ -185,6 +188,9 @@ impl<P: Nominal> Cutting<P> {
         model.frame.candidates = candidates;
         model.actions = actions;
         model.orient();
+        if broken > 0 {
+            model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));
+        }
         if P::Input::index_of(CURVATURE).is_some() && !recorded(records, CURVATURE) {
             let note = "no path_curvature: the size of servo_lag is that on a radius of 25 mm throughout";
             model.frame.notes.push(note.to_owned());

@@ -59,6 +59,8 @@ pub(super) struct Seen<'a> {
 
 /// Centres of the window of a built-up edge that are tried within the range of speeds.
 const WINDOWS: usize = 5;
+/// Width of a narrow window in the logarithm of speed, beside that of the catalogue (assumption).
+const NARROW: f64 = 0.08;
 /// Mean duration of a stop that nobody books, s.
 const STOP: f64 = 20.0;
 /// Feed override below which an edge crawls.
@@ -148,12 +150,13 @@ fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
     if high < 1.2 * low {
         return Vec::new();
     }
-    (0..WINDOWS)
-        .filter_map(|i| {
-            let speed = low * (high / low).powf(i as f64 / (WINDOWS - 1) as f64);
-            Some((format!("{:.0} m/min", speed * 60.0), with(effect, "speed", speed)?, 0.5))
-        })
-        .collect()
+    let window = |i: usize, width: &str| {
+        let speed = low * (high / low).powf(i as f64 / (WINDOWS - 1) as f64);
+        let placed = with(effect, "speed", speed)?;
+        let placed = if width.is_empty() { placed } else { with(placed, "width", NARROW)? };
+        Some((format!("{:.0} m/min{width}", speed * 60.0), placed, 0.5))
+    };
+    ["", ", narrow"].into_iter().flat_map(|width| (0..WINDOWS).filter_map(move |i| window(i, width))).collect()
 }
 
 /// Delays that a cycle time may hold.

@@ -19,7 +19,7 @@ const PAIR_GATE: f64 = 8.0;
 /// calibrated nominal model is strained.
 const EARLY: usize = 2;
 /// Share of the gain that structure beside a named effect may have.
-const REMAINDER: f64 = 0.8;
+const REMAINDER: f64 = 0.5;
 /// Size over its standard error between groups that a named effect needs: all groups must speak
 /// for it, not one.
 const AGREED: f64 = 2.0;

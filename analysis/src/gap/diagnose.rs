@@ -9,6 +9,7 @@ use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, Method, NamedEffect, NextExperiment,
     Ranked, Transform, Tried, report_units,
 };
+use nalgebra::DVector;
 use toolroom_effects::{CatalogueEntry, Effect};
 use toolroom_sim::effects::SHOP_EFFECTS;
 
@@ -82,7 +83,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let touched = touched(model, decision.model());
     let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
     let named = named(model, &basis, &decision, &folds);
-    let masked = masked(model, &decision);
+    let masked = masked(model, &basis, &decision);
     let tried = tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
     let mut notes = decision.reasons.clone();
     if decision.verdict == GapVerdict::Unknown
@@ -238,7 +239,7 @@ fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'
 fn image(model: &dyn Forward, basis: &Basis, decision: &Decision) -> bool {
     let base = &decision.base.fit;
     let Some(signature) = decision.before.dictionary.get(decision.before.strongest) else { return false };
-    let gram = super::trial::gram(model, basis, base, &[signature.column.as_slice()]);
+    let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()]);
     let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
     let generic = cosine.nrows() - 1;
     decision.model().fit.active.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
@@ -333,9 +334,9 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
 }
 
 /// Effects that such data can hardly show at their ordinary size.
-fn masked(model: &dyn Forward, decision: &Decision) -> Vec<MaskedEffect> {
+fn masked(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<MaskedEffect> {
     let mut list: Vec<(Identifiable, f64)> = Vec::new();
-    for (row, typical) in identified(model, &decision.base) {
+    for (row, typical) in identified(model, basis, &decision.base) {
         // Of several shapes of an effect the one that shows best speaks for all.
         match list.iter_mut().find(|(other, _)| other.id == row.id) {
             Some(other) if row.minimal_detectable < other.0.minimal_detectable => *other = (row, typical),
@@ -356,7 +357,8 @@ pub struct Identifiable {
     pub shape: String,
     /// Share of its signature that calibration, allowance and group factors take up.
     pub masking: f64,
-    /// Least size that would reach a score of 5, display unit.
+    /// Least size that would reach a score of 5 even where its function is not quite that of the
+    /// catalogue, display unit.
     pub minimal_detectable: f64,
     /// Unit of that.
     pub unit: &'static str,
@@ -395,29 +397,57 @@ const CONFUSED: f64 = 0.9;
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
     let basis = Basis::of_sheet(model, Method::default());
     let mut linear = super::Linear::new(model, super::Point::nominal(model));
-    // An effect promises no more than it shows at its ordinary size: its slope at zero overstates one
-    // that saturates, its change at that size one that runs away.
+    // An effect promises no more than it shows at its ordinary size and at twice that: its slope at
+    // zero overstates one that saturates, its change at such sizes one that runs away.
     let (nominal, _) = super::linear::predict(model, &linear.point);
     for (index, candidate) in model.frame().candidates.iter().enumerate() {
-        let mut point = linear.point.clone();
-        point.effects[index] = candidate.typical;
-        let (there, _) = super::linear::predict(model, &point);
-        let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| there - here).collect();
         let observations = &model.frame().measured.observations;
         let square = |column: &[f64]| {
             let standard = column.iter().zip(observations).map(|(value, each)| value / each.deviation);
             standard.map(|value| value * value).sum::<f64>()
         };
-        if square(&change) < square(&linear.effects[index]) {
-            linear.effects[index] = change;
+        for size in [1.0, 2.0] {
+            let mut point = linear.point.clone();
+            point.effects[index] = (size * candidate.typical).min(candidate.greatest);
+            let (there, _) = super::linear::predict(model, &point);
+            let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| (there - here) / size).collect();
+            if square(&change) < square(&linear.effects[index]) {
+                linear.effects[index] = change;
+            }
         }
     }
     let fit = super::Fit { linear, active: Vec::new(), cost: 0.0 };
     let trial = Trial::of(model, &basis, &[], fit);
-    identified(model, &trial).into_iter().map(|(row, _)| row).collect()
+    identified(model, &basis, &trial).into_iter().map(|(row, _)| row).collect()
 }
 
-fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
+/// How many prior standard deviations of its form an effect may be unlucky by and still keep what is
+/// promised: nineteen times of twenty.
+const UNLUCKY: f64 = 1.645;
+/// Share of a score that is promised in any case.
+const ANYHOW: f64 = 0.1;
+
+/// Score per ordinary size that an effect shows although its function is not quite that of the
+/// catalogue: what the projection leaves of a signature is small beside what it takes away, so that
+/// a little change of form can cost much of it.
+fn promised(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, moved: &DVector<f64>, score: f64) -> f64 {
+    let linear = &trial.fit.linear;
+    if score == 0.0 {
+        return 0.0;
+    }
+    let mut left = linear.effects[index].clone();
+    for (column, x) in linear.nuisance.iter().zip(moved.iter()) {
+        left.iter_mut().zip(column).for_each(|(left, slope)| *left -= slope * x);
+    }
+    let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
+    let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
+    let gram =
+        super::Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &left, &basis.local_scale);
+    let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
+    (score - UNLUCKY * lost.sqrt()).max(ANYHOW * score)
+}
+
+fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<(Identifiable, f64)> {
     let scores = trial.scores();
     let nuisance = trial.fit.linear.nuisance.len();
     let at: Vec<usize> = (0..nuisance).collect();
@@ -434,6 +464,7 @@ fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
         let entry = entry(candidate.id)?;
         let (factor, unit) = report_units(candidate.id);
         let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
+        let promised = promised(model, basis, trial, index, &moved, scores.length[index]);
         let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
         let bias = worst.map_or_else(String::new, |worst| {
             format!("at ordinary size it moves `{}` by {:.1} prior standard deviations", name(worst), moved[worst])
@@ -449,7 +480,7 @@ fn identified(model: &dyn Forward, trial: &Trial) -> Vec<(Identifiable, f64)> {
             id: candidate.id,
             shape: candidate.shape.clone(),
             masking: scores.masking[index],
-            minimal_detectable: DETECTABLE / scores.length[index] * candidate.typical * factor,
+            minimal_detectable: DETECTABLE / promised * candidate.typical * factor,
             unit,
             confused,
             bias,

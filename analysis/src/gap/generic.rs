@@ -38,6 +38,13 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
         }
     }
     if let Some(wear) = measured.channels.iter().position(|channel| channel.name == "flank_wear") {
+        // What every operation costs, however long it is.
+        let mut column = vec![0.0; measured.len()];
+        for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {
+            let last = linear.raw[run.end - 1] / run.len() as f64;
+            run.clone().enumerate().for_each(|(place, i)| column[i] = last * (place + 1) as f64);
+        }
+        signatures.push(Signature { channel: "wear rate".to_owned(), covariate: "each operation".to_owned(), column });
         for covariate in &model.frame().covariates {
             let mut column = vec![0.0; measured.len()];
             for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {

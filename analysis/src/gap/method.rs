@@ -10,13 +10,15 @@ pub struct Method {
     pub allowance: bool,
     /// "Unknown" where structure is left that no effect explains.
     pub abstention: bool,
+    /// The form tolerance: so may the function of a named effect.
+    pub tolerance: bool,
     /// Correlation of neighbouring readings, and less weight for outliers.
     pub memory: bool,
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self { allowance: true, abstention: true, memory: true }
+        Self { allowance: true, abstention: true, tolerance: true, memory: true }
     }
 }
 

@@ -27,6 +27,7 @@
 //! 1993. Thresholds are assumptions, checked by the blind benchmark.
 
 mod basis;
+mod broken;
 mod channels;
 mod closure;
 pub mod cutting;
@@ -55,6 +56,7 @@ mod score;
 mod settings;
 pub mod shop;
 mod summary;
+mod tolerance;
 mod trial;
 mod units;
 

@@ -1,18 +1,26 @@
 //! Models that are tried: none, one or two effects, or a generic signature.
 
+use super::basis::warm;
 use super::evidence::{Evidence, evidence};
 use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
 use super::score::{Scores, scores};
-use super::{Basis, Forward, Gram};
+use super::{Basis, Forward, Gram, Linear, tolerance};
+
+/// Move of the factor of an edge, in prior standard deviations, from which a fit starts at the
+/// ordinary size of an effect too.
+const FAR_EDGE: f64 = 0.3;
 
 /// A model with some effects, fitted, with its evidence on groups left out.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The fit.
     pub fit: Fit,
-    /// Normal equations there: nuisance, all candidates, residual.
+    /// Normal equations there: nuisance, form tolerance of the active candidates, all candidates,
+    /// residual.
     pub gram: Gram,
+    /// Columns of nuisance and form tolerance.
+    pub shared: usize,
     /// Evidence.
     pub evidence: Evidence,
 }
@@ -23,7 +31,24 @@ impl Trial {
     pub fn new(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], from: &Fit, active: &[usize]) -> Self {
         let near = fit(model, &basis.noise, from.linear.clone(), active, &basis.local_scale);
         let far = fit(model, &basis.noise, basis.nominal.clone(), active, &basis.local_scale);
-        Self::of(model, basis, folds, if near.cost <= far.cost { near } else { far })
+        let fitted = [Some(near), Some(far), Self::from_size(model, basis, active)];
+        let best = fitted.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        Self::of(model, basis, folds, best.unwrap_or_else(|| from.clone()))
+    }
+
+    /// A fit from the ordinary size of the effects, where they move the wear of edges by so much that
+    /// no slope at size zero leads there.
+    fn from_size(model: &dyn Forward, basis: &Basis, active: &[usize]) -> Option<Fit> {
+        let nominal = &basis.nominal.point;
+        let mut point = nominal.clone();
+        active.iter().for_each(|index| point.effects[*index] = model.frame().candidates[*index].typical);
+        let point = warm(model, point);
+        let moved = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).any(|(a, b)| (a - b).abs() > FAR_EDGE);
+        if !point.locals.iter().zip(&nominal.locals).any(moved) {
+            return None;
+        }
+        let start = Linear::with(model, point, active);
+        Some(fit(model, &basis.noise, start, active, &basis.local_scale))
     }
 
     /// The same with derivatives by all candidates, as [`Trial::scores`] and [`Trial::with`] need.
@@ -34,22 +59,24 @@ impl Trial {
 
     /// The evidence of a finished fit.
     pub fn of(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], fit: Fit) -> Self {
-        let gram = gram(model, basis, &fit, &[]);
-        let at = columns(&fit, &fit.active);
-        let evidence = evidence(&gram, folds, &at, fit.linear.nuisance.len(), false);
-        Self { fit, gram, evidence }
+        let tolerance = tolerance(model, basis, &fit);
+        let gram = gram(model, basis, &fit, &tolerance, &[]);
+        let shared = fit.linear.nuisance.len() + tolerance.len();
+        let at = columns(shared, &fit.active);
+        let evidence = evidence(&gram, folds, &at, shared, false);
+        Self { fit, gram, shared, evidence }
     }
 
     /// Evidence of the same model with one more candidate, without a new fit.
     pub fn with(&self, folds: &[Vec<usize>], candidate: usize) -> Evidence {
         let mut active = self.fit.active.clone();
         active.push(candidate);
-        evidence(&self.gram, folds, &columns(&self.fit, &active), self.fit.linear.nuisance.len(), false)
+        evidence(&self.gram, folds, &columns(self.shared, &active), self.shared, false)
     }
 
     /// Scores of all candidates beside those that are active.
     pub fn scores(&self) -> Scores {
-        let nuisance = self.fit.linear.nuisance.len();
+        let nuisance = self.shared;
         let count = self.fit.linear.effects.len();
         // Active candidates become nuisance: they move to the front.
         let order: Vec<usize> = (0..nuisance)
@@ -64,8 +91,8 @@ impl Trial {
 
     /// Standard error of each active size over groups left out, in ordinary sizes.
     pub fn jackknife(&self, folds: &[Vec<usize>]) -> Vec<f64> {
-        let nuisance = self.fit.linear.nuisance.len();
-        let at = columns(&self.fit, &self.fit.active);
+        let nuisance = self.shared;
+        let at = columns(nuisance, &self.fit.active);
         let solutions = super::evidence::left_out_solutions(&self.gram, folds, &at, nuisance);
         let count = solutions.len() as f64;
         let error = |i: usize| {
@@ -84,8 +111,8 @@ impl Trial {
 
     /// Posterior standard deviation of each active size, in ordinary sizes.
     pub fn deviations(&self) -> Vec<f64> {
-        let nuisance = self.fit.linear.nuisance.len();
-        let at = columns(&self.fit, &self.fit.active);
+        let nuisance = self.shared;
+        let at = columns(nuisance, &self.fit.active);
         let mut matrix = super::gram::part(&self.gram.total, &at, &at);
         for i in 0..at.len() {
             matrix[(i, i)] += if i < nuisance { 1.0 } else { super::fit::EFFECT_PRIOR.powi(-2) };
@@ -96,18 +123,33 @@ impl Trial {
 }
 
 /// Columns of nuisance and of the candidates `active` in a Gram of [`gram`].
-pub(crate) fn columns(fit: &Fit, active: &[usize]) -> Vec<usize> {
-    let nuisance = fit.linear.nuisance.len();
-    (0..nuisance).chain(active.iter().map(|index| nuisance + index)).collect()
+pub(crate) fn columns(shared: usize, active: &[usize]) -> Vec<usize> {
+    (0..shared).chain(active.iter().map(|index| shared + index)).collect()
 }
 
-/// Normal equations of nuisance, all candidates and `more` columns.
-pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, more: &[&[f64]]) -> Gram {
+/// How the active candidates of a fit may differ from their functions.
+fn tolerance(model: &dyn Forward, basis: &Basis, fit: &Fit) -> Vec<Vec<f64>> {
+    if !basis.method.tolerance {
+        return Vec::new();
+    }
+    let size = |index: &usize| fit.linear.point.effects[*index] / model.frame().candidates[*index].typical;
+    let sizes: Vec<f64> = fit.active.iter().map(size).collect();
+    tolerance::columns(model, &fit.linear, &fit.active, &sizes)
+}
+
+/// Normal equations of nuisance, form tolerance, all candidates and `more` columns.
+pub(crate) fn gram(
+    model: &dyn Forward,
+    basis: &Basis,
+    fit: &Fit,
+    tolerance: &[Vec<f64>],
+    more: &[&[f64]],
+) -> Gram {
     let linear = &fit.linear;
     // A candidate whose derivative nobody asked for is as one that cannot be seen.
     let none = vec![0.0; linear.raw.len()];
     let effects = linear.effects.iter().map(|column| if column.is_empty() { &none } else { column });
-    let own = linear.nuisance.iter().chain(effects).map(Vec::as_slice);
+    let own = linear.nuisance.iter().chain(tolerance).chain(effects).map(Vec::as_slice);
     let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
     Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale)
@@ -143,9 +185,10 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let dictionary = generic::dictionary(model, &fit.linear);
     let more: Vec<&[f64]> = dictionary.iter().map(|signature| signature.column.as_slice()).collect();
     let active: Vec<&[f64]> = fit.active.iter().map(|index| fit.linear.effects[*index].as_slice()).collect();
-    let nuisance = fit.linear.nuisance.len();
-    let columns: Vec<&[f64]> =
-        fit.linear.nuisance.iter().map(Vec::as_slice).chain(active.iter().copied()).chain(more).collect();
+    let tolerance = tolerance(model, basis, fit);
+    let nuisance = fit.linear.nuisance.len() + tolerance.len();
+    let shared = fit.linear.nuisance.iter().chain(&tolerance).map(Vec::as_slice);
+    let columns: Vec<&[f64]> = shared.chain(active.iter().copied()).chain(more).collect();
     let residual = offset_residual(model, &fit.linear, &fit.active);
     let wide = Gram::new(&model.frame().measured, &basis.noise, &fit.linear, &columns, &residual, &basis.local_scale);
     let first = nuisance + active.len();

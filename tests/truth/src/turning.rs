@@ -22,7 +22,7 @@ const PARTS: [(Cut, f64); 5] = [
 /// The cell.
 pub const GENERATOR: Generator = Generator { process: "turning", effects: &EFFECTS, outside: &OUTSIDE, records };
 
-const EFFECTS: [(&str, f64); 16] = [
+const EFFECTS: [(&str, f64); 20] = [
     ("wear_force", 0.20),
     ("wear_temperature", 0.10),
     ("wear_acceleration", 1.0),
@@ -37,6 +37,10 @@ const EFFECTS: [(&str, f64); 16] = [
     ("temperature_lag", 60.0),
     ("spindle_loss", 0.25),
     ("crawl_wear", 1.5),
+    ("runout", 30.0),
+    ("chuck_stiffness", 0.15),
+    ("process_damping", 3e5),
+    ("chipping", 0.12),
     ("operator_delay", 25.0),
     ("tool_change_delay", 40.0),
 ];
@@ -47,6 +51,12 @@ const OUTSIDE: [&str; 5] = ["day_cycle", "chip_jam", "machine_offset", "interrup
 const SCATTER: f64 = 0.10;
 /// Land at which the operator takes an edge out, mm.
 const WORN_OUT: f64 = 0.45;
+/// Land of an edge that has broken, mm.
+const BROKEN: f64 = 1.0;
+/// Rise at which steel melts away under the edge, K.
+const MOLTEN: f64 = 1150.0;
+/// Nose radius, mm.
+const NOSE: f64 = 0.8;
 
 /// State of an edge.
 #[derive(Clone, Copy, Default)]
@@ -77,7 +87,19 @@ impl Around<'_> {
         // Oil and dirt gather towards a limit.
         let old = 1.0 + 0.09 * case.strength("coolant_ageing") * -(-self.coolant_hours / 120.0).exp_m1();
         let day = 1.0 + 0.025 * case.strength("day_cycle") * (self.hours / 24.0 * std::f64::consts::TAU).sin();
-        plain * land * old * day
+        (plain * land * old * day).min(MOLTEN)
+    }
+
+    /// Root mean square of the vibration, um, and roughness, um, at a cutting force, N.
+    fn surface(&self, force: f64, wear: f64) -> (f64, f64) {
+        let case = self.case;
+        let turns = self.cut.speed / 0.17;
+        let shaken = 0.004 * force * (1.0 + 0.3 * case.strength("runout") / self.cut.depth);
+        let near = (-((turns - 1150.0) / 90.0).powi(2)).exp();
+        let lobed = 1.0 + 1.2 * case.strength("chuck_stiffness") * near;
+        let rubbed = 1.0 + 0.35 * case.strength("process_damping") * (wear + 0.05) * 200.0 / self.cut.speed;
+        let marks = 1000.0 * self.cut.feed.powf(1.93) * 0.32_f64.powf(0.07) / (32.0 * NOSE) + 0.15 + 0.5 * wear;
+        (shaken * lobed / rubbed, marks)
     }
 
     fn lot_factor(&self) -> f64 {
@@ -103,6 +125,10 @@ impl Around<'_> {
             rate *= 1.0 + 1.5 * case.strength("crawl_wear");
         }
         let hot = ((rise - 850.0) / 60.0).exp();
+        if self.case.strength("runout") > 0.0 {
+            // A blank that runs out knocks on the edge once a turn.
+            rate *= 1.0 + 0.03 * self.case.strength("runout") * 1.5 / self.cut.depth;
+        }
         (rate * self.factor, 0.5 * hot * (1.0 - edge.damage) - edge.damage * rate / 0.03)
     }
 }
@@ -112,7 +138,8 @@ fn records(case: &Case) -> String {
     let mut text = String::from(
         "operation_id,machine,tool_id,sequence,start_time [s],lot,part_type,operator,shift,coolant_age [h],\
          cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],feed_override [%],\
-         flank_wear [mm],cutting_force [N],feed_force [N],spindle_power [kW],temperature [K],cycle_time [s]\n",
+         flank_wear [mm],cutting_force [N],feed_force [N],spindle_power [kW],temperature [K],vibration_rms [um],\
+         roughness_ra [um],cycle_time [s],stop_count\n",
     );
     // What a shop is does not change with its edges.
     let mut shop = Chance::new(case.seed, 0);
@@ -121,6 +148,7 @@ fn records(case: &Case) -> String {
     let (wear_level, warm_level) = (level(&mut shop, 0.10), level(&mut shop, 0.02));
     let handling = 60.0 + 20.0 * shop.uniform();
     let gains = [level(&mut shop, 0.01), level(&mut shop, 0.01)];
+    let (rough_level, shaken_level) = (level(&mut shop, 0.12), level(&mut shop, 0.2));
     let mut chance = Chance::new(case.seed, case.stream());
     let world = World::new(case.stress);
     let mut clock = [0.0_f64; 2];
@@ -137,8 +165,9 @@ fn records(case: &Case) -> String {
         let factor = wear_level * level(&mut chance, SCATTER * case.scatter);
         let own_force = force_level * level(&mut chance, 0.015);
         let mut edge = Edge::default();
-        let mut readings = [0.02, 0.03, 0.02, 0.015].map(Reading::new);
+        let mut readings = [0.02, 0.03, 0.02, 0.015, 0.08, 0.05].map(Reading::new);
         let mut wear_reading = Reading::new(0.005);
+        let (bears, mut hazard) = (chance.delay(1.0), 0.0);
         for operation in 0..OPERATIONS {
             let part = chance.below(PARTS.len());
             let (cut, nominal_minutes) = PARTS[part];
@@ -161,7 +190,7 @@ fn records(case: &Case) -> String {
             for _ in 0..STEPS {
                 let slope = |edge: &Edge| around.rates(edge);
                 let shifted = |rates: (f64, f64), dt: f64| Edge {
-                    wear: edge.wear + rates.0 * dt,
+                    wear: (edge.wear + rates.0 * dt).min(BROKEN),
                     minutes: edge.minutes + dt,
                     damage: (edge.damage + rates.1 * dt).clamp(0.0, 1.0),
                 };
@@ -211,11 +240,15 @@ fn records(case: &Case) -> String {
             if operation == 0 {
                 cycle += chance.delay(40.0) * case.strength("tool_change_delay");
             }
+            let (shaken, marks) = around.surface(true_force, edge.wear);
+            // An edge that chips is changed at once.
+            hazard += 0.12 * case.strength("chipping") * cut.speed * minutes / 1000.0 * (0.5 + edge.wear / 0.2);
+            let chipped = case.strength("chipping") > 0.0 && hazard > bears;
             let noisy = |value: f64, reading: &mut Reading, chance: &mut Chance| value * reading.next(chance).exp();
             let wear_read = ((edge.wear + wear_reading.next(&mut chance)).max(0.0) * 100.0).round() / 100.0;
             let _ = writeln!(
                 text,
-                "{id},L{machine},T{name:02},{sequence},{start:.0},{lot},P{part},{operator},{shift},{age:.2},{speed},{feed_set},{depth},{minutes:.4},{overridden},{wear_read:.2},{f:.2},{ff:.2},{p:.5},{t:.2},{cycle:.1}",
+                "{id},L{machine},T{name:02},{sequence},{start:.0},{lot},P{part},{operator},{shift},{age:.2},{speed},{feed_set},{depth},{minutes:.4},{overridden},{wear_read:.2},{f:.2},{ff:.2},{p:.5},{t:.2},{rms:.3},{ra:.3},{cycle:.1},{stops}",
                 id = tool * OPERATIONS + operation + 1,
                 machine = machine + 1,
                 name = tool + first,
@@ -233,8 +266,11 @@ fn records(case: &Case) -> String {
                 ff = noisy(read_feed, &mut readings[1], &mut chance),
                 p = noisy(power, &mut readings[2], &mut chance),
                 t = noisy(read_warm, &mut readings[3], &mut chance),
+                rms = noisy(shaken * shaken_level, &mut readings[4], &mut chance),
+                ra = noisy(marks * rough_level, &mut readings[5], &mut chance),
+                stops = usize::from(chipped),
             );
-            if edge.wear > WORN_OUT {
+            if edge.wear > WORN_OUT || chipped {
                 break;
             }
             edge.damage *= 0.9;
