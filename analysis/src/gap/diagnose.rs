@@ -441,8 +441,7 @@ fn promised(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, mov
     }
     let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
     let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
-    let gram =
-        super::Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &left, &basis.local_scale);
+    let gram = super::Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &left, &basis.local_scale);
     let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
     (score - UNLUCKY * lost.sqrt()).max(ANYHOW * score)
 }

@@ -138,13 +138,7 @@ fn tolerance(model: &dyn Forward, basis: &Basis, fit: &Fit) -> Vec<Vec<f64>> {
 }
 
 /// Normal equations of nuisance, form tolerance, all candidates and `more` columns.
-pub(crate) fn gram(
-    model: &dyn Forward,
-    basis: &Basis,
-    fit: &Fit,
-    tolerance: &[Vec<f64>],
-    more: &[&[f64]],
-) -> Gram {
+pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, tolerance: &[Vec<f64>], more: &[&[f64]]) -> Gram {
     let linear = &fit.linear;
     // A candidate whose derivative nobody asked for is as one that cannot be seen.
     let none = vec![0.0; linear.raw.len()];
