@@ -1,11 +1,8 @@
 //! An instance as the C interfaces see it, whatever its process.
 
-use crate::fault::Fault;
-use crate::log::{Log, Status};
+use crate::fault::Outcome;
+use crate::log::Log;
 use crate::variable::ValueType;
-
-/// Result of an action that may leave a remark.
-pub type Outcome = Result<Status, Fault>;
 
 /// Which interface an instance serves, and what its importer promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +43,6 @@ pub struct Stepped {
 pub trait Component: Send {
     /// The importer's log.
     fn log(&mut self) -> &mut Log;
-    /// Marks the instance as broken.
-    fn stop(&mut self);
-    /// Whether it is broken.
-    fn is_stopped(&self) -> bool;
     /// Start and end of the simulation, s; 0 and open where it is not called.
     fn set_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome;
     /// Enters Initialization Mode.
@@ -59,13 +52,13 @@ pub trait Component: Send {
     /// Enters Event Mode.
     fn enter_event_mode(&mut self) -> Outcome;
     /// Settles events in Event Mode.
-    fn update_discrete(&mut self) -> Result<Update, Fault>;
+    fn update_discrete(&mut self) -> Outcome<Update>;
     /// Enters Continuous-Time Mode.
     fn enter_continuous_mode(&mut self) -> Outcome;
     /// Enters Step Mode from Event Mode.
     fn enter_step_mode(&mut self) -> Outcome;
     /// Whether the integrator has to enter Event Mode after the step that it completed.
-    fn completed_step(&mut self) -> Result<bool, Fault>;
+    fn completed_step(&mut self) -> Outcome<bool>;
     /// Sets the time in Model Exchange.
     fn set_time(&mut self, time: f64) -> Outcome;
     /// Number of continuous states.
@@ -83,7 +76,7 @@ pub trait Component: Send {
     /// Event indicators.
     fn indicators(&mut self, indicators: &mut [f64]) -> Outcome;
     /// A step of co-simulation from `time` over `step` seconds.
-    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, Fault>;
+    fn do_step(&mut self, time: f64, step: f64) -> Outcome<Stepped>;
     /// Time that the unit has reached, s.
     fn time(&self) -> f64;
     /// Ends the simulation.
@@ -95,23 +88,23 @@ pub trait Component: Send {
     /// Sets variables of one type, all or none.
     fn write(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome;
     /// Reads a string; it stays valid until the next one is read.
-    fn read_text(&mut self, reference: u32) -> Result<&std::ffi::CStr, Fault>;
+    fn read_text(&mut self, reference: u32) -> Outcome<&std::ffi::CStr>;
     /// Sets a string.
     fn write_text(&mut self, reference: u32, text: &str) -> Outcome;
     /// Saves the state, over an earlier one where a handle is given.
-    fn save(&mut self, over: usize) -> Result<usize, Fault>;
+    fn save(&mut self, over: usize) -> Outcome<usize>;
     /// Goes back to a saved state.
     fn restore(&mut self, handle: usize) -> Outcome;
     /// Forgets a saved state.
     fn discard(&mut self, handle: usize) -> Outcome;
     /// Bytes of a saved state.
-    fn serialise(&self, handle: usize) -> Result<Vec<u8>, Fault>;
+    fn serialise(&self, handle: usize) -> Outcome<Vec<u8>>;
     /// A saved state of bytes.
-    fn deserialise(&mut self, bytes: &[u8]) -> Result<usize, Fault>;
+    fn deserialise(&mut self, bytes: &[u8]) -> Outcome<usize>;
     /// Derivatives of `unknowns` along `seed` in the `knowns`.
     fn directional(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome;
     /// Derivatives of the weighted sum of `unknowns` by each of the `knowns`.
     fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome;
     /// First time derivative of an output, per second.
-    fn output_rate(&mut self, reference: u32) -> Result<f64, Fault>;
+    fn output_rate(&mut self, reference: u32) -> Outcome<f64>;
 }

@@ -1,6 +1,6 @@
 //! A process with its parameter set, effects and policy, as the importer has configured it.
 
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::unit::{AdaptivePolicy, Unit};
 use std::path::Path;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ impl<U: Unit> Configured<U> {
         Self::from_text(name, text).unwrap_or_else(|fault| panic!("the shipped set {name} is broken: {fault}"))
     }
 
-    fn from_text(name: &str, text: &str) -> Result<Self, Fault> {
+    fn from_text(name: &str, text: &str) -> Outcome<Self> {
         let mut every = U::read(text).map_err(|reason| Fault::Set { name: name.to_owned(), reason })?;
         *every.effects_mut() = Effects::every(U::EFFECTS_OF);
         let mut configured = Self {
@@ -105,7 +105,7 @@ impl<U: Unit> Configured<U> {
     }
 
     /// Brings the process in line with `values`.
-    fn settle(&mut self) -> Result<(), Fault> {
+    fn settle(&mut self) -> Outcome<()> {
         let values = std::mem::take(&mut self.values);
         let mut at = 0;
         self.visit(|record| {
@@ -127,7 +127,7 @@ impl<U: Unit> Configured<U> {
     }
 
     /// Sets parameters by index; each value lies in its range.
-    pub fn assign(&mut self, parameters: &[(usize, f64)]) -> Result<(), Fault> {
+    pub fn assign(&mut self, parameters: &[(usize, f64)]) -> Outcome<()> {
         for &(i, value) in parameters {
             // Importers that write every start value have chosen nothing.
             if self.values[i] != value {
@@ -140,21 +140,21 @@ impl<U: Unit> Configured<U> {
     }
 
     /// Changes to the set `name`: the file `tools/name.toml` of the resources, or the shipped set.
-    pub fn choose_set(&mut self, name: &str, resources: Option<&Path>) -> Result<(), Fault> {
+    pub fn choose_set(&mut self, name: &str, resources: Option<&Path>) -> Outcome<()> {
         let known = || U::SETS.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", ");
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
         if name.is_empty() || !name.chars().all(plain) {
-            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() });
+            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() }.into());
         }
         let file = resources.and_then(|folder| std::fs::read_to_string(folder.join(format!("tools/{name}.toml"))).ok());
         let shipped = U::SETS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text);
         let Some(text) = file.as_deref().or(shipped) else {
-            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() });
+            return Err(Fault::UnknownSet { name: name.to_owned(), known: known() }.into());
         };
         let mut changed = Self::from_text(name, text)?;
         if changed.values.len() != self.values.len() {
             let reason = "it has another wear law than this unit".to_owned();
-            return Err(Fault::Set { name: name.to_owned(), reason });
+            return Err(Fault::Set { name: name.to_owned(), reason }.into());
         }
         // Machine and policy are no part of a set.
         let count = |there: bool, length: usize| if there { length } else { 0 };
@@ -172,13 +172,13 @@ impl<U: Unit> Configured<U> {
     }
 
     /// The parameters of a saved state.
-    pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Result<Self, Fault> {
+    pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Outcome<Self> {
         let mut configured = Self::shipped();
         if configured.set != set {
             configured.choose_set(set, resources)?;
         }
         if values.len() != configured.values.len() {
-            return Err(Fault::Corrupt { reason: "another number of parameters" });
+            return Err(Fault::Corrupt { reason: "another number of parameters" }.into());
         }
         let start = &Self::shipped().values;
         configured.chosen = values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();

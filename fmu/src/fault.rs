@@ -1,7 +1,13 @@
 //! What a unit refuses.
 
+use crate::log::Status;
 use crate::mode::Mode;
 use toolroom_process::ModelError;
+
+/// Result of an action that may leave a remark, or be refused.
+///
+/// The fault is boxed, so that what every call hands through is a few bytes.
+pub type Outcome<T = Status> = Result<T, Box<Fault>>;
 
 /// Why a call did nothing. The text goes to the importer's log.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -104,4 +110,10 @@ pub enum Fault {
     /// The unit stopped for good.
     #[error("the unit has stopped after an internal error and can only be freed")]
     Stopped,
+}
+
+impl From<ModelError> for Box<Fault> {
+    fn from(error: ModelError) -> Self {
+        Self::new(error.into())
+    }
 }

@@ -62,9 +62,9 @@ mod units;
 mod variable;
 
 pub use catalogue::{Entry, units};
-pub use component::{Component, Interface, Outcome, Stepped, Update};
+pub use component::{Component, Interface, Stepped, Update};
 pub use description::{Dependencies, Description};
-pub use fault::Fault;
+pub use fault::{Fault, Outcome};
 pub use instance::Instance;
 pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;

@@ -3,7 +3,7 @@
 use super::pointer::{folder_of_uri, put, slice, slice_mut, target, text, texts};
 use super::{Callback, call, handles, instantiate};
 use crate::component::{Component, Interface};
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log, Sink, Status};
 use crate::variable::ValueType;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
         // SAFETY: as the standard demands of the importer.
         let categories = unsafe { texts(categories, count) }?;
         let known = unit.log().choose(on != 0, &categories);
-        known.then_some(Status::Ok).ok_or(Fault::NotOffered { feature: "an unknown log category" })
+        known.then_some(Status::Ok).ok_or_else(|| Fault::NotOffered { feature: "an unknown log category" }.into())
     })
 }
 
@@ -151,7 +151,7 @@ unsafe fn read<T>(
     count: usize,
     values: *mut T,
     convert: impl Fn(f64) -> T,
-) -> Result<Status, Fault> {
+) -> Outcome {
     // SAFETY: as the standard demands of the importer.
     let (references, values) = unsafe { (slice(references, count, "vr")?, slice_mut(values, count, "value")?) };
     for (reference, value) in references.iter().zip(values) {
@@ -267,7 +267,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(c: *mut c_void, state: *mut *mut c_void
 }
 
 /// Saves over the state that `state` holds, or anew.
-pub(super) fn save(unit: &mut dyn Component, state: &mut *mut c_void) -> Result<Status, Fault> {
+pub(super) fn save(unit: &mut dyn Component, state: &mut *mut c_void) -> Outcome {
     *state = unit.save(*state as usize)? as *mut c_void;
     Ok(Status::Ok)
 }
@@ -287,7 +287,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: *mut c_void, state: *mut *mut c_voi
 ///
 /// # Safety
 /// As the standards demand of the importer.
-pub(super) unsafe fn discard(unit: &mut dyn Component, state: *mut *mut c_void) -> Result<Status, Fault> {
+pub(super) unsafe fn discard(unit: &mut dyn Component, state: *mut *mut c_void) -> Outcome {
     if state.is_null() {
         return Ok(Status::Ok);
     }
@@ -322,15 +322,10 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 ///
 /// # Safety
 /// As the standards demand of the importer.
-pub(super) unsafe fn serialise(
-    unit: &mut dyn Component,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Result<Status, Fault> {
+pub(super) unsafe fn serialise(unit: &mut dyn Component, state: *mut c_void, bytes: *mut u8, size: usize) -> Outcome {
     let written = unit.serialise(state as usize)?;
     if size < written.len() {
-        return Err(Fault::Length { values: size, expected: written.len() });
+        return Err(Fault::Length { values: size, expected: written.len() }.into());
     }
     // SAFETY: the caller's promise.
     unsafe { slice_mut(bytes, size, "serializedState") }?[..written.len()].copy_from_slice(&written);
@@ -357,7 +352,7 @@ pub(super) unsafe fn deserialise(
     bytes: *const u8,
     size: usize,
     state: *mut *mut c_void,
-) -> Result<Status, Fault> {
+) -> Outcome {
     // SAFETY: the caller's promise.
     let (bytes, state) = unsafe { (slice(bytes, size, "serializedState")?, target(state, "FMUState")?) };
     *state = unit.deserialise(bytes)? as *mut c_void;
@@ -477,7 +472,7 @@ pub extern "C" fn fmi2SetRealInputDerivatives(
     _order: *const c_int,
     _value: *const f64,
 ) -> Status {
-    call(c, "fmi2SetRealInputDerivatives", |_| Err(Fault::NotOffered { feature: "interpolation of inputs" }))
+    call(c, "fmi2SetRealInputDerivatives", |_| Err(Fault::NotOffered { feature: "interpolation of inputs" }.into()))
 }
 
 #[unsafe(no_mangle)]
@@ -502,13 +497,13 @@ pub(super) unsafe fn output_rates(
     count: usize,
     orders: *const c_int,
     values: *mut f64,
-) -> Result<Status, Fault> {
+) -> Outcome {
     // SAFETY: the caller's promise.
     let (references, orders) = unsafe { (slice(references, count, "vr")?, slice(orders, count, "order")?) };
     // SAFETY: the caller's promise.
     let values = unsafe { slice_mut(values, count, "value") }?;
     if orders.iter().any(|order| *order != 1) {
-        return Err(Fault::NotOffered { feature: "a derivative of another order than 1" });
+        return Err(Fault::NotOffered { feature: "a derivative of another order than 1" }.into());
     }
     for (reference, value) in references.iter().zip(values) {
         *value = unit.output_rate(*reference)?;
@@ -523,7 +518,7 @@ pub extern "C" fn fmi2DoStep(c: *mut c_void, time: f64, step: f64, _no_set_state
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2CancelStep(c: *mut c_void) -> Status {
-    call(c, "fmi2CancelStep", |_| Err(Fault::NotOffered { feature: "an asynchronous step" }))
+    call(c, "fmi2CancelStep", |_| Err(Fault::NotOffered { feature: "an asynchronous step" }.into()))
 }
 
 /// `fmi2LastSuccessfulTime`.
@@ -533,14 +528,14 @@ const TERMINATED: c_int = 3;
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetStatus(c: *mut c_void, _kind: c_int, _value: *mut c_int) -> Status {
-    call(c, "fmi2GetStatus", |_| Err(Fault::NotOffered { feature: "the status of an asynchronous step" }))
+    call(c, "fmi2GetStatus", |_| Err(Fault::NotOffered { feature: "the status of an asynchronous step" }.into()))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: c_int, value: *mut f64) -> Status {
     call(c, "fmi2GetRealStatus", |unit| {
         if kind != LAST_SUCCESSFUL_TIME {
-            return Err(Fault::NotOffered { feature: "this status" });
+            return Err(Fault::NotOffered { feature: "this status" }.into());
         }
         // SAFETY: as the standard demands of the importer.
         *unsafe { target(value, "value") }? = unit.time();
@@ -550,14 +545,14 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: *mut c_void, kind: c_int, value: *
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetIntegerStatus(c: *mut c_void, _kind: c_int, _value: *mut c_int) -> Status {
-    call(c, "fmi2GetIntegerStatus", |_| Err(Fault::NotOffered { feature: "an integer status" }))
+    call(c, "fmi2GetIntegerStatus", |_| Err(Fault::NotOffered { feature: "an integer status" }.into()))
 }
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: c_int, value: *mut c_int) -> Status {
     call(c, "fmi2GetBooleanStatus", |_| {
         if kind != TERMINATED {
-            return Err(Fault::NotOffered { feature: "this status" });
+            return Err(Fault::NotOffered { feature: "this status" }.into());
         }
         // SAFETY: as the standard demands of the importer.
         *unsafe { target(value, "value") }? = 0;
@@ -567,5 +562,5 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(c: *mut c_void, kind: c_int, value
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetStringStatus(c: *mut c_void, _kind: c_int, _value: *mut *const c_char) -> Status {
-    call(c, "fmi2GetStringStatus", |_| Err(Fault::NotOffered { feature: "the status of an asynchronous step" }))
+    call(c, "fmi2GetStringStatus", |_| Err(Fault::NotOffered { feature: "the status of an asynchronous step" }.into()))
 }

@@ -4,7 +4,7 @@ use super::fmi2::{deserialise, discard, output_rates, save, serialise};
 use super::pointer::{put, slice, slice_mut, target, text, texts};
 use super::{Callback, call, handles, instantiate};
 use crate::component::{Component, Interface};
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log, Sink, Status};
 use std::ffi::{CString, c_char, c_void};
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
         // SAFETY: as the standard demands of the importer.
         let categories = unsafe { texts(categories, count) }?;
         let known = unit.log().choose(on != 0, &categories);
-        known.then_some(Status::Ok).ok_or(Fault::NotOffered { feature: "an unknown log category" })
+        known.then_some(Status::Ok).ok_or_else(|| Fault::NotOffered { feature: "an unknown log category" }.into())
     })
 }
 
@@ -161,8 +161,8 @@ plain! {
     fmi3EnterContinuousTimeMode = |unit| unit.enter_continuous_mode();
     fmi3EnterStepMode = |unit| unit.enter_step_mode();
     fmi3EvaluateDiscreteStates = |_| Ok(Status::Ok);
-    fmi3EnterConfigurationMode = |_| Err(CONFIGURATION);
-    fmi3ExitConfigurationMode = |_| Err(CONFIGURATION);
+    fmi3EnterConfigurationMode = |_| Err(CONFIGURATION.into());
+    fmi3ExitConfigurationMode = |_| Err(CONFIGURATION.into());
 }
 
 #[unsafe(no_mangle)]
@@ -171,7 +171,7 @@ pub extern "C" fn fmi3GetNumberOfVariableDependencies(
     _reference: u32,
     _count: *mut usize,
 ) -> Status {
-    call(instance, "fmi3GetNumberOfVariableDependencies", |_| Err(PER_ELEMENT))
+    call(instance, "fmi3GetNumberOfVariableDependencies", |_| Err(PER_ELEMENT.into()))
 }
 
 #[unsafe(no_mangle)]
@@ -184,7 +184,7 @@ pub extern "C" fn fmi3GetVariableDependencies(
     _kinds: *mut i32,
     _count: usize,
 ) -> Status {
-    call(instance, "fmi3GetVariableDependencies", |_| Err(PER_ELEMENT))
+    call(instance, "fmi3GetVariableDependencies", |_| Err(PER_ELEMENT.into()))
 }
 
 /// What is said where dependencies of elements are asked for.
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
 }
 
 /// A derivative of `unknowns` by `knowns` with the importer's arrays.
-type Derivative = fn(&mut dyn Component, &[u32], &[u32], &[f64], &mut [f64]) -> Result<Status, Fault>;
+type Derivative = fn(&mut dyn Component, &[u32], &[u32], &[f64], &mut [f64]) -> Outcome;
 
 /// The two kinds of derivatives; they differ in what the seed weighs.
 macro_rules! derivatives {
@@ -341,7 +341,7 @@ macro_rules! filling {
     ($($name:ident = $action:expr;)+) => {$(
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name(instance: *mut c_void, values: *mut f64, count: usize) -> Status {
-            let action: fn(&mut dyn Component, &mut [f64]) -> Result<Status, Fault> = $action;
+            let action: fn(&mut dyn Component, &mut [f64]) -> Outcome = $action;
             // SAFETY: as the standard demands of the importer.
             call(instance, stringify!($name), |unit| action(unit, unsafe { slice_mut(values, count, "values") }?))
         }
@@ -384,7 +384,7 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 ) -> Status {
     call(instance, "fmi3GetOutputDerivatives", |unit| {
         if length != count {
-            return Err(Fault::Length { values: length, expected: count });
+            return Err(Fault::Length { values: length, expected: count }.into());
         }
         // SAFETY: as the standard demands of the importer.
         unsafe { output_rates(unit, references, count, orders, values) }
@@ -417,5 +417,5 @@ pub unsafe extern "C" fn fmi3DoStep(
 
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3ActivateModelPartition(instance: *mut c_void, _clock: u32, _time: f64) -> Status {
-    call(instance, "fmi3ActivateModelPartition", |_| Err(Fault::NotOffered { feature: "Scheduled Execution" }))
+    call(instance, "fmi3ActivateModelPartition", |_| Err(Fault::NotOffered { feature: "Scheduled Execution" }.into()))
 }

@@ -6,7 +6,7 @@
 use super::call;
 use super::pointer::{slice, slice_mut, text};
 use crate::component::Component;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::Status;
 use crate::variable::ValueType;
 use std::ffi::{c_char, c_void};
@@ -53,7 +53,7 @@ unsafe fn read<T>(
     (references, count): (*const u32, usize),
     (values, length): (*mut T, usize),
     convert: impl Fn(f64) -> T,
-) -> Result<Status, Fault> {
+) -> Outcome {
     // SAFETY: the caller's promise.
     let (references, values) =
         unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
@@ -75,7 +75,7 @@ unsafe fn write<T: Copy>(
     (references, count): (*const u32, usize),
     (values, length): (*const T, usize),
     convert: impl Fn(T) -> f64,
-) -> Result<Status, Fault> {
+) -> Outcome {
     // SAFETY: the caller's promise.
     let (references, values) =
         unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
@@ -153,7 +153,7 @@ pub unsafe extern "C" fn fmi3GetString(
         let (references, values) =
             unsafe { (slice(references, count, "valueReferences")?, slice_mut(values, length, "values")?) };
         if values.len() != references.len() {
-            return Err(Fault::Length { values: values.len(), expected: references.len() });
+            return Err(Fault::Length { values: values.len(), expected: references.len() }.into());
         }
         for (reference, value) in references.iter().zip(values) {
             *value = unit.read_text(*reference)?.as_ptr();
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn fmi3SetString(
         let (references, values) =
             unsafe { (slice(references, count, "valueReferences")?, slice(values, length, "values")?) };
         if values.len() != references.len() {
-            return Err(Fault::Length { values: values.len(), expected: references.len() });
+            return Err(Fault::Length { values: values.len(), expected: references.len() }.into());
         }
         for (reference, value) in references.iter().zip(values) {
             // SAFETY: as the standard demands of the importer.
@@ -194,7 +194,7 @@ unsafe fn none(instance: *mut c_void, name: &str, references: *const u32, count:
     call(instance, name, |_| {
         // SAFETY: the caller's promise.
         match unsafe { slice(references, count, "valueReferences") }?.first() {
-            Some(&reference) => Err(Fault::Reference { reference }),
+            Some(&reference) => Err(Fault::Reference { reference }.into()),
             None => Ok(Status::Ok),
         }
     })

@@ -13,32 +13,42 @@ mod pointer;
 
 use crate::catalogue;
 use crate::component::{Component, Interface};
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Log, Sink, Status};
+use handles::Held;
 use std::any::Any;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 /// Carries out one call on an instance.
-fn call(handle: *mut c_void, name: &str, action: impl FnOnce(&mut dyn Component) -> Result<Status, Fault>) -> Status {
-    let Some(mut held) = handles::hold(handle) else { return Status::Error };
-    if held.is_stopped() {
-        return Status::Fatal;
-    }
+#[inline]
+fn call(handle: *mut c_void, name: &str, action: impl FnOnce(&mut dyn Component) -> Outcome) -> Status {
+    let mut held = match handles::hold(handle) {
+        Ok(held) => held,
+        Err(status) => return status,
+    };
     match catch_unwind(AssertUnwindSafe(|| action(&mut *held))) {
         Ok(Ok(status)) => status,
-        Ok(Err(fault)) => {
-            held.log().say(Status::Error, Category::Error, &format!("{name}: {fault}"));
-            Status::Error
-        }
-        Err(panic) => {
-            held.stop();
-            let text = format!("{name}: internal error: {}", words(&*panic));
-            held.log().say(Status::Fatal, Category::Fatal, &text);
-            Status::Fatal
-        }
+        Ok(Err(fault)) => refuse(&mut held, name, &fault),
+        Err(panic) => stop(&mut held, name, &*panic),
     }
+}
+
+/// Says why a call was refused.
+#[cold]
+fn refuse(held: &mut Held, name: &str, fault: &Fault) -> Status {
+    held.log().say(Status::Error, Category::Error, &format!("{name}: {fault}"));
+    Status::Error
+}
+
+/// Stops an instance after a panic.
+#[cold]
+fn stop(held: &mut Held, name: &str, panic: &(dyn Any + Send)) -> Status {
+    held.stop();
+    let text = format!("{name}: internal error: {}", words(panic));
+    held.log().say(Status::Fatal, Category::Fatal, &text);
+    Status::Fatal
 }
 
 /// What a panic says.

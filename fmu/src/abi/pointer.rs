@@ -1,6 +1,6 @@
 //! Arrays and strings that importers point to.
 
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use std::ffi::{CStr, c_char};
 use std::path::PathBuf;
 
@@ -8,12 +8,12 @@ use std::path::PathBuf;
 ///
 /// # Safety
 /// A pointer that is not NULL points to `count` elements that nobody else writes.
-pub(super) unsafe fn slice<'a, T>(data: *const T, count: usize, argument: &'static str) -> Result<&'a [T], Fault> {
+pub(super) unsafe fn slice<'a, T>(data: *const T, count: usize, argument: &'static str) -> Outcome<&'a [T]> {
     if count == 0 {
         return Ok(&[]);
     }
     if data.is_null() || !data.is_aligned() || count > isize::MAX as usize / size_of::<T>().max(1) {
-        return Err(Fault::Null { argument });
+        return Err(Fault::Null { argument }.into());
     }
     // SAFETY: the caller's promise, checked as far as it can be.
     Ok(unsafe { std::slice::from_raw_parts(data, count) })
@@ -23,16 +23,12 @@ pub(super) unsafe fn slice<'a, T>(data: *const T, count: usize, argument: &'stat
 ///
 /// # Safety
 /// As [`slice`], and nobody else reads.
-pub(super) unsafe fn slice_mut<'a, T>(
-    data: *mut T,
-    count: usize,
-    argument: &'static str,
-) -> Result<&'a mut [T], Fault> {
+pub(super) unsafe fn slice_mut<'a, T>(data: *mut T, count: usize, argument: &'static str) -> Outcome<&'a mut [T]> {
     if count == 0 {
         return Ok(&mut []);
     }
     if data.is_null() || !data.is_aligned() || count > isize::MAX as usize / size_of::<T>().max(1) {
-        return Err(Fault::Null { argument });
+        return Err(Fault::Null { argument }.into());
     }
     // SAFETY: the caller's promise, checked as far as it can be.
     Ok(unsafe { std::slice::from_raw_parts_mut(data, count) })
@@ -42,7 +38,7 @@ pub(super) unsafe fn slice_mut<'a, T>(
 ///
 /// # Safety
 /// A pointer that is not NULL points to a value of its type.
-pub(super) unsafe fn target<'a, T>(target: *mut T, argument: &'static str) -> Result<&'a mut T, Fault> {
+pub(super) unsafe fn target<'a, T>(target: *mut T, argument: &'static str) -> Outcome<&'a mut T> {
     // SAFETY: the caller's promise.
     unsafe { slice_mut(target, 1, argument) }.map(|one| &mut one[0])
 }
@@ -71,11 +67,14 @@ pub(super) unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
 ///
 /// # Safety
 /// As [`slice`] and [`text`].
-pub(super) unsafe fn texts<'a>(data: *const *const c_char, count: usize) -> Result<Vec<&'a str>, Fault> {
+pub(super) unsafe fn texts<'a>(data: *const *const c_char, count: usize) -> Outcome<Vec<&'a str>> {
     // SAFETY: the caller's promise.
     let pointers = unsafe { slice(data, count, "categories") }?;
     // SAFETY: the caller's promise.
-    pointers.iter().map(|each| unsafe { text(*each) }.ok_or(Fault::Null { argument: "category" })).collect()
+    pointers
+        .iter()
+        .map(|each| unsafe { text(*each) }.ok_or_else(|| Fault::Null { argument: "category" }.into()))
+        .collect()
 }
 
 /// Folder of a `file:` URI, percent signs decoded.

@@ -2,9 +2,8 @@
 
 use super::Instance;
 use super::continuous::expect_length;
-use crate::component::Outcome;
 use crate::configured::Configured;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -47,11 +46,11 @@ impl<U: Unit> Instance<U> {
     }
 
     /// Slot of a reference of the wanted type, with its number of elements.
-    fn find(&self, value_type: ValueType, reference: u32) -> Result<(Slot, usize), Fault> {
+    fn find(&self, value_type: ValueType, reference: u32) -> Outcome<(Slot, usize)> {
         let slot = Slot::of(reference).ok_or(Fault::Reference { reference })?;
         match self.shape(slot) {
             Some((found, len)) if found == value_type => Ok((slot, len)),
-            _ => Err(Fault::Reference { reference }),
+            _ => Err(Fault::Reference { reference }.into()),
         }
     }
 
@@ -87,7 +86,7 @@ impl<U: Unit> Instance<U> {
         Ok(Status::Ok)
     }
 
-    fn read_slot(&mut self, slot: Slot, target: &mut [f64]) -> Result<(), Fault> {
+    fn read_slot(&mut self, slot: Slot, target: &mut [f64]) -> Outcome<()> {
         let core = &self.core;
         match slot {
             Slot::Output(i) => target[0] = self.outputs()[i],
@@ -115,7 +114,7 @@ impl<U: Unit> Instance<U> {
                 let programmed = self.speed.and_then(|i| core.input.get(i)).unwrap_or(0.0);
                 target[0] = if self.is_adaptive() { core.discrete.speed } else { programmed };
             }
-            Slot::Set => return Err(Fault::Reference { reference: slot.reference() }),
+            Slot::Set => return Err(Fault::Reference { reference: slot.reference() }.into()),
         }
         Ok(())
     }
@@ -143,14 +142,14 @@ impl<U: Unit> Instance<U> {
     }
 
     /// Whether `value` may stand in `slot`.
-    fn check(&self, slot: Slot, value: f64) -> Result<(), Fault> {
+    fn check(&self, slot: Slot, value: f64) -> Outcome<()> {
         let range = match slot {
             Slot::Input(i) => U::Input::FIELDS[i].check(value),
             Slot::State(i) => U::State::FIELDS[i].check(value),
             Slot::Parameter(i) => self.parameters[i].1.check(value),
             _ => Ok(()),
         };
-        range.map_err(|source| Fault::Value { variable: self.name_of(slot), source })
+        range.map_err(|source| Fault::Value { variable: self.name_of(slot), source }.into())
     }
 
     pub(super) fn write_values(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
@@ -161,7 +160,7 @@ impl<U: Unit> Instance<U> {
             let given = values.get(at..at + len).ok_or(Fault::Length { values: values.len(), expected: at + len })?;
             let unchanged = || given.iter().enumerate().all(|(k, value)| self.present(slot, k) == Some(*value));
             if self.settable(slot, value_type != ValueType::Real) == Set::Never && !unchanged() {
-                return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode });
+                return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode }.into());
             }
             given.iter().try_for_each(|value| self.check(slot, *value))?;
             at += len;
@@ -229,7 +228,7 @@ impl<U: Unit> Instance<U> {
         Status::Warning
     }
 
-    pub(super) fn read_set(&mut self, reference: u32) -> Result<&CStr, Fault> {
+    pub(super) fn read_set(&mut self, reference: u32) -> Outcome<&CStr> {
         self.find(ValueType::String, reference)?;
         self.text = CString::new(self.core.model.set.as_str()).unwrap_or_default();
         Ok(&self.text)
@@ -241,7 +240,7 @@ impl<U: Unit> Instance<U> {
             return Ok(Status::Ok);
         }
         if !matches!(self.core.mode, Mode::Instantiated | Mode::Initialization) {
-            return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode });
+            return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode }.into());
         }
         let mut model = Configured::clone(&self.core.model);
         model.choose_set(text, self.resources.as_deref())?;

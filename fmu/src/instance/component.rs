@@ -1,8 +1,8 @@
 //! The face of an instance to the C interfaces.
 
 use super::Instance;
-use crate::component::{Component, Outcome, Stepped, Update};
-use crate::fault::Fault;
+use crate::component::{Component, Stepped, Update};
+use crate::fault::Outcome;
 use crate::log::{Log, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -13,12 +13,6 @@ use toolroom_process::Record;
 impl<U: Unit> Component for Instance<U> {
     fn log(&mut self) -> &mut Log {
         &mut self.log
-    }
-    fn stop(&mut self) {
-        self.stopped = true;
-    }
-    fn is_stopped(&self) -> bool {
-        self.stopped
     }
     fn set_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
         self.experiment(start, stop)
@@ -34,7 +28,7 @@ impl<U: Unit> Component for Instance<U> {
     fn enter_event_mode(&mut self) -> Outcome {
         self.begin_event()
     }
-    fn update_discrete(&mut self) -> Result<Update, Fault> {
+    fn update_discrete(&mut self) -> Outcome<Update> {
         self.update()
     }
     fn enter_continuous_mode(&mut self) -> Outcome {
@@ -43,7 +37,7 @@ impl<U: Unit> Component for Instance<U> {
     fn enter_step_mode(&mut self) -> Outcome {
         self.leave_event("EnterStepMode", Mode::Step)
     }
-    fn completed_step(&mut self) -> Result<bool, Fault> {
+    fn completed_step(&mut self) -> Outcome<bool> {
         self.expect("CompletedIntegratorStep", &[Mode::Continuous])?;
         Ok(!self.waiting.is_empty())
     }
@@ -71,7 +65,7 @@ impl<U: Unit> Component for Instance<U> {
     fn indicators(&mut self, indicators: &mut [f64]) -> Outcome {
         self.read_indicators(indicators)
     }
-    fn do_step(&mut self, time: f64, step: f64) -> Result<Stepped, Fault> {
+    fn do_step(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
         self.advance(time, step)
     }
     fn time(&self) -> f64 {
@@ -89,13 +83,13 @@ impl<U: Unit> Component for Instance<U> {
     fn write(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
         self.write_values(value_type, references, values)
     }
-    fn read_text(&mut self, reference: u32) -> Result<&CStr, Fault> {
+    fn read_text(&mut self, reference: u32) -> Outcome<&CStr> {
         self.read_set(reference)
     }
     fn write_text(&mut self, reference: u32, text: &str) -> Outcome {
         self.write_set(reference, text)
     }
-    fn save(&mut self, over: usize) -> Result<usize, Fault> {
+    fn save(&mut self, over: usize) -> Outcome<usize> {
         self.keep_state(over)
     }
     fn restore(&mut self, handle: usize) -> Outcome {
@@ -104,10 +98,10 @@ impl<U: Unit> Component for Instance<U> {
     fn discard(&mut self, handle: usize) -> Outcome {
         self.forget(handle)
     }
-    fn serialise(&self, handle: usize) -> Result<Vec<u8>, Fault> {
+    fn serialise(&self, handle: usize) -> Outcome<Vec<u8>> {
         self.to_bytes(handle)
     }
-    fn deserialise(&mut self, bytes: &[u8]) -> Result<usize, Fault> {
+    fn deserialise(&mut self, bytes: &[u8]) -> Outcome<usize> {
         self.keep_bytes(bytes)
     }
     fn directional(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
@@ -116,7 +110,7 @@ impl<U: Unit> Component for Instance<U> {
     fn adjoint(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64], out: &mut [f64]) -> Outcome {
         self.back(unknowns, knowns, seed, out)
     }
-    fn output_rate(&mut self, reference: u32) -> Result<f64, Fault> {
+    fn output_rate(&mut self, reference: u32) -> Outcome<f64> {
         self.rate_of(reference)
     }
 }

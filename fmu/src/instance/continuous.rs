@@ -1,8 +1,8 @@
 //! Model Exchange: time, states, derivatives and indicators.
 
 use super::Instance;
-use crate::component::{Interface, Outcome};
-use crate::fault::Fault;
+use crate::component::Interface;
+use crate::fault::{Fault, Outcome};
 use crate::log::Status;
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -10,9 +10,9 @@ use toolroom_process::{Record, unit};
 
 impl<U: Unit> Instance<U> {
     /// That the unit serves Model Exchange and `length` is that of its states.
-    fn expect_states(&self, length: usize) -> Result<(), Fault> {
+    fn expect_states(&self, length: usize) -> Outcome<()> {
         if self.interface != Interface::ModelExchange {
-            return Err(Fault::NotOffered { feature: "access to continuous states in Co-Simulation" });
+            return Err(Fault::NotOffered { feature: "access to continuous states in Co-Simulation" }.into());
         }
         expect_length(length, U::State::LEN)
     }
@@ -20,7 +20,7 @@ impl<U: Unit> Instance<U> {
     pub(super) fn move_time(&mut self, time: f64) -> Outcome {
         self.expect("SetTime", &[Mode::Event, Mode::Continuous])?;
         if !time.is_finite() || self.interface != Interface::ModelExchange {
-            return Err(Fault::Step { time, step: 0.0 });
+            return Err(Fault::Step { time, step: 0.0 }.into());
         }
         self.core.time = time;
         Ok(Status::Ok)
@@ -30,7 +30,7 @@ impl<U: Unit> Instance<U> {
         self.expect("SetContinuousStates", &[Mode::Event, Mode::Continuous])?;
         self.expect_states(states.len())?;
         if states.iter().any(|value| !value.is_finite()) {
-            return Err(Fault::Step { time: self.core.time, step: f64::NAN });
+            return Err(Fault::Step { time: self.core.time, step: f64::NAN }.into());
         }
         self.core.state = U::State::from_slice(states);
         self.changed();
@@ -53,10 +53,10 @@ impl<U: Unit> Instance<U> {
     }
 
     /// Rates of the state at the present state and input.
-    pub(super) fn rates(&self) -> Result<U::State, Fault> {
+    pub(super) fn rates(&self) -> Outcome<U::State> {
         let input = self.effective_input();
         let rates = self.core.model.process.derivative(&self.core.state, &input);
-        rates.ok_or(Fault::NotOffered { feature: "Model Exchange" })
+        rates.ok_or_else(|| Fault::NotOffered { feature: "Model Exchange" }.into())
     }
 
     pub(super) fn read_derivatives(&self, derivatives: &mut [f64]) -> Outcome {
@@ -74,8 +74,8 @@ impl<U: Unit> Instance<U> {
 }
 
 /// That an array has the right length.
-pub(super) fn expect_length(values: usize, expected: usize) -> Result<(), Fault> {
-    if values == expected { Ok(()) } else { Err(Fault::Length { values, expected }) }
+pub(super) fn expect_length(values: usize, expected: usize) -> Outcome<()> {
+    if values == expected { Ok(()) } else { Err(Fault::Length { values, expected }.into()) }
 }
 
 /// One display unit in SI: the size that people think of as one.

@@ -2,8 +2,7 @@
 
 use super::continuous::expect_length;
 use super::{Instance, MOST};
-use crate::component::Outcome;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::Status;
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -53,22 +52,22 @@ impl<U: Unit> Instance<U> {
     }
 
     /// Time derivative of an output: along the rates of the state.
-    pub(super) fn rate_of(&mut self, reference: u32) -> Result<f64, Fault> {
+    pub(super) fn rate_of(&mut self, reference: u32) -> Outcome<f64> {
         self.expect_differentiable()?;
         let Some(Slot::Output(_)) = Slot::of(reference) else {
-            return Err(Fault::Reference { reference });
+            return Err(Fault::Reference { reference }.into());
         };
         let slopes = self.slopes(&self.rates()?, &zero::<U::Input>())?;
         self.slope_of(reference, &slopes)
     }
 
-    fn expect_differentiable(&self) -> Result<(), Fault> {
+    fn expect_differentiable(&self) -> Outcome<()> {
         let modes = [Mode::Initialization, Mode::Event, Mode::Continuous, Mode::Step, Mode::Terminated];
         self.expect("a derivative", &modes)
     }
 
     /// Puts `value` into the direction of a known; inputs and states can be known.
-    fn seed(&self, known: u32, value: f64, dx: &mut U::State, du: &mut U::Input) -> Result<(), Fault> {
+    fn seed(&self, known: u32, value: f64, dx: &mut U::State, du: &mut U::Input) -> Outcome<()> {
         let unknown = Fault::Reference { reference: known };
         match (Slot::of(known), self.find_real(known)) {
             (Some(Slot::State(i)), Some(1)) => add(dx, self.state_offsets[i], value),
@@ -78,7 +77,7 @@ impl<U: Unit> Instance<U> {
                     add(du, i, value);
                 }
             }
-            _ => return Err(unknown),
+            _ => return Err(unknown.into()),
         }
         Ok(())
     }
@@ -97,7 +96,7 @@ impl<U: Unit> Instance<U> {
         }
     }
 
-    fn slopes(&self, dx: &U::State, du: &U::Input) -> Result<Slopes<U>, Fault> {
+    fn slopes(&self, dx: &U::State, du: &U::Input) -> Outcome<Slopes<U>> {
         let input = self.effective_input();
         let process = &self.core.model.process;
         let linear = process.linearise(&self.core.state, &input, dx, du);
@@ -120,14 +119,14 @@ impl<U: Unit> Instance<U> {
         std::array::from_fn(|i| (high[i] - low[i]) / (2.0 * h))
     }
 
-    fn slope_of(&self, unknown: u32, slopes: &Slopes<U>) -> Result<f64, Fault> {
+    fn slope_of(&self, unknown: u32, slopes: &Slopes<U>) -> Outcome<f64> {
         let value = match (Slot::of(unknown), self.find_real(unknown)) {
             (Some(Slot::Derivative(i)), Some(1)) => slopes.rates.get(self.state_offsets[i]),
             (Some(Slot::Output(i)), Some(1)) => slopes.outputs.get(i),
             (Some(Slot::Indicator(i)), Some(1)) => Some(slopes.indicators[i]),
             _ => None,
         };
-        value.ok_or(Fault::Reference { reference: unknown })
+        value.ok_or_else(|| Fault::Reference { reference: unknown }.into())
     }
 }
 

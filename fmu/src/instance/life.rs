@@ -1,8 +1,8 @@
 //! The state machine and the settling of events.
 
 use super::{Core, Instance, REACHED};
-use crate::component::{Interface, Outcome, Update};
-use crate::fault::Fault;
+use crate::component::{Interface, Update};
+use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
@@ -10,18 +10,18 @@ use toolroom_process::{ProcessEvent, Record};
 
 impl<U: Unit> Instance<U> {
     /// That the unit is in one of `modes`.
-    pub(super) fn expect(&self, call: &'static str, modes: &[Mode]) -> Result<(), Fault> {
+    pub(super) fn expect(&self, call: &'static str, modes: &[Mode]) -> Outcome<()> {
         let mode = self.core.mode;
-        if modes.contains(&mode) { Ok(()) } else { Err(Fault::Mode { call, mode }) }
+        if modes.contains(&mode) { Ok(()) } else { Err(Fault::Mode { call, mode }.into()) }
     }
 
     pub(super) fn experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
         self.expect("SetupExperiment", &[Mode::Instantiated])?;
         if !start.is_finite() {
-            return Err(Fault::Step { time: start, step: 0.0 });
+            return Err(Fault::Step { time: start, step: 0.0 }.into());
         }
         if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
-            return Err(Fault::Step { time: start, step: stop - start });
+            return Err(Fault::Step { time: start, step: stop - start }.into());
         }
         self.core.time = start;
         Ok(Status::Ok)
@@ -48,7 +48,7 @@ impl<U: Unit> Instance<U> {
         Ok(Status::Ok)
     }
 
-    pub(super) fn update(&mut self) -> Result<Update, Fault> {
+    pub(super) fn update(&mut self) -> Outcome<Update> {
         self.expect("UpdateDiscreteStates", &[Mode::Event])?;
         let states_changed = self.settle();
         let next_event = (self.is_adaptive() && self.interface == Interface::ModelExchange)
@@ -59,7 +59,7 @@ impl<U: Unit> Instance<U> {
     pub(super) fn leave_event(&mut self, call: &'static str, to: Mode) -> Outcome {
         let fits = (to == Mode::Continuous) == (self.interface == Interface::ModelExchange);
         if !fits {
-            return Err(Fault::Mode { call, mode: self.core.mode });
+            return Err(Fault::Mode { call, mode: self.core.mode }.into());
         }
         self.expect(call, &[Mode::Event])?;
         self.core.mode = to;

@@ -107,7 +107,6 @@ pub struct Instance<U: Unit> {
     interface: Interface,
     log: Log,
     resources: Option<PathBuf>,
-    stopped: bool,
     /// Outputs at the present state and input, where they are worked out.
     outputs: Vec<f64>,
     outputs_valid: bool,
@@ -143,7 +142,6 @@ impl<U: Unit> Instance<U> {
             interface,
             log,
             resources,
-            stopped: false,
             outputs: vec![0.0; U::Output::LEN],
             outputs_valid: false,
             states: vec![0.0; U::State::LEN],

@@ -1,8 +1,7 @@
 //! Saved states: owned by the instance, called by handle.
 
 use super::{Core, Instance};
-use crate::component::Outcome;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::log::Status;
 use crate::unit::Unit;
 
@@ -24,13 +23,13 @@ impl<U: Unit> Instance<U> {
         (saved.serial as usize == handle / PLACES).then_some(place)
     }
 
-    pub(super) fn saved(&self, handle: usize) -> Result<&Core<U>, Fault> {
+    pub(super) fn saved(&self, handle: usize) -> Outcome<&Core<U>> {
         let place = self.saved_place(handle).ok_or(Fault::State)?;
-        self.saved[place].as_ref().map(|saved| &*saved.core).ok_or(Fault::State)
+        self.saved[place].as_ref().map(|saved| &*saved.core).ok_or_else(|| Fault::State.into())
     }
 
     /// Keeps `core` over the saved state `over`, or in a new place; 0 is no handle.
-    fn keep(&mut self, core: Core<U>, over: usize) -> Result<usize, Fault> {
+    fn keep(&mut self, core: Core<U>, over: usize) -> Outcome<usize> {
         if over != 0 {
             let place = self.saved_place(over).ok_or(Fault::State)?;
             if let Some(saved) = &mut self.saved[place] {
@@ -41,7 +40,7 @@ impl<U: Unit> Instance<U> {
         let free = self.saved.iter().position(Option::is_none);
         let place = free.unwrap_or(self.saved.len());
         if place == PLACES {
-            return Err(Fault::NotOffered { feature: "more than 65536 saved states" });
+            return Err(Fault::NotOffered { feature: "more than 65536 saved states" }.into());
         }
         self.saves = self.saves.wrapping_add(1).max(1);
         let saved = Some(Saved { serial: self.saves, core: Box::new(core) });
@@ -53,7 +52,7 @@ impl<U: Unit> Instance<U> {
         Ok(self.saves as usize * PLACES + place)
     }
 
-    pub(super) fn keep_state(&mut self, over: usize) -> Result<usize, Fault> {
+    pub(super) fn keep_state(&mut self, over: usize) -> Outcome<usize> {
         if over == 0 {
             return self.keep(self.core.clone(), 0);
         }
@@ -80,11 +79,11 @@ impl<U: Unit> Instance<U> {
         Ok(Status::Ok)
     }
 
-    pub(super) fn to_bytes(&self, handle: usize) -> Result<Vec<u8>, Fault> {
+    pub(super) fn to_bytes(&self, handle: usize) -> Outcome<Vec<u8>> {
         Ok(super::serial::write(self.saved(handle)?))
     }
 
-    pub(super) fn keep_bytes(&mut self, bytes: &[u8]) -> Result<usize, Fault> {
+    pub(super) fn keep_bytes(&mut self, bytes: &[u8]) -> Outcome<usize> {
         let core = super::serial::read(bytes, self.resources.as_deref())?;
         self.keep(core, 0)
     }

@@ -12,7 +12,7 @@
 use super::{Core, Discrete, MOST};
 use crate::catalogue::token;
 use crate::configured::Configured;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::mode::Mode;
 use crate::unit::Unit;
 use std::path::Path;
@@ -57,40 +57,40 @@ pub(super) fn write<U: Unit>(core: &Core<U>) -> Vec<u8> {
 struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
+    fn take(&mut self, count: usize) -> Outcome<&'a [u8]> {
         let (head, rest) = self.0.split_at_checked(count).ok_or(Fault::Corrupt { reason: "it ends too early" })?;
         self.0 = rest;
         Ok(head)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+    fn array<const N: usize>(&mut self) -> Outcome<[u8; N]> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N)?);
         Ok(array)
     }
 
-    fn word(&mut self) -> Result<u32, Fault> {
+    fn word(&mut self) -> Outcome<u32> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    fn number(&mut self) -> Result<f64, Fault> {
+    fn number(&mut self) -> Outcome<f64> {
         Ok(f64::from_le_bytes(self.array()?))
     }
 
-    fn numbers(&mut self, count: usize) -> Result<Vec<f64>, Fault> {
+    fn numbers(&mut self, count: usize) -> Outcome<Vec<f64>> {
         // No more is reserved than there is.
         let bytes = self.take(count.saturating_mul(8))?;
         Ok(bytes.chunks_exact(8).map(|each| f64::from_le_bytes(each.try_into().unwrap_or_default())).collect())
     }
 
-    fn flags(&mut self) -> Result<[bool; MOST], Fault> {
+    fn flags(&mut self) -> Outcome<[bool; MOST]> {
         Ok(self.array::<MOST>()?.map(|flag| flag != 0))
     }
 }
 
 /// The state of bytes.
-pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>) -> Result<Core<U>, Fault> {
-    let corrupt = |reason| Fault::Corrupt { reason };
+pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>) -> Outcome<Core<U>> {
+    let corrupt = |reason| Box::new(Fault::Corrupt { reason });
     let mut head = Bytes(bytes);
     if head.take(4)? != MAGIC {
         return Err(corrupt("it is not a state of a toolroom unit"));

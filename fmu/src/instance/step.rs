@@ -2,7 +2,7 @@
 
 use super::Instance;
 use crate::component::{Interface, Stepped};
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::mode::Mode;
 use crate::unit::Unit;
 use toolroom_process::Record;
@@ -15,14 +15,14 @@ impl<U: Unit> Instance<U> {
     ///
     /// An importer with Event Mode is handed each event as it happens, if it allows a step to end
     /// early; for every other the unit goes on by itself and tells of the event by its outputs.
-    pub(super) fn advance(&mut self, time: f64, step: f64) -> Result<Stepped, Fault> {
+    pub(super) fn advance(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
         self.expect("DoStep", &[Mode::Step])?;
         if !(time.is_finite() && step > 0.0 && step.is_finite()) {
-            return Err(Fault::Step { time, step });
+            return Err(Fault::Step { time, step }.into());
         }
         let own = self.core.time;
         if (time - own).abs() > ROUNDING * time.abs().max(own.abs()).max(step) {
-            return Err(Fault::Time { given: time, own });
+            return Err(Fault::Time { given: time, own }.into());
         }
         let before = (self.core.state, self.core.discrete);
         let stepped = self.follow(time, step);
@@ -35,7 +35,7 @@ impl<U: Unit> Instance<U> {
         stepped
     }
 
-    fn follow(&mut self, time: f64, step: f64) -> Result<Stepped, Fault> {
+    fn follow(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
         let end = time + step;
         let stops_early = matches!(self.interface, Interface::CoSimulation { event_mode: true, early_return: true });
         self.core.time = time;

@@ -48,7 +48,7 @@ pub enum PackageError {
     Write(#[from] std::io::Error),
     /// The run that gives the reference results.
     #[error("the reference results cannot be computed: {0}")]
-    Reference(#[from] Fault),
+    Reference(#[from] Box<Fault>),
 }
 
 /// Licence texts that go with every package.

@@ -94,7 +94,7 @@ impl<N: Number> Pair<N> {
 
 impl<N: Number> Contact<'_, N> {
     /// [`Pair::derivative`] under the cut of this contact.
-    #[inline]
+    #[inline(always)]
     pub fn derivative(&self, state: &WearState<N>) -> WearState<N> {
         let (pair, cut) = (self.pair, self.cut());
         let rise = self.rise(state.flank_wear);

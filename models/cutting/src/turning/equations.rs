@@ -69,7 +69,8 @@ impl<N: Number> Engagement<'_, N> {
     }
 
     /// Right-hand side: rates per second.
-    #[inline]
+    // Always inlined, and what it calls: the rates of one stage reach the next one in registers.
+    #[inline(always)]
     pub fn rates(&self, x: &TurningState<N>) -> TurningState<N> {
         let wear = self.contact.derivative(&x.wear());
         let cut = self.contact.cut();

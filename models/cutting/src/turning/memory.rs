@@ -1,8 +1,8 @@
 //! Steps that remember what the step before worked out.
 
-use super::equations::Kept;
+use super::equations::{Engagement, Kept};
 use super::{ACCURACY, STATES, Turning, TurningInput, TurningState, lost_at_once};
-use toolroom_process::ode::{self, Tolerance};
+use toolroom_process::ode::{self, Autonomous, Tolerance};
 use toolroom_process::{Advance, ModelError, Record};
 use toolroom_wear::WEAR_EVENTS;
 
@@ -28,6 +28,27 @@ struct Last {
     state: TurningState,
     slope: [f64; STATES],
     indicators: [f64; 3],
+}
+
+impl Autonomous<STATES> for Engagement<'_> {
+    #[inline(always)]
+    fn slope(&self, y: &[f64; STATES]) -> [f64; STATES] {
+        array(&self.rates(&TurningState::from_slice(y)))
+    }
+}
+
+/// The right-hand side where no step before has left it.
+#[cold]
+fn first_slope(engagement: &Engagement<'_>, x: &TurningState) -> [f64; STATES] {
+    engagement.slope(&array(x))
+}
+
+/// The numbers of a state.
+#[inline(always)]
+fn array(x: &TurningState) -> [f64; STATES] {
+    let mut y = [0.0; STATES];
+    x.write_to(&mut y);
+    y
 }
 
 impl Turning {
@@ -68,11 +89,6 @@ impl Turning {
             }
         };
         let engagement = self.engagement_of(&known.engagement);
-        let slope = |x: &TurningState| {
-            let mut slope = [0.0; STATES];
-            engagement.rates(x).write_to(&mut slope);
-            slope
-        };
         let last = match &mut known.last {
             Some(last) if last.state == *x => last,
             last => {
@@ -80,13 +96,11 @@ impl Turning {
                     return Ok(Advance { elapsed: 0.0, event: Some(event) });
                 }
                 let indicators = engagement.event_indicators(x, u.chipping_resistance);
-                last.insert(Last { state: *x, slope: slope(x), indicators })
+                last.insert(Last { state: *x, slope: first_slope(&engagement, x), indicators })
             }
         };
-        let mut y = [0.0; STATES];
-        x.write_to(&mut y);
-        let rhs = |_: f64, y: &[f64; STATES]| slope(&TurningState::from_slice(y));
-        if let Some((end, slope)) = ode::short_step(rhs, 0.0, &y, &last.slope, dt, &known.tolerance) {
+        let y = array(x);
+        if let Some((end, slope)) = ode::short_step(&engagement, &y, &last.slope, dt, &known.tolerance) {
             let state = TurningState::from_slice(&end);
             let indicators = engagement.event_indicators(&state, u.chipping_resistance);
             // An edge that may not go on is refused at the start of the next step.
