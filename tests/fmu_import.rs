@@ -202,3 +202,29 @@ fn replications_before_a_step_that_fails_stay_readable() {
     expect(0, &["report", &shown]);
     assert!(out.join("report.html").is_file());
 }
+
+#[test]
+fn a_run_that_stopped_goes_on_to_what_it_would_have_been() {
+    let folder = folder();
+    let digest = |scenario: &str, name: &str| {
+        let out = folder.path().join(name);
+        let shown = out.display().to_string();
+        let whole =
+            ["run", scenario, "--policy", "constant", "--replications", "12", "--threads", "1", "--out", &shown];
+        let mut attempts = 0;
+        // The unit fails after so many steps of one process.
+        while toolroom(&if attempts == 0 { whole.to_vec() } else { [&whole[..], &["--resume"]].concat() }).status.code()
+            == Some(1)
+        {
+            attempts += 1;
+            assert!(attempts < 10 && out.join("stopped").is_dir(), "attempt {attempts}");
+        }
+        let run = json(&out.join("run.json"));
+        assert!(run["complete"] == true && run["replications"] == 12 && !out.join("stopped").exists(), "{run}");
+        (attempts, run["digest"].clone())
+    };
+    let (attempts, resumed) = digest(&failing(folder.path(), "TIRES=4000"), "resumed");
+    let (at_once, sound) = digest(&failing(folder.path(), "SOUND"), "sound");
+    assert!(attempts > 0 && at_once == 0, "{attempts} and {at_once} failures");
+    assert_eq!(resumed, sound);
+}

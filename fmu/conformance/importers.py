@@ -12,7 +12,7 @@ WEAR = "process.flank_wear"
 POINTS = [100.0, 200.0, 300.0, 400.0, 500.0, 600.0]
 
 
-def fmpy_run(path, interface, step, inputs=None, event_mode=False):
+def fmpy_run(path, interface, step, inputs=None, event_mode=False, start_values=None):
     """Time, wear and count of edges at the communication points."""
     import fmpy
     import numpy
@@ -30,6 +30,7 @@ def fmpy_run(path, interface, step, inputs=None, event_mode=False):
         output_interval=step if interface == "CoSimulation" else 6.0,
         relative_tolerance=1e-8,
         input=signals,
+        start_values=start_values or {},
         output=[WEAR, "process.temperature", "tool.count"],
         use_event_mode=event_mode,
         early_return_allowed=event_mode,
@@ -208,7 +209,7 @@ def validate(path):
 ACTIONS = {
     "validate": validate,
     "cs": lambda path, step: fmpy_run(path, "CoSimulation", float(step)),
-    "me": lambda path: fmpy_run(path, "ModelExchange", 1.0),
+    "me": lambda path, speed: fmpy_run(path, "ModelExchange", 1.0, start_values={"process.cutting_speed": float(speed) / 60.0}),
     "inputs": lambda path, inputs: fmpy_run(path, "CoSimulation", 0.1, inputs),
     "events": lambda path, inputs: fmpy_run(path, "CoSimulation", 0.1, inputs, event_mode=True),
     "ecos": ecos,

@@ -64,7 +64,8 @@ fn interfaces(description: &Description) -> String {
         "There is no Model Exchange: the model is no ordinary differential equation. "
     };
     format!(
-        "<h2>Use</h2>\n<p>Values are in SI units; display units are declared. {model_exchange}In Co-Simulation inputs \
+        "<h2>Use</h2>\n<p>Values are in SI units; display units are declared, and start and range in the tables below \
+         are in these. {model_exchange}In Co-Simulation inputs \
          are held over a step, which may have any length; events inside a step are located, and shown by the outputs \
          <code>event.*</code>. Importers of FMI 3.0 may use Event Mode and early return. States can be saved, restored \
          and serialised; first derivatives are exact where Model Exchange is offered. An output \
@@ -86,11 +87,11 @@ fn table(text: &mut String, title: &str, description: &Description, roles: &[Rol
     );
     for variable in rows {
         let field = &variable.field;
-        let shown = |value: f64| format!("{}", field.to_display(value) as f32);
+        let shown = |value: f64| number(field.to_display(value) as f32);
         let bound = |value: f64, open: f64| if value == open { "–".to_owned() } else { shown(value) };
         let open = field.min == f64::MIN && field.max == f64::MAX;
-        let number = matches!(variable.value_type, ValueType::Real | ValueType::Integer);
-        let range = match (number, open) {
+        let counts = matches!(variable.value_type, ValueType::Real | ValueType::Integer);
+        let range = match (counts, open) {
             (true, false) => format!("{} … {}", bound(field.min, f64::MIN), bound(field.max, f64::MAX)),
             (true, true) => String::new(),
             (false, _) => variable_range(variable),
@@ -107,10 +108,30 @@ fn table(text: &mut String, title: &str, description: &Description, roles: &[Rol
             escaped(&variable.name),
             escaped(field.unit),
             escaped(field.display),
-            escaped(field.doc.trim()),
+            prose(field.doc.trim()),
         );
     }
     text.push_str("</table>\n");
+}
+
+/// A number as people read it: long ones by their power of ten.
+fn number(value: f32) -> String {
+    let plain = value == 0.0 || (1e-4..1e6).contains(&value.abs());
+    if plain { value.to_string() } else { format!("{value:e}") }
+}
+
+/// A doc comment: what stands between backticks is code.
+fn prose(text: &str) -> String {
+    let mut code = false;
+    let mut html = String::new();
+    for (i, part) in text.split('`').enumerate() {
+        if i > 0 {
+            code = !code;
+            html.push_str(if code { "<code>" } else { "</code>" });
+        }
+        html.push_str(&escaped(part));
+    }
+    html
 }
 
 /// Range of what is no number.
@@ -118,5 +139,16 @@ fn variable_range(variable: &Variable) -> String {
     match variable.value_type {
         ValueType::Boolean => "true, false".to_owned(),
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_and_long_numbers_are_readable() {
+        assert_eq!(prose("`1 < a`, at b"), "<code>1 &lt; a</code>, at b");
+        assert_eq!([0.0, 0.12, 40.0, 1e12].map(number), ["0", "0.12", "40", "1e12"]);
     }
 }
