@@ -2,7 +2,7 @@
 
 use crate::error::ChatterError;
 use crate::hessenberg;
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// A real linear map of a space onto itself.
 pub(crate) trait LinearMap {
@@ -10,6 +10,19 @@ pub(crate) trait LinearMap {
     fn size(&self) -> usize;
     /// `y = map x`.
     fn apply(&mut self, x: &[f64], y: &mut [f64]);
+
+    /// The whole matrix.
+    fn dense(&mut self) -> DMatrix<f64> {
+        let size = self.size();
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut unit = vec![0.0; size];
+        for k in 0..size {
+            unit[k] = 1.0;
+            self.apply(&unit, matrix.column_mut(k).as_mut_slice());
+            unit[k] = 0.0;
+        }
+        matrix
+    }
 }
 
 /// Greatest dimension of the Krylov space.
@@ -21,6 +34,20 @@ pub(crate) struct Dominant {
     pub value: Complex<f64>,
     /// `|M v − value v| / (|value| |v|)`.
     pub residual: f64,
+}
+
+/// Eigenvalue of greatest modulus among all, where the iteration found none. The residual is the
+/// backward error of the Schur form.
+pub(crate) fn dense_dominant(matrix: DMatrix<f64>) -> Result<Dominant, ChatterError> {
+    const SWEEPS: usize = 100_000;
+    let error = f64::EPSILON * matrix.norm() * matrix.nrows() as f64;
+    let schur = Schur::try_new(matrix, f64::EPSILON, SWEEPS);
+    let values = schur.ok_or(ChatterError::NotConverged { residual: f64::INFINITY })?.complex_eigenvalues();
+    let value = values.iter().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+    let value = value.filter(|value| value.norm_sqr().is_finite());
+    let value = value.ok_or(ChatterError::NotConverged { residual: f64::INFINITY })?;
+    let modulus = value.norm();
+    Ok(Dominant { value, residual: if modulus > 0.0 { error / modulus } else { 0.0 } })
 }
 
 /// Dimension at which eigenvalues are first searched without an outlook.
@@ -240,7 +267,7 @@ pub(crate) fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::DVector;
     use proptest::prelude::*;
 
     struct Dense(DMatrix<f64>);
@@ -259,7 +286,10 @@ mod tests {
         fn agrees_with_dense_eigenvalues(entries in prop::collection::vec(-1.0f64..1.0, 400), n in 2usize..=20) {
             let matrix = DMatrix::from_column_slice(n, n, &entries[..n * n]);
             let reference = matrix.complex_eigenvalues().iter().map(|v| v.norm()).fold(0.0, f64::max);
-            let found = Krylov::default().dominant(&mut Dense(matrix), 1e-12).unwrap();
+            let mut map = Dense(matrix);
+            let dense = dense_dominant(map.dense()).unwrap();
+            prop_assert!((dense.value.norm() - reference).abs() < 1e-12 * reference && dense.residual < 1e-10);
+            let found = Krylov::default().dominant(&mut map, 1e-12).unwrap();
             prop_assert!((found.value.norm_sqr().sqrt() - reference).abs() < 1e-7 * reference);
         }
     }

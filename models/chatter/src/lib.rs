@@ -87,6 +87,7 @@ mod milling;
 pub mod paper;
 mod period;
 mod plan;
+mod polynomial;
 mod response;
 mod simulate;
 mod speed_variation;

@@ -103,7 +103,7 @@ impl Frame {
     }
 
     /// A matrix of the plane in the channels of this frame.
-    fn project(&self, m: [f64; 4]) -> [f64; 4] {
+    pub fn project(&self, m: [f64; 4]) -> [f64; 4] {
         match self.line {
             None => m,
             Some([x, y]) => [x * (m[0] * x + m[1] * y) + y * (m[2] * x + m[3] * y), 0.0, 0.0, 0.0],

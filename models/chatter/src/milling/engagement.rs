@@ -50,7 +50,8 @@ impl Geometry {
     }
 
     fn find_breaks(&self, with_images: bool) -> Vec<f64> {
-        let mut breaks = vec![self.origin, self.origin + self.span];
+        let mut breaks = Vec::with_capacity(2 + 4 * self.teeth.len());
+        breaks.extend([self.origin, self.origin + self.span]);
         let mut add = |angle: f64| {
             let turned = (angle - self.origin).rem_euclid(self.span);
             breaks.push(self.origin + turned);

@@ -1,5 +1,6 @@
 //! Milling: any modes, up and down, helix, unequal pitch, runout, process damping.
 
+mod characteristic;
 mod cutter;
 mod engagement;
 mod forced;

@@ -1,16 +1,18 @@
 //! Stability of milling at one spindle speed.
 
 use super::Milling;
+use super::characteristic::Characteristic;
 use super::engagement::Geometry;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
-use crate::krylov::{Dominant, Krylov, LinearMap};
+use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant};
 use crate::lobes::Crossing;
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::speed_variation::SpeedVariation;
 use crate::verdict::{StabilityLimit, StabilityVerdict};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// How much effort a spectral radius is worth.
@@ -44,6 +46,11 @@ pub struct AtSpeed<'a> {
     cut: &'a Milling,
     motion: Motion,
     frame: Frame,
+    /// Of straight teeth; with a helix the geometry of no depth.
+    geometry: Geometry,
+    /// The characteristic function where there is one, with the greatest depth that it resolves: for
+    /// verdicts and on the boundary.
+    characteristic: [Option<(Characteristic, f64)>; 2],
     /// By effort.
     prepared: [Option<Prepared>; 3],
     storage: MapStorage,
@@ -143,18 +150,27 @@ fn stretches(geometry: &Geometry, repeats: u32) -> Vec<PlannedStretch<(usize, us
 
 impl<'a> AtSpeed<'a> {
     fn new(cut: &'a Milling, motion: Motion) -> Result<Self, ChatterError> {
-        let frame = Frame::new(&cut.modes);
-        let at_speed = Self {
+        let varying = matches!(motion, Motion::Varying(..));
+        Ok(Self {
             cut,
             motion,
-            frame,
+            frame: Frame::new(&cut.modes),
+            // Refuses an engagement without teeth now.
+            geometry: Geometry::new(cut, 0.0, varying)?,
+            characteristic: [None, None],
             prepared: [None, None, None],
             storage: MapStorage::default(),
             krylov: Krylov::default(),
-        };
-        // Refuses an engagement without teeth now.
-        Geometry::new(cut, 0.0, false)?;
-        Ok(at_speed)
+        })
+    }
+
+    /// Who cuts where at `depth`.
+    fn geometry(&self, depth: f64) -> Result<Cow<'_, Geometry>, ChatterError> {
+        if self.cut.cutter.helix_angle == 0.0 {
+            return Ok(Cow::Borrowed(&self.geometry));
+        }
+        let varying = matches!(self.motion, Motion::Varying(..));
+        Geometry::new(self.cut, depth, varying).map(Cow::Owned)
     }
 
     /// Steps of `sqrt(1 + depth K/k)`, by which the cut can quicken the oscillations, and the depth
@@ -174,8 +190,7 @@ impl<'a> AtSpeed<'a> {
 
     /// The period at `depth`.
     fn assemble(&self, depth: f64, extra: usize) -> Result<Prepared, ChatterError> {
-        let varying = matches!(self.motion, Motion::Varying(..));
-        let geometry = Geometry::new(self.cut, depth, varying)?;
+        let geometry = self.geometry(depth)?;
         let (repeats, speed) = match self.motion {
             Motion::Constant(speed) => (1, speed),
             Motion::Varying(speed, variation) => (variation.revolutions, speed),
@@ -195,6 +210,9 @@ impl<'a> AtSpeed<'a> {
     /// Dominant multiplier at `depth` over one period, and the period (s).
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
         let (extra, residual, _) = effort.settings();
+        if let Some(found) = self.characteristic_multiplier(depth, effort)? {
+            return Ok(found);
+        }
         let level = effort as usize;
         let fits = |prepared: &Prepared| self.cut.cutter.helix_angle == 0.0 && depth <= prepared.greatest;
         if !self.prepared[level].as_ref().is_some_and(fits) {
@@ -204,7 +222,42 @@ impl<'a> AtSpeed<'a> {
             return Err(ChatterError::NoTeethInCut);
         };
         let mut map = PeriodMap::new(period, depth, &mut self.storage);
-        Ok((self.krylov.dominant(&mut map, residual)?, *length))
+        match self.krylov.dominant(&mut map, residual) {
+            Err(ChatterError::NotConverged { .. }) => {}
+            found => return Ok((found?, *length)),
+        }
+        // Slow but sure.
+        let refined = self.assemble(depth, Effort::Boundary.settings().0)?;
+        let matrix = PeriodMap::new(&refined.period, depth, &mut self.storage).dense();
+        Ok((dense_dominant(matrix)?, refined.length))
+    }
+
+    /// The dominant multiplier by the characteristic function, where the cut has one that tells it
+    /// well enough: one mode, regular teeth, constant speed, no damping by the cut.
+    fn characteristic_multiplier(
+        &mut self,
+        depth: f64,
+        effort: Effort,
+    ) -> Result<Option<(Dominant, f64)>, ChatterError> {
+        let Self { cut, motion: Motion::Constant(speed), .. } = *self else { return Ok(None) };
+        let [modal] = self.frame.modes.modal[..] else { return Ok(None) };
+        if !cut.cutter.is_regular() || cut.force.process_damping > 0.0 {
+            return Ok(None);
+        }
+        let (extra, tolerance, _) = effort.settings();
+        // A verdict's nodes serve charts too.
+        let (level, extra) = if matches!(effort, Effort::Boundary) { (1, extra / 2) } else { (0, 0) };
+        let fits = |(_, greatest): &(_, f64)| cut.cutter.helix_angle == 0.0 && depth <= *greatest;
+        if !self.characteristic[level].as_ref().is_some_and(fits) {
+            let geometry = self.geometry(depth)?;
+            let (stiffening, greatest) = self.stiffening(depth);
+            let gain = |matrix| modal.input[0] * modal.output[0] * self.frame.project(matrix)[0];
+            let function = Characteristic::new(cut, &geometry, &modal, gain, speed, stiffening, extra);
+            self.characteristic[level] = Some((function, greatest));
+        }
+        let period = TAU / (cut.cutter.teeth as f64 * speed);
+        let found = self.characteristic[level].as_mut().and_then(|(function, _)| function.dominant(depth, tolerance));
+        Ok(found.map(|found| (found, period)))
     }
 
     /// Verdict at `depth` (m). Near the boundary it is refined before it is given.
@@ -251,15 +304,7 @@ impl<'a> AtSpeed<'a> {
         within("depth", depth, 0.0, f64::MAX)?;
         let period = self.assemble(depth, Effort::Boundary.settings().0 + extra)?.period;
         let mut storage = MapStorage::default();
-        let mut map = PeriodMap::new(&period, depth, &mut storage);
-        let size = map.size();
-        let mut matrix = DMatrix::zeros(size, size);
-        let mut unit = vec![0.0; size];
-        for k in 0..size {
-            unit[k] = 1.0;
-            map.apply(&unit, matrix.column_mut(k).as_mut_slice());
-            unit[k] = 0.0;
-        }
+        let matrix = PeriodMap::new(&period, depth, &mut storage).dense();
         let mut multipliers: Vec<_> = matrix.complex_eigenvalues().iter().copied().collect();
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
         Ok(multipliers)
