@@ -16,9 +16,8 @@ pub(crate) struct Rule {
     pub integration: Vec<f64>,
     /// `integration` applied twice: row j is the double integral up to node j. Row-major.
     pub double_integration: Vec<f64>,
-    /// Legendre polynomials at the nodes times `(2m+1) weight`: column k turns sample k into
-    /// Legendre coefficients. Row-major by degree.
-    transform: Vec<f64>,
+    /// Barycentric weights.
+    barycentric: Vec<f64>,
 }
 
 impl Rule {
@@ -30,6 +29,8 @@ impl Rule {
 
     fn new(n: usize) -> Self {
         let (nodes, weights) = gauss_legendre(n);
+        // Legendre polynomials at the nodes times `(2m+1) weight`: column k turns sample k into
+        // Legendre coefficients. Row-major by degree.
         let mut transform = vec![0.0; n * n];
         let mut integration = vec![0.0; n * n];
         let integrals: Vec<Vec<f64>> = nodes.iter().map(|t| legendre_integrals(n, *t)).collect();
@@ -52,14 +53,24 @@ impl Rule {
                 }
             }
         }
-        Self { nodes, weights, integration, double_integration, transform }
+        // Of Gauss nodes (Wang and Xiang 2012): (−1)^k sqrt((1 − x²) w) up to a common factor.
+        let signs = [1.0, -1.0].into_iter().cycle();
+        let barycentric = nodes.iter().zip(&weights).zip(signs).map(|((t, w), sign)| sign * (t * (1.0 - t) * w).sqrt());
+        let barycentric = barycentric.collect();
+        Self { nodes, weights, integration, double_integration, barycentric }
     }
 
-    /// Weights of the samples that interpolate at `t`.
+    /// Weights of the samples that interpolate at `t`: the second barycentric formula.
     pub fn interpolation(&self, t: f64) -> Vec<f64> {
-        let n = self.nodes.len();
-        let p = legendre(n, 2.0 * t - 1.0);
-        (0..n).map(|k| (0..n).map(|m| p[m] * self.transform[m * n + k]).sum()).collect()
+        if let Some(at) = self.nodes.iter().position(|node| *node == t) {
+            let mut unit = vec![0.0; self.nodes.len()];
+            unit[at] = 1.0;
+            return unit;
+        }
+        let mut weights: Vec<f64> = self.nodes.iter().zip(&self.barycentric).map(|(node, b)| b / (t - node)).collect();
+        let inverse = 1.0 / weights.iter().sum::<f64>();
+        weights.iter_mut().for_each(|weight| *weight *= inverse);
+        weights
     }
 }
 
@@ -123,8 +134,10 @@ mod tests {
     #[test]
     fn interpolates_smooth_functions() {
         let rule = Rule::of(16);
-        let weights = rule.interpolation(0.3217);
-        let value: f64 = weights.iter().zip(&rule.nodes).map(|(w, t)| w * (3.0 * t).sin()).sum();
-        assert!((value - (3.0f64 * 0.3217).sin()).abs() < 1e-13);
+        for t in [0.0, 0.3217, rule.nodes[5], 1.0] {
+            let weights = rule.interpolation(t);
+            let value: f64 = weights.iter().zip(&rule.nodes).map(|(w, t)| w * (3.0 * t).sin()).sum();
+            assert!((value - (3.0 * t).sin()).abs() < 1e-13, "{t}");
+        }
     }
 }

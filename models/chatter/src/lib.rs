@@ -10,7 +10,9 @@
 //!  (tool, Bar)     ▼                      │   (radius, kind, frequency, margin)
 //!  Cutter ──► Milling ─┬─► period map ────┼─► StabilityLimit, Boundary, Lobes
 //!  Engagement          │   (collocation,  │
-//!  MillingForce        │    Krylov)       └─► Probability, RobustSpeed
+//!  MillingForce        │    Krylov), or    └─► Probability, RobustSpeed
+//!                      │   characteristic
+//!                      │   function
 //!             Turning ─┤
 //!                      ├─► forced: Fourier × frequency response ─► Forced
 //!                      └─► simulate: loss of contact ─► Simulation ─► AmplitudeTable ─► LimitCycle

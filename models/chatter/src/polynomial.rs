@@ -147,7 +147,7 @@ fn polish(coefficients: &[f64], mut at: Complex<f64>) -> Option<Root> {
         let [p, slope, _] = evaluate(coefficients, at);
         let newton = p / slope;
         let size = (newton.norm_sqr() / at.norm_sqr()).sqrt();
-        if !(size < step) {
+        if size >= step || size.is_nan() {
             break;
         }
         (at, step) = (at - newton, size);
@@ -169,8 +169,11 @@ mod tests {
         for (modulus, angle) in roots {
             // A pair, or a real root where the angle is 0 or pi.
             let real = angle.sin().abs() < 1e-12;
-            let factor =
-                if real { vec![1.0, -angle.cos() / modulus] } else { vec![1.0, -2.0 * angle.cos() / modulus, modulus.powi(-2)] };
+            let factor = if real {
+                vec![1.0, -angle.cos() / modulus]
+            } else {
+                vec![1.0, -2.0 * angle.cos() / modulus, modulus.powi(-2)]
+            };
             let mut next = vec![0.0; all.len() + factor.len() - 1];
             for (i, a) in all.iter().enumerate() {
                 for (j, b) in factor.iter().enumerate() {

@@ -235,6 +235,10 @@ impl Turning {
                     if m0.min(m1) >= whole || (m1 - m0).abs() >= 0.75 {
                         continue;
                     }
+                    // The grid resolves the curve: no dip to less than half lies between two points.
+                    if least.is_some_and(|(least, _)| before.width.min(after.width) > 2.0 * least) {
+                        continue;
+                    }
                     let f = |w: f64| Ok(curve.at(w)[branch].map_or(f64::NAN, |neutral| misfit(neutral, w) - whole));
                     let w = root(f, (last.0, m0 - whole), (w, m1 - whole), 1e-15)?;
                     if let Some(found) = curve.at(w)[branch].filter(|n| least.is_none_or(|(b, _)| n.width < b)) {

@@ -159,7 +159,8 @@ impl MillingStructure {
         Ok((cut, rounded(at.spindle_speed, SPEED_STEP).1, if helical { 1.0 } else { judged / tangential }))
     }
 
-    /// Boundary in depths of the judged cut. What cannot be judged counts as unstable.
+    /// Boundary in depths of the judged cut. A cut that the model refuses, as one without a tooth in
+    /// cut, counts as unstable; every other one is judged, if need be by dense eigenvalues.
     fn boundary(&self, at: &Tooth, key: &Key) -> Boundary {
         let judge = || -> Result<Boundary, ChatterError> {
             let (cut, speed, _) = self.judged(at, key)?;
