@@ -180,7 +180,7 @@ impl<U: Unit> Configured<U> {
         if values.len() != configured.values.len() {
             return Err(Fault::Corrupt { reason: "another number of parameters" }.into());
         }
-        let start = &Self::shipped().values;
+        let start = &configured.values;
         configured.chosen = values.iter().copied().enumerate().filter(|(i, value)| start[*i] != *value).collect();
         configured.values = values;
         configured.settle()?;

@@ -84,7 +84,7 @@ impl<U: Unit> Instance<U> {
     }
 
     pub(super) fn keep_bytes(&mut self, bytes: &[u8]) -> Outcome<usize> {
-        let core = super::serial::read(bytes, self.resources.as_deref())?;
+        let core = super::serial::read(bytes, self.resources.as_deref(), &self.core.model)?;
         self.keep(core, 0)
     }
 }

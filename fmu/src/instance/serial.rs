@@ -88,8 +88,9 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// The state of bytes.
-pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>) -> Outcome<Core<U>> {
+/// The state of bytes. `present` is used where it has the same parameters: making them anew means
+/// reading their file.
+pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>, present: &Arc<Configured<U>>) -> Outcome<Core<U>> {
     let corrupt = |reason| Box::new(Fault::Corrupt { reason });
     let mut head = Bytes(bytes);
     if head.take(4)? != MAGIC {
@@ -107,7 +108,7 @@ pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>) -> Outcome<C
     if head.word()? != crc32fast::hash(&bytes[..checked]) {
         return Err(corrupt("its checksum is wrong"));
     }
-    let mode = Mode::from_code(body.array::<1>()?[0]).ok_or(corrupt("it has an unknown mode"))?;
+    let mode = Mode::from_code(body.array::<1>()?[0]).ok_or_else(|| corrupt("it has an unknown mode"))?;
     let (renewals, acted, events) = (body.flags()?, body.flags()?, body.flags()?);
     let lost = body.array::<1>()?[0] != 0;
     let mut counts = [0; MOST];
@@ -121,8 +122,10 @@ pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>) -> Outcome<C
     let values = body.numbers(count)?;
     let count = body.word()? as usize;
     let set = std::str::from_utf8(body.take(count)?).map_err(|_| corrupt("it names a set that is no text"))?;
+    let same = present.set == set && present.values == values;
+    let model = if same { Arc::clone(present) } else { Arc::new(Configured::restored(set, values, resources)?) };
     Ok(Core {
-        model: Arc::new(Configured::restored(set, values, resources)?),
+        model,
         mode,
         time,
         state,
