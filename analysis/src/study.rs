@@ -104,6 +104,20 @@ pub struct EdgeLife {
     pub reason: ChangeReason,
 }
 
+/// An edge's life in files: time in cut (s) and name of the reason.
+type NamedLife = (f64, String);
+
+impl EdgeLife {
+    fn named(&self) -> NamedLife {
+        (self.cutting_time, self.reason.name().to_owned())
+    }
+
+    fn of_named((cutting_time, name): &NamedLife) -> Option<Self> {
+        let reason = ChangeReason::ALL.into_iter().find(|reason| reason.name() == name)?;
+        Some(Self { cutting_time: *cutting_time, reason })
+    }
+}
+
 /// Key figures of every policy in every replication.
 #[derive(Clone, Debug)]
 pub struct Study {

@@ -1,13 +1,12 @@
 //! The finished part of a study, kept to the last bit: what a stopped study goes on from, and what
 //! its report is drawn from again.
 
-use super::{EdgeLife, Run, Study, StudyError};
+use super::{EdgeLife, NamedLife, Run, Study, StudyError};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use toolroom_sim::Scenario;
-use toolroom_sim::runlog::ChangeReason;
 
 /// Figures and edges of every finished replication.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +19,7 @@ pub struct Finished {
     digest: u64,
     /// By policy and replication; null where it is not defined.
     values: Vec<Vec<Vec<Option<f64>>>>,
-    edge_lives: Vec<Vec<(f64, String)>>,
+    edge_lives: Vec<Vec<NamedLife>>,
     /// Where it was read, with the log tables of the same replications.
     #[serde(skip)]
     pub directory: PathBuf,
@@ -55,14 +54,13 @@ impl Finished {
     /// What a study has finished.
     pub(crate) fn of(study: &Study) -> Self {
         let defined = |values: &Vec<f64>| values.iter().map(|value| value.is_finite().then_some(*value)).collect();
-        let named = |life: &EdgeLife| (life.cutting_time, life.reason.name().to_owned());
         Self {
             schema: 1,
             replications: study.replications,
             complete: study.complete,
             digest: study.digest,
             values: study.values.iter().map(|policy| policy.iter().map(defined).collect()).collect(),
-            edge_lives: study.edge_lives.iter().map(|lives| lives.iter().map(named).collect()).collect(),
+            edge_lives: study.edge_lives.iter().map(|lives| lives.iter().map(EdgeLife::named).collect()).collect(),
             directory: PathBuf::new(),
         }
     }
@@ -104,11 +102,7 @@ impl Finished {
     }
 
     fn lives(&self, position: usize) -> Option<Vec<EdgeLife>> {
-        let reason = |name: &str| ChangeReason::ALL.into_iter().find(|reason| reason.name() == name);
-        let life = |(cutting_time, name): &(f64, String)| {
-            Some(EdgeLife { cutting_time: *cutting_time, reason: reason(name)? })
-        };
-        self.edge_lives.get(position)?.iter().map(life).collect()
+        self.edge_lives.get(position)?.iter().map(EdgeLife::of_named).collect()
     }
 }
 

@@ -1,16 +1,15 @@
 //! Runs made elsewhere, for studies in shards.
 
-use super::{EdgeLife, Run, StudyError, lives, resolve, stopped};
+use super::{EdgeLife, NamedLife, Run, StudyError, lives, resolve, stopped};
 use crate::kpi;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use toolroom_sim::runlog::ChangeReason;
 use toolroom_sim::{RunLog, Scenario, Shop};
 
 /// One run without its log.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StoredRun {
     /// Policy by index into the scenario.
     pub policy: usize,
@@ -20,8 +19,8 @@ pub struct StoredRun {
     pub digest: u64,
     /// Key figures as bits: what is not defined is no JSON number.
     values: Vec<u64>,
-    /// Edges of the lathes: time in cut as bits, name of the reason.
-    lives: Vec<(u64, String)>,
+    /// Edges of the lathes.
+    lives: Vec<NamedLife>,
 }
 
 /// Runs by replication and policy.
@@ -39,13 +38,12 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
         let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default());
         let log = shop.and_then(Shop::run).map_err(|source| stopped(scenario, policy, replication, source))?;
-        let lived = |life: EdgeLife| (life.cutting_time.to_bits(), life.reason.name().to_owned());
         Ok(StoredRun {
             policy,
             replication,
             digest: log.digest,
             values: kpi::evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
-            lives: lives(&log, &lathes).into_iter().map(lived).collect(),
+            lives: lives(&log, &lathes).iter().map(EdgeLife::named).collect(),
         })
     });
     runs.collect::<Vec<_>>().into_iter().collect()
@@ -54,27 +52,14 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
 impl StoredRun {
     /// The run as if it had been made here.
     pub(super) fn run(&self) -> Run {
-        let life = |(bits, reason): &(u64, String)| {
-            let reason = REASONS.into_iter().find(|known| known.name() == reason)?;
-            Some(EdgeLife { cutting_time: f64::from_bits(*bits), reason })
-        };
         Run {
             values: self.values.iter().map(|bits| f64::from_bits(*bits)).collect(),
             digest: self.digest,
-            lives: self.lives.iter().filter_map(life).collect(),
+            lives: self.lives.iter().filter_map(EdgeLife::of_named).collect(),
             log: None,
         }
     }
 }
-
-/// Reasons for which an edge leaves a machine.
-const REASONS: [ChangeReason; 5] = [
-    ChangeReason::Rule,
-    ChangeReason::WearLimit,
-    ChangeReason::Chipping,
-    ChangeReason::ThermalCollapse,
-    ChangeReason::Dressing,
-];
 
 #[cfg(test)]
 mod tests {

@@ -106,6 +106,20 @@ impl<N: Number> Temperature<N> {
             ..*heating
         }
     }
+
+    /// The same cut after a small relative `change` of speed: five terms of the binomial series, whose
+    /// remainder is below 1e-9 at 3 %.
+    #[inline]
+    pub(crate) fn near_speed(&self, heating: &Heating<N>, change: N) -> Heating<N> {
+        let series = [4.0, 3.0, 2.0, 1.0, 0.0].into_iter().fold(N::from(1.0), |sum, term| {
+            change * ((self.speed_exponent - term) * (term + 1.0f64).recip()) * sum + 1.0
+        });
+        Heating {
+            chip: heating.chip * series,
+            flank_per_root: heating.flank_per_root * root(change + 1.0),
+            ..*heating
+        }
+    }
 }
 
 impl<N: Number> Heating<N> {

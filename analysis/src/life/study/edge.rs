@@ -64,16 +64,19 @@ impl Edge {
         let z = |i: usize| normal::quantile(point[i]);
         let (mut common, mut resistance, mut weight) = (z(0), -(-point[8]).ln_1p(), 1.0);
         let Tilt { wear_shift, chipping_rate } = study.tilt;
-        if study.tilt != Tilt::default() {
-            // Every second edge on average is drawn with the tilt, and all of them weigh by the
-            // mixture of both: no weight is above 2 (T. Hesterberg, Technometrics 37 (1995) 185).
-            if stream.random::<f64>() < 0.5 {
+        let [worn, weak] = study.tilt.shares();
+        if worn + weak > 0.0 {
+            // Some edges are drawn with more wear, some with less resistance, and all of them weigh by
+            // the mixture: no weight is above 2 (T. Hesterberg, Technometrics 37 (1995) 185).
+            let u: f64 = stream.random();
+            if u < worn {
                 common += wear_shift;
+            } else if u < worn + weak {
                 resistance /= chipping_rate;
             }
             let shifted = (wear_shift * common - 0.5 * wear_shift * wear_shift).exp();
             let weaker = chipping_rate * ((1.0 - chipping_rate) * resistance).exp();
-            weight = 2.0 / (1.0 + shifted * weaker);
+            weight = 1.0 / (1.0 - worn - weak + worn * shifted + weak * weaker);
         }
         let clip = |hardness: f64| hardness.clamp(1.0 - scatter.hardness_clip, 1.0 + scatter.hardness_clip);
         let batch_hardness = clip(1.0 + scatter.batch_hardness * z(3));
@@ -148,8 +151,10 @@ pub fn level_share(level: usize) -> f64 {
     SHARES[level]
 }
 
+/// The wear limit over the land that counts as run-in.
+const STRETCH: f64 = 30.0;
+
 static SHARES: LazyLock<[f64; LEVELS]> = LazyLock::new(|| {
-    const STRETCH: f64 = 30.0;
     std::array::from_fn(|level| ((1.0 + STRETCH).powf((level + 1) as f64 / LEVELS as f64) - 1.0) / STRETCH)
 });
 

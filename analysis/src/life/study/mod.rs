@@ -119,8 +119,8 @@ pub struct Passes {
     pub pause: f64,
 }
 
-/// Importance sampling of early failures: half of the edges are drawn so that they fail early, and
-/// weigh less.
+/// Importance sampling of early failures: half of the edges are drawn so that they fail early, by
+/// wear or by chipping, and weigh less.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tilt {
     /// Shift of the common wear factor, in its standard deviations.
@@ -132,6 +132,19 @@ pub struct Tilt {
 impl Default for Tilt {
     fn default() -> Self {
         Self { wear_shift: 0.0, chipping_rate: 1.0 }
+    }
+}
+
+impl Tilt {
+    /// Shares of the edges with shifted wear and of those with less resistance: half of all edges
+    /// together, for an edge hardly ever fails early for both reasons.
+    fn shares(&self) -> [f64; 2] {
+        match (self.wear_shift != 0.0, self.chipping_rate != 1.0) {
+            (true, true) => [0.25, 0.25],
+            (true, false) => [0.5, 0.0],
+            (false, true) => [0.0, 0.5],
+            (false, false) => [0.0, 0.0],
+        }
     }
 }
 

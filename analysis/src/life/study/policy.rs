@@ -193,14 +193,17 @@ impl Policy {
         // v² changes by 2·a·l over a path.
         let reach = 2.0 * LARGEST_ACCELERATION * limits.reference_speed * length;
         let (slowest, fastest) = ((start * start - reach).max(0.0).sqrt(), (start * start + reach).sqrt());
-        let contact = self.pair.contact_of(self.contact);
-        let intensity = |wear: f64, speed: f64| factor * contact.at_speed(speed).steady_wear(wear).intensity(speed);
-        let most = limits.wear_limit;
-        let mut growth = (intensity(wear, start) * length).min(most);
-        let mut end = start;
-        for _ in 0..SWEEPS {
-            end = law.speed_at(wear + growth).max(slowest).min(fastest);
-            growth = (intensity(wear + 0.5 * growth, 0.5 * (start + end)) * length).min(most);
+        let contact = self.pair.contact_of(self.contact).at_speed(start);
+        let growth = |wear: f64, speed: f64| {
+            let intensity = contact.near_speed(speed).steady_wear(wear).intensity(speed);
+            (factor * intensity * length).min(limits.wear_limit)
+        };
+        let end_after = |growth: f64| law.speed_at(wear + growth).max(slowest).min(fastest);
+        let mut grown = growth(wear, start);
+        let mut end = end_after(grown);
+        for _ in 1..SWEEPS {
+            grown = growth(wear + 0.5 * grown, 0.5 * (start + end));
+            end = end_after(grown);
         }
         Ramp { start, end: limits.clip(end) }
     }

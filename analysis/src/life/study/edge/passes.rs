@@ -159,7 +159,7 @@ impl<'a> Machining<'a> {
         let duration = 2.0 * path / (ramp.start + ramp.end);
         let acceleration = (ramp.end - ramp.start) / duration;
         let sampling = self.policy.sampling(duration);
-        let load = self.pair.force.load(contact.cut());
+        let load = self.policy.sensors().map(|_| self.pair.force.load(contact.cut()));
         let (mut at, mut sampled, mut next_sample) = (0.0, 0.0, sampling);
         let mut first = *contact;
         while at < duration * (1.0 - 1e-12) {
@@ -172,11 +172,11 @@ impl<'a> Machining<'a> {
             // No sliver is left for one more step.
             let mut dt = if self.next_step > most - 1e-9 * duration { most } else { self.next_step };
             let start = self.slope(&first, (self.wear + self.offset).powi(2), self.body);
-            let mut step = self.step(&first, contact, start, (speed, acceleration), dt);
+            let mut step = self.step(&first, start, (speed, acceleration), dt);
             while step.bend > self.largest_bend && dt > SHORTEST_STEP * duration {
                 dt *= (0.8 * (self.largest_bend / step.bend).sqrt()).max(0.1);
                 self.next_step = dt;
-                step = self.step(&first, contact, start, (speed, acceleration), dt);
+                step = self.step(&first, start, (speed, acceleration), dt);
             }
             let next = dt * (0.8 * (self.largest_bend / step.bend).sqrt()).min(3.0);
             // A step that was cut short says nothing against a longer one.
@@ -187,10 +187,10 @@ impl<'a> Machining<'a> {
                 return Some(outcome);
             }
             // What the sensors show on the way changes nothing before the next pass.
-            while next_sample <= (at + dt) * (1.0 + 1e-12) && sampled < duration {
+            while let Some(load) = load.filter(|_| next_sample <= (at + dt) * (1.0 + 1e-12) && sampled < duration) {
                 let share = ((next_sample - at) / dt).min(1.0);
                 let speed = ramp.start + acceleration * next_sample;
-                let seen = if share == 1.0 { step.last } else { contact.at_speed(speed) };
+                let seen = if share == 1.0 { step.last } else { first.near_speed(speed) };
                 let land = self.land(step.square.at(share));
                 let body = if self.study.lagged { step.body.at(share) } else { seen.rise(land) };
                 let load = self.pair.force.at_speed(&load, speed);
@@ -214,7 +214,6 @@ impl<'a> Machining<'a> {
     fn step(
         &self,
         first: &Contact<'a>,
-        contact: &Contact<'a>,
         (a, a_body): (f64, f64),
         (speed, acceleration): (f64, f64),
         dt: f64,
@@ -222,7 +221,7 @@ impl<'a> Machining<'a> {
         let (middle, last) = if acceleration == 0.0 {
             (*first, *first)
         } else {
-            (contact.at_speed(speed + 0.5 * acceleration * dt), contact.at_speed(speed + acceleration * dt))
+            (first.near_speed(speed + 0.5 * acceleration * dt), first.near_speed(speed + acceleration * dt))
         };
         let square = (self.wear + self.offset).powi(2);
         let (b, b_body) = self.slope(&middle, square + 0.5 * dt * a, self.body + 0.5 * dt * a_body);
@@ -245,6 +244,7 @@ impl<'a> Machining<'a> {
     }
 
     /// Rates of the square of the land and of the body's temperature.
+    #[inline]
     fn slope(&self, contact: &Contact<'_>, square: f64, body: f64) -> (f64, f64) {
         let land = square.sqrt();
         let wear = land - self.offset;

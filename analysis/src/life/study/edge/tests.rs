@@ -69,6 +69,7 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
         ("schedule", study(shop, Rule::Schedule, Reading::Pass, false)),
         ("price of a metre", study(shop, Rule::Price(1.3), Reading::Period, false)),
         ("oracle", study(shop, Rule::Oracle, Reading::Pass, false)),
+        ("readings every 6 s, lagged body", study(shop, Rule::MinimumWear, Reading::Period, true)),
     ] {
         let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
         let chipped = exact.iter().filter(|row| row.end == End::Chipping).count();
