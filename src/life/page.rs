@@ -12,7 +12,7 @@ use toolroom_analysis::life::page::{self, Words};
 use toolroom_analysis::life::regression::{Regression, regress};
 use toolroom_analysis::life::replacement::{Costs, Cycles};
 use toolroom_analysis::life::sample::{Observation, Sample};
-use toolroom_analysis::life::study::edge::{LEVELS, level_share, stream_of};
+use toolroom_analysis::life::study::edge::{Draws, LEVELS, level_share};
 use toolroom_analysis::life::study::run::{Tally, lives};
 use toolroom_analysis::life::study::sensitivity::{SobolIndex, morris, sobol};
 use toolroom_analysis::life::study::shard::{Merged, sample};
@@ -215,7 +215,7 @@ fn sensitivity(study: &Study, samples: u64, paths: u64) -> Sensitivity {
     // Inputs are varied one by one: correlation and tilt would mix them.
     let study = Study { copula: None, tilt: toolroom_analysis::life::study::Tilt::default(), ..study.clone() };
     let cell = &study.cells[0];
-    let life = |point: &[f64], row: u64| study.live(cell, point, &mut stream_of(study.seed, row)).life / 60.0;
+    let life = |point: &[f64], row: u64| study.live(cell, point, &mut Draws::of(study.seed, row)).life / 60.0;
     let dimensions = study.dimensions();
     let quiet = Study { scatter: toolroom_wear::Scatter { life_noise: 0.0, ..study.scatter }, ..study.clone() };
     let at = |j: Option<(usize, f64)>| {
@@ -223,7 +223,7 @@ fn sensitivity(study: &Study, samples: u64, paths: u64) -> Sensitivity {
         if let Some((j, u)) = j {
             point[j] = u;
         }
-        quiet.live(cell, &point, &mut stream_of(study.seed, 0)).life / 60.0
+        quiet.live(cell, &point, &mut Draws::of(study.seed, 0)).life / 60.0
     };
     Sensitivity {
         indices: sobol(life, dimensions, samples, 0.9, study.seed),

@@ -114,11 +114,7 @@ impl<N: Number> Temperature<N> {
         let series = [4.0, 3.0, 2.0, 1.0, 0.0].into_iter().fold(N::from(1.0), |sum, term| {
             change * ((self.speed_exponent - term) * (term + 1.0f64).recip()) * sum + 1.0
         });
-        Heating {
-            chip: heating.chip * series,
-            flank_per_root: heating.flank_per_root * root(change + 1.0),
-            ..*heating
-        }
+        Heating { chip: heating.chip * series, flank_per_root: heating.flank_per_root * root(change + 1.0), ..*heating }
     }
 }
 

@@ -109,14 +109,29 @@ impl Edge {
     }
 }
 
-/// Random numbers of the life of edge `index`, apart from those of its point.
-pub fn stream_of(seed: u64, index: u64) -> Stream {
-    Streams::new(seed, 1).at(Entity::named("life"), Purpose::Workpiece, index)
+/// Random numbers of the life of one edge, apart from those of its point: a stream a purpose, so that
+/// no draw depends on when the others are due. Wear, pieces and sensors vary alike under every policy.
+#[derive(Clone, Debug)]
+pub struct Draws {
+    /// Noise on the rate of wear, and whether the edge is tilted.
+    pub(super) wear: Stream,
+    /// Hardness and allowance of the pieces.
+    pub(super) pieces: Stream,
+    /// Noise of the sensors.
+    pub(super) sensors: Stream,
+}
+
+impl Draws {
+    /// Those of edge `index`.
+    pub fn of(seed: u64, index: u64) -> Self {
+        let open = |purpose| Streams::new(seed, 1).at(Entity::named("life"), purpose, index);
+        Self { wear: open(Purpose::Tool), pieces: open(Purpose::Workpiece), sensors: open(Purpose::Measurement) }
+    }
 }
 
 /// Lives an edge under a policy; every life is within 1e-4 of the exact one for its noise (tested).
-pub fn live(study: &Study, pair: &Pair, cut: &Cut, policy: &Policy, point: &[f64], stream: &mut Stream) -> Outcome {
-    live_in_parts(study, pair, cut, policy, point, stream, 1)
+pub fn live(study: &Study, pair: &Pair, cut: &Cut, policy: &Policy, point: &[f64], draws: &mut Draws) -> Outcome {
+    live_in_parts(study, pair, cut, policy, point, draws, 1)
 }
 
 /// The same with every step and every panel of quadrature cut into `parts`.
@@ -126,13 +141,13 @@ fn live_in_parts(
     cut: &Cut,
     policy: &Policy,
     point: &[f64],
-    stream: &mut Stream,
+    draws: &mut Draws,
     parts: u32,
 ) -> Outcome {
-    let edge = Edge::of(study, cut, point, stream);
+    let edge = Edge::of(study, cut, point, &mut draws.wear);
     match policy.constant() {
-        Some(speed) if study.steady() => steady::life(study, pair, &edge, speed, stream, parts),
-        _ => Machining::new(study, pair, &edge, policy, stream, parts).run(),
+        Some(speed) if study.steady() => steady::life(study, pair, &edge, speed, &mut draws.wear, parts),
+        _ => Machining::new(study, pair, &edge, policy, draws, parts).run(),
     }
 }
 

@@ -249,9 +249,9 @@ impl Study {
     }
 
     /// Lives edge `index` in a cell at a point.
-    pub fn live(&self, cell: &Cell, point: &[f64], stream: &mut toolroom_sim::Stream) -> edge::Outcome {
+    pub fn live(&self, cell: &Cell, point: &[f64], draws: &mut edge::Draws) -> edge::Outcome {
         if self.fields.is_empty() {
-            return edge::live(self, &self.pair, &cell.cut, &cell.speed, point, stream);
+            return edge::live(self, &self.pair, &cell.cut, &cell.speed, point, draws);
         }
         let (mut pair, mut cut) = (self.pair.clone(), cell.cut);
         for (field, u) in self.fields.iter().zip(&point[edge::COORDINATES.len()..]) {
@@ -268,7 +268,7 @@ impl Study {
                 }
             }
         }
-        edge::live(self, &pair, &cut, &cell.speed, point, stream)
+        edge::live(self, &pair, &cut, &cell.speed, point, draws)
     }
 }
 

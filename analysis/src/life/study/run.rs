@@ -1,6 +1,6 @@
 //! Lives by the block, in parallel.
 
-use super::edge::{LEVELS, Outcome, stream_of};
+use super::edge::{Draws, LEVELS, Outcome};
 use super::points::Points;
 use super::tally::{Digest, Sketch, Sums};
 use super::{Cell, End, Study};
@@ -149,7 +149,7 @@ fn block(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tally, 
         if let Some(copula) = &study.copula {
             copula.apply(&mut point);
         }
-        let outcome = study.live(cell, &point, &mut stream_of(study.seed, index));
+        let outcome = study.live(cell, &point, &mut Draws::of(study.seed, index));
         tally.push(index, &outcome, study.early);
         if keep {
             outcomes.push(outcome);

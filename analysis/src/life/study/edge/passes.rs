@@ -3,11 +3,10 @@
 use super::chips::{Chips, share_at};
 use super::cubic::Cubic;
 use super::noise::Noise;
-use super::{Edge, LEVELS, Outcome, collapse, level_share};
+use super::{Draws, Edge, LEVELS, Outcome, collapse, level_share};
 use crate::life::study::policy::{Pilot, Policy, Ramp};
 use crate::life::study::{End, Study};
 use rand_distr::{Distribution, StandardNormal};
-use toolroom_sim::Stream;
 use toolroom_wear::{Contact, Measurement, Pair};
 
 /// The first step of the state equations, s.
@@ -34,7 +33,7 @@ pub(super) struct Machining<'a> {
     pair: &'a Pair,
     edge: &'a Edge,
     policy: &'a Policy,
-    stream: &'a mut Stream,
+    draws: &'a mut Draws,
     wear: f64,
     body: f64,
     time: f64,
@@ -90,11 +89,11 @@ impl<'a> Machining<'a> {
         pair: &'a Pair,
         edge: &'a Edge,
         policy: &'a Policy,
-        stream: &'a mut Stream,
+        draws: &'a mut Draws,
         parts: u32,
     ) -> Self {
         let limit = study.wear_at_end(pair);
-        let noise = Noise::new(&study.scatter, stream);
+        let noise = Noise::new(&study.scatter, &mut draws.wear);
         let longest_step = if study.lagged { LONGEST_LAGGED_STEP } else { LONGEST_STEP };
         let mut machining = Self {
             wear: edge.initial_wear.min(0.999 * limit),
@@ -117,7 +116,7 @@ impl<'a> Machining<'a> {
             pair,
             edge,
             policy,
-            stream,
+            draws,
         };
         while machining.level_ahead() <= machining.wear {
             machining.passages[machining.level] = 0.0;
@@ -130,7 +129,7 @@ impl<'a> Machining<'a> {
         let mut pilot = self.policy.pilot();
         let (passes, scatter) = (self.study.passes, self.study.scatter);
         for _ in 0..MOST_PASSES {
-            let cut = self.edge.cut_of_pass(&scatter, self.study.varies(), self.stream);
+            let cut = self.edge.cut_of_pass(&scatter, self.study.varies(), &mut self.draws.pieces);
             let ramp = pilot.plan(self.policy, self.wear, self.path, passes.path);
             let contact = self.pair.contact(&cut.at_speed(ramp.start));
             if let Some(outcome) = self.pass(&contact, &ramp, passes.path, &mut pilot) {
@@ -164,7 +163,7 @@ impl<'a> Machining<'a> {
         let mut first = *contact;
         while at < duration * (1.0 - 1e-12) {
             if self.held <= 1e-9 * self.noise.held {
-                self.noise.next(self.stream);
+                self.noise.next(&mut self.draws.wear);
                 self.held = self.noise.held;
             }
             let most = (duration - at).min(self.held);
@@ -344,7 +343,7 @@ impl<'a> Machining<'a> {
     fn measure(&mut self, truth: &Measurement, pilot: &mut Pilot, dt: f64, [mean_speed, speed]: [f64; 2]) {
         let Some(sensors) = self.policy.sensors() else { return };
         let mut shown = |value: f64, bias: f64, deviation: f64| {
-            let z: f64 = StandardNormal.sample(self.stream);
+            let z: f64 = StandardNormal.sample(&mut self.draws.sensors);
             value * (1.0 + bias) * (1.0 + deviation * z)
         };
         let measured = Measurement {

@@ -37,8 +37,8 @@ fn lives(study: &Study, edges: u64, parts: u32) -> Vec<Outcome> {
     (0..edges)
         .map(|index| {
             points.at(index, &mut point);
-            let stream = &mut stream_of(study.seed, index);
-            live_in_parts(study, &study.pair, &cell.cut, &cell.speed, &point, stream, parts)
+            let draws = &mut Draws::of(study.seed, index);
+            live_in_parts(study, &study.pair, &cell.cut, &cell.speed, &point, draws, parts)
         })
         .collect()
 }
