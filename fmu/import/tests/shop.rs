@@ -21,22 +21,25 @@ fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefu
         .map_err(|error| refusal(&error))
 }
 
-/// The exported turning unit, packaged once for all tests.
-fn turning() -> &'static Path {
-    static UNIT: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
-    let (_, path) = UNIT.get_or_init(|| {
+/// The exported turning unit of either version, packaged once for all tests.
+fn turning(version: Version) -> PathBuf {
+    static FOLDER: OnceLock<TempDir> = OnceLock::new();
+    let path = |folder: &TempDir, version: Version| folder.path().join(format!("turning{}.fmu", version.number()));
+    let folder = FOLDER.get_or_init(|| {
         let folder = TempDir::new().expect("a folder");
         let platform = Platform::host().expect("tests run on a known platform");
         // Cargo puts the shared library of a dependency beside the test.
         let library = std::env::current_exe().expect("a program").with_file_name(platform.library_name());
         let library = std::fs::read(&library).unwrap_or_else(|error| panic!("{}: {error}", library.display()));
         let unit = units().find(|unit| unit.name == "turning").expect("a unit");
-        let bytes = package(unit, Version::Three, &[Binary { platform, library }]).expect("a package");
-        let path = folder.path().join("turning.fmu");
-        std::fs::write(&path, bytes).expect("writable");
-        (folder, path)
+        for version in [Version::Two, Version::Three] {
+            let binary = Binary { platform, library: library.clone() };
+            let bytes = package(unit, version, &[binary]).expect("a package");
+            std::fs::write(path(&folder, version), bytes).expect("writable");
+        }
+        folder
     });
-    path
+    path(folder, version)
 }
 
 fn scenario(name: &str, overrides: &[String]) -> Scenario {
@@ -111,7 +114,7 @@ fn the_exported_turning_unit_gives_the_native_shop() {
 
 #[test]
 fn replications_side_by_side_are_the_same_as_one_by_one() {
-    let imported = scenario("fmu-lathe", &with_unit(turning(), &["shop.horizon=4 h"]));
+    let imported = scenario("fmu-lathe", &with_unit(&turning(Version::Three), &["shop.horizon=4 h"]));
     let alone: Vec<String> = (0..4).map(|i| format!("{:?}", shop::run(&imported, 0, i).unwrap().passes)).collect();
     std::thread::scope(|scope| {
         let imported = &imported;
@@ -200,6 +203,6 @@ fn a_scenario_names_what_is_wrong_with_its_unit() {
 fn scenario_error(change: &str) -> String {
     set_importer(import);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/fmu-lathe.toml");
-    let overrides = with_unit(turning(), &[change]);
+    let overrides = with_unit(&turning(Version::Three), &[change]);
     file::read(&path, &overrides).expect_err("refused").to_string()
 }
