@@ -82,8 +82,9 @@ impl Milling {
     /// # Errors
     /// As [`Milling::verdict`].
     pub fn lobes(&self, speed: &[f64], depth: &[f64]) -> Result<Lobes, ChatterError> {
+        let greatest = depth.iter().copied().fold(0.0, f64::max);
         Lobes::fill(speed, depth, |speed| {
-            let mut at_speed = self.at_speed(speed)?;
+            let mut at_speed = self.at_speed(speed)?.up_to(greatest);
             Ok(move |depth| at_speed.screen(depth))
         })
     }
@@ -145,7 +146,7 @@ fn trace<'a>(
     let speeds = speed.values("speed")?;
     crate::error::positive("greatest depth", greatest)?;
     let column = |i: &usize| -> Result<(usize, BoundaryColumn), ChatterError> {
-        let crossings = at(speeds[*i])?.crossings(greatest, steps)?;
+        let crossings = at(speeds[*i])?.up_to(greatest).crossings(greatest, steps)?;
         Ok((*i, BoundaryColumn { speed: speeds[*i], crossings }))
     };
     let mut columns = std::collections::BTreeMap::new();

@@ -51,6 +51,8 @@ pub struct AtSpeed<'a> {
     /// The characteristic function where there is one, with the greatest depth that it resolves: for
     /// verdicts and on the boundary.
     characteristic: [Option<(Characteristic, f64)>; 2],
+    /// Depth to which it is worked out at once (m).
+    expected: f64,
     /// By effort.
     prepared: [Option<Prepared>; 3],
     storage: MapStorage,
@@ -158,10 +160,17 @@ impl<'a> AtSpeed<'a> {
             // Refuses an engagement without teeth now.
             geometry: Geometry::new(cut, 0.0, varying)?,
             characteristic: [None, None],
+            expected: 0.0,
             prepared: [None, None, None],
             storage: MapStorage::default(),
             krylov: Krylov::default(),
         })
+    }
+
+    /// For many depths up to `greatest` (m): what they share is worked out once.
+    pub(crate) fn up_to(mut self, greatest: f64) -> Self {
+        self.expected = greatest;
+        self
     }
 
     /// Who cuts where at `depth`.
@@ -250,7 +259,7 @@ impl<'a> AtSpeed<'a> {
         let fits = |(_, greatest): &(_, f64)| cut.cutter.helix_angle == 0.0 && depth <= *greatest;
         if !self.characteristic[level].as_ref().is_some_and(fits) {
             let geometry = self.geometry(depth)?;
-            let (stiffening, greatest) = self.stiffening(depth);
+            let (stiffening, greatest) = self.stiffening(depth.max(self.expected));
             let gain = |matrix| modal.input[0] * modal.output[0] * self.frame.project(matrix)[0];
             let function = Characteristic::new(cut, &geometry, &modal, gain, speed, stiffening, extra);
             self.characteristic[level] = Some((function, greatest));
