@@ -329,8 +329,18 @@ pub struct GapData {
 
 #[derive(Args, Debug)]
 pub struct DiagnoseArgs {
-    #[command(flatten)]
-    pub data: GapData,
+    /// Nominal model: a scenario with a section [gap]; repeatable, one for each table of the data
+    #[arg(long = "model", value_name = "MODEL.toml", required = true)]
+    pub models: Vec<PathBuf>,
+    /// Records: a CSV or Parquet file, or a directory that holds it
+    #[arg(long, value_name = "DATA")]
+    pub data: PathBuf,
+    /// Column whose levels are left out together, where a table has it; edges or dressing cycles, if left out
+    #[arg(long, value_name = "COLUMN")]
+    pub group: Option<String>,
+    /// Replace a value of every model: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// Share of the groups that is kept out of the fit and only predicted
     #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
     pub holdout: Option<f64>,
@@ -365,16 +375,16 @@ pub struct IdentifiabilityArgs {
 
 #[derive(Args, Debug)]
 pub struct ApplyArgs {
-    /// Nominal model
-    #[arg(long, value_name = "MODEL.toml")]
-    pub model: PathBuf,
+    /// Nominal model; repeatable, as in the diagnosis
+    #[arg(long = "model", value_name = "MODEL.toml", required = true)]
+    pub models: Vec<PathBuf>,
     /// A finished diagnosis
     #[arg(long, value_name = "diagnosis.json")]
     pub diagnosis: PathBuf,
     /// Recorded events: run the shop with and without the effects and hold both against them
     #[arg(long, value_name = "DATA")]
     pub data: Option<PathBuf>,
-    /// File to write
+    /// File to write; of several models a directory, in which each keeps its name
     #[arg(long, value_name = "MODEL2.toml")]
     pub out: PathBuf,
 }

@@ -5,6 +5,7 @@ mod blind;
 mod diagnose;
 mod identifiability;
 mod plan;
+mod tables;
 
 use crate::args::{GapCommand, GapData};
 use crate::failure::Failure;

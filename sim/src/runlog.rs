@@ -245,7 +245,7 @@ pub struct EventRow {
     pub time: f64,
     /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
     /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`, `chatter_onset`.
+    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`.
     pub event: &'static str,
     /// Machine.
     pub machine: Option<u32>,

@@ -8,7 +8,7 @@ pub struct ProgramArgs {
     /// Part program (G-code) of a milling machine
     pub file: PathBuf,
     /// Replace a value of drives and changer, repeatable: rapid_speed, tool_change_time,
-    /// inverse_acceleration, corner_deviation, hole_dwell
+    /// inverse_acceleration, corner_deviation, jerk_time, hole_dwell
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Table of every block (CSV)

@@ -11,30 +11,111 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_analysis::gap::NominalProcess;
+use std::path::{Path, PathBuf};
+use toolroom_analysis::gap::{NominalModel, NominalProcess};
 use toolroom_effects::Effect;
 use toolroom_sim::scenario::Deviation;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
-    let read = |path: &std::path::Path| {
-        std::fs::read_to_string(path)
-            .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))
-    };
-    let text = read(&args.model)?;
     let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?).map_err(|error| {
         Failure::argument(format!("{}: {error}", args.diagnosis.display()), "give a diagnosis.json")
     })?;
-    let named = diagnosis["effects"].as_array().cloned().unwrap_or_default();
-    if named.is_empty() {
+    if diagnosis["effects"].as_array().is_none_or(Vec::is_empty) {
         return Err(Failure::argument("the diagnosis names no effect", "there is nothing to switch on"));
     }
-    if let NominalProcess::Program(model) = nominal_of(&args.model, &[])?.process {
-        let text = program::applied(&text, &model, &named)?;
-        put(args, &text)?;
-        return wrote(args, "toolroom gap diagnose --model", voice);
+    match &args.models[..] {
+        [model] => one(args, model, &args.out, &diagnosis, voice),
+        models => several(args, models, &diagnosis, voice),
     }
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path)
+        .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))
+}
+
+/// Effects of a diagnosis that belong to a process; those of a diagnosis of one process all do.
+fn named(diagnosis: &Value, process: &str) -> Vec<Value> {
+    let own = |effect: &&Value| effect["process"].as_str().is_none_or(|own| own == process);
+    diagnosis["effects"].as_array().into_iter().flatten().filter(own).cloned().collect()
+}
+
+/// One model into one file.
+fn one(args: &ApplyArgs, model: &Path, out: &Path, diagnosis: &Value, voice: &Voice) -> Result<(), Failure> {
+    let nominal = nominal_of(model, &[])?;
+    let process = nominal.kind().name();
+    let named = named(diagnosis, process);
+    if named.is_empty() {
+        let message = format!("the diagnosis names no effect of {process}");
+        return Err(Failure::argument(message, "give the model of the process that has one"));
+    }
+    let held = args.data.as_ref().map(|data| figures::held(data, &nominal, voice)).transpose()?.flatten();
+    put(out, &applied(model, &nominal, &named, held, &args.diagnosis, voice)?)?;
+    if let NominalProcess::Program(_) = nominal.process {
+        return wrote(out, "toolroom gap diagnose --model", voice);
+    }
+    let figures = args.data.as_ref().map(|data| figures::figures(model, out, data, voice)).transpose()?;
+    if voice.json {
+        let figures = figures.iter().flatten().map(figures::Figure::json).collect::<Vec<_>>();
+        return voice.json(&json!({ "schema": 1, "model": out.display().to_string(), "kpi": figures }));
+    }
+    if let Some(figures) = &figures {
+        voice.data(figures::table(figures).trim_end())?;
+    }
+    wrote(out, "toolroom run", voice)
+}
+
+/// Every model of a diagnosis of several processes into a directory, each under its own name; those
+/// of processes without a named effect stay as they are.
+fn several(args: &ApplyArgs, models: &[PathBuf], diagnosis: &Value, voice: &Voice) -> Result<(), Failure> {
+    if args.data.is_some() {
+        let message = "key figures are those of one shop, but several models are given";
+        return Err(Failure::argument(message, "leave --data out, or give the model of the shop alone"));
+    }
+    let mut texts: Vec<(PathBuf, &str, String)> = Vec::new();
+    for model in models {
+        let nominal = nominal_of(model, &[])?;
+        let named = named(diagnosis, nominal.kind().name());
+        let text = if named.is_empty() {
+            read(model)?
+        } else {
+            applied(model, &nominal, &named, None, &args.diagnosis, voice)?
+        };
+        let path = args.out.join(model.file_name().unwrap_or(model.as_os_str()));
+        if texts.iter().any(|(other, ..)| *other == path) {
+            let message = format!("two models are called {}", path.display());
+            return Err(Failure::argument(message, "apply them one by one"));
+        }
+        texts.push((path, if named.is_empty() { "as it was" } else { "with its effects" }, text));
+    }
+    std::fs::create_dir_all(&args.out).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
+    for (path, _, text) in &texts {
+        put(path, text)?;
+    }
+    if voice.json {
+        let written: Vec<Value> =
+            texts.iter().map(|(path, what, _)| json!({ "path": path.display().to_string(), "is": what })).collect();
+        return voice.json(&json!({ "schema": 1, "models": written }));
+    }
+    texts.iter().try_for_each(|(path, what, _)| voice.data(format_args!("wrote {} {what}", path.display())))
+}
+
+/// The text of a model with effects switched on; `held` is the share of operations with holds.
+fn applied(
+    path: &Path,
+    model: &NominalModel,
+    named: &[Value],
+    held: Option<f64>,
+    diagnosis: &Path,
+    voice: &Voice,
+) -> Result<String, Failure> {
+    let text = read(path)?;
+    if let NominalProcess::Program(model) = &model.process {
+        return program::applied(&text, model, named);
+    }
+    let by = diagnosis.display();
     let (mut of_process, mut of_shop) = (Vec::new(), String::new());
-    for effect in &named {
+    for effect in named {
         let (Some(id), Some(size)) = (effect["id"].as_str(), effect["size"].as_f64()) else {
             return Err(Failure::argument("an effect of the diagnosis has no id or size", "diagnose again"));
         };
@@ -44,10 +125,20 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
             of_process.push(format!("{{ id = \"{id}\", size = {size} }}"));
         } else if Deviation::IDS.contains(&id) {
             let size = if unit == "1" { format!("{size}") } else { format!("{size} {unit}") };
-            let shift = effect["shape"].as_str().and_then(|shape| shape.strip_prefix("shift="));
-            let shift = shift.map_or_else(String::new, |shift| format!("shift = \"{shift}\"\n"));
-            let by = args.diagnosis.display();
-            let _ = writeln!(of_shop, "\n[[deviation]] # by {by}\nid = \"{id}\"\nsize = \"{size}\"\n{shift}");
+            let shape = effect["shape"].as_str().unwrap_or_default();
+            let shift = shape.strip_prefix("shift=").map_or_else(String::new, |shift| format!("shift = \"{shift}\"\n"));
+            let share = match (id, held) {
+                ("feed_hold", None) => {
+                    let message = "only the log knows which share of the operations is held";
+                    return Err(Failure::argument(
+                        message,
+                        "add --data with the events, and the model of the shop alone",
+                    ));
+                }
+                ("feed_hold", Some(share)) => format!("share = {share:.4}\n"),
+                _ => String::new(),
+            };
+            let _ = writeln!(of_shop, "\n[[deviation]] # by {by}\nid = \"{id}\"\nsize = \"{size}\"\n{shift}{share}");
         } else {
             voice.say(format_args!("{id} is no effect that a simulated shop can have; it is left out"));
         }
@@ -55,28 +146,19 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     if of_process.is_empty() && of_shop.is_empty() {
         return Err(Failure::argument("none of the named effects can be simulated", "nothing was written"));
     }
-    let mut out = switched_on(&text, &of_process, &args.diagnosis.display().to_string())?;
+    let mut out = switched_on(&text, &of_process, &by.to_string())?;
     out.push_str(of_shop.trim_end());
     out.push('\n');
-    put(args, &out)?;
-    let figures = args.data.as_ref().map(|data| figures::figures(&args.model, &args.out, data, voice)).transpose()?;
-    if voice.json {
-        let figures = figures.iter().flatten().map(figures::Figure::json).collect::<Vec<_>>();
-        return voice.json(&json!({ "schema": 1, "model": args.out.display().to_string(), "kpi": figures }));
-    }
-    if let Some(figures) = &figures {
-        voice.data(figures::table(figures).trim_end())?;
-    }
-    wrote(args, "toolroom run", voice)
+    Ok(out)
 }
 
-fn put(args: &ApplyArgs, text: &str) -> Result<(), Failure> {
-    std::fs::write(&args.out, text).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })
+fn put(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|source| Failure::Unwritable { path: path.to_owned(), source })
 }
 
-fn wrote(args: &ApplyArgs, next: &str, voice: &Voice) -> Result<(), Failure> {
-    voice.data(format_args!("wrote {}", args.out.display()))?;
-    voice.say(format_args!("next: {next} {} ; compare with what it was before", args.out.display()));
+fn wrote(path: &Path, next: &str, voice: &Voice) -> Result<(), Failure> {
+    voice.data(format_args!("wrote {}", path.display()))?;
+    voice.say(format_args!("next: {next} {} ; compare with what it was before", path.display()));
     Ok(())
 }
 

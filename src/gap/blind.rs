@@ -34,12 +34,18 @@ const MODELS: &[(&str, &str)] = &[
 
 /// What is left of the method without its parts.
 const ABLATIONS: [(&str, Method); 4] = [
-    ("without form tolerance", Method { allowance: true, abstention: true, tolerance: false, memory: true }),
-    ("without abstention", Method { allowance: true, abstention: false, tolerance: true, memory: true }),
-    ("without form allowance", Method { allowance: false, abstention: true, tolerance: true, memory: true }),
+    (
+        "without form tolerance",
+        Method { allowance: true, abstention: true, tolerance: false, memory: true, processes: 1 },
+    ),
+    ("without abstention", Method { allowance: true, abstention: false, tolerance: true, memory: true, processes: 1 }),
+    (
+        "without form allowance",
+        Method { allowance: false, abstention: true, tolerance: true, memory: true, processes: 1 },
+    ),
     (
         "naive: no allowance, tolerance or abstention, white noise",
-        Method { allowance: false, abstention: false, tolerance: false, memory: false },
+        Method { allowance: false, abstention: false, tolerance: false, memory: false, processes: 1 },
     ),
 ];
 

@@ -1,57 +1,89 @@
 //! `toolroom gap diagnose`.
 
-use super::{nominal, recorded};
+use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
+use std::path::Path;
 use toolroom_analysis::gap::plan::plan;
-use toolroom_analysis::gap::{Diagnosis, NextExperiment, diagnose_parts};
+use toolroom_analysis::gap::shop::{after, groups_of};
+use toolroom_analysis::gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
 use toolroom_analysis::page::Provenance;
-use toolroom_analysis::records::RecordKind;
+use toolroom_analysis::records::{RecordKind, Records};
 use toolroom_analysis::results::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
-    let model = nominal(&args.data)?;
-    let mut records = recorded(&args.data.data, &model, voice)?;
-    let group = args.data.group.as_deref();
-    let mut outside: Vec<String> = Vec::new();
-    if let Some(path) = &args.holdout_data {
-        let mut more = recorded(path, &model, voice)?;
-        let column = group.unwrap_or(if model.kind() == RecordKind::Program { "section" } else { "tool_id" });
-        if model.kind() == RecordKind::Program {
-            // The same sections of the same programs ran on other pieces.
-            let names = more.texts(column).map(|names| names.iter().map(|name| format!("{name}, held out")).collect());
-            names.into_iter().for_each(|names| more.set_texts(column, names));
+    let group = args.group.as_deref();
+    let mut asked: Vec<Asked> = Vec::new();
+    let mut rest: Vec<(NominalModel, Records, Vec<String>)> = Vec::new();
+    for Table { model, mut records } in tables(&args.models, &args.set, &args.data, voice)? {
+        let mut outside: Vec<String> = Vec::new();
+        if let Some(path) = &args.holdout_data {
+            (records, outside) = with_more(&model, records, path, group, voice)?;
         }
-        outside = more.levels(column).map(|(names, _)| names).unwrap_or_default();
-        let inside = records.levels(column).map(|(names, _)| names).unwrap_or_default();
-        if let Some(both) = outside.iter().find(|name| inside.contains(name)) {
-            let message = format!("{column} {both} stands in both sets; a group is either fitted or held out");
-            return Err(Failure::argument(message, "give the groups of the second set other names"));
+        let share = args.holdout.unwrap_or(0.0);
+        // Every so many groups is held out, evenly through the data.
+        let every = if share > 0.0 { (1.0 / share).round().max(2.0) as usize } else { usize::MAX };
+        let (parts, notes) = model.parts(&records, group, |index, name| {
+            outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
+        });
+        if parts.iter().all(|part| part.frame().measured.is_empty()) {
+            return Err(super::nothing_measured(&notes));
         }
-        records = records.followed_by(&more);
+        asked.push(Asked { process: model.kind().name(), parts });
+        rest.push((model, records, notes));
     }
-    let share = args.holdout.unwrap_or(0.0);
-    // Every so many groups is held out, evenly through the data.
-    let every = if share > 0.0 { (1.0 / share).round().max(2.0) as usize } else { usize::MAX };
-    let (parts, notes) = model.parts(&records, group, |index, name| {
-        outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
-    });
-    if parts.iter().all(|part| part.frame().measured.is_empty()) {
-        return Err(super::nothing_measured(&notes));
+    let mut answers = diagnose_processes(&asked, args.seed);
+    for ((_, diagnosis), (model, records, notes)) in answers.processes.iter_mut().zip(rest) {
+        if let Some(best) = plan(&model, &records, group, diagnosis).best() {
+            let separates = best.separates();
+            diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
+        }
+        diagnosis.notes.extend(notes);
     }
-    let mut diagnosis = diagnose_parts(&parts, args.seed);
-    if let Some(best) = plan(&model, &records, group, &diagnosis).best() {
-        let separates = best.separates();
-        diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
-    }
-    diagnosis.notes.extend(notes);
-    write(args, &diagnosis, voice)
+    write(args, &answers, voice)
 }
 
-fn write(args: &DiagnoseArgs, diagnosis: &Diagnosis, voice: &Voice) -> Result<(), Failure> {
+/// The records followed by those of another set, and the groups that only the other has.
+fn with_more(
+    model: &NominalModel,
+    records: Records,
+    path: &Path,
+    group: Option<&str>,
+    voice: &Voice,
+) -> Result<(Records, Vec<String>), Failure> {
+    let mut more = super::recorded(path, model, voice)?;
+    let both = |column: &str, name: &str| {
+        let message = format!("{column} {name} stands in both sets; a group is either fitted or held out");
+        Failure::argument(message, "give the groups of the second set other names")
+    };
+    if let NominalProcess::Shop(shop) = &model.process {
+        // The days of another log come after those of the first.
+        more = after(shop, &records, more);
+        let [inside, outside] = [&records, &more].map(|own| groups_of(shop, own, group));
+        if let Some(name) = outside.iter().find(|name| inside.contains(*name)) {
+            return Err(both(group.unwrap_or("day"), name));
+        }
+        return Ok((records.followed_by(&more), outside.into_iter().collect()));
+    }
+    let program = model.kind() == RecordKind::Program;
+    let column = group.unwrap_or(if program { "section" } else { "tool_id" });
+    if program {
+        // The same sections of the same programs ran on other pieces.
+        let names = more.texts(column).map(|names| names.iter().map(|name| format!("{name}, held out")).collect());
+        names.into_iter().for_each(|names| more.set_texts(column, names));
+    }
+    let outside = more.levels(column).map(|(names, _)| names).unwrap_or_default();
+    let inside = records.levels(column).map(|(names, _)| names).unwrap_or_default();
+    match outside.iter().find(|name| inside.contains(name)) {
+        Some(name) => Err(both(column, name)),
+        None => Ok((records.followed_by(&more), outside)),
+    }
+}
+
+fn write(args: &DiagnoseArgs, answers: &Answers, voice: &Voice) -> Result<(), Failure> {
     if let Some(target) = &args.out {
         let out = OutputDir::create(target)?;
         let put = |name: &str, text: &str| {
@@ -59,20 +91,21 @@ fn write(args: &DiagnoseArgs, diagnosis: &Diagnosis, voice: &Voice) -> Result<()
             std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
         };
         let pretty = |value: &serde_json::Value| serde_json::to_string_pretty(value).map_err(Failure::Json);
-        let (model, data) = (args.data.model.display().to_string(), args.data.data.display().to_string());
-        let command = format!("toolroom gap diagnose --model {model} --data {data}");
+        let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
+        let data = args.data.display().to_string();
+        let command = format!("toolroom gap diagnose --model {} --data {data}", models.join(" --model "));
         let hash = |name: &String| {
             (name.clone(), std::fs::read(name).map_or_else(|_| String::new(), |bytes| fingerprint(&bytes)))
         };
-        let inputs = vec![hash(&model), hash(&data)];
+        let inputs = models.iter().chain([&data]).map(hash).collect();
         let version = env!("CARGO_PKG_VERSION");
         let provenance =
             Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
-        put("diagnosis.json", &pretty(&diagnosis.json())?)?;
-        put("report.html", &diagnosis.report(provenance).html())?;
+        put("diagnosis.json", &pretty(&answers.json())?)?;
+        put("report.html", &answers.report(provenance).html())?;
         put("run.json", &pretty(&json!({ "schema": 1, "version": version, "command": command, "complete": true }))?)?;
         let target = out.publish()?;
         voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }
-    if voice.json { voice.json(&diagnosis.json()) } else { voice.data(diagnosis.terminal()) }
+    if voice.json { voice.json(&answers.json()) } else { voice.data(answers.terminal()) }
 }

@@ -2,8 +2,8 @@
 
 use super::closure::pooled;
 use super::decide::GATE;
-use super::diagnose::{CELLS, Diagnosed, diagnose};
-use super::{Budget, Diagnosis, Forward, GapVerdict, NextExperiment};
+use super::diagnose::{CELLS, Diagnosed, diagnose_by};
+use super::{Budget, Diagnosis, Forward, GapVerdict, Method, NextExperiment};
 
 /// Diagnoses parts that know nothing of each other, such as the channels of an empirical model.
 /// Effects of several parts carry the channel in their shape, and pay for the choice among them.
@@ -11,15 +11,21 @@ use super::{Budget, Diagnosis, Forward, GapVerdict, NextExperiment};
 /// # Panics
 /// Without parts.
 pub fn diagnose_parts(parts: &[Box<dyn Forward>], seed: u64) -> Diagnosis {
-    let mut diagnosed: Vec<Diagnosed> = parts.iter().map(|part| diagnose(part.as_ref(), seed)).collect();
+    diagnose_among(parts, 1, seed).0
+}
+
+/// [`diagnose_parts`] of one of `processes` of a data set, with what the answer rests on.
+pub(super) fn diagnose_among(parts: &[Box<dyn Forward>], processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+    let method = Method { processes, ..Method::default() };
+    let mut diagnosed: Vec<Diagnosed> = parts.iter().map(|part| diagnose_by(part.as_ref(), method, seed)).collect();
     if diagnosed.len() == 1 {
-        return diagnosed.remove(0).diagnosis;
+        return (diagnosed[0].diagnosis.clone(), diagnosed);
     }
     let names: Vec<&'static str> = parts.iter().map(|part| name(part.as_ref())).collect();
     for (each, name) in diagnosed.iter_mut().zip(&names) {
         label(&mut each.diagnosis, name, parts.len());
     }
-    merged(parts, &diagnosed, seed)
+    (merged(parts, &diagnosed, seed), diagnosed)
 }
 
 fn name(part: &dyn Forward) -> &'static str {
@@ -50,7 +56,8 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
     let verdict = verdicts.into_iter().find(|verdict| each().any(|own| own.verdict == *verdict));
     let named: Vec<usize> = (0..parts.len()).filter(|i| !diagnosed[*i].diagnosis.effects.is_empty()).collect();
     let counted: Vec<usize> = if named.is_empty() { (0..parts.len()).collect() } else { named };
-    let pool: Vec<(&dyn Forward, &Diagnosed)> = counted.iter().map(|i| (parts[*i].as_ref(), &diagnosed[*i])).collect();
+    let pool: Vec<(usize, &dyn Forward, &Diagnosed)> =
+        counted.iter().map(|i| (0, parts[*i].as_ref(), &diagnosed[*i])).collect();
     let mut cells: Vec<_> = each().flat_map(|own| own.cells.clone()).collect();
     cells.sort_by(|a, b| b.score.abs().total_cmp(&a.score.abs()));
     cells.truncate(CELLS);
@@ -82,8 +89,8 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
     }
 }
 
-/// Every channel counts alike.
-fn mean_budget<'a>(each: impl Iterator<Item = &'a Diagnosis>) -> Budget {
+/// Every channel or process counts alike.
+pub(super) fn mean_budget<'a>(each: impl Iterator<Item = &'a Diagnosis>) -> Budget {
     let mut sum = Budget::default();
     let mut count = 0.0;
     for own in each {

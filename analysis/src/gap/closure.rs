@@ -8,6 +8,7 @@ use super::trial::{Trial, columns};
 use super::{Basis, Closure, Diagnosed, Forward, Measured, Method};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
 
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
@@ -106,12 +107,11 @@ pub fn closures(
     seed: u64,
 ) -> (Closure, Vec<(&'static str, Closure)>) {
     let measured = &model.frame().measured;
-    // An effect may act where the catalogue does not list it: then everything counts.
-    let listed = measured.channels.iter().any(|channel| touched.contains(&channel.name));
+    let among = counted(measured, touched);
     let sums = |channel: Option<usize>| {
         let counts = |i: usize| match channel {
             Some(channel) => measured.observations[i].channel == channel,
-            None => !listed || touched.contains(&measured.channels[measured.observations[i].channel].name),
+            None => among[measured.observations[i].channel],
         };
         let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
         for group in scored {
@@ -138,25 +138,34 @@ pub fn closures(
     (closure(&sums(None), seed), channels)
 }
 
-/// Closure over several models of the same groups, in units of noise.
-pub fn pooled(parts: &[(&dyn Forward, &Diagnosed)], seed: u64) -> Closure {
-    let groups = parts.iter().map(|(model, _)| model.frame().measured.groups.len()).max().unwrap_or(0);
-    let zeros = || vec![0.0; groups];
-    let mut sums = Sums { before: zeros(), after: zeros(), floor: zeros(), count: zeros() };
-    for (model, diagnosed) in parts {
+/// Closure over several models, in units of noise; those of one process share groups of one name.
+/// Where an effect is named only the channels count that it touches.
+pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure {
+    let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
+    for (process, model, diagnosed) in parts {
         let measured = &model.frame().measured;
         let [base, chosen] = &diagnosed.held_out;
+        let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
+        let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
+        let counts = counted(measured, &touched);
         for group in scored(measured) {
-            for i in measured.spans[group].clone() {
+            let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
+            for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
                 let unit = diagnosed.basis.noise.deviation(measured, i);
-                sums.before[group] += huber(base[i] / unit);
-                sums.after[group] += huber(chosen[i] / unit);
-                sums.floor[group] += 1.0;
-                sums.count[group] += 1.0;
+                let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
+                own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
             }
         }
     }
-    closure(&sums, seed)
+    let column = |at: usize| sums.values().map(|own| own[at]).collect();
+    closure(&Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }, seed)
+}
+
+/// Whether each channel counts for effects that touch some: all, if none of them is measured.
+fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
+    let own: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
+    // An effect may act where the catalogue does not list it: then everything counts.
+    if own.iter().any(|counts| *counts) { own } else { vec![true; own.len()] }
 }
 
 /// Channels that the effects of a trial touch.

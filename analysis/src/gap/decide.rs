@@ -75,6 +75,8 @@ pub struct Decision {
     pub after: Option<Remainder>,
     /// Why, in words.
     pub reasons: Vec<String>,
+    /// What a name pays for having been chosen among several processes.
+    pub share: f64,
 }
 
 impl Decision {
@@ -85,7 +87,7 @@ impl Decision {
 
     /// Gain of a trial over the nominal model, the choice among many paid for.
     pub fn gain_of(&self, trial: &Trial, candidates: usize) -> f64 {
-        gain(&trial.evidence, &self.base.evidence) - price(candidates, trial.fit.active.len())
+        gain(&trial.evidence, &self.base.evidence) - price(candidates, trial.fit.active.len()) - self.share
     }
 
     /// Candidates that the data cannot tell from `candidate`, by other ids.
@@ -172,6 +174,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         before,
         after: None,
         reasons: Vec::new(),
+        share: basis.method.share(),
     };
     pairs(model, basis, folds, &mut decision);
     choose(model, basis, folds, &mut decision, seed);
@@ -350,7 +353,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     let strongest = decision.before.strongest;
     let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
     let generic_gain = gain(&decision.before.evidence, &decision.base.evidence);
-    let generic_gain = generic_gain - (decision.before.dictionary.len().max(1) as f64).ln();
+    let generic_gain = generic_gain - (decision.before.dictionary.len().max(1) as f64).ln() - decision.share;
     let structured = structure > decision.before.threshold && generic_gain > GATE;
     if let Some(index) = chosen {
         let trial = &decision.trials[index];

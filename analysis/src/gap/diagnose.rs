@@ -214,13 +214,15 @@ fn named(model: &dyn Forward, basis: &Basis, decision: &Decision, folds: &[Vec<u
 fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'static str, f64)> {
     let count = model.frame().candidates.len();
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
-        - (decision.before.dictionary.len().max(1) as f64).ln();
+        - (decision.before.dictionary.len().max(1) as f64).ln()
+        - decision.share;
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
     if !image(model, basis, decision) {
         models.push((Vec::new(), generic));
     }
     let single = |single: &super::decide::Single| {
-        (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - (count.max(1) as f64).ln())
+        let price = (count.max(1) as f64).ln() + decision.share;
+        (vec![single.candidate], gain(&single.evidence, &decision.base.evidence) - price)
     };
     models.extend(decision.singles.iter().filter(|single| single.evidence.admissible).map(single));
     let pairs = decision.trials.iter().filter(|trial| trial.fit.active.len() > 1 && trial.evidence.admissible);
@@ -247,7 +249,7 @@ fn image(model: &dyn Forward, basis: &Basis, decision: &Decision) -> bool {
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
     let scores = decision.base.scores();
-    let price = (model.frame().candidates.len().max(1) as f64).ln();
+    let price = (model.frame().candidates.len().max(1) as f64).ln() + decision.share;
     let one = |single: &super::decide::Single| {
         let candidate = &model.frame().candidates[single.candidate];
         let (factor, unit) = report_units(candidate.id);

@@ -207,8 +207,18 @@ fn number(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { Value::Null }
 }
 
+impl Budget {
+    pub(super) fn json(&self) -> Value {
+        json!({
+            "calibration": number(self.calibration), "form_allowance": number(self.form_allowance),
+            "effects": number(self.effects), "unexplained": number(self.unexplained),
+            "noise_floor": number(self.noise_floor),
+        })
+    }
+}
+
 impl Closure {
-    fn json(&self, with_groups: Option<&[String]>) -> Value {
+    pub(super) fn json(&self, with_groups: Option<&[String]>) -> Value {
         let mut value = json!({
             "before": number(self.before), "after": number(self.after), "closed": number(self.closed),
             "ci90": [number(self.ci90[0]), number(self.ci90[1])], "of_closable": number(self.of_closable),
@@ -258,11 +268,7 @@ impl Diagnosis {
             "effects": self.effects.iter().map(effect).collect::<Vec<_>>(),
             "where": self.cells.iter().map(cell).collect::<Vec<_>>(),
             "closure": { "total": self.total.json(Some(&self.held_out)), "channels": channels },
-            "budget": {
-                "calibration": number(self.budget.calibration), "form_allowance": number(self.budget.form_allowance),
-                "effects": number(self.budget.effects), "unexplained": number(self.budget.unexplained),
-                "noise_floor": number(self.budget.noise_floor),
-            },
+            "budget": self.budget.json(),
             "masked": self.masked.iter().map(masked).collect::<Vec<_>>(),
             "next_experiment": {
                 "design": self.next.design, "minutes": number(self.next.minutes), "separates": self.next.separates,

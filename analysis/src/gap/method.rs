@@ -14,11 +14,20 @@ pub struct Method {
     pub tolerance: bool,
     /// Correlation of neighbouring readings, and less weight for outliers.
     pub memory: bool,
+    /// Processes of the data set that are asked together: each has an equal share of the error.
+    pub processes: usize,
+}
+
+impl Method {
+    /// What a name pays for having been chosen among several processes.
+    pub(super) fn share(self) -> f64 {
+        (self.processes.max(1) as f64).ln()
+    }
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self { allowance: true, abstention: true, tolerance: true, memory: true }
+        Self { allowance: true, abstention: true, tolerance: true, memory: true, processes: 1 }
     }
 }
 

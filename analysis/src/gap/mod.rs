@@ -17,6 +17,7 @@
 //! |---|---|
 //! | [`diagnose()`] | the whole way |
 //! | [`diagnose_parts()`] | the same for channels that are models of their own |
+//! | [`diagnose_processes()`] | the same for every process of a data set, with one answer |
 //! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling, [`program::Stretches`] for part programs |
 //! | [`Diagnosis`] | what is said, and its JSON form |
 //! | [`Basis`], [`Noise`] | by what all models are judged |
@@ -51,6 +52,7 @@ mod noise;
 mod nominal;
 pub mod plan;
 mod plausible;
+mod processes;
 pub mod program;
 mod score;
 mod settings;
@@ -79,6 +81,7 @@ pub use method::Method;
 pub use noise::Noise;
 pub(crate) use noise::median;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
+pub use processes::{Answers, Asked, diagnose_processes};
 pub use score::Scores;
 pub use settings::Settings;
 pub use trial::Trial;

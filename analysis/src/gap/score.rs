@@ -60,9 +60,10 @@ const DRAWS: usize = 600;
 /// Level of the tests against it.
 const LEVEL: f64 = 0.01;
 
-/// The score that the greatest of all scores exceeds with probability 1 % where nothing is hidden.
+/// The score that the greatest of all scores exceeds with probability 1 % where nothing is hidden,
+/// in any of `processes` that are asked together (each at its share of the level, Bonferroni).
 /// `one_sided` scores count only upwards.
-pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, seed: u64) -> f64 {
+pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, processes: usize, seed: u64) -> f64 {
     let count = cosine.nrows();
     if count == 0 {
         return f64::INFINITY;
@@ -74,7 +75,8 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, seed: u64) -> f64 {
     let root = factor(matrix);
     let lower = root.l();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut greatest: Vec<f64> = (0..DRAWS)
+    let draws = DRAWS * processes;
+    let mut greatest: Vec<f64> = (0..draws)
         .map(|_| {
             let draw = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
             let scores: DVector<f64> = &lower * draw;
@@ -82,7 +84,7 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, seed: u64) -> f64 {
         })
         .collect();
     greatest.sort_by(f64::total_cmp);
-    greatest[((1.0 - LEVEL) * DRAWS as f64) as usize]
+    greatest[draws - (LEVEL * DRAWS as f64) as usize]
 }
 
 #[cfg(test)]

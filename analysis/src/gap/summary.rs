@@ -8,24 +8,24 @@ use std::fmt::Write;
 /// Effects that cannot be seen which the terminal lists.
 const LISTED: usize = 4;
 
-fn rounded(value: f64) -> String {
+pub(super) fn rounded(value: f64) -> String {
     toolroom_sim::scenario::file::significant(value)
 }
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".to_owned() }
 }
 
-fn named(id: &str, shape: &str) -> String {
+pub(super) fn named(id: &str, shape: &str) -> String {
     if shape.is_empty() { id.to_owned() } else { format!("{id} ({shape})") }
 }
 
-fn with_unit(value: f64, unit: &str) -> String {
+pub(super) fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { rounded(value) } else { format!("{} {unit}", rounded(value)) }
 }
 
 /// The verdict as a sentence.
-fn verdict(diagnosis: &Diagnosis) -> String {
+pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     match diagnosis.verdict {
         GapVerdict::Effect => {
             let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
@@ -110,16 +110,25 @@ impl Diagnosis {
             let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
             report = report.tile(Tile::new("gap closed on groups left out", percent(self.total.closed), interval));
         }
-        report
-            .section(self.waterfall())
-            .section(self.places())
-            .section(self.residuals())
-            .section(self.candidates())
-            .section(self.hidden())
-            .provenance(provenance)
+        self.sections("").into_iter().fold(report, Report::section).provenance(provenance)
     }
 
-    fn waterfall(&self) -> Section {
+    /// The sections of the report; `of` goes before their headings.
+    pub(super) fn sections(&self, of: &str) -> Vec<Section> {
+        let heading = |text: &str| match (of, text.split_at(1)) {
+            ("", _) => text.to_owned(),
+            (of, (first, rest)) => format!("{of}: {}{rest}", first.to_lowercase()),
+        };
+        vec![
+            self.waterfall(heading("The gap and its causes")),
+            self.places(heading("Localisation")),
+            self.residuals(heading("Residuals of groups left out")),
+            self.candidates(heading("Ranking of effects")),
+            self.hidden(heading("What could not be told")),
+        ]
+    }
+
+    fn waterfall(&self, heading: String) -> Section {
         let budget = &self.budget;
         let total =
             budget.calibration + budget.form_allowance + budget.effects + budget.unexplained + budget.noise_floor;
@@ -131,14 +140,14 @@ impl Diagnosis {
             .change("named effects", -100.0 * budget.effects)
             .change("unexplained", -100.0 * budget.unexplained)
             .total("noise and scatter of edges", 100.0 * budget.noise_floor);
-        Section::new("The gap and its causes").figure(Figure::new(
+        Section::new(heading).figure(Figure::new(
             &chart,
             "Calibration moves constants within their priors; the form allowance is what the equations may be \
              wrong by; named effects are terms of the catalogue.",
         ))
     }
 
-    fn places(&self) -> Section {
+    fn places(&self, heading: String) -> Section {
         let mut chart = Intervals::new("Where the gap lies", Axis::linear("Score", ""))
             .describe("Score of each channel against each covariate; beyond 4 is no chance.")
             .reference(0.0, "no gap");
@@ -149,14 +158,14 @@ impl Diagnosis {
                 Estimate::new(cell.score, cell.score - 1.0, cell.score + 1.0),
             );
         }
-        let section = Section::new("Localisation");
+        let section = Section::new(heading);
         if self.cells.is_empty() {
             return section.paragraph("No channel follows any covariate beyond what calibration explains.");
         }
         section.figure(Figure::new(&chart, "What calibration and allowance leave, ± one standard deviation."))
     }
 
-    fn residuals(&self) -> Section {
+    fn residuals(&self, heading: String) -> Section {
         let columns = ["channel", "before", "after", "closed, %", "90 % from", "to", "of closable, %"];
         let mut table = Table::new(columns);
         for (channel, closure) in &self.channels {
@@ -170,7 +179,7 @@ impl Diagnosis {
                 (100.0 * closure.of_closable).into(),
             ]);
         }
-        Section::new("Residuals of groups left out")
+        Section::new(heading)
             .paragraph(format!(
                 "Every group is predicted by a fit that has not seen it: {}. Logarithmic channels are in relative \
                  units, others in SI.",
@@ -179,7 +188,7 @@ impl Diagnosis {
             .table("Root mean square before and after the named effects", table)
     }
 
-    fn candidates(&self) -> Section {
+    fn candidates(&self, heading: String) -> Section {
         let mut table = Table::new(["effect", "size", "unit", "score", "gain", "gain on groups left out", "± error"]);
         for ranked in self.ranking.iter().take(20) {
             table.push([
@@ -192,7 +201,7 @@ impl Diagnosis {
                 ranked.left_out[1].into(),
             ]);
         }
-        let mut section = Section::new("Ranking of effects")
+        let mut section = Section::new(heading)
             .paragraph(
                 "Gain in log evidence over the calibrated nominal model; an effect is named from 4 on, if \
                         groups agree and no other structure is as strong.",
@@ -209,7 +218,7 @@ impl Diagnosis {
         section
     }
 
-    fn hidden(&self) -> Section {
+    fn hidden(&self, heading: String) -> Section {
         let mut table =
             Table::new(["effect", "masking", "least size seen", "unit", "test that would tell", "if left out"]);
         for masked in &self.masked {
@@ -222,7 +231,7 @@ impl Diagnosis {
                 masked.bias.clone().into(),
             ]);
         }
-        let mut section = Section::new("What could not be told")
+        let mut section = Section::new(heading)
             .table("Effects that hide behind calibration in such data", table)
             .list(self.notes.clone());
         if !self.next.design.is_empty() {

@@ -188,7 +188,7 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let first = nuisance + active.len();
     let free: Vec<usize> = (nuisance..first).collect();
     let scores = scores(&wide, first, &free);
-    let threshold = super::score::max_null(&scores.cosine, false, seed);
+    let threshold = super::score::max_null(&scores.cosine, false, basis.method.processes, seed);
     let strongest =
         (0..dictionary.len()).max_by(|a, b| scores.score[*a].abs().total_cmp(&scores.score[*b].abs())).unwrap_or(0);
     let at: Vec<usize> =

@@ -11,7 +11,7 @@
 //! | [`Records`] | numbers in SI and texts, by column |
 //! | [`RecordKind`], [`RecordColumn`] | the columns of turning, milling, grinding and shop records |
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
-//! | [`read`], [`parse_csv`], [`write_csv`] | files |
+//! | [`read`], [`tables`], [`parse_csv`], [`write_csv`] | files |
 //! | [`simulated`], [`write_simulated`] | a simulated run as if it had been measured |
 //! | [`mod@import`] | tables of others, by a mapping |
 
@@ -27,7 +27,7 @@ mod tests;
 mod write;
 
 pub use columns::{ColumnKind, RecordColumn};
-pub use read::{RecordError, parse_csv, read};
+pub use read::{RecordError, parse_csv, read, tables};
 pub use report::ReadReport;
 pub use simulate::{Sheet, simulated, write_simulated};
 pub use write::write_csv;

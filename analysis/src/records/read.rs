@@ -109,6 +109,13 @@ pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records,
     understand(file, &csv_table::parse(bytes), kind)
 }
 
+/// Kinds of which a directory holds a table, by itself or in its folders. Of tables that two kinds
+/// share, `operations`, the first counts.
+pub fn tables(dir: &Path) -> Vec<RecordKind> {
+    let kinds = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Program];
+    kinds.into_iter().filter(|kind| find(dir, *kind).is_ok() || !folders(dir, *kind).is_empty()).collect()
+}
+
 /// Folders of a directory that hold a file of the kind, by name.
 fn folders(dir: &Path, kind: RecordKind) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().filter_map(Result::ok);

@@ -7,6 +7,7 @@ use super::{MachineType, ShiftCalendar};
 /// | id | what it does |
 /// |---|---|
 /// | feed_override | time in cut grows by this share; added after the last pass, as cutting |
+/// | feed_hold | the program is held for this time before its end, in a share of the operations; added as cutting |
 /// | micro_stops | stops of an exponential duration, 20 s in the mean, come as a Poisson process in the time in cut; added there |
 /// | operator_delay | time before loading, as handling |
 /// | tool_change_delay | time of every change of an edge |
@@ -23,6 +24,8 @@ pub struct Deviation {
     pub size: f64,
     /// Shift in which it acts, `S1`, `S2` … in the order of the machine's calendar; always, if none.
     pub shift: Option<String>,
+    /// Share of the operations that it concerns; of `feed_hold` only.
+    pub share: f64,
 }
 
 /// Mean duration of a short stop, s (assumption of the catalogue).
@@ -32,6 +35,7 @@ impl Deviation {
     /// Effects that a simulated shop can have.
     pub const IDS: &'static [&'static str] = &[
         "feed_override",
+        "feed_hold",
         "micro_stops",
         "operator_delay",
         "tool_change_delay",
@@ -39,14 +43,23 @@ impl Deviation {
         "breakdown_shape",
     ];
 
-    /// Sum of the sizes of `id` that act on a machine at a time.
-    pub fn acting(all: &[Self], id: &str, machine: &MachineType, calendars: &[ShiftCalendar], time: f64) -> f64 {
-        let calendar = machine.calendar.map(|index| &calendars[index]);
-        let acts = |own: &&Self| {
-            let shift = || calendar.and_then(|calendar| calendar.shift_at(time));
-            own.id == id && own.shift.as_ref().is_none_or(|wanted| shift().as_ref() == Some(wanted))
-        };
-        all.iter().filter(acts).map(|own| own.size).sum()
+    /// An effect that always acts on everything.
+    pub fn new(id: &'static str, size: f64) -> Self {
+        Self { id, size, shift: None, share: 1.0 }
+    }
+
+    /// Those of `id` that act on a machine at a time.
+    pub fn acting<'a>(
+        all: &'a [Self],
+        id: &str,
+        machine: &MachineType,
+        calendars: &[ShiftCalendar],
+        time: f64,
+    ) -> impl Iterator<Item = &'a Self> {
+        let shift = machine.calendar.and_then(|index| calendars[index].shift_at(time));
+        let id = id.to_owned();
+        all.iter()
+            .filter(move |own| own.id == id && own.shift.as_ref().is_none_or(|wanted| shift.as_ref() == Some(wanted)))
     }
 }
 

@@ -4,9 +4,11 @@ use super::Shop;
 use super::recorder::Recorder;
 use crate::scenario::{Deviation, Distribution, MICRO_STOP};
 use crate::{Entity, Purpose};
+use rand::RngExt;
 
-/// Owner of the draws of short stops, a part of the operation's own name.
+/// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
+const HOLDS: u64 = STOPS + 1;
 
 impl<R: Recorder> Shop<'_, R> {
     /// Size of a deviation that acts on a machine now.
@@ -15,7 +17,8 @@ impl<R: Recorder> Shop<'_, R> {
             return 0.0;
         }
         let (kind, calendars) = (&self.scenario.machines[machine], &self.scenario.calendars);
-        Deviation::acting(&self.scenario.deviations, id, kind, calendars, self.now().seconds())
+        let acting = Deviation::acting(&self.scenario.deviations, id, kind, calendars, self.now().seconds());
+        acting.map(|own| own.size).sum()
     }
 
     /// Time that the program of a job's operation takes beyond its passes, s.
@@ -40,5 +43,18 @@ impl<R: Recorder> Shop<'_, R> {
             stopped += stop.sample(&mut stream);
         }
         slower * programmed + stopped
+    }
+
+    /// Time for which the feed of a job's operation is held, s.
+    pub(super) fn hold(&self, machine: usize, slot: u32) -> f64 {
+        if self.scenario.deviations.is_empty() {
+            return 0.0;
+        }
+        let job = self.world.jobs.at(slot);
+        let owner: Entity = job.entity.part(u64::from(job.operation)).part(HOLDS);
+        let mut stream = self.streams.open(owner, Purpose::Processing);
+        let (kind, calendars) = (&self.scenario.machines[machine], &self.scenario.calendars);
+        let acting = Deviation::acting(&self.scenario.deviations, "feed_hold", kind, calendars, self.now().seconds());
+        acting.filter(|own| stream.random::<f64>() < own.share).map(|own| own.size).sum()
     }
 }

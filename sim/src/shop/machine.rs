@@ -66,6 +66,8 @@ pub struct Task {
     pub unload_time: f64,
     /// Time that the program takes beyond its passes, s.
     pub delay: f64,
+    /// For how long the feed will be held, s.
+    pub hold: f64,
     /// Row of the pass in work.
     pub row: Option<PassRow>,
     /// Share of the pass that is still to be cut.
@@ -103,6 +105,8 @@ pub enum Step {
     Pass,
     /// The program runs longer than its passes.
     Delay,
+    /// The feed is held.
+    Hold,
     /// Dressing the wheel.
     Dressing,
     /// Taking the part off.
@@ -116,7 +120,7 @@ impl Step {
             Self::Setup => MachineState::Setup,
             Self::Load | Self::Unload => MachineState::Handling,
             Self::ToolChange => MachineState::ToolChange,
-            Self::Pass | Self::Delay => MachineState::Cutting,
+            Self::Pass | Self::Delay | Self::Hold => MachineState::Cutting,
             Self::Dressing => MachineState::Dressing,
         }
     }

@@ -25,7 +25,7 @@ impl<R: Recorder> Shop<'_, R> {
         };
         let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
         let load_time = load_time + self.deviation("operator_delay", machine);
-        let delay = self.delay(machine, slot);
+        let (delay, hold) = (self.delay(machine, slot), self.hold(machine, slot));
         let plan = self.layout.operations[part][index];
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
@@ -42,6 +42,7 @@ impl<R: Recorder> Shop<'_, R> {
             load_time,
             unload_time,
             delay,
+            hold,
             row: None,
             share_left: 1.0,
             lost_edges: 0,
@@ -126,6 +127,11 @@ impl<R: Recorder> Shop<'_, R> {
                 self.finish_cutting(machine);
                 Ok(())
             }
+            Step::Hold => {
+                self.log_event("feed_release", Some(machine), self.job_in(machine), None);
+                self.finish_cutting(machine);
+                Ok(())
+            }
             Step::Dressing => {
                 self.dress(machine);
                 self.handle(machine, Step::Unload);
@@ -151,6 +157,13 @@ impl<R: Recorder> Shop<'_, R> {
         if delay > 0.0 {
             task.step = Step::Delay;
             task.left = delay;
+            return;
+        }
+        let hold = std::mem::take(&mut task.hold);
+        if hold > 0.0 {
+            task.step = Step::Hold;
+            task.left = hold;
+            self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
             return;
         }
         let tool = task.tool as usize;

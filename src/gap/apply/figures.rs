@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use toolroom_analysis::gap::shop::{Shop, ShopKpi, mix, visits};
-use toolroom_analysis::gap::{NominalProcess, Settings};
+use toolroom_analysis::gap::{NominalModel, NominalProcess, Settings};
 use toolroom_analysis::records::{RecordKind, simulated};
 use toolroom_sim::scenario::file::read;
 
@@ -32,6 +32,16 @@ impl Figure {
             "with_effects": self.after, "closed": self.closed().is_finite().then(|| self.closed()),
         })
     }
+}
+
+/// Share of the operations of a shop's log that are held.
+pub fn held(data: &Path, nominal: &NominalModel, voice: &Voice) -> Result<Option<f64>, Failure> {
+    if !matches!(nominal.process, NominalProcess::Shop(_)) {
+        return Ok(None);
+    }
+    let seen = visits(&recorded(data, nominal, voice)?);
+    let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
+    Ok((!seen.list.is_empty()).then(|| (holds as f64 / seen.list.len() as f64).min(1.0)))
 }
 
 /// Runs the shop before and after, and holds both against the recorded events.

@@ -6,13 +6,13 @@ use toolroom_analysis::gap::program::{ProgramModel, effects_section};
 use toolroom_process::{Record, unit};
 use toolroom_sim::effects::ShopDeviations;
 
-/// Start of the shape of an acceleration that says by how much corners are rounded.
-const CORNERS: &str = "corners within ";
+/// Parts of the shape of an acceleration, and the keys of `[drives]` that say the same.
+const DRIVES: [(&str, &str); 2] = [("corners within ", "corner_deviation"), ("jerk time ", "jerk_time")];
 
 /// The text of a model with the effects of a diagnosis on top of those that it has.
 pub fn applied(text: &str, model: &ProgramModel, named: &[Value]) -> Result<String, Failure> {
     let mut effects = model.effects;
-    let mut corner: Option<String> = None;
+    let mut drives: Vec<String> = Vec::new();
     for effect in named {
         let (id, shape) = (effect["id"].as_str().unwrap_or_default(), effect["shape"].as_str().unwrap_or_default());
         let written = format!("{} {}", effect["size"], effect["unit"].as_str().unwrap_or("1"));
@@ -25,7 +25,9 @@ pub fn applied(text: &str, model: &ProgramModel, named: &[Value]) -> Result<Stri
             unit::quantity(&written, field.unit).map_err(|error| Failure::argument(error, "diagnose again"))?
         };
         effects.set(index, effects.get(index).unwrap_or(0.0) + size);
-        corner = shape.strip_prefix(CORNERS).map(str::to_owned).or(corner);
+        for (part, (start, key)) in shape.split(", ").flat_map(|part| DRIVES.map(|drive| (part, drive))) {
+            drives.extend(part.strip_prefix(start).map(|value| format!("{key} = \"{value}\"")));
+        }
     }
     let mut lines: Vec<String> = Vec::new();
     let mut section = String::new();
@@ -33,18 +35,17 @@ pub fn applied(text: &str, model: &ProgramModel, named: &[Value]) -> Result<Stri
         if line.trim_start().starts_with('[') {
             section = line.trim().to_owned();
         }
-        let replaced = section == "[drives]" && corner.is_some() && line.trim_start().starts_with("corner_deviation");
+        let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();
+        let replaced = section == "[drives]" && drives.iter().any(|own| key(own) == key(line));
         if section != "[effects]" && !replaced {
             lines.push(line.to_owned());
         }
-        if line.trim() == "[drives]"
-            && let Some(corner) = &corner
-        {
-            lines.push(format!("corner_deviation = \"{corner}\""));
+        if line.trim() == "[drives]" {
+            lines.append(&mut drives.clone());
         }
     }
-    if let Some(corner) = corner.filter(|_| lines.iter().all(|line| line.trim() != "[drives]")) {
-        lines.push(format!("\n[drives]\ncorner_deviation = \"{corner}\""));
+    if !drives.is_empty() && lines.iter().all(|line| line.trim() != "[drives]") {
+        lines.push(format!("\n[drives]\n{}", drives.join("\n")));
     }
     Ok(format!("{}\n\n{}", lines.join("\n").trim_end(), effects_section(&effects)))
 }

@@ -28,6 +28,7 @@ static DRIVES: Form = Form {
             "10 um",
             "Distance by which corners may be rounded",
         ),
+        Key::default("jerk_time", quantity("s", "s", 1.0, "0.01 s"), "0 s", "Time in which the acceleration builds up"),
     ],
 };
 

@@ -50,16 +50,17 @@ const WHOLE: Sensor = Sensor { absolute: 0.5, relative: 0.05, resolution: 0.0 };
 const CHANGE_SCATTER: f64 = 2.0;
 const HOLE_SCATTER: f64 = 0.2;
 const HOLD_SCATTER: f64 = 0.3;
-/// Corner deviations, m, whose acceleration effect is tried beside that of the drives (assumption).
+/// Corner deviations, m, and jerk times, s, with which an acceleration is tried (assumptions).
 const CORNERS: [f64; 3] = [1e-6, 10e-6, 100e-6];
+const JERKS: [f64; 3] = [0.0, 10e-3, 30e-3];
 
 /// How a candidate acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Action {
     /// Time on every row, s per size.
     Feature(usize),
-    /// Acceleration with this corner deviation, m.
-    Acceleration(f64),
+    /// Acceleration with this corner deviation, m, and jerk time, s.
+    Acceleration(f64, f64),
 }
 
 /// Part programs over timed stretches.
@@ -157,13 +158,17 @@ impl Stretches {
             }
         }
         if !whole {
-            for corner in CORNERS {
-                add(
-                    "axis_acceleration",
-                    format!("corners within {:.0} um", corner * 1e6),
-                    0.5,
-                    Action::Acceleration(corner),
-                );
+            let own = (self.model.drives.corner_deviation, self.model.drives.jerk_time);
+            let all = || CORNERS.into_iter().flat_map(|corner| JERKS.map(|jerk| (corner, jerk))).collect();
+            // An acceleration that is on already only grows: its corners are known.
+            let on = self.model.effects.axis_acceleration > 0.0;
+            let shapes: Vec<(f64, f64)> = if on { vec![own] } else { all() };
+            for (corner, jerk) in shapes {
+                let mut shape = format!("corners within {:.0} um", corner * 1e6);
+                if jerk > 0.0 {
+                    shape += &format!(", jerk time {:.0} ms", jerk * 1e3);
+                }
+                add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
             }
         }
     }
@@ -181,6 +186,7 @@ impl Stretches {
         add("holes", &rows.holes);
         add("share of rapid motions", &rows.rapid_share);
         add("motions per second", &rows.density);
+        add("blocks per second", &rows.block_density);
         add("ln feed", &rows.ln_feed);
         add("feed override", &rows.overridden);
         add("holds", &rows.holds);
@@ -193,16 +199,17 @@ impl Stretches {
         list
     }
 
-    /// Time of every row without effects that are only candidates, with `inverse_acceleration` and
-    /// `corner` where given, s.
-    fn nominal(&self, rapid: f64, acceleration: Option<(f64, f64)>) -> Vec<f64> {
+    /// Time of every row without effects that are only candidates, with an inverse acceleration, corner
+    /// deviation and jerk time where given, s.
+    fn nominal(&self, rapid: f64, acceleration: Option<(f64, f64, f64)>) -> Vec<f64> {
         let own = &self.model.effects;
         let mut drives = self.model.drives;
         drives.rapid_speed *= rapid;
         drives.inverse_acceleration += own.axis_acceleration;
-        if let Some((inverse, corner)) = acceleration {
+        if let Some((inverse, corner, jerk)) = acceleration {
             drives.inverse_acceleration += inverse;
             drives.corner_deviation = corner;
+            drives.jerk_time = jerk;
         }
         let clocks: Vec<Vec<f64>> = self.model.programs.iter().map(|(_, program)| clock(program, &drives)).collect();
         let rows = &self.rows;
@@ -256,9 +263,9 @@ impl Forward for Stretches {
                 Action::Feature(index) => {
                     times.iter_mut().zip(&self.features[*index]).for_each(|(time, feature)| *time += size * feature);
                 }
-                Action::Acceleration(corner) => {
+                Action::Acceleration(corner, jerk) => {
                     let before = before.get_or_insert_with(|| self.nominal(rapid, None));
-                    let with = self.nominal(rapid, Some((*size, *corner)));
+                    let with = self.nominal(rapid, Some((*size, *corner, *jerk)));
                     times
                         .iter_mut()
                         .zip(with.iter().zip(before))

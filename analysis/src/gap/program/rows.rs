@@ -36,6 +36,8 @@ pub(super) struct Rows {
     pub rapid_share: Vec<f64>,
     /// Motions at feed per second.
     pub density: Vec<f64>,
+    /// Blocks per second.
+    pub block_density: Vec<f64>,
     /// Logarithm of the mean feed.
     pub ln_feed: Vec<f64>,
 }
@@ -124,6 +126,7 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
         rows.auxiliary.push(blocks.iter().filter(|block| !block.auxiliary.is_empty()).count() as f64);
         rows.rapid_share.push(if nominal > 0.0 { 1.0 - feed / nominal } else { 0.0 });
         rows.density.push(if feed > 0.0 { motions as f64 / feed } else { 0.0 });
+        rows.block_density.push(if nominal > 0.0 { blocks.len() as f64 / nominal } else { 0.0 });
         rows.ln_feed.push(if feed > 0.0 && way > 0.0 { (way / feed).ln() } else { f64::NAN });
     }
     rows

@@ -2,7 +2,7 @@
 
 use super::super::noise::median;
 use super::nominal::Shop;
-use super::stops::{FAR, Shape, lower_deviation};
+use super::stops::{FAR, Shape, class, lower_deviation};
 use super::visit::{Visit, Visits};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::collections::BTreeMap;
@@ -62,6 +62,8 @@ pub struct Block {
     pub excesses: Vec<f64>,
     /// Time in cut, s.
     pub cutting: f64,
+    /// Class of its number of operations.
+    pub class: usize,
     /// Share of operations that began with a new edge.
     pub new_edges: f64,
 }
@@ -182,6 +184,7 @@ impl Blocks {
             deviations: [1.0; CHANNELS.len()],
             excesses: Vec::new(),
             cutting: 0.0,
+            class: 0,
             new_edges: 0.0,
         };
         // Where times lie, by parts of the day.
@@ -194,6 +197,7 @@ impl Blocks {
             let mean = |value: &dyn Fn(&Visit) -> f64| own.iter().map(|v| value(v)).sum::<f64>() / own.len() as f64;
             let mut block = empty(machine, Some(program), shift(own[0]), mean(&|v| v.start), group);
             let clock = CLOCK / blocks.times[program];
+            block.class = class(own.len());
             let mut cut = logarithms(&at, &|visit| visit.cutting);
             block.values[0] = median(&mut cut).exp();
             block.deviations[0] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
@@ -216,6 +220,7 @@ impl Blocks {
             let time = own.iter().map(|visit| visit.start).sum::<f64>() / own.len() as f64;
             let mut block = empty(*machine, Some(*program), shift.clone(), time, group);
             let count = own.len() as f64;
+            block.class = class(own.len());
             block.cutting = own.iter().map(|visit| visit.cutting).sum();
             if own.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];

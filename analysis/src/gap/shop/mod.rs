@@ -17,6 +17,7 @@
 
 mod block;
 mod kpi;
+mod logs;
 mod model;
 mod nominal;
 mod state;
@@ -26,6 +27,7 @@ mod tests;
 mod visit;
 
 pub use kpi::{ShopKpi, mix};
+pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
 pub use state::State;

@@ -7,7 +7,7 @@ use super::super::{
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
 use super::nominal::Shop;
-use super::stops::{Shape, Stops};
+use super::stops::{SIZES, Shape, Stops, Timed};
 use super::visit::{Visits, visits};
 use crate::records::Records;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -319,6 +319,26 @@ impl ShopModel {
     }
 }
 
+impl ShopModel {
+    /// Shape of the blocks of each program and class under a rate of stops.
+    fn shapes(&self, rate: f64) -> Vec<Vec<Shape>> {
+        let blocks = &self.blocks;
+        let of = |program: usize| {
+            let mut classes = [0_usize; SIZES];
+            let own = blocks.list.iter().filter(|block| block.program == Some(program));
+            own.for_each(|block| classes[block.class] += 1);
+            let class = (0..SIZES).max_by_key(|class| classes[*class]).unwrap_or(0);
+            let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
+            let mut shapes =
+                self.stops.shapes(rate, Timed { time, deviation, exact, class }, &classes.map(|count| count > 0));
+            // The middle of exact times stays where it is until most operations are stopped.
+            shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
+            shapes
+        };
+        (0..blocks.times.len()).map(of).collect()
+    }
+}
+
 impl Forward for ShopModel {
     fn frame(&self) -> &Frame {
         &self.frame
@@ -334,20 +354,14 @@ impl Forward for ShopModel {
         let hold = of(&|action| matches!(action, Action::Hold));
         let policy = of(&|action| matches!(action, Action::Policy));
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
-        let programs = self.blocks.times.iter().zip(&self.blocks.scatter);
-        let shape = |(time, scatter): (&f64, &f64)| {
-            if rate > 0.0 { self.stops.shape(rate, *time, *scatter) } else { Shape::default() }
-        };
-        let mut shapes: Vec<Shape> = programs.map(shape).collect();
-        // The middle of exact times stays where it is until most operations are stopped.
-        let exact = shapes.iter_mut().zip(&self.blocks.exact).filter(|(_, exact)| **exact);
-        exact.for_each(|(shape, _)| shape.location = 0.0);
+        let shapes = if rate > 0.0 { self.shapes(rate) } else { Vec::new() };
         let measured = &self.frame.measured;
         let value = |observation: &super::super::Observation| {
             let (row, kind) = (observation.row, self.kinds[observation.channel]);
             let block = &self.blocks.list[row];
             let nominal = self.nominal[row][kind];
-            let shape = block.program.map_or_else(Shape::default, |program| shapes[program]);
+            let shape = block.program.and_then(|program| shapes.get(program)?.get(block.class)).copied();
+            let shape = shape.unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
             let (mut slower, mut delay, mut blocks, mut overridden) = (0.0, 0.0, 0.0, 0.0);
@@ -379,7 +393,7 @@ impl Forward for ShopModel {
 }
 
 /// Groups of blocks and the group of each.
-fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
+pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
     let name = |block: &Block| match by {
         Some("machine") => seen.machines[block.machine].clone(),
         Some("shift") => block.shift.clone(),

@@ -58,7 +58,7 @@ fn an_operation_is_put_together_from_its_stays() {
 
 #[test]
 fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
-    let stops = Deviation { id: "micro_stops", size: 2.0 / 3600.0, shift: None };
+    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
     let records = recorded(8, &[stops]);
     let model = nominal();
     let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
@@ -71,7 +71,7 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     let seen = visits(&records);
     let figure = |deviations: &[Deviation]| ShopKpi::of(shop, &visits(&recorded(9, deviations)), &mix(&seen));
     let (measured, before) = (ShopKpi::of(shop, &seen, &mix(&seen)), figure(&[]));
-    let after = figure(&[Deviation { id: "micro_stops", size: named.size / 3600.0, shift: None }]);
+    let after = figure(&[Deviation::new("micro_stops", named.size / 3600.0)]);
     let gap = |kpi: &ShopKpi| (measured.cycle_time - kpi.cycle_time).abs();
     assert!(gap(&before) > 2.0 && gap(&after) < 0.4 * gap(&before), "{measured:?} {before:?} {after:?}");
     assert!(after.throughput < before.throughput && after.effectiveness < before.effectiveness);
@@ -79,7 +79,7 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
 
 #[test]
 fn few_days_of_one_machine_name_no_cause() {
-    let stops = Deviation { id: "micro_stops", size: 2.0 / 3600.0, shift: None };
+    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
     let all = recorded(8, &[stops]);
     let (time, machine) = (all.numbers("time").expect("times"), all.texts("machine").expect("machines"));
     let rows: Vec<usize> = (0..all.len()).filter(|row| machine[*row] == "L1" && time[*row] < 3.0 * 86400.0).collect();

@@ -1,5 +1,6 @@
 //! From events to operations on machines.
 
+use super::super::noise::median;
 use super::state::State;
 use crate::records::Records;
 use std::collections::{BTreeMap, BTreeSet};
@@ -124,10 +125,32 @@ pub fn visits(events: &Records) -> Visits {
     if gaps > 0 {
         all.notes.push(format!("{gaps} stays of half a day and more are taken as gaps of the log"));
     }
+    let early = drop_aborted(&mut all);
+    if early > 0 {
+        all.notes.push(format!("{early} operations are left out: their program ended early"));
+    }
     if cut_off > 0 {
         all.notes.push(format!("{cut_off} operations are left out: not seen from beginning to end"));
     }
     all
+}
+
+/// Time in cut over that of the same program on the same machine below which a program did not come to
+/// its end (assumption).
+const ENDED_EARLY: f64 = 0.8;
+
+/// Drops operations whose program was broken off; how many. Times at full feed count.
+fn drop_aborted(all: &mut Visits) -> usize {
+    let time = |visit: &Visit| visit.cutting / (1.0 + visit.override_excess);
+    let mut times: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+    for visit in &all.list {
+        times.entry((visit.machine, visit.program)).or_default().push(time(visit));
+    }
+    let usual: BTreeMap<(usize, usize), f64> =
+        times.into_iter().map(|(key, mut times)| (key, median(&mut times))).collect();
+    let before = all.list.len();
+    all.list.retain(|visit| time(visit) >= ENDED_EARLY * usual[&(visit.machine, visit.program)]);
+    before - all.list.len()
 }
 
 /// Adds the operations of a machine; how many were left out.

@@ -2,25 +2,29 @@
 
 use super::super::{RecordKind, Records};
 use super::{Run, edge_name};
+use std::collections::BTreeMap;
+use toolroom_sim::RunLog;
+use toolroom_sim::runlog::{MachineState, StateRow};
 
 /// State after which nothing is known.
 const END: &str = "unavailable";
+/// State while the feed is held.
+const HELD: &str = "feed_hold";
 
 /// The events, in time.
 pub fn events(run: &Run<'_>) -> Records {
-    let mut states: Vec<_> = run.log.states.iter().collect();
-    states.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.machine.cmp(&b.machine)));
+    let states = states(run.log);
     let machines = if states.is_empty() { 0 } else { run.scenario.machines.len() };
     let count = states.len() + machines;
     let mut records = Records::new(RecordKind::Shop, count);
-    let mut time: Vec<f64> = states.iter().map(|state| state.start).collect();
-    let mut machine: Vec<String> = states.iter().map(|state| run.machine(state.machine)).collect();
-    let mut name: Vec<String> = states.iter().map(|state| state.state.name().to_owned()).collect();
+    let mut time: Vec<f64> = states.iter().map(|(state, _)| state.start).collect();
+    let mut machine: Vec<String> = states.iter().map(|(state, _)| run.machine(state.machine)).collect();
+    let mut name: Vec<String> = states.iter().map(|(_, word)| (*word).to_owned()).collect();
     let mut program = vec![String::new(); count];
     let mut operation = vec![String::new(); count];
     let mut tool = vec![String::new(); count];
     let mut feed = vec![f64::NAN; count];
-    for (row, state) in states.iter().enumerate() {
+    for (row, (state, _)) in states.iter().enumerate() {
         let Some(visit) = run.visits.of_state(state).map(|index| &run.visits.list[index]) else { continue };
         program[row] = run.program(visit.part, visit.operation);
         operation[row] = run.operation_id(visit.job, visit.part, visit.operation);
@@ -42,4 +46,34 @@ pub fn events(run: &Run<'_>) -> Records {
     records.set_texts("tool_id", tool);
     records.set_numbers("feed_override", feed);
     records
+}
+
+/// States with their words, in time. The log counts holds as time in cut and has them among its events:
+/// here they are a state of their own.
+fn states(log: &RunLog) -> Vec<(StateRow, &'static str)> {
+    let mut holds: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
+    for event in &log.events {
+        let Some(machine) = event.machine else { continue };
+        let own = holds.entry(machine).or_default();
+        match event.event {
+            "feed_hold" => own.push((event.time, log.horizon)),
+            "feed_release" => own.iter_mut().last().into_iter().for_each(|hold| hold.1 = event.time),
+            _ => {}
+        }
+    }
+    let mut states: Vec<(StateRow, &'static str)> = Vec::with_capacity(log.states.len());
+    for state in &log.states {
+        let own = holds.get(&state.machine).map_or(&[][..], Vec::as_slice);
+        let hold = own.iter().find(|(from, to)| *from < state.end && state.start < *to);
+        match hold.filter(|_| state.state == MachineState::Cutting) {
+            Some((from, _)) if *from > state.start => {
+                states.push((StateRow { end: *from, ..*state }, state.state.name()));
+                states.push((StateRow { start: *from, ..*state }, HELD));
+            }
+            Some(_) => states.push((*state, HELD)),
+            None => states.push((*state, state.state.name())),
+        }
+    }
+    states.sort_by(|(a, _), (b, _)| a.start.total_cmp(&b.start).then(a.machine.cmp(&b.machine)));
+    states
 }

@@ -16,6 +16,8 @@ record! {
         inverse_acceleration: Real["s2/m" => "s2/m"] = 0.0, 0.0..=100.0;
         /// Distance by which corners may be rounded: it gives the speed at them.
         corner_deviation: Real["m" => "um"] = 10e-6, 1e-9..=1e-3;
+        /// Time in which a drive builds its acceleration up: acceleration over jerk.
+        jerk_time: Real["s" => "s"] = 0.0, 0.0..=1.0;
         /// Time that every hole of a canned cycle takes beside its motions.
         hole_dwell: Real["s" => "s"] = 0.0, 0.0..=3600.0;
     }
@@ -35,10 +37,13 @@ impl Program {
     /// follows trapezoids between the speeds at the ends of motions: rest before and behind rapid
     /// motions, dwells, tool changes, M codes and exact stops, else at most
     /// `v² = a·corner_deviation·s/(1 − s)`, `s = cos(half the turn)`, and at most `v² = a·radius` on arcs.
+    /// With a jerk time a change of speed by `Δv` takes `Δv/a + jerk_time`, and where it is too small to
+    /// need the whole acceleration `2 √(Δv·jerk_time/a)`.
     ///
     /// # Source
     /// Trapezoidal speed with look-ahead over all blocks; corner speed of Jeon, "Improving Grbl:
-    /// cornering algorithm" (2011). That rapid motions start and end at rest, and that one
+    /// cornering algorithm" (2011). Ramps of limited jerk: Biagiotti & Melchiorri, "Trajectory Planning
+    /// for Automatic Machines and Robots" (2008), double S; the look-ahead does without jerk. That rapid motions start and end at rest, and that one
     /// acceleration holds for all directions, are assumptions.
     pub fn times(&self, drives: &Drives) -> Vec<f64> {
         let fixed = |block: &Block| {
@@ -57,8 +62,9 @@ impl Program {
         let speeds: Vec<f64> =
             steps.iter().map(|step| step.motion.top_speed(acceleration, drives.rapid_speed)).collect();
         let joints = joints(&steps, &speeds, acceleration, drives.corner_deviation);
+        let ramp = Ramp { acceleration, jerk_time: drives.jerk_time };
         for (i, step) in steps.iter().enumerate() {
-            times[step.block] += ramped(step.motion.way(), speeds[i], joints[i], joints[i + 1], acceleration);
+            times[step.block] += ramp.time_of(step.motion.way(), speeds[i], joints[i], joints[i + 1]);
         }
         times
     }
@@ -117,13 +123,50 @@ fn joints(steps: &[Step<'_>], speeds: &[f64], acceleration: f64, deviation: f64)
     joints
 }
 
-/// Time of a way with trapezoidal speed from `start` over at most `top` to `end`.
-fn ramped(way: f64, top: f64, start: f64, end: f64, acceleration: f64) -> f64 {
-    let squares = start * start + end * end;
-    let peak = top.min((acceleration * way + 0.5 * squares).sqrt());
-    let ramps = ((2.0 * peak * peak - squares) / (2.0 * acceleration)).min(way);
-    let cruise = if peak > 0.0 { (way - ramps) / peak } else { 0.0 };
-    (2.0 * peak - start - end).max(0.0) / acceleration + cruise
+/// How a drive changes its speed.
+struct Ramp {
+    acceleration: f64,
+    jerk_time: f64,
+}
+
+/// Halvings of the interval of a peak speed: to a thousandth of a per cent.
+const HALVINGS: usize = 17;
+
+impl Ramp {
+    /// Time of a change of speed.
+    fn time(&self, change: f64) -> f64 {
+        let full = self.acceleration * self.jerk_time;
+        if change >= full {
+            change / self.acceleration + self.jerk_time
+        } else {
+            2.0 * (change * self.jerk_time / self.acceleration).sqrt()
+        }
+    }
+
+    /// Times and ways of the ramps from `start` over `peak` to `end`; their speed is symmetric.
+    fn both(&self, start: f64, peak: f64, end: f64) -> (f64, f64) {
+        let (up, down) = (self.time((peak - start).max(0.0)), self.time((peak - end).max(0.0)));
+        (up + down, 0.5 * (start + peak) * up + 0.5 * (peak + end) * down)
+    }
+
+    /// Time of a way from speed `start` over at most `top` to `end`.
+    fn time_of(&self, way: f64, top: f64, start: f64, end: f64) -> f64 {
+        let squares = start * start + end * end;
+        let mut peak = top.min((self.acceleration * way + 0.5 * squares).sqrt());
+        if self.jerk_time > 0.0 && self.both(start, peak, end).1 > way {
+            let (mut low, mut high) = (start.max(end), peak);
+            for _ in 0..HALVINGS {
+                peak = 0.5 * (low + high);
+                if self.both(start, peak, end).1 > way { high = peak } else { low = peak }
+            }
+        }
+        let (time, ramps) = self.both(start, peak, end);
+        if ramps > way {
+            // The look-ahead knows no jerk: ramps that are too long are taken at their mean speed.
+            return time * way / ramps;
+        }
+        time + if peak > 0.0 { (way - ramps) / peak } else { 0.0 }
+    }
 }
 
 #[cfg(test)]
@@ -154,6 +197,20 @@ mod tests {
         assert!((time(&format!("G0 X0 Y0 Z0\nG1 F6000\n{pieces}"), &with(0.5)) - whole).abs() < 1e-9);
         let stopped = time(&format!("G61 G0 X0 Y0 Z0\nG1 F6000\n{pieces}"), &with(0.5));
         assert!(stopped > 1.5 * whole, "{stopped}");
+    }
+
+    #[test]
+    fn a_ramp_of_limited_jerk_takes_longer_by_its_mean_speed() {
+        let with = |jerk_time| Drives { inverse_acceleration: 1.0, jerk_time, ..Drives::default() };
+        let time = |x: f64, jerk_time| time(&format!("G0 X0 Y0 Z0\nG1 X{x} F6000"), &with(jerk_time));
+        // 0.1 m/s at 1 m/s² in 0.1 s; with 0.05 s of jerk in 0.15 s, half of it lost at each end.
+        assert!((time(100.0, 0.05) - 1.15).abs() < 1e-9, "{}", time(100.0, 0.05));
+        // With 0.4 s the whole acceleration is never reached: 2·√(0.1·0.4) s a ramp.
+        assert!((time(100.0, 0.4) - 1.4).abs() < 1e-9, "{}", time(100.0, 0.4));
+        // Two triangles of jerk and way 4 mm: both ramps to v in 2·√(v·0.4), way v·2·√(v·0.4).
+        let peak = (4e-3 / (2.0 * 0.4_f64.sqrt())).powf(2.0 / 3.0);
+        assert!((time(4.0, 0.4) - 4.0 * (peak * 0.4).sqrt()).abs() < 1e-4, "{}", time(4.0, 0.4));
+        assert_eq!(time(4.0, 0.0), self::time("G0 X0 Y0 Z0\nG1 X4 F6000", &self::with(1.0)));
     }
 
     #[test]

@@ -636,6 +636,11 @@ static SHOP_DEVIATION: Form = Form {
         Key::required("id", Kind::Choice(crate::scenario::Deviation::IDS), "Effect; `toolroom effects` lists them"),
         Key::required("size", Kind::Text, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
         Key::optional("shift", Kind::Name, "Shift in which it acts, S1, S2 … of the machine's calendar"),
+        Key::optional(
+            "share",
+            quantity("1", "1", 0.0, 1.0, "0.05"),
+            "Share of the operations that are held (feed_hold)",
+        ),
     ],
 };
 

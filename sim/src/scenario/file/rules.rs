@@ -192,7 +192,8 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>) -> Vec<Deviation> 
         match unit::quantity(text, entry.size.unit) {
             Ok(size) if (entry.size.min..=entry.size.max).contains(&size) => {
                 let shift = section.text("shift").map(str::to_owned);
-                deviations.push(Deviation { id: entry.id, size, shift });
+                let share = section.si("share").unwrap_or(1.0);
+                deviations.push(Deviation { id: entry.id, size, shift, share });
             }
             Ok(_) => {
                 let range = format!("{} … {} {}", entry.size.min, entry.size.max, entry.size.unit);
