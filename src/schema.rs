@@ -7,11 +7,15 @@ use crate::speak::Voice;
 use toolroom_sim::scenario::file::{SCENARIO, schema};
 use toolroom_sim::scenario::lobes::LOBES;
 
+/// Of a file that is written, not read.
+const DIAGNOSIS: &str = include_str!("../scenarios/schema/diagnosis.schema.json");
+
 pub fn run(args: &SchemaArgs, voice: &Voice) -> Result<(), Failure> {
     let schema = match args.kind {
         FileKind::Scenario => schema(&SCENARIO, "toolroom scenario"),
         FileKind::Lobes => schema(&LOBES, "toolroom lobes file"),
         FileKind::Life => schema(&STUDY, "toolroom tool-life study"),
+        FileKind::Diagnosis => serde_json::from_str(DIAGNOSIS).map_err(Failure::Json)?,
     };
     voice.json(&schema)
 }

@@ -150,7 +150,7 @@ fn a_missing_file_and_a_wrong_verb_are_input_errors() {
 
 #[test]
 fn the_shipped_schemas_are_the_printed_ones() {
-    for kind in ["scenario", "lobes", "life"] {
+    for kind in ["scenario", "lobes", "life", "diagnosis"] {
         let printed = json(&toolroom(&["schema", kind]));
         let path = format!("{}/scenarios/schema/{kind}.schema.json", env!("CARGO_MANIFEST_DIR"));
         let shipped = fs::read_to_string(path).expect("shipped");

@@ -22,6 +22,8 @@ pub enum FileKind {
     Scenario,
     Lobes,
     Life,
+    /// diagnosis.json of `gap diagnose`
+    Diagnosis,
 }
 
 #[derive(Args, Debug)]

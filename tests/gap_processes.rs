@@ -1,0 +1,134 @@
+//! Several processes in one data set: a directory of tables, a model for each, one answer.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use toolroom_truth::Case;
+
+fn toolroom(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .stdin(Stdio::null())
+        .output()
+        .expect("the binary runs")
+}
+
+fn shipped(name: &str) -> String {
+    format!("{}/scenarios/gap/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A directory with the tables of these cases.
+fn tables(cases: &[(&str, Case)]) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().expect("a folder");
+    for (table, case) in cases {
+        fs::write(dir.path().join(format!("{table}.csv")), case.records()).expect("a writable folder");
+    }
+    dir
+}
+
+fn path(dir: &Path, name: &str) -> String {
+    dir.join(name).display().to_string()
+}
+
+fn texts<'a>(list: &'a Value, key: &str) -> Vec<&'a str> {
+    list.as_array().into_iter().flatten().filter_map(|entry| entry[key].as_str()).collect()
+}
+
+/// Whether a document has all that the shipped schema requires of it, to any depth.
+fn conforms(document: &Value, schema: &Value, root: &Value) -> bool {
+    let schema = if schema["$ref"] == "#" { root } else { schema };
+    let own = |key: &Value| key.as_str().is_some_and(|key| document.get(key).is_some());
+    let properties = schema["properties"].as_object().into_iter().flatten();
+    let children = properties.filter_map(|(key, schema)| Some((document.get(key)?, schema)));
+    let items = document.as_array().into_iter().flatten().map(|item| (item, &schema["items"]));
+    let others = document.as_object().into_iter().flatten().map(|(_, child)| (child, &schema["additionalProperties"]));
+    schema["required"].as_array().into_iter().flatten().all(own)
+        && schema["enum"].as_array().is_none_or(|words| words.contains(document))
+        && children
+            .chain(items.filter(|(_, schema)| !schema.is_null()))
+            .chain(others.filter(|(_, schema)| schema.is_object()))
+            .all(|(child, schema)| conforms(child, schema, root))
+}
+
+#[test]
+fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
+    let data = tables(&[
+        ("operations", Case::null("turning", 21)),
+        ("trials", Case::one("grinding", "wheel_dulling", 2.0, 22)),
+    ]);
+    let [data_path, out, better] = ["", "gap", "better"].map(|name| path(data.path(), name));
+    let (turning, grinding) = (shipped("turning"), shipped("grinding"));
+    let models = ["--model", &turning, "--model", &grinding];
+    let run = toolroom(&[&["gap", "diagnose", "--data", &data_path, "--out", &out], &models[..]].concat());
+    assert_eq!(run.status.code(), Some(0), "{}", said(&run));
+    let summary = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(summary.lines().count() <= 10 && summary.contains("in all"), "{summary}");
+    let text = fs::read_to_string(path(data.path(), "gap/diagnosis.json")).expect("a diagnosis");
+    let found: Value = serde_json::from_str(&text).expect("JSON");
+    let schema: Value = serde_json::from_slice(&toolroom(&["schema", "diagnosis"]).stdout).expect("a schema");
+    assert!(conforms(&found, &schema, &schema), "{found}");
+    assert_eq!((&found["schema"], &found["verdict"]), (&1.into(), &"effect".into()), "{summary}");
+    assert_eq!(texts(&found["effects"], "id"), ["wheel_dulling"]);
+    assert_eq!(texts(&found["effects"], "process"), ["grinding"]);
+    let processes = &found["processes"];
+    assert_eq!(
+        (&processes["turning"]["verdict"], &processes["grinding"]["verdict"]),
+        (&"no_gap".into(), &"effect".into())
+    );
+    let closed = |value: &Value| value["closed"].as_f64().expect("a number");
+    let (own, all) = (closed(&processes["grinding"]["closure"]["total"]), closed(&found["closure"]["total"]));
+    assert!(own > 0.1 && all > 0.0 && all < own, "{own} {all}");
+    assert!(found["closure"]["channels"]["cutting_force"].is_object());
+    let report = fs::read_to_string(path(data.path(), "gap/report.html")).expect("a report");
+    assert!(report.contains("All processes") && report.contains("grinding: ranking of effects"));
+    // Every model comes out, the one without an effect as it was.
+    let diagnosis = path(data.path(), "gap/diagnosis.json");
+    let applied = toolroom(&[&["gap", "apply", "--diagnosis", &diagnosis, "--out", &better], &models[..]].concat());
+    assert_eq!(applied.status.code(), Some(0), "{}", said(&applied));
+    let written = |name: &str| fs::read_to_string(path(data.path(), &format!("better/{name}.toml"))).expect("a model");
+    assert_eq!(written("turning"), fs::read_to_string(&turning).expect("a model"));
+    assert!(written("grinding").contains("id = \"wheel_dulling\""));
+    let checked = toolroom(&["check", &path(data.path(), "better/grinding.toml")]);
+    assert_eq!(checked.status.code(), Some(0), "{}", said(&checked));
+}
+
+#[test]
+fn nothing_hidden_in_two_processes_is_no_gap() {
+    let data = tables(&[("trials", Case::null("grinding", 31)), ("cuts", Case::null("milling", 32))]);
+    let (data, grinding, milling) = (path(data.path(), ""), shipped("grinding"), shipped("milling"));
+    let run = toolroom(&["gap", "diagnose", "--data", &data, "--model", &grinding, "--model", &milling, "--json"]);
+    let found: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
+    assert_eq!((&found["verdict"], &found["effects"]), (&"no_gap".into(), &Value::Array(Vec::new())), "{found}");
+}
+
+#[test]
+fn tables_and_models_that_do_not_meet_are_told_with_a_fix() {
+    let data = tables(&[("operations", Case::null("turning", 21)), ("trials", Case::null("grinding", 31))]);
+    let (dir, file) = (path(data.path(), ""), path(data.path(), "trials.csv"));
+    let models = ["turning", "grinding", "milling"].map(shipped);
+    let refused = |arguments: &[&str], words: [&str; 2]| {
+        let run = toolroom(&[&["gap", "diagnose"], arguments].concat());
+        assert_eq!(run.status.code(), Some(2), "{arguments:?}");
+        assert!(words.iter().all(|word| said(&run).contains(word)), "{}", said(&run));
+    };
+    let [turning, grinding, milling] = [&models[0], &models[1], &models[2]].map(String::as_str);
+    refused(&["--data", &dir, "--model", turning, "--model", milling], ["no cuts.csv", "it holds operations"]);
+    refused(&["--data", &dir, "--model", milling], ["no cuts.csv", "leave"]);
+    refused(&["--data", &file, "--model", turning, "--model", grinding], ["one table", "directory"]);
+    refused(&["--data", &dir, "--model", turning, "--model", turning], ["both read", "leave one"]);
+    fs::write(data.path().join("cuts.csv"), Case::null("milling", 32).records()).expect("a writable folder");
+    refused(
+        &["--data", &dir, "--model", turning, "--model", grinding],
+        ["cuts (milling)", "scenarios/gap/milling.toml"],
+    );
+    // One model alone may leave tables alone.
+    let alone = toolroom(&["gap", "diagnose", "--data", &dir, "--model", grinding, "--json"]);
+    assert_eq!(alone.status.code(), Some(0));
+    assert!(said(&alone).contains("operations (turning), cuts (milling)"), "{}", said(&alone));
+}
