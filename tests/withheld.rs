@@ -55,13 +55,14 @@ fn a_channel_in_a_wrong_unit_is_said() {
 
 #[test]
 fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
-    let diagnosis = diagnosed(&Case::one("shop", "micro_stops", 1.0, 1));
-    assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
-    let effect = &diagnosis.effects[0];
-    assert_eq!((effect.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
-    // 1.5 stops an hour, of 20 s: less than one per cent of the time in cut. Blocks of many stops
-    // count as outliers, so that sizes come out low by up to a third.
-    assert!((1.5 * 0.6..1.5 * 1.1).contains(&effect.size), "{} 1/h", effect.size);
+    // 0.75 and 1.5 stops an hour, of 20 s: less than one per cent of the time in cut.
+    for (strength, rate) in [(0.5, 0.75), (1.0, 1.5)] {
+        let diagnosis = diagnosed(&Case::one("shop", "micro_stops", strength, 1));
+        assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
+        let effect = &diagnosis.effects[0];
+        assert_eq!((effect.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+        assert!((rate * 0.8..rate * 1.2).contains(&effect.size), "{} 1/h", effect.size);
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use toolroom_analysis::gap::plan::plan;
-use toolroom_analysis::gap::shop::{after, groups_of};
+use toolroom_analysis::gap::shop::{after, groups_of, queues, visits};
 use toolroom_analysis::gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::records::{RecordKind, Records};
@@ -42,6 +42,11 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
         diagnosis.notes.extend(notes);
+        if let NominalProcess::Shop(shop) = &model.process {
+            let named = !diagnosis.effects.is_empty();
+            let scores = queues(shop, &visits(&records), diagnosis, args.seed);
+            diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
+        }
     }
     write(args, &answers, voice)
 }

@@ -50,8 +50,9 @@ const WHOLE: Sensor = Sensor { absolute: 0.5, relative: 0.05, resolution: 0.0 };
 const CHANGE_SCATTER: f64 = 2.0;
 const HOLE_SCATTER: f64 = 0.2;
 const HOLD_SCATTER: f64 = 0.3;
-/// Corner deviations, m, and jerk times, s, with which an acceleration is tried (assumptions).
-const CORNERS: [f64; 3] = [1e-6, 10e-6, 100e-6];
+/// Corner deviations, m, and jerk times, s, with which an acceleration is tried (assumptions). The least
+/// deviations are those of controllers that nearly stop at every corner.
+const CORNERS: [f64; 5] = [0.01e-6, 0.1e-6, 1e-6, 10e-6, 100e-6];
 const JERKS: [f64; 3] = [0.0, 10e-3, 30e-3];
 
 /// How a candidate acts.
@@ -164,7 +165,7 @@ impl Stretches {
             let on = self.model.effects.axis_acceleration > 0.0;
             let shapes: Vec<(f64, f64)> = if on { vec![own] } else { all() };
             for (corner, jerk) in shapes {
-                let mut shape = format!("corners within {:.0} um", corner * 1e6);
+                let mut shape = format!("corners within {} um", corner * 1e6);
                 if jerk > 0.0 {
                     shape += &format!(", jerk time {:.0} ms", jerk * 1e3);
                 }

@@ -222,6 +222,7 @@ impl Blocks {
             let count = own.len() as f64;
             block.class = class(own.len());
             block.cutting = own.iter().map(|visit| visit.cutting).sum();
+            block.new_edges = own.iter().filter(|visit| visit.new_edge).count() as f64 / count;
             if own.len() >= SHAPED {
                 let scatter = blocks.scatter[*program];
                 let shape = Shape::of(&mut logarithms(at, &full_feed), scatter);
@@ -358,7 +359,7 @@ fn outliers(pools: &Pools, scatter: &[f64], logarithms: &dyn Fn(&[usize]) -> Vec
 }
 
 /// Normal score of a probability, bounded.
-fn normal_score(probability: f64) -> f64 {
+pub(super) fn normal_score(probability: f64) -> f64 {
     let normal = Normal::standard();
     normal.inverse_cdf(probability.clamp(1e-5, 1.0 - 1e-5))
 }

@@ -9,7 +9,8 @@
 //! it shows in their mean: visits are therefore gathered in blocks (machine, day, part of a shift,
 //! program), and a block has several channels: where its times lie (median), how far they spread,
 //! how much longer than shorter outliers there are, what its mean is above its median. Spreads are
-//! taken over normal scores of the probability integral transform under the nominal simulation.
+//! taken over normal scores of the probability integral transform under the nominal simulation. Waits
+//! in queues are scored by themselves ([`queues`]).
 //!
 //! # Source
 //! Normal scores of the randomised probability integral transform: Dunn & Smyth 1996. Short stops
@@ -20,6 +21,7 @@ mod kpi;
 mod logs;
 mod model;
 mod nominal;
+mod queue;
 mod state;
 mod stops;
 #[cfg(test)]
@@ -30,5 +32,6 @@ pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
+pub use queue::{QueueFit, QueueScore, queues};
 pub use state::State;
 pub use visit::{Visit, Visits, visits};

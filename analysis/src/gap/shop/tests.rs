@@ -65,16 +65,79 @@ fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
     assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
     let named = &diagnosis.effects[0];
     assert_eq!((named.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
-    // Blocks of many stops count as outliers: sizes come out low by up to a quarter.
-    assert!((1.5..2.2).contains(&named.size), "{} 1/h", named.size);
+    assert!((1.8..2.2).contains(&named.size), "{} 1/h", named.size);
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let seen = visits(&records);
     let figure = |deviations: &[Deviation]| ShopKpi::of(shop, &visits(&recorded(9, deviations)), &mix(&seen));
     let (measured, before) = (ShopKpi::of(shop, &seen, &mix(&seen)), figure(&[]));
     let after = figure(&[Deviation::new("micro_stops", named.size / 3600.0)]);
     let gap = |kpi: &ShopKpi| (measured.cycle_time - kpi.cycle_time).abs();
-    assert!(gap(&before) > 2.0 && gap(&after) < 0.4 * gap(&before), "{measured:?} {before:?} {after:?}");
+    assert!(gap(&before) > 2.0 && gap(&after) < 0.3 * gap(&before), "{measured:?} {before:?} {after:?}");
     assert!(after.throughput < before.throughput && after.effectiveness < before.effectiveness);
+}
+
+#[test]
+fn holds_of_the_simulated_shop_are_named_with_their_length() {
+    let records = recorded(11, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+    let model = nominal();
+    let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["feed_hold"], "{}", diagnosis.terminal());
+    assert!((diagnosis.effects[0].size - 15.0).abs() < 0.5, "{}", diagnosis.terminal());
+    let seen = visits(&records);
+    let held = seen.list.iter().filter(|visit| visit.holds == [15.0]).count() as f64 / seen.list.len() as f64;
+    assert!((held - 0.05).abs() < 0.01, "{held}");
+    // The cycle grows by 15 s a hold and by nothing else.
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let cycle = |records: &Records| ShopKpi::of(shop, &visits(records), &mix(&seen)).cycle_time;
+    let longer = cycle(&records) - cycle(&recorded(11, &[]));
+    assert!((longer - 15.0 * held).abs() < 0.2, "{longer} s");
+}
+
+#[test]
+fn another_log_of_the_shop_is_held_out_day_by_day() {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let stops = [Deviation::new("micro_stops", 2.0 / 3600.0)];
+    let first = recorded(8, &stops);
+    let second = after(shop, &first, recorded(12, &stops));
+    let outside = groups_of(shop, &second, None);
+    let (forward, _) = model.over(&first.followed_by(&second), None, |_, name| outside.contains(name));
+    let measured = &forward.frame().measured;
+    assert_eq!(measured.fitted_groups().count(), groups_of(shop, &first, None).len());
+    assert_eq!(measured.groups.len(), outside.len() + groups_of(shop, &first, None).len());
+    let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+    assert!(diagnosis.held_out.iter().all(|group| outside.contains(group)));
+    assert!(diagnosis.total.closed > 0.05, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let scored = |records: &Records| {
+        let (forward, _) = model.over(records, None, |_, _| false);
+        let mut diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+        // As if calibration knew nothing of what makes the shop slow.
+        diagnosis.calibration.clear();
+        queues(shop, &visits(records), &diagnosis, 1)
+    };
+    let own = scored(&recorded(7, &[]));
+    let mills = own.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
+    assert!(mills.waits > 500 && mills.without.score.abs() < 2.5 && mills.without.area < 0.1, "{mills:?}");
+    assert_eq!(mills.without, mills.with);
+    let late = scored(&recorded(7, &[Deviation::new("operator_delay", 40.0)]));
+    let mills = late.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
+    assert!(mills.without.score > 3.0 && mills.with.score.abs() < mills.without.score / 2.0, "{mills:?}");
+    assert!(mills.without.mean < mills.recorded && mills.with.area < mills.without.area, "{mills:?}");
+}
+
+#[test]
+fn a_machine_works_around_its_absences() {
+    let away = vec![vec![(10.0, 20.0), (20.0, 30.0), (50.0, 60.0)]];
+    let seen = Visits { away, ..Visits::default() };
+    assert_eq!((seen.working(0, 5.0), seen.working(0, 12.0), seen.working(0, 30.0)), (5.0, 30.0, 30.0));
+    assert_eq!((seen.worked(0, 5.0, 5.0), seen.worked(0, 5.0, 6.0), seen.worked(0, 30.0, 25.0)), (10.0, 31.0, 65.0));
 }
 
 #[test]

@@ -55,6 +55,8 @@ pub struct Visits {
     pub failure_gaps: Vec<(usize, f64, f64)>,
     /// Time in cut of edges that were followed from first to last, with machine and end, s.
     pub edge_lives: Vec<(usize, f64, f64)>,
+    /// Breakdowns, nights and what is not known, by machine: from and to, s.
+    pub away: Vec<Vec<(f64, f64)>>,
     /// Whether feed overrides are recorded.
     pub overridden: bool,
     /// What the reader found worth saying.
@@ -70,6 +72,30 @@ struct Stay<'a> {
     operation: String,
     tool: &'a str,
     feed: f64,
+}
+
+impl Visits {
+    /// The first time from `time` on at which a machine is there, s.
+    pub fn working(&self, machine: usize, time: f64) -> f64 {
+        let away = &self.away[machine];
+        let first = away.partition_point(|(_, to)| *to <= time);
+        // A night may follow a breakdown at once.
+        away[first..].iter().fold(time, |now, (from, to)| if *from <= now { to.max(now) } else { now })
+    }
+
+    /// When a machine has worked for `duration` from `start` on, s.
+    pub fn worked(&self, machine: usize, start: f64, duration: f64) -> f64 {
+        let away = &self.away[machine];
+        let (mut now, mut left) = (start, duration);
+        for (from, to) in &away[away.partition_point(|(_, to)| *to <= start)..] {
+            if now + left <= *from {
+                break;
+            }
+            left -= (from - now).max(0.0);
+            now = to.max(now);
+        }
+        now + left
+    }
 }
 
 /// Gathers operations from events.
@@ -119,6 +145,12 @@ pub fn visits(events: &Records) -> Visits {
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
             stays.push(Stay { state, start, end, program, operation, tool, feed });
         }
+        let gone = |stay: &&Stay<'_>| match stay.state {
+            State::Stopped => stay.end - stay.start > SHORT_STOP,
+            State::OffShift | State::Unknown => true,
+            _ => false,
+        };
+        all.away.push(stays.iter().filter(gone).map(|stay| (stay.start, stay.end)).collect());
         cut_off += of_machine(&mut all, machine, &stays);
         breakdowns(&mut all, machine, &stays);
     }
