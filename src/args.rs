@@ -288,7 +288,8 @@ pub enum GapCommand {
     /// Name the missing effect, or say that it cannot be told
     #[command(before_help = "Examples:
   toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --out out/gap
-  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json")]
+  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json
+  toolroom gap diagnose --model turning.toml --model grinding.toml --data records      every table with its model")]
     Diagnose(DiagnoseArgs),
     /// What such runs could show before anything is measured
     #[command(before_help = "Examples:

@@ -104,7 +104,12 @@ fn nothing_hidden_in_two_processes_is_no_gap() {
     let (data, grinding, turning) = (path(data.path(), ""), shipped("grinding"), shipped("turning"));
     let run = toolroom(&["gap", "diagnose", "--data", &data, "--model", &grinding, "--model", &turning, "--json"]);
     let found: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
-    assert_eq!((&found["verdict"], &found["effects"]), (&"no_gap".into(), &Value::Array(Vec::new())), "{}", found["notes"]);
+    assert_eq!(
+        (&found["verdict"], &found["effects"]),
+        (&"no_gap".into(), &Value::Array(Vec::new())),
+        "{}",
+        found["notes"]
+    );
 }
 
 #[test]

@@ -18,6 +18,7 @@ pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};
 use super::settings::Settings;
+use super::summary::rounded;
 use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Sensor, Surface, Transform};
 use crate::records::Records;
 use rows::{Rows, rows};
@@ -50,10 +51,10 @@ const WHOLE: Sensor = Sensor { absolute: 0.5, relative: 0.05, resolution: 0.0 };
 const CHANGE_SCATTER: f64 = 2.0;
 const HOLE_SCATTER: f64 = 0.2;
 const HOLD_SCATTER: f64 = 0.3;
-/// Corner deviations, m, and jerk times, s, with which an acceleration is tried (assumptions). The least
+/// Corner deviations, um, and jerk times, ms, with which an acceleration is tried (assumptions). The least
 /// deviations are those of controllers that nearly stop at every corner.
-const CORNERS: [f64; 5] = [0.01e-6, 0.1e-6, 1e-6, 10e-6, 100e-6];
-const JERKS: [f64; 3] = [0.0, 10e-3, 30e-3];
+const CORNERS: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
+const JERKS: [f64; 3] = [0.0, 10.0, 30.0];
 
 /// How a candidate acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,14 +161,15 @@ impl Stretches {
         }
         if !whole {
             let own = (self.model.drives.corner_deviation, self.model.drives.jerk_time);
-            let all = || CORNERS.into_iter().flat_map(|corner| JERKS.map(|jerk| (corner, jerk))).collect();
+            let all =
+                || CORNERS.into_iter().flat_map(|corner| JERKS.map(|jerk| (1e-6 * corner, 1e-3 * jerk))).collect();
             // An acceleration that is on already only grows: its corners are known.
             let on = self.model.effects.axis_acceleration > 0.0;
             let shapes: Vec<(f64, f64)> = if on { vec![own] } else { all() };
             for (corner, jerk) in shapes {
-                let mut shape = format!("corners within {} um", corner * 1e6);
+                let mut shape = format!("corners within {} um", rounded(corner * 1e6));
                 if jerk > 0.0 {
-                    shape += &format!(", jerk time {:.0} ms", jerk * 1e3);
+                    shape += &format!(", jerk time {} ms", rounded(jerk * 1e3));
                 }
                 add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
             }
