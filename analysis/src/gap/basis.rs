@@ -1,7 +1,7 @@
 //! Noise and scatter that every model of a diagnosis is judged by.
 
 use super::fit::{Fit, fit, offset_residual};
-use super::gram::{factor, part, part_column};
+use super::gram::{factor, inverse_diagonal, part, part_column};
 use super::{Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
 
 /// Factors on the scale of an estimated local scatter that are tried.
@@ -41,21 +41,21 @@ impl Basis {
             .collect();
         let residual = offset_residual(model, linear, &at.active);
         let local_scale = scatter(model, linear, &before.noise, &residual);
-        let gram = Gram::new(measured, &before.noise, linear, &columns, &residual, &local_scale);
+        let gram = Gram::new(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
         let (nuisance, effects) = (linear.nuisance.len(), linear.effects.len());
         let all: Vec<usize> = (0..columns.len()).collect();
-        let plain = part(&gram.total, &all, &all);
-        let mut ridge = plain.clone();
-        for i in all.iter().copied() {
-            ridge[(i, i)] += match i {
-                i if i < nuisance => 1.0,
-                i if i < nuisance + effects => 1.0 / 9.0,
-                _ => GENERIC_PRIOR.powi(-2),
-            };
-        }
+        let prior = |i: usize| match i {
+            i if i < nuisance => 1.0,
+            i if i < nuisance + effects => 1.0 / 9.0,
+            _ => GENERIC_PRIOR.powi(-2),
+        };
+        let mut ridge = part(&gram.total, &all, &all);
+        all.iter().for_each(|i| ridge[(*i, *i)] += prior(*i));
         let ridge = factor(ridge);
         let solution = ridge.solve(&part_column(&gram.total, &all, gram.last()));
-        let used = ridge.solve(&plain).trace();
+        // Degrees of freedom used: the trace of ridge⁻¹ (ridge − prior).
+        let inverse = inverse_diagonal(&ridge);
+        let used: f64 = all.iter().map(|i| 1.0 - prior(*i) * inverse[*i]).sum();
         let mut left = residual;
         for (column, x) in columns.iter().zip(solution.iter()) {
             left.iter_mut().zip(*column).for_each(|(left, slope)| *left -= slope * x);
@@ -118,15 +118,15 @@ fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]
     let measured = &model.frame().measured;
     let mut scale = vec![1.0; model.frame().locals.len()];
     let columns: Vec<&[f64]> = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice).collect();
-    let at: Vec<usize> = (0..columns.len()).collect();
     for kind in (0..scale.len()).filter(|kind| model.frame().locals[*kind].estimated) {
-        let weight = |factor: f64| {
-            let mut trial = scale.clone();
-            trial[kind] = factor;
-            let gram = Gram::new(measured, noise, linear, &columns, residual, &trial);
-            evidence::marginal(&gram, &measured.fitted, &at, linear.nuisance.len()) - 0.5 * factor * factor
-        };
-        let weights: Vec<f64> = SCALES.iter().map(|factor| weight(*factor)).collect();
+        let trials: Vec<Vec<f64>> = SCALES
+            .iter()
+            .map(|factor| scale.iter().enumerate().map(|(i, own)| if i == kind { *factor } else { *own }).collect())
+            .collect();
+        let grams = Gram::at_scales(measured, noise, linear, &columns, residual, &trials);
+        let weight =
+            |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, linear.nuisance.len()) - 0.5 * factor * factor;
+        let weights: Vec<f64> = grams.iter().zip(&SCALES).map(weight).collect();
         let best = (0..SCALES.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
         scale[kind] = SCALES[best];
     }

@@ -28,17 +28,20 @@ pub fn held_out_residuals(model: &dyn Forward, basis: &Basis, trial: &Trial, fol
     let shared = trial.shared;
     let mut at: Vec<usize> = columns(shared, &trial.fit.active);
     at.retain(|i| *i >= shared || (*i < nuisance && !allowance[*i]));
-    let solutions = left_out_solutions(&trial.gram, folds, &at, shared);
+    let solutions = left_out_solutions(&trial.gram, &at, shared);
     let mut left = offset_residual(model, linear, &trial.fit.active);
     let column = |i: usize| if i < nuisance { &linear.nuisance[i] } else { &linear.effects[i - shared] };
     // Groups outside the fit are predicted by the fit to all that is inside.
     let whole = solution(&trial.gram, &at, shared);
-    for (index, group) in trial.gram.groups.iter().enumerate() {
-        let fold = folds.iter().position(|fold| fold.contains(&index));
+    let mut fold_of = vec![None; measured.groups.len()];
+    for (index, fold) in folds.iter().enumerate() {
+        fold.iter().for_each(|group| fold_of[*group] = Some(index));
+    }
+    for (span, fold) in measured.spans.iter().zip(fold_of) {
         let solution = fold.map_or(&whole, |fold| &solutions[fold]);
         for (i, x) in at.iter().zip(solution.iter()) {
             let slope = column(*i);
-            measured.spans[*group].clone().for_each(|row| left[row] -= slope[row] * x);
+            span.clone().for_each(|row| left[row] -= slope[row] * x);
         }
     }
     let own = own_factors(model, &basis.noise, linear, &left, &basis.local_scale);

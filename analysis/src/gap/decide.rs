@@ -138,7 +138,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
             candidate,
             id: model.frame().candidates[candidate].id,
             score: scores.score[candidate],
-            evidence: base.with(folds, candidate),
+            evidence: base.with(candidate),
             trial: None,
         })
         .collect();
@@ -235,7 +235,7 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
         let own = model.frame().candidates[single.fit.active[0]].id;
         let second = (0..count)
             .filter(|other| model.frame().candidates[*other].id != own && scores.score[*other] > 2.5)
-            .map(|other| (other, single.with(folds, other)))
+            .map(|other| (other, single.with(other)))
             .filter(|(_, evidence)| evidence.admissible)
             .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
@@ -265,8 +265,8 @@ fn credible(model: &dyn Forward, decision: &Decision, trial: &Trial) -> bool {
 }
 
 /// Whether the groups agree on every effect of a trial.
-fn agreed(model: &dyn Forward, folds: &[Vec<usize>], trial: &Trial) -> bool {
-    let errors = trial.jackknife(folds);
+fn agreed(model: &dyn Forward, trial: &Trial) -> bool {
+    let errors = trial.jackknife();
     trial.sizes(model).iter().zip(errors).all(|(size, error)| *size > AGREED * error)
 }
 
@@ -306,7 +306,7 @@ fn shape(
         alike
             && trial.evidence.admissible
             && decision.gain_of(trial, candidates.len()) > GATE
-            && agreed(model, folds, trial)
+            && agreed(model, trial)
             && convincing(model, trial, &decision.base)
     };
     let others = (0..decision.trials.len()).filter(|other| stands(*other));
@@ -334,7 +334,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     let groups = model.frame().measured.fitted_groups().count();
     // Where groups disagree about the best effect, the next may be the one they agree on.
     let spoken: Vec<bool> =
-        decision.trials.iter().map(|trial| groups < FEWEST_GROUPS || agreed(model, folds, trial)).collect();
+        decision.trials.iter().map(|trial| groups < FEWEST_GROUPS || agreed(model, trial)).collect();
     let best_of = |decision: &Decision, effects: usize| {
         let eligible = |trial: &Trial| trial.fit.active.len() == effects && trial.evidence.admissible;
         (0..decision.trials.len()).filter(|i| spoken[*i] && eligible(&decision.trials[*i])).max_by(|a, b| {
@@ -346,7 +346,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     if let (Some(single), Some(pair)) = (chosen, best_of(decision, 2)) {
         let lead = gain(&decision.trials[pair].evidence, &decision.trials[single].evidence);
         let lead = lead - (price(count, 2) - price(count, 1));
-        if lead > PAIR_GATE && agreed(model, folds, &decision.trials[pair]) {
+        if lead > PAIR_GATE && agreed(model, &decision.trials[pair]) {
             chosen = Some(pair);
         }
     }
@@ -362,7 +362,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
         let abstains = basis.method.abstention;
-        let passes = value > GATE && agreed(model, folds, trial) && convincing(model, trial, &decision.base);
+        let passes = value > GATE && agreed(model, trial) && convincing(model, trial, &decision.base);
         let beaten = abstains && generic_gain - value > GATE + FORM * value;
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;

@@ -68,8 +68,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         basis = next;
     }
     let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale).complete(model);
-    let spread = Trial::of(model, &basis, &[], refit.clone());
-    let folds = folds(&spread.gram, &model.frame().measured.fitted);
+    let folds = folds(&model.frame().measured);
     let base = Trial::of(model, &basis, &folds, refit);
     let mut decision = decide(model, &basis, &folds, base, seed);
     for _ in 0..RESTARTS {
@@ -82,7 +81,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let scored = scored(measured);
     let touched = touched(model, decision.model());
     let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
-    let named = named(model, &basis, &decision, &folds);
+    let named = named(model, &basis, &decision);
     let masked = masked(model, &basis, &decision);
     let tried = tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
     let mut notes = decision.reasons.clone();
@@ -175,13 +174,13 @@ fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision:
     (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
 }
 
-fn named(model: &dyn Forward, basis: &Basis, decision: &Decision, folds: &[Vec<usize>]) -> Vec<NamedEffect> {
+fn named(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<NamedEffect> {
     if decision.verdict != GapVerdict::Effect {
         return Vec::new();
     }
     let trial = decision.model();
     let posterior = trial.deviations();
-    let between = trial.jackknife(folds);
+    let between = trial.jackknife();
     let probabilities = inclusion(model, basis, decision);
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
@@ -241,7 +240,7 @@ fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'
 fn image(model: &dyn Forward, basis: &Basis, decision: &Decision) -> bool {
     let base = &decision.base.fit;
     let Some(signature) = decision.before.dictionary.get(decision.before.strongest) else { return false };
-    let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()]);
+    let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()], &[]);
     let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
     let generic = cosine.nrows() - 1;
     decision.model().fit.active.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
@@ -443,7 +442,8 @@ fn promised(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, mov
     }
     let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
     let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
-    let gram = super::Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &left, &basis.local_scale);
+    let measured = &model.frame().measured;
+    let gram = super::Gram::new(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
     let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
     (score - UNLUCKY * lost.sqrt()).max(ANYHOW * score)
 }

@@ -6,9 +6,9 @@
 //! it. The gain of a model is therefore that of the penalised likelihood, in which such a journey
 //! is paid for; groups left out say whether all of them speak for it.
 
-use super::Gram;
 use super::fit::EFFECT_PRIOR;
 use super::gram::{factor, log_determinant, part, part_column};
+use super::{Gram, Measured};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -26,93 +26,76 @@ pub struct Evidence {
     pub admissible: bool,
 }
 
-/// Folds of the fitted groups: indices into the Gram's groups.
-pub fn folds(gram: &Gram, fitted: &[bool]) -> Vec<Vec<usize>> {
-    let groups: Vec<usize> = (0..gram.groups.len()).filter(|i| fitted[gram.groups[*i]]).collect();
+/// Folds of the fitted groups.
+pub fn folds(measured: &Measured) -> Vec<Vec<usize>> {
+    let groups: Vec<usize> = measured.fitted_groups().collect();
     let count = groups.len().clamp(1, FOLDS);
     let mut folds = vec![Vec::new(); count];
     groups.iter().enumerate().for_each(|(i, group)| folds[i % count].push(*group));
     folds
 }
 
-/// Solution and predictive densities of a model over the columns `at`, of which those not below
-/// `nuisance` are free.
-pub fn evidence(gram: &Gram, folds: &[Vec<usize>], at: &[usize], nuisance: usize, two_sided: bool) -> Evidence {
-    let prior = |i: usize| if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
+/// Normal equations over the columns `at` with the priors, of which those not below `nuisance` are free.
+fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVector<f64>) {
     let mut all = part(&gram.total, at, at);
     for i in 0..at.len() {
-        all[(i, i)] += prior(i);
+        all[(i, i)] += if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
     }
-    let right = part_column(&gram.total, at, gram.last());
+    (all, part_column(&gram.total, at, gram.last()))
+}
+
+/// Solution and predictive densities of a model over the columns `at`, of which those not below
+/// `nuisance` are free.
+pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: bool) -> Evidence {
+    let (all, right) = with_priors(gram, at, nuisance);
     let whole = factor(all.clone());
     let log_whole = log_determinant(&whole);
     let solution = whole.solve(&right);
     let squares = gram.total[(gram.last(), gram.last())];
     let profile = -0.5 * (squares - right.dot(&solution));
     let admissible = two_sided || (0..at.len()).all(|i| at[i] < nuisance || solution[i] > 0.0);
-    let fold = |groups: &Vec<usize>| -> f64 {
-        let (held, held_right, squares, determinant) = held_out(gram, groups, at);
+    let fold = |(matrix, determinant): (&DMatrix<f64>, &f64)| -> f64 {
+        let (held, held_right) = (part(matrix, at, at), part_column(matrix, at, gram.last()));
+        let squares = matrix[(gram.last(), gram.last())];
         let train = factor(&all - &held);
         let log_train = log_determinant(&train);
         let beta = train.solve(&(&right - &held_right));
-        let gradient = &held_right - &held * &beta;
+        let explained = &held * &beta;
+        let gradient = &held_right - &explained;
         let quadratic =
-            squares - 2.0 * beta.dot(&held_right) + beta.dot(&(&held * &beta)) - gradient.dot(&whole.solve(&gradient));
+            squares - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - gradient.dot(&whole.solve(&gradient));
         -0.5 * (quadratic + log_whole - log_train + determinant)
     };
-    Evidence { profile, folds: folds.par_iter().map(fold).collect(), admissible }
-}
-
-/// Normal equations, right side, square of the residual and `ln det V` of the groups of a fold.
-fn held_out(gram: &Gram, groups: &[usize], at: &[usize]) -> (DMatrix<f64>, DVector<f64>, f64, f64) {
-    let mut held = DMatrix::zeros(at.len(), at.len());
-    let mut right = DVector::zeros(at.len());
-    let (mut squares, mut determinant) = (0.0, 0.0);
-    for group in groups {
-        let matrix = &gram.matrices[*group];
-        held += part(matrix, at, at);
-        right += part_column(matrix, at, gram.last());
-        squares += matrix[(gram.last(), gram.last())];
-        determinant += gram.log_determinants[*group];
-    }
-    (held, right, squares, determinant)
+    let folds = gram.folds.par_iter().zip(&gram.log_determinants).map(fold).collect();
+    Evidence { profile, folds, admissible }
 }
 
 /// Solution of everything that was fitted.
 pub fn solution(gram: &Gram, at: &[usize], nuisance: usize) -> DVector<f64> {
-    let mut all = part(&gram.total, at, at);
-    for i in 0..at.len() {
-        all[(i, i)] += if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
-    }
-    factor(all).solve(&part_column(&gram.total, at, gram.last()))
+    let (all, right) = with_priors(gram, at, nuisance);
+    factor(all).solve(&right)
 }
 
 /// Solutions with each fold left out.
-pub fn left_out_solutions(gram: &Gram, folds: &[Vec<usize>], at: &[usize], nuisance: usize) -> Vec<DVector<f64>> {
-    let mut all = part(&gram.total, at, at);
-    for i in 0..at.len() {
-        all[(i, i)] += if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
-    }
-    let right = part_column(&gram.total, at, gram.last());
-    let solve = |groups: &Vec<usize>| {
-        let (held, held_right, ..) = held_out(gram, groups, at);
-        factor(&all - held).solve(&(&right - held_right))
+pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize) -> Vec<DVector<f64>> {
+    let (all, right) = with_priors(gram, at, nuisance);
+    let solve = |matrix: &DMatrix<f64>| {
+        factor(&all - part(matrix, at, at)).solve(&(&right - part_column(matrix, at, gram.last())))
     };
-    folds.par_iter().map(solve).collect()
+    gram.folds.par_iter().map(solve).collect()
 }
 
-/// Log marginal likelihood of everything that was fitted, over the columns `at`.
-pub fn marginal(gram: &Gram, fitted: &[bool], at: &[usize], nuisance: usize) -> f64 {
-    let mut all = part(&gram.total, at, at);
+/// Log marginal likelihood of everything that was fitted, over all columns.
+pub fn marginal(gram: &Gram, nuisance: usize) -> f64 {
+    let at: Vec<usize> = (0..gram.last()).collect();
+    let mut all = part(&gram.total, &at, &at);
     for i in 0..at.len() {
-        all[(i, i)] += if at[i] < nuisance { 1.0 } else { 1.0 / 9.0 };
+        all[(i, i)] += if i < nuisance { 1.0 } else { 1.0 / 9.0 };
     }
-    let right = part_column(&gram.total, at, gram.last());
+    let right = part_column(&gram.total, &at, gram.last());
     let whole = factor(all);
-    let determinants: f64 =
-        (0..gram.groups.len()).filter(|i| fitted[gram.groups[*i]]).map(|i| gram.log_determinants[i]).sum();
     let squares = gram.total[(gram.last(), gram.last())];
-    -0.5 * (squares - right.dot(&whole.solve(&right)) + log_determinant(&whole) + determinants)
+    -0.5 * (squares - right.dot(&whole.solve(&right)) + log_determinant(&whole) + gram.log_determinant)
 }
 
 /// Gain of one model over another in log posterior density.

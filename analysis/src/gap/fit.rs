@@ -1,6 +1,7 @@
 //! Maximum a posteriori fit of calibration, allowance, local factors and chosen effects.
 
 use super::gram::{factor, part, part_column};
+use super::linear::{predict, residual};
 use super::{Forward, Gram, Linear, Noise, Point};
 use nalgebra::DVector;
 
@@ -57,10 +58,9 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
     for index in active {
         add(&linear.effects[*index], point.effects[*index] / model.frame().candidates[*index].typical);
     }
-    let group_of = model.frame().measured.group_of();
     for (column, x) in linear.locals.iter().zip(&point.locals) {
-        for ((residual, slope), group) in residual.iter_mut().zip(column).zip(&group_of) {
-            *residual += slope * x[*group];
+        for (span, x) in model.frame().measured.spans.iter().zip(x) {
+            span.clone().for_each(|i| residual[i] += column[i] * x);
         }
     }
     residual
@@ -73,7 +73,7 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
     if active.iter().any(|index| linear.effects[*index].is_empty()) {
         linear = Linear::with(model, linear.point, active);
     }
-    let mut cost = objective(model, noise, &linear, local_scale);
+    let mut cost = objective(model, noise, &linear.point, &linear.residual, local_scale);
     // Whether the derivatives are those of the present point.
     let mut fresh = true;
     for _ in 0..ROUNDS {
@@ -82,12 +82,13 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
             DAMPING.iter().find_map(|damping| {
                 let target = normal.step(*damping);
                 let moved = distance(model, &linear.point, &target);
-                let trial = linear.moved(model, target);
-                let trial_cost = objective(model, noise, &trial, local_scale);
-                (trial_cost <= cost + 1e-9 * cost.abs()).then_some((trial, trial_cost, moved))
+                let (prediction, raw) = predict(model, &target);
+                let residual = residual(model, &prediction);
+                let trial_cost = objective(model, noise, &target, &residual, local_scale);
+                (trial_cost <= cost + 1e-9 * cost.abs()).then_some((target, residual, raw, trial_cost, moved))
             })
         };
-        let Some((trial, trial_cost, moved)) = accepted else {
+        let Some((target, residual, raw, trial_cost, moved)) = accepted else {
             if fresh {
                 break;
             }
@@ -96,12 +97,15 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
             continue;
         };
         let gained = cost - trial_cost;
-        linear = trial;
+        // Derivatives are those of a point not far away.
+        linear = Linear { point: target, residual, raw, ..linear };
         cost = trial_cost;
         let had_fresh = std::mem::replace(&mut fresh, false);
         // Near moves do with the old derivatives; far ones need new ones.
         if moved < STILL || gained < LITTLE {
             if had_fresh {
+                // The derivatives of a point as near as that are those of the fit.
+                fresh = moved < STILL;
                 break;
             }
             linear = Linear::with(model, linear.point, active);
@@ -116,12 +120,11 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
 }
 
 /// Half the sum of squares of noise and priors.
-fn objective(model: &dyn Forward, noise: &Noise, linear: &Linear, local_scale: &[f64]) -> f64 {
+fn objective(model: &dyn Forward, noise: &Noise, point: &Point, residual: &[f64], local_scale: &[f64]) -> f64 {
     let measured = &model.frame().measured;
-    let white = noise.whiten(measured, &linear.residual);
-    let group_of = measured.group_of();
-    let data: f64 = white.iter().zip(&group_of).filter(|(_, group)| measured.fitted[**group]).map(|(w, _)| w * w).sum();
-    let point = &linear.point;
+    let white = noise.whiten(measured, residual);
+    let inside = measured.fitted_groups().flat_map(|group| &white[measured.spans[group].clone()]);
+    let data: f64 = inside.map(|w| w * w).sum();
     let shared: f64 = point.parameters.iter().chain(&point.surfaces).map(|x| x * x).sum();
     let local: f64 =
         point.locals.iter().zip(local_scale).map(|(x, scale)| x.iter().map(|x| (x / scale).powi(2)).sum::<f64>()).sum();
@@ -151,7 +154,7 @@ impl<'a> Normal<'a> {
         let effects = active.iter().map(|index| linear.effects[*index].as_slice());
         let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).chain(effects).collect();
         let residual = offset_residual(model, linear, active);
-        let gram = Gram::new(&model.frame().measured, noise, linear, &columns, &residual, local_scale);
+        let gram = Gram::new(&model.frame().measured, noise, linear, &columns, &residual, local_scale, &[]);
         Self { model, noise, linear, active, local_scale, columns, residual, gram }
     }
 

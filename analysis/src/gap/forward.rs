@@ -1,6 +1,7 @@
 //! What the diagnosis asks of a nominal model.
 
 use super::Measured;
+use rayon::prelude::*;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
 /// deviations from nominal.
@@ -84,6 +85,38 @@ impl Point {
     }
 }
 
+/// A number of a point by which a model is differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// A parameter, per prior standard deviation.
+    Parameter(usize),
+    /// The size of a candidate, per ordinary size.
+    Effect(usize),
+    /// A kind of local factor, of all groups at once: none knows of another's.
+    Local(usize),
+}
+
+/// Step of a difference, in prior standard deviations.
+const STEP: f64 = 0.1;
+/// Step of the size of an effect, in its ordinary size.
+const EFFECT_STEP: f64 = 0.05;
+
+impl Direction {
+    /// `point` a small step further, and the step.
+    pub fn ahead(self, frame: &Frame, point: &Point) -> (Point, f64) {
+        let mut ahead = point.clone();
+        match self {
+            Self::Parameter(i) => ahead.parameters[i] += STEP,
+            Self::Effect(i) => {
+                ahead.effects[i] += EFFECT_STEP * frame.candidates[i].typical;
+                return (ahead, EFFECT_STEP);
+            }
+            Self::Local(i) => ahead.locals[i].iter_mut().for_each(|x| *x += STEP),
+        }
+        (ahead, STEP)
+    }
+}
+
 /// A covariate by which the dictionary of generic signatures looks for structure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariate {
@@ -133,4 +166,14 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
+    /// Derivatives of the raw values by each of `along`; `raw` is [`Forward::simulate`] at the same point.
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        let slope = |direction: &Direction| {
+            let (ahead, step) = direction.ahead(self.frame(), at);
+            let mut there = self.simulate(&ahead);
+            there.iter_mut().zip(raw).for_each(|(there, here)| *there = (*there - here) / step);
+            there
+        };
+        along.par_iter().map(slope).collect()
+    }
 }

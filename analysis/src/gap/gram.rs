@@ -8,19 +8,59 @@ use super::{Linear, Measured, Noise};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-/// Normal equations of the groups over chosen columns; the last column is the residual.
+/// Normal equations of the fitted groups over chosen columns; the last column is the residual.
 #[derive(Clone, Debug)]
 pub struct Gram {
-    /// Index of each group in what was measured.
-    pub groups: Vec<usize>,
-    /// `X' V⁻¹ X` of each group.
-    pub matrices: Vec<DMatrix<f64>>,
-    /// `ln det V` of each group, beside the noise.
+    /// `X' V⁻¹ X` of the groups of each fold.
+    pub folds: Vec<DMatrix<f64>>,
+    /// `ln det V` of the groups of each fold, beside the noise.
     pub log_determinants: Vec<f64>,
     /// Sum over the groups that were fitted.
     pub total: DMatrix<f64>,
+    /// `ln det V` of the groups that were fitted, beside the noise.
+    pub log_determinant: f64,
     /// Squared length of each column before the local factors were eliminated, fitted groups.
     pub lengths: DVector<f64>,
+}
+
+/// Groups that are multiplied at a time where no folds are asked for: many rows at once are faster,
+/// few columns of groups need less memory.
+const BATCH: usize = 16;
+
+/// What groups that are kept together give before their local factors are eliminated.
+struct Batch {
+    /// `X'X`.
+    squares: DMatrix<f64>,
+    /// `Z'X` and `Z'Z` of each group, at the scale 1 of its local factors.
+    groups: Vec<(DMatrix<f64>, DMatrix<f64>)>,
+}
+
+impl Batch {
+    /// `X' V⁻¹ X` and `ln det V` where each kind of local factor has its scale.
+    fn eliminated(&self, local_scale: &[f64]) -> (DMatrix<f64>, f64) {
+        let mut gram = self.squares.clone();
+        let mut log_determinant_of_all = 0.0;
+        if local_scale.is_empty() {
+            return (gram, 0.0);
+        }
+        // D C' (D Z'Z D + 1)⁻¹ C D of each group is a product of two factors; those of all groups together
+        // are one product.
+        let kinds = local_scale.len();
+        let mut stacked = DMatrix::zeros(kinds * self.groups.len(), gram.ncols());
+        for (index, (cross, inner)) in self.groups.iter().enumerate() {
+            let inner = DMatrix::from_fn(kinds, kinds, |i, j| {
+                inner[(i, j)] * local_scale[i] * local_scale[j] + if i == j { 1.0 } else { 0.0 }
+            });
+            let inner = factor(inner);
+            log_determinant_of_all += log_determinant(&inner);
+            let scaled = DMatrix::from_fn(kinds, cross.ncols(), |i, j| cross[(i, j)] * local_scale[i]);
+            if let Some(root) = inner.l().solve_lower_triangular(&scaled) {
+                stacked.rows_mut(kinds * index, kinds).copy_from(&root);
+            }
+        }
+        gram -= stacked.transpose() * &stacked;
+        (gram, log_determinant_of_all)
+    }
 }
 
 /// A positive definite factor.
@@ -44,14 +84,32 @@ pub(crate) fn factor(mut matrix: DMatrix<f64>) -> Factor {
     Cholesky::new(DMatrix::identity(size, size) * 1e300).unwrap_or_else(|| Cholesky::pack_dirty(matrix))
 }
 
+/// Diagonal of the inverse of a factored matrix: `Σ (L⁻¹)²` by columns, each from its first row on.
+pub(crate) fn inverse_diagonal(factor: &Factor) -> DVector<f64> {
+    let lower = factor.l_dirty();
+    let size = lower.nrows();
+    let square = |first: usize| {
+        let mut x = vec![0.0; size - first];
+        x[0] = 1.0;
+        for i in first..size {
+            let column = &lower.as_slice()[i * size..(i + 1) * size];
+            let (solved, below) = x[i - first..].split_at_mut(1);
+            solved[0] /= column[i];
+            below.iter_mut().zip(&column[i + 1..]).for_each(|(x, l)| *x -= solved[0] * l);
+        }
+        x.iter().map(|x| x * x).sum::<f64>()
+    };
+    DVector::from_vec((0..size).into_par_iter().map(square).collect())
+}
+
 /// `ln det` of a factored matrix.
 pub(crate) fn log_determinant(factor: &Factor) -> f64 {
     2.0 * factor.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>()
 }
 
 impl Gram {
-    /// Normal equations of `columns` and the residual; `local_scale` multiplies the prior standard
-    /// deviation of each kind of local factor.
+    /// Normal equations of `columns` and the residual, also by `folds`, which are lists of groups;
+    /// `local_scale` multiplies the prior standard deviation of each kind of local factor.
     pub fn new(
         measured: &Measured,
         noise: &Noise,
@@ -59,52 +117,43 @@ impl Gram {
         columns: &[&[f64]],
         residual: &[f64],
         local_scale: &[f64],
+        folds: &[Vec<usize>],
     ) -> Self {
-        let white: Vec<Vec<f64>> = columns.par_iter().map(|column| noise.whiten(measured, column)).collect();
-        let residual = noise.whiten(measured, residual);
-        let locals: Vec<Vec<f64>> = linear.locals.iter().map(|column| noise.whiten(measured, column)).collect();
-        let groups: Vec<usize> =
-            (0..measured.groups.len()).filter(|group| !measured.spans[*group].is_empty()).collect();
-        let of_group = |group: &usize| {
-            let span = measured.spans[*group].clone();
-            let rows = span.len();
-            let x = DMatrix::from_fn(rows, white.len() + 1, |i, j| match white.get(j) {
-                Some(column) => column[span.start + i],
-                None => residual[span.start + i],
-            });
-            let z = DMatrix::from_fn(rows, locals.len(), |i, j| locals[j][span.start + i] * local_scale[j]);
-            // Multiplied as a product of two matrices it runs through the blocked kernel.
-            let mut gram = x.transpose() * &x;
-            let lengths = gram.diagonal();
-            let mut inner = z.tr_mul(&z);
-            for i in 0..inner.nrows() {
-                inner[(i, i)] += 1.0;
-            }
-            let mut log_determinant_of_group = 0.0;
-            if !locals.is_empty() {
-                let inner = factor(inner);
-                log_determinant_of_group = log_determinant(&inner);
-                let cross = z.tr_mul(&x);
-                gram -= cross.tr_mul(&inner.solve(&cross));
-            }
-            (gram, lengths, log_determinant_of_group)
-        };
-        let parts: Vec<_> = groups.par_iter().map(of_group).collect();
-        let size = white.len() + 1;
+        let batches = batches(measured, noise, linear, columns, residual, folds);
+        Self::of(&batches, local_scale, !folds.is_empty())
+    }
+
+    /// The same for several scales of the local factors, without folds.
+    pub(super) fn at_scales(
+        measured: &Measured,
+        noise: &Noise,
+        linear: &Linear,
+        columns: &[&[f64]],
+        residual: &[f64],
+        local_scales: &[Vec<f64>],
+    ) -> Vec<Self> {
+        let batches = batches(measured, noise, linear, columns, residual, &[]);
+        local_scales.iter().map(|local_scale| Self::of(&batches, local_scale, false)).collect()
+    }
+
+    fn of(batches: &[Batch], local_scale: &[f64], keep: bool) -> Self {
+        let size = batches.first().map_or(0, |batch| batch.squares.ncols());
         let mut gram = Self {
-            groups,
-            matrices: Vec::new(),
+            folds: Vec::new(),
             log_determinants: Vec::new(),
             total: DMatrix::zeros(size, size),
+            log_determinant: 0.0,
             lengths: DVector::zeros(size),
         };
-        for (index, (matrix, lengths, determinant)) in parts.into_iter().enumerate() {
-            if measured.fitted[gram.groups[index]] {
-                gram.total += &matrix;
-                gram.lengths += lengths;
+        let parts: Vec<_> = batches.par_iter().map(|batch| batch.eliminated(local_scale)).collect();
+        for (batch, (matrix, determinant)) in batches.iter().zip(parts) {
+            gram.total += &matrix;
+            gram.log_determinant += determinant;
+            gram.lengths += batch.squares.diagonal();
+            if keep {
+                gram.folds.push(matrix);
+                gram.log_determinants.push(determinant);
             }
-            gram.matrices.push(matrix);
-            gram.log_determinants.push(determinant);
         }
         gram
     }
@@ -112,6 +161,51 @@ impl Gram {
     /// Index of the residual's column.
     pub fn last(&self) -> usize {
         self.total.nrows() - 1
+    }
+}
+
+/// Products of whitened columns, by fold or by batches of the fitted groups; at least one.
+fn batches(
+    measured: &Measured,
+    noise: &Noise,
+    linear: &Linear,
+    columns: &[&[f64]],
+    residual: &[f64],
+    folds: &[Vec<usize>],
+) -> Vec<Batch> {
+    let all: Vec<&[f64]> = columns.iter().copied().chain([residual]).collect();
+    let white: Vec<Vec<f64>> = all.par_iter().map(|column| noise.whiten(measured, column)).collect();
+    let locals: Vec<Vec<f64>> = linear.locals.iter().map(|column| noise.whiten(measured, column)).collect();
+    let fitted: Vec<usize> = measured.fitted_groups().collect();
+    let of = |groups: &[usize]| {
+        let spans: Vec<_> = groups.iter().map(|group| measured.spans[*group].clone()).collect();
+        let rows = spans.iter().map(|span| span.len()).sum();
+        let gathered = |columns: &[Vec<f64>]| {
+            let mut matrix = DMatrix::zeros(rows, columns.len());
+            for (to, column) in matrix.as_mut_slice().chunks_exact_mut(rows.max(1)).zip(columns) {
+                let mut at = 0;
+                for span in &spans {
+                    to[at..at + span.len()].copy_from_slice(&column[span.clone()]);
+                    at += span.len();
+                }
+            }
+            matrix
+        };
+        let (x, z) = (gathered(&white), gathered(&locals));
+        let mut first = 0;
+        let groups = spans.iter().map(|span| {
+            let (x, z) = (x.rows(first, span.len()), z.rows(first, span.len()));
+            first += span.len();
+            (z.transpose() * x, z.transpose() * z)
+        });
+        let groups = groups.collect();
+        // Multiplied as a product of two matrices it runs through the blocked kernel.
+        Batch { squares: x.transpose() * &x, groups }
+    };
+    match folds {
+        [] if fitted.is_empty() => vec![of(&[])],
+        [] => fitted.par_chunks(BATCH).map(of).collect(),
+        folds => folds.par_iter().map(|groups| of(groups)).collect(),
     }
 }
 
@@ -123,4 +217,31 @@ pub(crate) fn part(matrix: &DMatrix<f64>, at: &[usize], columns: &[usize]) -> DM
 /// Column `column` of `matrix` in the rows `at`.
 pub(crate) fn part_column(matrix: &DMatrix<f64>, at: &[usize], column: usize) -> DVector<f64> {
     DVector::from_fn(at.len(), |i, _| matrix[(at[i], column)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_diagonal_of_the_inverse_is_that_of_the_inverse() {
+        let x = DMatrix::from_fn(9, 7, |i, j| ((3 * i + 5 * j) % 11) as f64 + if i == j { 9.0 } else { 0.0 });
+        let factor = factor(x.tr_mul(&x));
+        let (fast, plain) = (inverse_diagonal(&factor), factor.inverse().diagonal());
+        assert!((&fast - &plain).amax() < 1e-12 * plain.amax(), "{fast} {plain}");
+    }
+
+    #[test]
+    fn eliminated_local_factors_are_those_of_the_marginal_covariance() {
+        let x = DMatrix::from_fn(6, 3, |i, j| ((i * i + 2 * j) % 5) as f64 - 1.5);
+        let z = DMatrix::from_fn(6, 2, |i, j| 0.3 * (i as f64) - j as f64);
+        let scale = [0.7, 1.9];
+        let batch = Batch { squares: x.tr_mul(&x), groups: vec![(z.tr_mul(&x), z.tr_mul(&z))] };
+        let (gram, log_determinant) = batch.eliminated(&scale);
+        let scaled = &z * DMatrix::from_diagonal(&DVector::from_column_slice(&scale));
+        let covariance = DMatrix::identity(6, 6) + &scaled * scaled.transpose();
+        let plain = x.tr_mul(&covariance.clone().try_inverse().unwrap()) * &x;
+        assert!((&gram - &plain).amax() < 1e-12 * plain.amax(), "{gram} {plain}");
+        assert!((log_determinant - covariance.determinant().ln()).abs() < 1e-12);
+    }
 }

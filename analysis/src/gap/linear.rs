@@ -1,12 +1,8 @@
 //! Predictions at a point and their derivatives.
 
-use super::{Forward, Point, Transform};
+use super::{Direction, Forward, Measured, Point, Transform};
 use rayon::prelude::*;
-
-/// Step of a difference, in prior standard deviations.
-const STEP: f64 = 0.1;
-/// Step of the size of an effect, in its ordinary size.
-const EFFECT_STEP: f64 = 0.05;
+use std::ops::Range;
 
 /// A model linearised at a point: `residual(x) = residual − Σ columns · (x − point)`.
 #[derive(Clone, Debug)]
@@ -28,7 +24,7 @@ pub struct Linear {
 /// Transformed predictions and raw ones, SI.
 pub fn predict(model: &dyn Forward, point: &Point) -> (Vec<f64>, Vec<f64>) {
     let mut raw = model.simulate(point);
-    surfaces(model, point, &mut raw);
+    correct(model, point, &mut raw);
     (transformed(model, &raw), raw)
 }
 
@@ -42,7 +38,8 @@ fn transformed(model: &dyn Forward, raw: &[f64]) -> Vec<f64> {
     raw.iter().zip(&measured.observations).map(each).collect()
 }
 
-fn surfaces(model: &dyn Forward, point: &Point, raw: &mut [f64]) {
+/// Applies the surfaces to what was simulated; the factor on each value.
+fn correct(model: &dyn Forward, point: &Point, raw: &mut [f64]) -> Vec<f64> {
     let measured = &model.frame().measured;
     let mut relative = vec![0.0; raw.len()];
     let mut absolute = vec![0.0; raw.len()];
@@ -51,26 +48,26 @@ fn surfaces(model: &dyn Forward, point: &Point, raw: &mut [f64]) {
             continue;
         }
         let sum = if surface.absolute { &mut absolute } else { &mut relative };
-        for (observation, sum) in measured.observations.iter().zip(sum) {
-            if surface.channels.contains(&observation.channel) {
+        for run in measured.runs.iter().filter(|run| touches(measured, surface, run)) {
+            for (observation, sum) in measured.observations[run.clone()].iter().zip(&mut sum[run.clone()]) {
                 *sum += surface.deviation * x * surface.feature[observation.row];
             }
         }
     }
-    for ((raw, relative), absolute) in raw.iter_mut().zip(relative).zip(absolute) {
-        *raw = *raw * relative.exp() + absolute;
+    relative.iter_mut().for_each(|relative| *relative = relative.exp());
+    for ((raw, factor), absolute) in raw.iter_mut().zip(&relative).zip(absolute) {
+        *raw = *raw * factor + absolute;
     }
+    relative
+}
+
+/// Whether a surface moves a run of one channel.
+fn touches(measured: &Measured, surface: &super::Surface, run: &Range<usize>) -> bool {
+    surface.channels.contains(&measured.observations[run.start].channel)
 }
 
 impl Linear {
-    /// Residuals at `point` with the derivatives of `other`, which was taken not far away.
-    pub fn moved(&self, model: &dyn Forward, point: Point) -> Self {
-        let (prediction, raw) = predict(model, &point);
-        let residual = residual(model, &prediction);
-        Self { point, residual, raw, ..self.clone() }
-    }
-
-    /// Linearises `model` at `point` by forward differences, with all candidates.
+    /// Linearises `model` at `point`, with all candidates.
     pub fn new(model: &dyn Forward, point: Point) -> Self {
         let all: Vec<usize> = (0..model.frame().candidates.len()).collect();
         Self::with(model, point, &all)
@@ -80,37 +77,30 @@ impl Linear {
     pub fn with(model: &dyn Forward, point: Point, wanted: &[usize]) -> Self {
         let simulated = model.simulate(&point);
         let mut raw = simulated.clone();
-        surfaces(model, &point, &mut raw);
+        let factor = correct(model, &point, &mut raw);
         let prediction = transformed(model, &raw);
-        let difference = |shifted: &Point, step: f64| -> Vec<f64> {
-            let (there, _) = predict(model, shifted);
-            there.iter().zip(&prediction).map(|(there, here)| (there - here) / step).collect()
-        };
-        let by_parameter = |i: usize| {
-            let mut shifted = point.clone();
-            shifted.parameters[i] += STEP;
-            difference(&shifted, STEP)
-        };
-        let by_effect = |i: usize| {
-            let mut shifted = point.clone();
-            shifted.effects[i] += EFFECT_STEP * model.frame().candidates[i].typical;
-            difference(&shifted, EFFECT_STEP)
-        };
-        let by_local = |i: usize| {
-            let mut shifted = point.clone();
-            shifted.locals[i].iter_mut().for_each(|x| *x += STEP);
-            difference(&shifted, STEP)
-        };
-        let parameters = model.frame().parameters.len();
-        let locals = model.frame().locals.len();
-        let mut columns: Vec<Vec<f64>> = (0..parameters + wanted.len() + locals)
-            .into_par_iter()
-            .map(|i| match i {
-                i if i < parameters => by_parameter(i),
-                i if i < parameters + wanted.len() => by_effect(wanted[i - parameters]),
-                i => by_local(i - parameters - wanted.len()),
+        let (parameters, locals) = (model.frame().parameters.len(), model.frame().locals.len());
+        let along: Vec<Direction> = (0..parameters)
+            .map(Direction::Parameter)
+            .chain(wanted.iter().map(|index| Direction::Effect(*index)))
+            .chain((0..locals).map(Direction::Local))
+            .collect();
+        let mut columns = model.slopes(&point, &simulated, &along);
+        let measured = &model.frame().measured;
+        let scale: Vec<f64> = measured
+            .observations
+            .iter()
+            .zip(&raw)
+            .zip(factor)
+            .map(|((observation, raw), factor)| match measured.channels[observation.channel].transform {
+                Transform::Linear => factor,
+                Transform::Log if *raw > f64::MIN_POSITIVE => factor / raw,
+                Transform::Log => 0.0,
             })
             .collect();
+        columns.par_iter_mut().for_each(|column| {
+            column.iter_mut().zip(&scale).for_each(|(slope, scale)| *slope *= scale);
+        });
         let locals = columns.split_off(parameters + wanted.len());
         let mut effects = vec![Vec::new(); model.frame().candidates.len()];
         wanted.iter().zip(columns.split_off(parameters)).for_each(|(index, column)| effects[*index] = column);
@@ -121,7 +111,7 @@ impl Linear {
 }
 
 /// Transformed measurements less predictions.
-fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
+pub(super) fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
     let observations = &model.frame().measured.observations;
     observations.iter().zip(prediction).map(|(observation, prediction)| observation.value - prediction).collect()
 }
@@ -129,18 +119,19 @@ fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
 fn surface_columns(model: &dyn Forward, raw: &[f64], prediction: &[f64]) -> Vec<Vec<f64>> {
     let measured = &model.frame().measured;
     let column = |surface: &super::Surface| {
-        let each = |(i, observation): (usize, &super::Observation)| {
-            if !surface.channels.contains(&observation.channel) {
-                return 0.0;
+        let mut column = vec![0.0; raw.len()];
+        for run in measured.runs.iter().filter(|run| touches(measured, surface, run)) {
+            let transform = measured.channels[measured.observations[run.start].channel].transform;
+            for i in run.clone() {
+                let slope = surface.deviation * surface.feature[measured.observations[i].row];
+                column[i] = match (transform, surface.absolute) {
+                    (Transform::Log, false) | (Transform::Linear, true) => slope,
+                    (Transform::Log, true) => slope / raw[i],
+                    (Transform::Linear, false) => slope * prediction[i],
+                };
             }
-            let slope = surface.deviation * surface.feature[observation.row];
-            match (measured.channels[observation.channel].transform, surface.absolute) {
-                (Transform::Log, false) | (Transform::Linear, true) => slope,
-                (Transform::Log, true) => slope / raw[i],
-                (Transform::Linear, false) => slope * prediction[i],
-            }
-        };
-        measured.observations.iter().enumerate().map(each).collect()
+        }
+        column
     };
-    model.frame().surfaces.iter().map(column).collect()
+    model.frame().surfaces.par_iter().map(column).collect()
 }

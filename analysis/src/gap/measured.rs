@@ -122,11 +122,6 @@ impl Measured {
         self.observations.is_empty()
     }
 
-    /// Group of each observation.
-    pub fn group_of(&self) -> Vec<usize> {
-        self.observations.iter().map(|observation| self.group_of_row[observation.row]).collect()
-    }
-
     /// Groups that take part in the fit.
     pub fn fitted_groups(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.groups.len()).filter(|group| self.fitted[*group] && !self.spans[*group].is_empty())

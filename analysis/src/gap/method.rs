@@ -1,6 +1,6 @@
 //! Parts of the method that can be left out, to show what they are worth.
 
-use super::{Forward, Frame, Point};
+use super::{Direction, Forward, Frame, Point};
 
 /// Which parts of the method take part. The diagnosis uses all of them; the blind benchmark leaves
 /// them out one after the other.
@@ -35,14 +35,25 @@ impl Default for Method {
 pub(super) struct Bare<'a> {
     model: &'a dyn Forward,
     frame: Frame,
+    /// Parameters that are no allowance.
+    kept: Vec<usize>,
 }
 
 impl<'a> Bare<'a> {
     pub fn new(model: &'a dyn Forward) -> Self {
         let mut frame = model.frame().clone();
+        let kept = (0..frame.parameters.len()).filter(|i| !frame.parameters[*i].allowance).collect();
         frame.parameters.retain(|parameter| !parameter.allowance);
         frame.surfaces.retain(|surface| !surface.allowance);
-        Self { model, frame }
+        Self { model, frame, kept }
+    }
+
+    /// The point of the whole model: its allowance is zero.
+    fn whole(&self, at: &Point) -> Point {
+        let mut parameters = vec![0.0; self.model.frame().parameters.len()];
+        self.kept.iter().zip(&at.parameters).for_each(|(i, x)| parameters[*i] = *x);
+        let surfaces = vec![0.0; self.model.frame().surfaces.len()];
+        Point { parameters, surfaces, ..at.clone() }
     }
 }
 
@@ -52,11 +63,17 @@ impl Forward for Bare<'_> {
     }
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
-        let mut own = at.parameters.iter();
-        let whole = &self.model.frame().parameters;
-        let value = |allowance: bool| if allowance { 0.0 } else { own.next().copied().unwrap_or(0.0) };
-        let parameters = whole.iter().map(|parameter| parameter.allowance).map(value).collect();
-        let surfaces = vec![0.0; self.model.frame().surfaces.len()];
-        self.model.simulate(&Point { parameters, surfaces, ..at.clone() })
+        self.model.simulate(&self.whole(at))
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        let along: Vec<Direction> = along
+            .iter()
+            .map(|direction| match direction {
+                Direction::Parameter(i) => Direction::Parameter(self.kept[*i]),
+                other => *other,
+            })
+            .collect();
+        self.model.slopes(&self.whole(at), raw, &along)
     }
 }

@@ -73,7 +73,7 @@ pub use diagnosis::{
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;
 pub use fit::Fit;
-pub use forward::{Candidate, Covariate, Forward, Frame, Local, Parameter, Point, Surface};
+pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
 pub use gram::Gram;
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};

@@ -3,7 +3,7 @@
 
 use super::Gram;
 use super::gram::{factor, part};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -73,18 +73,16 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, processes: usize, seed: 
         matrix[(i, i)] += 1e-6;
     }
     let root = factor(matrix);
-    let lower = root.l();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let draws = DRAWS * processes;
-    let mut greatest: Vec<f64> = (0..draws)
-        .map(|_| {
-            let draw = DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
-            let scores: DVector<f64> = &lower * draw;
-            scores.iter().map(|score| if one_sided { *score } else { score.abs() }).fold(f64::NEG_INFINITY, f64::max)
-        })
-        .collect();
+    let count_of_draws = DRAWS * processes;
+    let draws = DMatrix::from_fn(count, count_of_draws, |_, _| StandardNormal.sample(&mut random));
+    let scores: DMatrix<f64> = root.l() * draws;
+    let of_draw = |scores: &[f64]| {
+        scores.iter().map(|score| if one_sided { *score } else { score.abs() }).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut greatest: Vec<f64> = scores.as_slice().chunks_exact(count).map(of_draw).collect();
     greatest.sort_by(f64::total_cmp);
-    greatest[draws - (LEVEL * DRAWS as f64) as usize]
+    greatest[count_of_draws - (LEVEL * DRAWS as f64) as usize]
 }
 
 #[cfg(test)]
@@ -98,7 +96,7 @@ mod tests {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let total = DMatrix::from_fn(3, 3, |i, j| dot(columns[i], columns[j]));
         let lengths = total.diagonal();
-        Gram { groups: Vec::new(), matrices: Vec::new(), log_determinants: Vec::new(), total, lengths }
+        Gram { folds: Vec::new(), log_determinants: Vec::new(), total, log_determinant: 0.0, lengths }
     }
 
     #[test]

@@ -60,18 +60,18 @@ impl Trial {
     /// The evidence of a finished fit.
     pub fn of(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], fit: Fit) -> Self {
         let tolerance = tolerance(model, basis, &fit);
-        let gram = gram(model, basis, &fit, &tolerance, &[]);
+        let gram = gram(model, basis, &fit, &tolerance, &[], folds);
         let shared = fit.linear.nuisance.len() + tolerance.len();
         let at = columns(shared, &fit.active);
-        let evidence = evidence(&gram, folds, &at, shared, false);
+        let evidence = evidence(&gram, &at, shared, false);
         Self { fit, gram, shared, evidence }
     }
 
     /// Evidence of the same model with one more candidate, without a new fit.
-    pub fn with(&self, folds: &[Vec<usize>], candidate: usize) -> Evidence {
+    pub fn with(&self, candidate: usize) -> Evidence {
         let mut active = self.fit.active.clone();
         active.push(candidate);
-        evidence(&self.gram, folds, &columns(self.shared, &active), self.shared, false)
+        evidence(&self.gram, &columns(self.shared, &active), self.shared, false)
     }
 
     /// Scores of all candidates beside those that are active.
@@ -90,10 +90,10 @@ impl Trial {
     }
 
     /// Standard error of each active size over groups left out, in ordinary sizes.
-    pub fn jackknife(&self, folds: &[Vec<usize>]) -> Vec<f64> {
+    pub fn jackknife(&self) -> Vec<f64> {
         let nuisance = self.shared;
         let at = columns(nuisance, &self.fit.active);
-        let solutions = super::evidence::left_out_solutions(&self.gram, folds, &at, nuisance);
+        let solutions = super::evidence::left_out_solutions(&self.gram, &at, nuisance);
         let count = solutions.len() as f64;
         let error = |i: usize| {
             let mean = solutions.iter().map(|solution| solution[i]).sum::<f64>() / count;
@@ -137,8 +137,15 @@ fn tolerance(model: &dyn Forward, basis: &Basis, fit: &Fit) -> Vec<Vec<f64>> {
     tolerance::columns(model, &fit.linear, &fit.active, &sizes)
 }
 
-/// Normal equations of nuisance, form tolerance, all candidates and `more` columns.
-pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, tolerance: &[Vec<f64>], more: &[&[f64]]) -> Gram {
+/// Normal equations of nuisance, form tolerance, all candidates and `more` columns, also by `folds`.
+pub(crate) fn gram(
+    model: &dyn Forward,
+    basis: &Basis,
+    fit: &Fit,
+    tolerance: &[Vec<f64>],
+    more: &[&[f64]],
+    folds: &[Vec<usize>],
+) -> Gram {
     let linear = &fit.linear;
     // A candidate whose derivative nobody asked for is as one that cannot be seen.
     let none = vec![0.0; linear.raw.len()];
@@ -146,15 +153,15 @@ pub(crate) fn gram(model: &dyn Forward, basis: &Basis, fit: &Fit, tolerance: &[V
     let own = linear.nuisance.iter().chain(tolerance).chain(effects).map(Vec::as_slice);
     let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
-    Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale)
+    Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale, folds)
 }
 
 fn rearranged(gram: &Gram, order: &[usize]) -> Gram {
     Gram {
-        groups: Vec::new(),
-        matrices: Vec::new(),
+        folds: Vec::new(),
         log_determinants: Vec::new(),
         total: super::gram::part(&gram.total, order, order),
+        log_determinant: gram.log_determinant,
         lengths: nalgebra::DVector::from_fn(order.len(), |i, _| gram.lengths[order[i]]),
     }
 }
@@ -177,22 +184,25 @@ pub struct Remainder {
 pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial: &Trial, seed: u64) -> Remainder {
     let fit = &trial.fit;
     let dictionary = generic::dictionary(model, &fit.linear);
-    let more: Vec<&[f64]> = dictionary.iter().map(|signature| signature.column.as_slice()).collect();
-    let active: Vec<&[f64]> = fit.active.iter().map(|index| fit.linear.effects[*index].as_slice()).collect();
     let tolerance = tolerance(model, basis, fit);
     let nuisance = fit.linear.nuisance.len() + tolerance.len();
-    let shared = fit.linear.nuisance.iter().chain(&tolerance).map(Vec::as_slice);
-    let columns: Vec<&[f64]> = shared.chain(active.iter().copied()).chain(more).collect();
+    let active = fit.active.iter().map(|index| &fit.linear.effects[*index]);
+    let own = fit.linear.nuisance.iter().chain(&tolerance).chain(active);
+    let mut columns: Vec<&[f64]> = own.map(Vec::as_slice).collect();
+    let first = columns.len();
+    columns.extend(dictionary.iter().map(|signature| signature.column.as_slice()));
     let residual = offset_residual(model, &fit.linear, &fit.active);
-    let wide = Gram::new(&model.frame().measured, &basis.noise, &fit.linear, &columns, &residual, &basis.local_scale);
-    let first = nuisance + active.len();
+    let gram = |columns: &[&[f64]], folds: &[Vec<usize>]| {
+        let measured = &model.frame().measured;
+        Gram::new(measured, &basis.noise, &fit.linear, columns, &residual, &basis.local_scale, folds)
+    };
     let free: Vec<usize> = (nuisance..first).collect();
-    let scores = scores(&wide, first, &free);
+    let scores = scores(&gram(&columns, &[]), first, &free);
     let threshold = super::score::max_null(&scores.cosine, false, basis.method.processes, seed);
     let strongest =
         (0..dictionary.len()).max_by(|a, b| scores.score[*a].abs().total_cmp(&scores.score[*b].abs())).unwrap_or(0);
-    let at: Vec<usize> =
-        if dictionary.is_empty() { (0..first).collect() } else { (0..first).chain([first + strongest]).collect() };
-    let evidence = evidence(&wide, folds, &at, nuisance, true);
+    columns = columns[..first].iter().copied().chain(columns.get(first + strongest).copied()).collect();
+    let at: Vec<usize> = (0..columns.len()).collect();
+    let evidence = evidence(&gram(&columns, folds), &at, nuisance, true);
     Remainder { dictionary, scores, threshold, strongest, evidence }
 }

@@ -13,6 +13,7 @@
 //! |---|---|
 //! | [`Turning`] | one edge in one workpiece |
 //! | [`Milling`], [`MILLING_SETS`] | one cutter in one workpiece; shipped sets |
+//! | [`HeldTurning`], [`HeldMilling`] | either under an input that stays, for many questions at once |
 //! | [`TurningStructure`], [`MillingStructure`] | what vibrates around the cut; without one a process does not ask |
 //! | [`Regeneration`], [`Vibration`] | what wear and chatter do to each other; the verdict of an operating point |
 //!
@@ -44,6 +45,8 @@ pub mod milling;
 pub mod turning;
 mod vibration;
 
-pub use milling::{Cutter, CutterLife, EdgeForce, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState};
-pub use turning::{Finish, LifeModel, Turning, TurningInput, TurningMemory, TurningOutput, TurningState};
+pub use milling::{
+    Cutter, CutterLife, EdgeForce, HeldMilling, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState,
+};
+pub use turning::{Finish, HeldTurning, LifeModel, Turning, TurningInput, TurningMemory, TurningOutput, TurningState};
 pub use vibration::{MillingStructure, Regeneration, TurningStructure, Vibration};

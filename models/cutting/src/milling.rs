@@ -2,6 +2,7 @@
 
 mod claims;
 mod equations;
+mod held;
 mod life;
 mod records;
 mod runout;
@@ -9,6 +10,7 @@ mod sets;
 mod vibration;
 
 pub use claims::claims;
+pub use held::HeldMilling;
 pub use records::{Cutter, CutterLife, EdgeForce, MillingInput, MillingOutput, MillingState};
 pub use sets::MILLING_SETS;
 

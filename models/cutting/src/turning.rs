@@ -1,11 +1,13 @@
 //! Turning: one edge in one workpiece.
 
 mod equations;
+mod held;
 mod life;
 mod memory;
 mod records;
 mod vibration;
 
+pub use held::HeldTurning;
 pub use life::LifeModel;
 pub use memory::TurningMemory;
 pub use records::{Finish, TurningInput, TurningOutput, TurningState};

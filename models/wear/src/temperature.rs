@@ -119,6 +119,18 @@ impl<N: Number> Temperature<N> {
 }
 
 impl<N: Number> Heating<N> {
+    /// The same where everything heats by `factor` more.
+    #[inline]
+    pub(crate) fn times(&self, factor: N) -> Self {
+        Self {
+            chip: self.chip * factor,
+            flank_per_root: self.flank_per_root * factor,
+            chip_level: self.chip_level * factor,
+            flank_level: self.flank_level * factor,
+            ..*self
+        }
+    }
+
     /// Rise by friction on a land of width `flank_wear`, K.
     #[inline]
     pub fn flank(&self, flank_wear: N) -> N {

@@ -18,7 +18,7 @@ struct MeanForce<N> {
 }
 
 /// What a rotation looks like: the engagement and its integrals.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Arc<N> {
     angle: N,
     contact: Contact<N>,
@@ -30,18 +30,22 @@ struct Arc<N> {
 }
 
 /// Everything about a cut that does not depend on the state of the cutter but through effects.
-#[derive(Clone, Copy)]
-pub(super) struct Engagement<N: Copy> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Engagement<N: Copy = f64> {
     input: MillingInput<N>,
     terms: Terms<N>,
     arc: Arc<N>,
     sharp: Coefficients<N>,
+    /// Radial width of cut.
+    width: N,
+    /// Thickest chip of the heaviest tooth.
+    chip: N,
     damage_rate: N,
     chatters: bool,
 }
 
 /// Cutting and edge coefficients of the cutter as it is now.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Coefficients<N> {
     tangential_cutting: N,
     tangential_edge: N,
@@ -130,13 +134,18 @@ impl<N: Number> Milling<N> {
     /// The cut of this instant.
     pub(super) fn engagement(&self, x: &MillingState<N>, u: &MillingInput<N>) -> Engagement<N> {
         let (terms, chatters) = self.terms(x, u);
+        let (width, steepest) = (self.width(u, &terms), self.steepest(u, &terms));
+        let chip = runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * steepest);
         Engagement {
             chatters,
             input: *u,
             terms,
             arc: self.arc(u, &terms),
             sharp: self.sharp(u, &terms),
-            damage_rate: self.damage_rate(u, &terms),
+            width,
+            chip,
+            // The heaviest tooth decides; under runout its chip is that of a higher feed.
+            damage_rate: self.damage_rate(u, &terms, chip / steepest),
         }
     }
 
@@ -174,20 +183,14 @@ impl<N: Number> Milling<N> {
         least(self.engagement_angle(self.width(u, terms)), N::from(FRAC_PI_2)).sin()
     }
 
-    /// Thickest chip of the heaviest tooth.
-    fn peak_chip_thickness(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
-        runout::heaviest(self.teeth(), terms.runout, u.feed_per_tooth * self.steepest(u, terms))
-    }
-
     pub(super) fn teeth(&self) -> u32 {
         self.cutter.teeth.re() as u32
     }
 
-    /// Share of the tool life used up per second in cut at mid wear, 1/T.
-    pub(super) fn damage_rate(&self, u: &MillingInput<N>, terms: &Terms<N>) -> N {
+    /// Share of the tool life used up per second in cut at mid wear, 1/T, at the `feed` per tooth
+    /// of the tooth that decides.
+    fn damage_rate(&self, u: &MillingInput<N>, terms: &Terms<N>, feed: N) -> N {
         let l = &self.life;
-        // The heaviest tooth decides; under runout its chip is that of a higher feed.
-        let feed = self.peak_chip_thickness(u, terms) / self.steepest(u, terms);
         let power = |speed: N| {
             if speed.re() > 0.0 { (speed / l.reference_speed).powd(l.speed_exponent) } else { N::from(0.0) }
         };
@@ -249,14 +252,24 @@ impl<N: Number> Milling<N> {
     /// | size_error | `VB·tan α + (F_n − F_n of the new cutter)/static_stiffness` |
     pub fn observe(&self, x: &MillingState<N>, u: &MillingInput<N>) -> MillingOutput<N> {
         let at = self.engagement(x, u);
-        let (terms, psi) = (at.terms, at.arc.angle);
+        let settled = self.effects.is_empty() && self.structure.is_none();
+        let unworn = if settled { at } else { self.engagement(&unworn(x), u) };
+        self.observe_in(&at, &unworn, x)
+    }
+
+    /// The same in a cut that is known already, and that of the cutter without wear.
+    pub(super) fn observe_in(
+        &self,
+        at: &Engagement<N>,
+        unworn: &Engagement<N>,
+        x: &MillingState<N>,
+    ) -> MillingOutput<N> {
+        let (u, terms, psi) = (&at.input, at.terms, at.arc.angle);
         let c = &self.cutter;
-        let force = self.mean_force(x.flank_wear, &at);
-        let fresh = MillingState { flank_wear: N::from(0.0), ..*x };
-        let unworn = if self.effects.is_empty() && self.structure.is_none() { at } else { self.engagement(&fresh, u) };
-        let new = self.mean_force(fresh.flank_wear, &unworn);
-        let width = self.width(u, &terms);
-        let chip = self.peak_chip_thickness(u, &terms) * u.engaged;
+        let force = self.mean_force(x.flank_wear, at);
+        let new = self.mean_force(N::from(0.0), unworn);
+        let width = at.width;
+        let chip = at.chip * u.engaged;
         let k = self.worn(&at.sharp, x.flank_wear);
         let tangential = (k.tangential_cutting * chip + k.tangential_edge) * terms.cutting_force;
         let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
@@ -301,5 +314,33 @@ impl<N: Number> Milling<N> {
             chatter_growth_rate: if shaken.stable() { N::from(0.0) } else { N::from(self.growth_rate(x, u, &terms)) },
             force_ripple: N::from(shaken.force_ripple),
         }
+    }
+}
+
+/// The same cutter without wear.
+pub(super) fn unworn<N: Number>(x: &MillingState<N>) -> MillingState<N> {
+    MillingState { flank_wear: N::from(0.0), ..*x }
+}
+
+impl Engagement {
+    /// The cut of the same input under `terms` that differ from its own in nothing that moves a tooth,
+    /// and another `factor` on the rate of wear; `None` where they do.
+    #[inline]
+    pub(super) fn under(&self, terms: &Terms<f64>, factor: f64) -> Option<Self> {
+        let own = &self.terms;
+        if terms.runout != own.runout || terms.width_of_cut != own.width_of_cut {
+            return None;
+        }
+        let chip = terms.specific_cutting_force / own.specific_cutting_force;
+        Some(Self {
+            terms: *terms,
+            sharp: Coefficients {
+                tangential_cutting: self.sharp.tangential_cutting * chip,
+                radial_cutting: self.sharp.radial_cutting * chip,
+                ..self.sharp
+            },
+            damage_rate: self.damage_rate * factor * (terms.mechanical_wear / own.mechanical_wear),
+            ..*self
+        })
     }
 }

@@ -30,7 +30,7 @@ fn runs_true<N: Number>(runout: N) -> bool {
 }
 
 /// Integrals over the contact of all teeth, from 0 to the engagement angle.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Contact<N> {
     /// ∫ dφ
     pub angle: N,

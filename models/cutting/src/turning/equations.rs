@@ -34,13 +34,15 @@ impl Turning {
     /// The engagement of which something was kept.
     #[inline]
     pub(super) fn engagement_of(&self, kept: &Kept) -> Engagement<'_> {
-        Engagement {
-            contact: self.pair.contact_of(kept.contact),
-            load: kept.load,
-            terms: kept.terms,
-            ambient: self.pair.temperature.ambient_temperature,
-            chatters: false,
-        }
+        Engagement::settled(self.pair.contact_of(kept.contact), kept.load, kept.terms)
+    }
+}
+
+impl<'a> Engagement<'a> {
+    /// The engagement of a cut that does not chatter.
+    #[inline]
+    pub(super) fn settled(contact: Contact<'a>, load: Load<f64>, terms: Terms<f64>) -> Self {
+        Self { ambient: contact.ambient(), contact, load, terms, chatters: false }
     }
 }
 
