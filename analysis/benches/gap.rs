@@ -3,7 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use std::time::Duration;
-use toolroom_analysis::gap::{Forward, Linear, NominalModel, Point, diagnose};
+use toolroom_analysis::gap::{Linear, NominalModel, Point, diagnose};
 use toolroom_analysis::records::{RecordKind, Records, parse_csv};
 use toolroom_truth::Case;
 
