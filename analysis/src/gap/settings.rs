@@ -24,6 +24,8 @@ pub struct Settings {
     pub form_wear: f64,
     /// Form of the wear rate over the land.
     pub form_land_wear: f64,
+    /// Form of the wear rate over the land as it differs with the conditions, per spread of theirs.
+    pub form_land_conditions_wear: f64,
     /// Conditions, lots and materials that an empirical model knows; every number, if `None`.
     pub conditions: Option<Vec<String>>,
     /// Channels that an empirical model answers for; all, if empty.
@@ -45,6 +47,7 @@ impl Default for Settings {
             edge_force: 0.02,
             form_wear: 0.15,
             form_land_wear: 0.10,
+            form_land_conditions_wear: 0.15,
             conditions: None,
             channels: Vec::new(),
             constant_rate: false,

@@ -22,8 +22,8 @@ enum Change {
     Wear,
     /// Multiplies the wear rate by a feature of the row.
     WearFeature(Vec<f64>),
-    /// Multiplies the wear rate by a function of the land.
-    WearOfLand(fn(f64) -> f64),
+    /// Multiplies the wear rate by a function of the land, weighted by a feature of the row if it has one.
+    WearOfLand(Option<Vec<f64>>, fn(f64) -> f64),
 }
 
 /// Inputs by index.
@@ -73,6 +73,8 @@ const FIXTURE: f64 = 0.05;
 const EDGE_FORCE: f64 = 0.3;
 /// Land to which features of wear refer, m.
 const LAND: f64 = 0.3e-3;
+/// Land within which an edge runs in, m (assumption).
+const NARROW: f64 = 0.05e-3;
 
 impl<P: Nominal> Cutting<P> {
     /// The model over `records`, whose groups and their part in the fit are given.
@@ -194,10 +196,19 @@ impl<P: Nominal> Cutting<P> {
             let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
             self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));
         }
+        let early: fn(f64) -> f64 = |land| (-land / NARROW).exp();
         let of_land = P::WEAR_CURVE * settings.form_land_wear;
-        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(|land| land / LAND));
-        let early: fn(f64) -> f64 = |land| (-land / 0.05e-3).exp();
-        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(early));
+        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(None, |land| land / LAND));
+        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(None, early));
+        // Terms that share the wear rate share it otherwise at another speed.
+        let bent: fn(f64) -> f64 = |land| land / LAND - 0.5;
+        let of_both = P::WEAR_CURVE * settings.form_land_conditions_wear;
+        for (name, feature, _) in features::surface(records, P::CONDITIONS).into_iter().filter(|(.., linear)| *linear) {
+            for (shape, function) in [("land", bent), ("narrow land", early)] {
+                let change = Change::WearOfLand(Some(feature.clone()), function);
+                self.parameter(format!("wear rate, {name} × {shape}"), of_both, true, change);
+            }
+        }
     }
 
     fn allowance(&mut self, records: &Records, wear: &[f64]) {

@@ -42,14 +42,26 @@ impl Step {
 pub(super) struct Setting<'a, P> {
     pub process: P,
     pub at: &'a Point,
-    /// Weight and function of the land, in the logarithm of the wear rate.
-    pub of_land: Vec<(f64, fn(f64) -> f64)>,
+    /// Weight, feature of the row if it has one, and function of the land, in the logarithm of the wear
+    /// rate.
+    of_land: Vec<(f64, Option<&'a [f64]>, fn(f64) -> f64)>,
     /// Logarithm of the wear rate of all rows.
     wear: f64,
     /// Weight and feature of the row, in the logarithm of the wear rate.
     of_row: Vec<(f64, &'a [f64])>,
     /// Size and rows of lots.
     lots: Vec<(f64, &'a [f64])>,
+}
+
+/// Weight and function of the land, in the logarithm of the wear rate.
+pub(super) type OfLand = (f64, fn(f64) -> f64);
+
+impl<P> Setting<'_, P> {
+    /// What multiplies the wear rate along the land in a row.
+    pub(super) fn of_land(&self, row: usize) -> Vec<OfLand> {
+        let of_row = |feature: Option<&[f64]>| feature.map_or(1.0, |feature| feature[row]);
+        self.of_land.iter().map(|(weight, feature, function)| (weight * of_row(*feature), *function)).collect()
+    }
 }
 
 /// Places of what a state is asked for by name.
@@ -129,7 +141,7 @@ impl<P: Nominal> Cutting<P> {
                 _ if weight == 0.0 => {}
                 Change::Wear => setting.wear += weight,
                 Change::WearFeature(feature) => setting.of_row.push((weight, feature)),
-                Change::WearOfLand(function) => setting.of_land.push((weight, *function)),
+                Change::WearOfLand(feature, function) => setting.of_land.push((weight, feature.as_deref(), *function)),
                 Change::Constant { .. } => {}
             }
         }
@@ -188,6 +200,7 @@ impl<P: Nominal> Cutting<P> {
         let mut x = self.fresh();
         for (row, values) in self.rows[group].iter().zip(values.chunks_exact_mut(channels)) {
             let (u, factor) = self.conditions(setting, group, *row);
+            let of_land = setting.of_land(*row);
             let held = setting.process.held(&u);
             // Edges cool between operations.
             if let Some(body) = parts.lagged {
@@ -195,7 +208,7 @@ impl<P: Nominal> Cutting<P> {
             }
             let mut seen = 0.0;
             for step in &self.steps[*row] {
-                let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &setting.of_land);
+                let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &of_land);
                 if step.seen {
                     P::observe(&held, &P::State::from_slice(&middle)).write_to(&mut y);
                     for (sum, source) in values.iter_mut().zip(&self.outputs) {
@@ -249,7 +262,7 @@ pub(super) fn taken<P: Nominal>(
     x: &mut [f64; MOST],
     step: &Step,
     [first_factor, second_factor]: [f64; 2],
-    of_land: &[(f64, fn(f64) -> f64)],
+    of_land: &[OfLand],
 ) -> [f64; MOST] {
     let rates = |x: &[f64; MOST], factor: f64| {
         let here = x[parts.land];

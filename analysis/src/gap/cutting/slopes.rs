@@ -6,7 +6,7 @@
 //! readings only is asked at the states of the run. Everything else runs beside it. What adds to a
 //! reading needs no run at all.
 
-use super::run::{MOST, Parts, Setting, Step, taken};
+use super::run::{MOST, OfLand, Parts, Setting, Step, taken};
 use super::{Action, Change, Cutting, Nominal, Source};
 use crate::gap::{Direction, Point};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ enum Way<'a, P> {
     /// On the logarithm of the rate of wear: weight, and feature of the row if it has one.
     Rate(f64, Option<&'a [f64]>),
     /// The same by a function of the land.
-    RateOfLand(f64, fn(f64) -> f64),
+    RateOfLand(f64, Option<&'a [f64]>, fn(f64) -> f64),
     /// On what is observed: the setting a step ahead, and the step.
     Seen(Setting<'a, P>, f64),
     /// On everything.
@@ -68,7 +68,9 @@ impl<P: Nominal> Cutting<P> {
                 match &self.changes[i] {
                     Change::Wear => return Way::Rate(deviation, None),
                     Change::WearFeature(feature) => return Way::Rate(deviation, Some(feature)),
-                    Change::WearOfLand(function) => return Way::RateOfLand(deviation, *function),
+                    Change::WearOfLand(feature, function) => {
+                        return Way::RateOfLand(deviation, feature.as_deref(), *function);
+                    }
                     // Forces do not wear the edge.
                     Change::Constant { group, .. } => still && *group == "force",
                 }
@@ -98,13 +100,13 @@ impl<P: Nominal> Cutting<P> {
         let mut means = vec![0.0; channels];
         for (place, row) in rows.iter().enumerate() {
             let (u, factor) = self.conditions(here, group, *row);
-            let held = here.process.held(&u);
-            let own: Vec<Option<(P::Held<'_>, f64)>> = ways
+            let (held, of_land) = (here.process.held(&u), here.of_land(*row));
+            let own: Vec<Option<(P::Held<'_>, f64, Vec<OfLand>)>> = ways
                 .iter()
                 .map(|way| match way {
                     Way::Seen(setting, _) | Way::Run(setting, _) => {
                         let (u, factor) = self.conditions(setting, group, *row);
-                        Some((setting.process.held(&u), factor))
+                        Some((setting.process.held(&u), factor, setting.of_land(*row)))
                     }
                     _ => None,
                 })
@@ -120,7 +122,7 @@ impl<P: Nominal> Cutting<P> {
             let mut seen = 0.0;
             let of_row = place * channels..(place + 1) * channels;
             for step in &self.steps[*row] {
-                let local = Differentiated::new(self, &parts, &held, x, step, factor, &here.of_land);
+                let local = Differentiated::new(self, &parts, &held, x, step, factor, &of_land);
                 let weight = if step.seen { step.length } else { 0.0 };
                 seen += weight;
                 if step.seen {
@@ -133,16 +135,17 @@ impl<P: Nominal> Cutting<P> {
                             let phi = weight_of * feature.map_or(1.0, |feature| feature[*row]);
                             local.carry(self, &mut each.s, [phi; 2], weight, values);
                         }
-                        (Way::RateOfLand(weight_of, function), _) => {
+                        (Way::RateOfLand(weight_of, feature, function), _) => {
+                            let weight_of = weight_of * feature.map_or(1.0, |feature| feature[*row]);
                             let phi = [x, local.middle].map(|x| weight_of * function(x[parts.land]));
                             local.carry(self, &mut each.s, phi, weight, values);
                         }
-                        (Way::Seen(..), Some((held, _))) if step.seen => {
+                        (Way::Seen(..), Some((held, ..))) if step.seen => {
                             let y = P::observe(held, &P::State::from_slice(&local.middle));
                             self.add(values, weight, &written(&y));
                         }
-                        (Way::Run(setting, _), Some((held, factor))) => {
-                            let middle = taken::<P>(&parts, held, &mut each.x, step, [*factor; 2], &setting.of_land);
+                        (Way::Run(..), Some((held, factor, of_land))) => {
+                            let middle = taken::<P>(&parts, held, &mut each.x, step, [*factor; 2], of_land);
                             if step.seen {
                                 self.add(values, weight, &written(&P::observe(held, &P::State::from_slice(&middle))));
                             }
@@ -216,7 +219,7 @@ impl Differentiated {
         x: [f64; MOST],
         step: &Step,
         factor: f64,
-        of_land: &[(f64, fn(f64) -> f64)],
+        of_land: &[OfLand],
     ) -> Self {
         let run = |mut x: [f64; MOST], factors: [f64; 2]| {
             let middle = taken::<P>(parts, held, &mut x, step, factors, of_land);
