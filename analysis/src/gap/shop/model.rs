@@ -25,6 +25,9 @@ const SCATTER: f64 = 0.5;
 /// Form allowance: what shifts differ by without anybody doing anything else (assumption).
 const SHIFT_CUTTING: f64 = 0.003;
 const SHIFT_HANDLING: f64 = 0.01;
+/// And by how much their handling scatters: a constant delay makes the relative scatter smaller, one that
+/// varies makes it larger (assumption).
+const SHIFT_SCATTER: f64 = 0.2;
 /// Level of a program that the nominal shop does not know.
 const UNKNOWN: f64 = 1.0;
 /// Skewness that single operations may have by themselves: excess of the mean, in scatters, and of
@@ -203,10 +206,13 @@ impl ShopModel {
             add(format!("scatter at {name}"), self.place(3), own.clone(), 0.5 * SCATTER, false);
             add(format!("lives of edges at {name}"), self.place(9), own, 0.1, false);
         }
+        let spread = self.place(5);
         for shift in self.shifts() {
-            for (name, channels, deviation) in
-                [("cutting time", &time, SHIFT_CUTTING), ("handling time", &handling, SHIFT_HANDLING)]
-            {
+            for (name, channels, deviation) in [
+                ("cutting time", &time, SHIFT_CUTTING),
+                ("handling time", &handling, SHIFT_HANDLING),
+                ("scatter of handling", &spread, SHIFT_SCATTER),
+            ] {
                 let (feature, channels) = (on(&|block| block.shift == shift), channels.clone());
                 let name = format!("{name}, shift {shift}");
                 surfaces.push(Surface { name, channels, feature, deviation, allowance: true, absolute: false });
