@@ -49,13 +49,13 @@ const ABLATIONS: [(&str, Method); 4] = [
     ),
 ];
 
-/// Cases on which the ablations are tried: effects at their ordinary strength, a third of the nulls,
-/// causes outside the catalogue.
+/// Cases on which the ablations are tried: a third of the effects at their ordinary strength and of
+/// the nulls, half of the causes outside the catalogue.
 fn in_ablation(case: &Case) -> bool {
     match case.set {
-        Set::Effect => case.hidden.iter().all(|hidden| hidden.strength == 1.0),
+        Set::Effect => case.hidden.iter().all(|hidden| hidden.strength == 1.0) && case.seed.is_multiple_of(3),
         Set::Null => case.seed.is_multiple_of(3),
-        Set::Outside => true,
+        Set::Outside => case.seed.is_multiple_of(2),
         _ => false,
     }
 }

@@ -15,6 +15,9 @@ const SHAPES: usize = 2;
 const PAIRED: usize = 3;
 /// Lead of a pair over its best single effect, the choice among pairs paid for, that names both.
 const PAIR_GATE: f64 = 8.0;
+/// Share of the gain of an effect by which a second one in its channels has to lead more: the
+/// occurrences of a cause scatter, and what they leave looks like something else (assumption).
+const SCATTERED: f64 = 0.05;
 /// Single effects that are fitted anew because the nominal point asks for them, where the
 /// calibrated nominal model is strained.
 const EARLY: usize = 2;
@@ -270,6 +273,12 @@ fn agreed(model: &dyn Forward, trial: &Trial) -> bool {
     trial.sizes(model).iter().zip(errors).all(|(size, error)| *size > AGREED * error)
 }
 
+/// Whether the catalogue lists two effects in one channel.
+fn share_channels(a: &str, b: &str) -> bool {
+    let channels = |id| super::diagnose::entry(id).map_or(&[][..], |entry| entry.channels);
+    channels(a).iter().any(|own| channels(b).iter().any(|other| own.channel == other.channel))
+}
+
 /// The form allowance that a trial strains most: name and prior standard deviations.
 fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
     let (frame, point) = (model.frame(), &trial.fit.linear.point);
@@ -346,7 +355,11 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     if let (Some(single), Some(pair)) = (chosen, best_of(decision, 2)) {
         let lead = gain(&decision.trials[pair].evidence, &decision.trials[single].evidence);
         let lead = lead - (price(count, 2) - price(count, 1));
-        if lead > PAIR_GATE && agreed(model, &decision.trials[pair]) {
+        let first = decision.trials[single].fit.active[0];
+        let id = |index: &usize| model.frame().candidates[*index].id;
+        let own = decision.trials[pair].fit.active.iter().all(|index| share_channels(id(index), id(&first)));
+        let scattered = if own { SCATTERED * decision.gain_of(&decision.trials[single], count) } else { 0.0 };
+        if lead > PAIR_GATE + scattered && agreed(model, &decision.trials[pair]) {
             chosen = Some(pair);
         }
     }

@@ -125,9 +125,9 @@ fn promised(case: &Case, forward: &dyn Forward) -> Option<f64> {
     let list = if known { identifiability(forward) } else { Vec::new() };
     let score = |hidden: &toolroom_truth::Hidden| {
         let size = case.size(hidden.id)?;
-        // Of several shapes of an effect the one that shows best counts.
+        // Where a cause acts is not known beforehand: of its shapes the one that shows least counts.
         let rows = list.iter().filter(|row| row.id == hidden.id);
-        Some(rows.map(|row| row.score(size)).fold(0.0, f64::max))
+        Some(rows.map(|row| row.score(size)).min_by(f64::total_cmp).unwrap_or(0.0))
     };
     case.hidden.iter().filter_map(score).min_by(f64::total_cmp)
 }

@@ -52,7 +52,7 @@ pub enum Extent {
 /// Strengths at which every effect is hidden.
 const STRENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Single effects of a process that are tried at least, so that rates of error have bounds.
-const SINGLES: usize = 96;
+const SINGLES: usize = 132;
 /// Scatter of the nulls with heavier scatter.
 const HEAVY: f64 = 1.8;
 

@@ -230,8 +230,8 @@ impl<P: Nominal> Cutting<P> {
         let ones = || vec![1.0; records.len()];
         // Relative to the absolute temperature, of which the rise is about three quarters.
         let classes = [
-            ("force", find(&["cutting_force", "spindle_power"]), 0.04, 0.02, 0.03),
-            ("feed force", find(&["feed_force"]), 0.04, 0.02, 0.05),
+            ("force", find(&["cutting_force", "spindle_power"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
+            ("feed force", find(&["feed_force"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.05),
             ("temperature", find(&["temperature"]), 0.015, 0.0075, 0.0075),
             ("thermo-EMF", find(&["thermo_emf"]), 0.02, 0.01, 0.01),
             ("form error", find(&["form_error"]), 0.04, 0.02, 0.03),

@@ -12,6 +12,8 @@ pub trait Nominal: Process + Clone {
     const LAGGED: Option<&'static str>;
     /// How much less than in turning the form of wear over the land is believed (assumption).
     const WEAR_CURVE: f64;
+    /// How much less than in turning the form of the forces is believed (assumption).
+    const FORCE_FORM: f64;
     /// Prior standard deviation of the logarithm of roughness over that of ideal edges (assumption).
     const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
@@ -41,6 +43,7 @@ impl Nominal for Turning {
     const CONDITIONS: &'static [&'static str] = &["cutting_speed", "feed_per_rev", "depth_of_cut"];
     const LAGGED: Option<&'static str> = Some("tool_body_temperature_rise");
     const WEAR_CURVE: f64 = 1.0;
+    const FORCE_FORM: f64 = 1.0;
     const ROUGHNESS: f64 = 0.3;
     const SIGNED: &'static [&'static str] = &[];
     type Held<'a> = HeldTurning<'a>;
@@ -72,6 +75,8 @@ impl Nominal for Milling {
     const LAGGED: Option<&'static str> = None;
     // The three stages of the wear curve are an assumption of the model.
     const WEAR_CURVE: f64 = 2.5;
+    // A law linear in the chip stands for a power of it.
+    const FORCE_FORM: f64 = 1.5;
     // A micrometre of runout makes a wall many times as rough as ideal teeth would.
     const ROUGHNESS: f64 = 1.0;
     const SIGNED: &'static [&'static str] = &["feed_force"];
