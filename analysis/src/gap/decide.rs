@@ -279,13 +279,21 @@ fn share_channels(a: &str, b: &str) -> bool {
     channels(a).iter().any(|own| channels(b).iter().any(|other| own.channel == other.channel))
 }
 
-/// The form allowance that a trial strains most: name and prior standard deviations.
+/// The form allowance that a trial strains most, among those that act where its effects act: name and
+/// prior standard deviations.
 fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
-    let (frame, point) = (model.frame(), &trial.fit.linear.point);
-    let parameters = frame.parameters.iter().map(|each| (each.name.as_str(), each.allowance)).zip(&point.parameters);
-    let surfaces = frame.surfaces.iter().map(|each| (each.name.as_str(), each.allowance)).zip(&point.surfaces);
-    let allowances = parameters.chain(surfaces).filter(|((_, allowance), _)| *allowance);
-    allowances.map(|((name, _), x)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
+    let (frame, linear) = (model.frame(), &trial.fit.linear);
+    let parameters = frame.parameters.iter().map(|each| (each.name.as_str(), each.allowance));
+    let surfaces = frame.surfaces.iter().map(|each| (each.name.as_str(), each.allowance));
+    let moved = linear.point.parameters.iter().chain(&linear.point.surfaces);
+    let active = &trial.fit.active;
+    let concerns = |column: &[f64]| {
+        let meets = |index: &usize| linear.effects[*index].iter().zip(column).any(|(a, b)| *a != 0.0 && *b != 0.0);
+        active.is_empty() || active.iter().any(meets)
+    };
+    let all = parameters.chain(surfaces).zip(moved).zip(&linear.nuisance);
+    let allowances = all.filter(|(((_, allowance), _), column)| *allowance && concerns(column));
+    allowances.map(|(((name, _), x), _)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Whether every effect of a trial scores at its size.
@@ -359,7 +367,8 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let id = |index: &usize| model.frame().candidates[*index].id;
         let own = decision.trials[pair].fit.active.iter().all(|index| share_channels(id(index), id(&first)));
         let scattered = if own { SCATTERED * decision.gain_of(&decision.trials[single], count) } else { 0.0 };
-        if lead > PAIR_GATE + scattered && agreed(model, &decision.trials[pair]) {
+        let both = &decision.trials[pair];
+        if lead > PAIR_GATE + scattered && agreed(model, both) && convincing(model, both, &decision.base) {
             chosen = Some(pair);
         }
     }
