@@ -94,6 +94,51 @@ fn forces_in_a_wrong_unit_are_said_and_blamed_on_nothing() {
     }
 }
 
+/// The numbers of a column, multiplied.
+fn scaled(csv: &str, column: &str, factor: f64) -> String {
+    let mut lines = csv.lines();
+    let head = lines.next().unwrap_or_default();
+    let at = head.split(',').position(|title| title.starts_with(column)).expect("the column");
+    let mut text = format!("{head}\n");
+    for line in lines {
+        let cell = |(i, cell): (usize, &str)| match cell.parse::<f64>() {
+            Ok(value) if i == at => (value * factor).to_string(),
+            _ => cell.to_owned(),
+        };
+        let cells: Vec<String> = line.split(',').enumerate().map(cell).collect();
+        let _ = writeln!(text, "{}", cells.join(","));
+    }
+    text
+}
+
+/// Channels in units that they are not in, of shops that hide nothing: said, and blamed on nothing.
+fn wrong_units_are_said(process: &'static str, slips: &[(&str, f64)]) {
+    let csv = toolroom_truth::Case::null(process, 7).records();
+    for (column, factor) in slips {
+        let (found, said) = diagnosis(&shipped(process), &scaled(&csv, column, *factor));
+        let notes = format!("{} {said}", found["notes"]);
+        assert!(ids(&found).is_empty(), "{column} ×{factor}: {found:#}");
+        assert!(notes.contains(column) && notes.contains("unit"), "{column} ×{factor}: {notes}");
+    }
+}
+
+#[test]
+fn turning_in_wrong_units_is_said() {
+    let slips = [("cutting_force", 1e-3), ("flank_wear", 25.4), ("spindle_power", 1000.0), ("cycle_time", 1.0 / 60.0)];
+    wrong_units_are_said("turning", &slips);
+}
+
+#[test]
+fn grinding_in_wrong_units_is_said() {
+    let slips = [("normal_force", 1e-3), ("stock_removed", 1.0 / 25.4), ("rise_revolutions", 60.0)];
+    wrong_units_are_said("grinding", &slips);
+}
+
+#[test]
+fn milling_in_wrong_units_is_said() {
+    wrong_units_are_said("milling", &[("cutting_force", 1e-3), ("flank_wear", 1.0 / 25.4)]);
+}
+
 #[test]
 fn few_groups_and_constant_channels_name_nothing() {
     let (_dir, model) = empirical();

@@ -208,9 +208,9 @@ fn huber(standard: f64) -> f64 {
 
 fn closure(sums: &Sums, seed: u64) -> Closure {
     let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
+    // Every group counts alike: else the one with the most readings would decide.
     let root = |values: &[f64], groups: &[usize]| {
-        let count: f64 = groups.iter().map(|i| sums.count[*i]).sum();
-        (groups.iter().map(|i| values[*i]).sum::<f64>() / count).sqrt()
+        (groups.iter().map(|i| values[*i] / sums.count[*i]).sum::<f64>() / groups.len() as f64).sqrt()
     };
     let closed = |groups: &[usize]| 1.0 - root(&sums.after, groups) / root(&sums.before, groups);
     let (before, after, floor) = (root(&sums.before, &groups), root(&sums.after, &groups), root(&sums.floor, &groups));

@@ -257,14 +257,14 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
 /// Whether the gain of a trial is of the order that the scores of its effects at the nominal fit
 /// promise; a far greater one means that the nominal fit was caught somewhere else.
 fn credible(model: &dyn Forward, decision: &Decision, trial: &Trial) -> bool {
-    let promised: f64 = trial
-        .fit
-        .active
-        .iter()
-        .filter_map(|index| decision.singles.iter().find(|single| single.candidate == *index))
-        .map(|single| 0.5 * single.score * single.score)
-        .sum();
-    decision.gain_of(trial, model.frame().candidates.len()) < PROMISED * promised + SLACK
+    let candidates = &model.frame().candidates;
+    // Of several shapes of an effect the one that shows best speaks for all.
+    let promise = |index: &usize| {
+        let alike = decision.singles.iter().filter(|single| single.id == candidates[*index].id);
+        0.5 * alike.map(|single| single.score.max(0.0)).fold(0.0, f64::max).powi(2)
+    };
+    let promised: f64 = trial.fit.active.iter().map(promise).sum();
+    decision.gain_of(trial, candidates.len()) < PROMISED * promised + SLACK
 }
 
 /// Whether the groups agree on every effect of a trial.
@@ -326,11 +326,15 @@ fn shape(
             && agreed(model, trial)
             && convincing(model, trial, &decision.base)
     };
-    let others = (0..decision.trials.len()).filter(|other| stands(*other));
-    let judged =
-        others.map(|other| (other, crossed(model, basis, folds, &decision.base, &decision.trials[other], seed)));
-    let clearly = judged.filter(|(_, other)| other.ci90[0] > closed.ci90[1]);
-    let (other, further) = clearly.max_by(|a, b| a.1.closed.total_cmp(&b.1.closed))?;
+    // Group by group against the first shape: what both leave of a group, they leave alike.
+    let further = |other: usize| {
+        let (first, second) = (&decision.trials[index], &decision.trials[other]);
+        (other, crossed(model, basis, folds, first, second, seed))
+    };
+    let others = (0..decision.trials.len()).filter(|other| stands(*other)).map(further);
+    let clearly = others.filter(|(_, further)| further.ci90[0] > 0.0);
+    let (other, _) = clearly.max_by(|a, b| a.1.closed.total_cmp(&b.1.closed))?;
+    let further = crossed(model, basis, folds, &decision.base, &decision.trials[other], seed);
     let name = |index: usize| match candidates[index].shape.as_str() {
         "" => "the plain form",
         shape => shape,

@@ -14,7 +14,8 @@ pub struct Signature {
 }
 
 /// The dictionary at a linearised model. Wear is asked in two ways: its reading, and its rate,
-/// whose deviations add up over the life of an edge.
+/// whose deviations add up over the life of an edge. Models that know no rate, those of the logarithm
+/// of the land, are asked for the reading only.
 pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
     let measured = &model.frame().measured;
     let mut sets: Vec<(String, Vec<usize>)> =
@@ -37,7 +38,8 @@ pub fn dictionary(model: &dyn Forward, linear: &Linear) -> Vec<Signature> {
             signatures.push(Signature { channel: name.clone(), covariate: covariate.name.clone(), column });
         }
     }
-    if let Some(wear) = measured.channels.iter().position(|channel| channel.name == "flank_wear") {
+    let rated = |channel: &super::Channel| channel.name == "flank_wear" && channel.transform == Transform::Linear;
+    if let Some(wear) = measured.channels.iter().position(rated) {
         // What every operation costs, however long it is.
         let mut column = vec![0.0; measured.len()];
         for run in measured.runs.iter().filter(|run| measured.observations[run.start].channel == wear) {

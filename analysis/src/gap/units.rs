@@ -16,6 +16,8 @@ const SLIPS: [(f64, &str); 8] = [
 ];
 /// Ratio of measurement to nominal model beyond which no effect of the catalogue is likely.
 const IMPOSSIBLE: f64 = 2.5;
+/// Handling and stops over the time in cut (assumption).
+const HANDLING: f64 = 4.0;
 /// How near a slip a ratio must be.
 const NEAR: f64 = 0.3;
 
@@ -39,7 +41,9 @@ pub fn ratios(model: &dyn Forward) -> Vec<f64> {
 
 /// What to say about a channel whose ratio is impossible; `None` where it is possible.
 pub fn suspicion(channel: &str, ratio: f64) -> Option<String> {
-    if channel == "cycle_time" || ratio.is_nan() || ratio <= 0.0 || ratio.ln().abs() < IMPOSSIBLE.ln() {
+    // Handling may take several times as long as cutting.
+    let impossible = if channel == "cycle_time" { IMPOSSIBLE * HANDLING } else { IMPOSSIBLE };
+    if ratio.is_nan() || ratio <= 0.0 || ratio.ln().abs() < impossible.ln() {
         return None;
     }
     let slip = SLIPS
