@@ -11,8 +11,17 @@ use toolroom_analysis::gap::identifiability;
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;
     let records = recorded(&args.data.data, &model, voice)?;
-    let (forward, _) = model.over(&records, args.data.group.as_deref(), |_, _| false);
-    let list = identifiability(forward.as_ref());
+    let (parts, _) = model.parts(&records, args.data.group.as_deref(), |_, _| false);
+    let mut list = Vec::new();
+    for part in &parts {
+        let channel = part.frame().measured.channels.first().filter(|_| parts.len() > 1);
+        for mut row in identifiability(part.as_ref()) {
+            if let Some(channel) = channel {
+                row.shape = format!("{}, {}", channel.name, row.shape).trim_end_matches(", ").to_owned();
+            }
+            list.push(row);
+        }
+    }
     if voice.json {
         let rows: Vec<_> = list
             .iter()
