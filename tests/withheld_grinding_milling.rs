@@ -2,7 +2,7 @@
 //! knows, and of records that lack what one would want.
 
 use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
-use toolroom_analysis::records::parse_csv;
+use toolroom_analysis::records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
 fn diagnosed(process: &str, csv: &str) -> (Diagnosis, Vec<String>) {
@@ -68,8 +68,22 @@ fn four_dressings_are_too_few_to_name_an_effect() {
 
 #[test]
 fn infeed_in_a_wrong_unit_is_said_and_blamed_on_nothing() {
-    let csv = Case::null("grinding", 2).records().replace("infeed_per_rev [um]", "infeed_per_rev [mm]");
-    let (diagnosis, notes) = diagnosed("grinding", &csv);
+    // By a prefix it is beyond what any grinder does, and refused with its place.
+    let csv = Case::null("grinding", 2).records();
+    let prefix = csv.replace("infeed_per_rev [um]", "infeed_per_rev [mm]");
+    let error =
+        parse_csv("truth", prefix.as_bytes(), RecordKind::Grinding).expect_err("millimetres a turn").to_string();
+    assert!(error.contains("infeed_per_rev") && error.contains("unit"), "{error}");
+    // By inches it is possible, and the channels give it away.
+    let at = csv.lines().next().unwrap_or_default().split(',').position(|name| name.starts_with("infeed_per_rev"));
+    let inches = |line: &str| {
+        let cell = |(i, cell): (usize, &str)| match cell.parse::<f64>() {
+            Ok(value) if Some(i) == at => (value * 25.4).to_string(),
+            _ => cell.to_owned(),
+        };
+        line.split(',').enumerate().map(cell).collect::<Vec<_>>().join(",")
+    };
+    let (diagnosis, notes) = diagnosed("grinding", &csv.lines().map(inches).collect::<Vec<_>>().join("\n"));
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
     assert!(notes.iter().any(|note| note.contains("unit")), "{notes:?}");
 }

@@ -1,6 +1,6 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
-use super::diagnose::entry;
+use super::diagnose::{entry, settled};
 use super::evidence::{left_out_solutions, solution};
 use super::fit::{offset_residual, own_factors};
 use super::noise::HUBER;
@@ -73,10 +73,8 @@ impl<'a> Outside<'a> {
         if groups.is_empty() {
             return None;
         }
-        let sheet = Basis::of_sheet(model, Method::default());
-        let first = sheet.start(model);
-        let basis = Basis::new(model, &first, &sheet);
-        let base = Trial::of(model, &basis, &[], first);
+        let (basis, fit) = settled(model, Method::default());
+        let base = Trial::of(model, &basis, &[], fit);
         let left = held_out_residuals(model, &basis, &base, &[]);
         Some(Self { model, basis, base, left, groups })
     }

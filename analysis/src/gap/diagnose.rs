@@ -49,7 +49,8 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
     if method.allowance { diagnosed(model, method, seed) } else { diagnosed(&Bare::new(model), method, seed) }
 }
 
-fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+/// Noise and scatter as the data show them, and the nominal model calibrated beside them.
+pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, super::Fit) {
     let sheet = Basis::of_sheet(model, method);
     let first = sheet.start(model);
     let rough = Basis::new(model, &first, &sheet);
@@ -68,6 +69,11 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         basis = next;
     }
     let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale).complete(model);
+    (basis, refit)
+}
+
+fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
+    let (basis, refit) = settled(model, method);
     let folds = folds(&model.frame().measured);
     let base = Trial::of(model, &basis, &folds, refit);
     let mut decision = decide(model, &basis, &folds, base, seed);
