@@ -129,6 +129,14 @@ fn turning_in_wrong_units_is_said() {
 }
 
 #[test]
+fn a_cutting_speed_in_a_wrong_unit_names_nothing() {
+    let csv = toolroom_truth::Case::null("turning", 7).records();
+    let (found, _) = diagnosis(&shipped("turning"), &scaled(&csv, "cutting_speed", 1.0 / 25.4));
+    assert!(ids(&found).is_empty(), "{found:#}");
+    assert!(found["notes"].to_string().contains("a condition may be in a wrong unit"), "{}", found["notes"]);
+}
+
+#[test]
 fn grinding_in_wrong_units_is_said() {
     let slips = [("normal_force", 1e-3), ("stock_removed", 1.0 / 25.4), ("rise_revolutions", 60.0)];
     wrong_units_are_said("grinding", &slips);
