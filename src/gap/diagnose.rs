@@ -9,7 +9,9 @@ use serde_json::json;
 use std::path::Path;
 use toolroom_analysis::gap::plan::plan;
 use toolroom_analysis::gap::shop::{after, groups_of, queues, visits};
-use toolroom_analysis::gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
+use toolroom_analysis::gap::{
+    Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes,
+};
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::records::{RecordKind, Records};
 use toolroom_analysis::results::fingerprint;
@@ -40,6 +42,13 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
+        }
+        // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
+        let impossible = notes.iter().filter(|note| note.contains("check its unit")).count();
+        if impossible > 1 && !diagnosis.effects.is_empty() {
+            diagnosis.effects.clear();
+            diagnosis.verdict = GapVerdict::Unknown;
+            diagnosis.notes.push("several channels are impossible at once: no effect is named".to_owned());
         }
         diagnosis.notes.extend(notes);
         if let NominalProcess::Shop(shop) = &model.process {
