@@ -412,7 +412,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         } else if let Some((name, x)) = strained.filter(|_| passes) {
             let far = format!("`{name}` would be off by {x:.1} prior standard deviations");
             decision.reasons.push(format!("beside the best effect the form of the equations is wrong: {far}"));
-        } else if passes && closed.as_ref().is_some_and(|closed| closed.ci90[1] <= 0.0) {
+        } else if passes && closed.as_ref().is_some_and(|closed| closed.closed <= 0.0) {
             let [low, high] = closed.map_or([0.0; 2], |closed| closed.ci90.map(|end| 100.0 * end));
             let names: Vec<&str> = trial.fit.active.iter().map(|index| model.frame().candidates[*index].id).collect();
             decision.reasons.push(format!(

@@ -44,7 +44,7 @@ pub(super) struct Setting<'a, P> {
     pub at: &'a Point,
     /// Weight, feature of the row if it has one, and function of the land, in the logarithm of the wear
     /// rate.
-    of_land: Vec<(f64, Option<&'a [f64]>, fn(f64) -> f64)>,
+    of_land: Vec<AlongLand<'a>>,
     /// Logarithm of the wear rate of all rows.
     wear: f64,
     /// Weight and feature of the row, in the logarithm of the wear rate.
@@ -53,13 +53,16 @@ pub(super) struct Setting<'a, P> {
     lots: Vec<(f64, &'a [f64])>,
 }
 
+/// One number a row, where rows differ.
+pub(super) type Feature<'a> = Option<&'a [f64]>;
+type AlongLand<'a> = (f64, Feature<'a>, fn(f64) -> f64);
 /// Weight and function of the land, in the logarithm of the wear rate.
 pub(super) type OfLand = (f64, fn(f64) -> f64);
 
 impl<P> Setting<'_, P> {
     /// What multiplies the wear rate along the land in a row.
     pub(super) fn of_land(&self, row: usize) -> Vec<OfLand> {
-        let of_row = |feature: Option<&[f64]>| feature.map_or(1.0, |feature| feature[row]);
+        let of_row = |feature: Feature<'_>| feature.map_or(1.0, |feature| feature[row]);
         self.of_land.iter().map(|(weight, feature, function)| (weight * of_row(*feature), *function)).collect()
     }
 }

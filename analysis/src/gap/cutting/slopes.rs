@@ -6,7 +6,7 @@
 //! readings only is asked at the states of the run. Everything else runs beside it. What adds to a
 //! reading needs no run at all.
 
-use super::run::{MOST, OfLand, Parts, Setting, Step, taken};
+use super::run::{Feature, MOST, OfLand, Parts, Setting, Step, taken};
 use super::{Action, Change, Cutting, Nominal, Source};
 use crate::gap::{Direction, Point};
 use rayon::prelude::*;
@@ -17,12 +17,15 @@ const SMALL: f64 = 1e-6;
 /// What the land, the body and the damage count as beside themselves in such a difference.
 const SCALES: [f64; 3] = [0.03e-3, 100.0, 0.1];
 
+/// What a run of its own needs in a row: conditions, factor on the wear rate, and that along the land.
+type Own<'a, P> = (<P as Nominal>::Held<'a>, f64, Vec<OfLand>);
+
 /// How a direction acts.
 enum Way<'a, P> {
     /// On the logarithm of the rate of wear: weight, and feature of the row if it has one.
-    Rate(f64, Option<&'a [f64]>),
+    Rate(f64, Feature<'a>),
     /// The same by a function of the land.
-    RateOfLand(f64, Option<&'a [f64]>, fn(f64) -> f64),
+    RateOfLand(f64, Feature<'a>, fn(f64) -> f64),
     /// On what is observed: the setting a step ahead, and the step.
     Seen(Setting<'a, P>, f64),
     /// On everything.
@@ -101,7 +104,7 @@ impl<P: Nominal> Cutting<P> {
         for (place, row) in rows.iter().enumerate() {
             let (u, factor) = self.conditions(here, group, *row);
             let (held, of_land) = (here.process.held(&u), here.of_land(*row));
-            let own: Vec<Option<(P::Held<'_>, f64, Vec<OfLand>)>> = ways
+            let own: Vec<Option<Own<'_, P>>> = ways
                 .iter()
                 .map(|way| match way {
                     Way::Seen(setting, _) | Way::Run(setting, _) => {

@@ -110,7 +110,7 @@ fn pools(seen: &Visits) -> Vec<Vec<usize>> {
         let mut merged = (BTreeSet::from([machine]), own.map(|visit| visit.program).collect::<BTreeSet<usize>>());
         let (same, other) = pools.into_iter().partition(|(_, programs)| !programs.is_disjoint(&merged.1));
         pools = other;
-        for (machines, programs) in Vec::<(BTreeSet<usize>, BTreeSet<usize>)>::from(same) {
+        for (machines, programs) in same {
             merged.0.extend(machines);
             merged.1.extend(programs);
         }

@@ -11,7 +11,7 @@ use toolroom_wear::{Contact, Cut, Pair};
 
 /// Inner node of the 4-point Gauss–Lobatto rule on -1 … 1, which also takes both ends, so that
 /// panels share values.
-const NODE: f64 = 0.447_213_595_499_957_94;
+const NODE: f64 = 0.447_213_595_499_957_9;
 /// Over half the panel: weights of the integral; of the cubic through the values at the nodes, the
 /// weights of its integral over the first half, and of its value in the middle.
 const WEIGHTS: [f64; 4] = [1.0 / 6.0, 5.0 / 6.0, 5.0 / 6.0, 1.0 / 6.0];
