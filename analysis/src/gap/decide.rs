@@ -372,7 +372,10 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let own = decision.trials[pair].fit.active.iter().all(|index| share_channels(id(index), id(&first)));
         let scattered = if own { SCATTERED * decision.gain_of(&decision.trials[single], count) } else { 0.0 };
         let both = &decision.trials[pair];
-        if lead > PAIR_GATE + scattered && agreed(model, both) && convincing(model, both, &decision.base) {
+        // Beside the first, the second has to shrink the gap of groups left out by itself.
+        let further = || crossed(model, basis, folds, &decision.trials[single], both, seed).closed > 0.0;
+        let stands = agreed(model, both) && convincing(model, both, &decision.base);
+        if lead > PAIR_GATE + scattered && stands && (!basis.method.abstention || further()) {
             chosen = Some(pair);
         }
     }
