@@ -26,6 +26,10 @@ enum Effort {
     Boundary,
 }
 
+/// Greatest dimension whose eigenvalues are all worked out where the iteration stalls: a quarter of a
+/// second.
+const LARGEST_DENSE: usize = 200;
+
 impl Effort {
     /// Nodes added to each stretch, residual of the eigenvalue, and the distance of the spectral
     /// radius from one below which the next effort is spent instead.
@@ -231,14 +235,17 @@ impl<'a> AtSpeed<'a> {
             return Err(ChatterError::NoTeethInCut);
         };
         let mut map = PeriodMap::new(period, depth, &mut self.storage);
-        match self.krylov.dominant(&mut map, residual) {
-            Err(ChatterError::NotConverged { .. }) => {}
-            found => return Ok((found?, *length)),
+        let found = self.krylov.dominant(&mut map, residual);
+        if !matches!(found, Err(ChatterError::NotConverged { .. })) {
+            return Ok((found?, *length));
         }
         // Slow but sure.
         let refined = self.assemble(depth, Effort::Boundary.settings().0)?;
-        let matrix = PeriodMap::new(&refined.period, depth, &mut self.storage).dense();
-        Ok((dense_dominant(matrix)?, refined.length))
+        let mut map = PeriodMap::new(&refined.period, depth, &mut self.storage);
+        if map.size() > LARGEST_DENSE {
+            return Ok((found?, refined.length));
+        }
+        Ok((dense_dominant(map.dense())?, refined.length))
     }
 
     /// The dominant multiplier by the characteristic function, where the cut has one that tells it
