@@ -4,12 +4,14 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod files;
+mod gap;
 mod import;
 mod lobes;
 mod planning;
 mod program;
 
 pub use files::{CheckArgs, FileKind, NewArgs, SchemaArgs};
+pub use gap::{ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, PlanArgs};
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
@@ -281,147 +283,6 @@ pub enum FmuPlatform {
 pub struct FmuFileArgs {
     /// Unit of FMI 2.0 or 3.0
     pub file: PathBuf,
-}
-
-#[derive(Subcommand, Debug)]
-pub enum GapCommand {
-    /// Name the missing effect, or say that it cannot be told
-    #[command(before_help = "Examples:
-  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --out out/gap
-  toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json
-  toolroom gap diagnose --model turning.toml --model grinding.toml --data records      every table with its model")]
-    Diagnose(DiagnoseArgs),
-    /// What such runs could show before anything is measured
-    #[command(before_help = "Examples:
-  toolroom gap identifiability --model scenarios/gap/turning.toml --data planned.csv")]
-    Identifiability(IdentifiabilityArgs),
-    /// The next experiment: which runs would tell apart what the records cannot
-    #[command(before_help = "Examples:
-  toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv
-  toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv --out out/plan     runs.csv to fill in")]
-    Plan(PlanArgs),
-    /// Write the nominal model with the named effects switched on
-    #[command(before_help = "Examples:
-  toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
-    Apply(ApplyArgs),
-    /// Diagnose shops with a hidden effect that no model here knows, and count the errors
-    #[command(before_help = "Examples:
-  toolroom gap blind --cases smoke
-  toolroom gap blind --cases full --seed 1001 --out out/blind")]
-    Blind(BlindArgs),
-}
-
-/// A nominal model and records.
-#[derive(Args, Debug)]
-pub struct GapData {
-    /// Nominal model: a scenario with a section [gap]
-    #[arg(long, value_name = "MODEL.toml")]
-    pub model: PathBuf,
-    /// Records: a CSV or Parquet file, or a directory that holds it
-    #[arg(long, alias = "design", value_name = "DATA")]
-    pub data: PathBuf,
-    /// Column whose levels are left out together; edges or dressing cycles, if left out
-    #[arg(long, value_name = "COLUMN")]
-    pub group: Option<String>,
-    /// Replace a value of the model: path=value with unit, repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-}
-
-#[derive(Args, Debug)]
-pub struct DiagnoseArgs {
-    /// Nominal model: a scenario with a section [gap]; repeatable, one for each table of the data
-    #[arg(long = "model", value_name = "MODEL.toml", required = true)]
-    pub models: Vec<PathBuf>,
-    /// Records: a CSV or Parquet file, or a directory that holds it
-    #[arg(long, value_name = "DATA")]
-    pub data: PathBuf,
-    /// Column whose levels are left out together, where a table has it; edges or dressing cycles, if left out
-    #[arg(long, value_name = "COLUMN")]
-    pub group: Option<String>,
-    /// Replace a value of every model: path=value with unit, repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Share of the groups that is kept out of the fit and only predicted
-    #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
-    pub holdout: Option<f64>,
-    /// Records of other groups on which the closure is scored
-    #[arg(long, value_name = "DATA2")]
-    pub holdout_data: Option<PathBuf>,
-    /// Seed of the null distribution and of the intervals
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Directory of diagnosis.json and report.html
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
-
-#[derive(Args, Debug)]
-pub struct PlanArgs {
-    #[command(flatten)]
-    pub data: GapData,
-    /// Seed of the null distribution
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Directory of plan.json and of the planned runs as records to fill in
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
-
-#[derive(Args, Debug)]
-pub struct IdentifiabilityArgs {
-    #[command(flatten)]
-    pub data: GapData,
-}
-
-#[derive(Args, Debug)]
-pub struct ApplyArgs {
-    /// Nominal model; repeatable, as in the diagnosis
-    #[arg(long = "model", value_name = "MODEL.toml", required = true)]
-    pub models: Vec<PathBuf>,
-    /// A finished diagnosis
-    #[arg(long, value_name = "diagnosis.json")]
-    pub diagnosis: PathBuf,
-    /// Recorded events: run the shop with and without the effects and hold both against them
-    #[arg(long, value_name = "DATA")]
-    pub data: Option<PathBuf>,
-    /// File to write; of several models a directory, in which each keeps its name
-    #[arg(long, value_name = "MODEL2.toml")]
-    pub out: PathBuf,
-}
-
-#[derive(Args, Debug)]
-pub struct BlindArgs {
-    /// Seed of all cases; those of different seeds have nothing in common
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// How many cases
-    #[arg(long, value_enum, default_value = "smoke")]
-    pub cases: BlindCases,
-    /// Only this process
-    #[arg(long, value_name = "PROCESS")]
-    pub process: Option<String>,
-    /// Directory of cases.csv and blind.json
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BlindCases {
-    /// A few of each set
-    Smoke,
-    /// As many as bounds on error rates need
-    Full,
-}
-
-impl BlindCases {
-    /// Word on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Smoke => "smoke",
-            Self::Full => "full",
-        }
-    }
 }
 
 /// A scenario and changes to it.
