@@ -4,6 +4,7 @@ mod apply;
 mod blind;
 mod diagnose;
 mod identifiability;
+mod joined;
 mod plan;
 mod tables;
 

@@ -27,7 +27,9 @@ pub enum GapCommand {
     /// Diagnose shops with a hidden effect that no model here knows, and count the errors
     #[command(before_help = "Examples:
   toolroom gap blind --cases smoke
-  toolroom gap blind --cases full --seed 1001 --out out/blind")]
+  toolroom gap blind --cases full --seed 1001 --out out/blind
+  toolroom gap blind --cases full --seed 1001 --part 1/4 --out out/first      a quarter of them
+  toolroom gap blind --from out/first --from out/second --out out/both        both together")]
     Blind(BlindArgs),
 }
 
@@ -121,9 +123,24 @@ pub struct BlindArgs {
     /// Only this process
     #[arg(long, value_name = "PROCESS")]
     pub process: Option<String>,
-    /// Directory of cases.csv and blind.json
+    /// Only the k-th of n equal parts of the cases; every set is spread over all parts
+    #[arg(long, value_name = "K/N", value_parser = part)]
+    pub part: Option<(usize, usize)>,
+    /// Only the whole method, not what is left of it without its parts
+    #[arg(long)]
+    pub no_ablations: bool,
+    /// Diagnose nothing: count the cases of finished runs together; repeatable
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["seed", "cases", "process", "part", "no_ablations"])]
+    pub from: Vec<PathBuf>,
+    /// Directory of cases.csv, rates.md and blind.json
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// `2/5`: the second of five parts.
+fn part(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    numbers.filter(|(k, n)| (1..=*n).contains(k)).ok_or_else(|| "give K/N with K from 1 to N, as in 2/5".to_owned())
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,6 +5,8 @@
 //! looked at only afterwards.
 
 mod judged;
+mod markdown;
+mod row;
 mod shrunk;
 mod tally;
 
@@ -13,8 +15,9 @@ use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::progress::Bar;
 use crate::speak::Voice;
-use judged::Judged;
+use judged::judged;
 use rayon::prelude::*;
+use row::Row;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
@@ -32,24 +35,26 @@ const MODELS: &[(&str, &str)] = &[
     ("shop", include_str!("../../scenarios/gap/shop.toml")),
 ];
 
+/// The method with nothing left out.
+const WHOLE: &str = "whole";
+
+/// The whole method, to leave parts of it out.
+const ALL: Method =
+    Method { allowance: true, abstention: true, tolerance: true, scatter: true, memory: true, processes: 1 };
+
 /// What is left of the method without its parts.
-const ABLATIONS: [(&str, Method); 4] = [
-    (
-        "without form tolerance",
-        Method { allowance: true, abstention: true, tolerance: false, memory: true, processes: 1 },
-    ),
-    ("without abstention", Method { allowance: true, abstention: false, tolerance: true, memory: true, processes: 1 }),
-    (
-        "without form allowance",
-        Method { allowance: false, abstention: true, tolerance: true, memory: true, processes: 1 },
-    ),
+const PARTS: [(&str, Method); 5] = [
+    ("without form tolerance", Method { tolerance: false, ..ALL }),
+    ("without abstention", Method { abstention: false, ..ALL }),
+    ("without factors of edges", Method { scatter: false, ..ALL }),
+    ("without form allowance", Method { allowance: false, ..ALL }),
     (
         "naive: no allowance, tolerance or abstention, white noise",
-        Method { allowance: false, abstention: false, tolerance: false, memory: false, processes: 1 },
+        Method { allowance: false, abstention: false, tolerance: false, memory: false, ..ALL },
     ),
 ];
 
-/// Cases on which the ablations are tried: a third of the effects at their ordinary strength and of
+/// Cases on which the parts are left out: a third of the effects at their ordinary strength and of
 /// the nulls, half of the causes outside the catalogue.
 fn in_ablation(case: &Case) -> bool {
     match case.set {
@@ -63,53 +68,76 @@ fn in_ablation(case: &Case) -> bool {
 pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     let out = args.out.as_deref().map(OutputDir::create).transpose()?;
     let start = Instant::now();
+    let rows = if args.from.is_empty() { diagnosed(args, voice)? } else { gathered(args)? };
+    let (tallies, ablations) = (Tally::of_processes(&rows), Ablation::of_processes(&rows));
+    let mut summary = tally::json(&tallies, &ablations);
+    if let Some(out) = out {
+        out.put("cases.csv", &row::csv(&rows)?)?;
+        out.put("rates.md", &markdown::tables(&tallies, &ablations))?;
+        out.put_json("blind.json", &summary)?;
+        let seed = args.from.is_empty().then_some(args.seed);
+        out.record(&provenance("gap blind", &[], arguments(args), seed), start.elapsed())?;
+        voice.say(format_args!("wrote {}", out.publish()?.join("cases.csv").display()));
+    }
+    if voice.json {
+        summary["cases"] = serde_json::to_value(&rows).map_err(Failure::Json)?;
+        return voice.json(&summary);
+    }
+    tallies.iter().try_for_each(|tally| voice.data(tally))?;
+    ablations.iter().try_for_each(|ablation| voice.data(ablation))
+}
+
+/// The arguments as they have to be typed.
+fn arguments(args: &BlindArgs) -> Vec<String> {
+    if !args.from.is_empty() {
+        return args.from.iter().flat_map(|from| ["--from".to_owned(), from.display().to_string()]).collect();
+    }
+    let mut list = vec!["--seed".to_owned(), args.seed.to_string(), "--cases".to_owned(), args.cases.name().to_owned()];
+    args.process.iter().for_each(|process| list.extend(["--process".to_owned(), process.clone()]));
+    args.part.iter().for_each(|(k, n)| list.extend(["--part".to_owned(), format!("{k}/{n}")]));
+    if args.no_ablations {
+        list.push("--no-ablations".to_owned());
+    }
+    list
+}
+
+/// Cases of finished runs, each once.
+fn gathered(args: &BlindArgs) -> Result<Vec<Row>, Failure> {
+    let mut rows: Vec<Row> = Vec::new();
+    for directory in &args.from {
+        rows.extend(row::read(directory)?);
+    }
+    let key = |row: &Row| (row.seed, row.process.clone(), row.method.clone());
+    rows.sort_by_key(|row| (row.method != WHOLE, key(row)));
+    if let Some(twice) = rows.windows(2).find(|pair| key(&pair[0]) == key(&pair[1])) {
+        let message = format!("the case {} of {} stands in two of the runs", twice[0].seed, twice[0].process);
+        return Err(Failure::argument(message, "give runs of other seeds, processes or parts"));
+    }
+    Ok(rows)
+}
+
+/// Every chosen case with its answer, first by the whole method, then by those without its parts.
+fn diagnosed(args: &BlindArgs, voice: &Voice) -> Result<Vec<Row>, Failure> {
     let cases = chosen(args)?;
     let processes: BTreeSet<&str> = cases.iter().map(|case| case.process).collect();
     let models = processes.into_iter().map(|process| Ok((process, nominal(process)?)));
     let models = models.collect::<Result<BTreeMap<&str, NominalModel>, Failure>>()?;
+    let ablations = args.cases == BlindCases::Full && !args.no_ablations;
+    let parts: &[(&str, Method)] = if ablations { &PARTS } else { &[] };
+    let reduced = || cases.iter().filter(|case| in_ablation(case));
+    let mut work: Vec<(&Case, &str, Method)> = cases.iter().map(|case| (case, WHOLE, ALL)).collect();
+    work.extend(parts.iter().flat_map(|(name, method)| reduced().map(move |case| (case, *name, *method))));
     let bar = Bar::new(voice);
     let done = AtomicU32::new(0);
-    let methods: &[(&'static str, Method)] = if args.cases == BlindCases::Full { &ABLATIONS } else { &[] };
-    let reduced: Vec<Case> = cases.iter().filter(|case| in_ablation(case)).cloned().collect();
-    let total = (cases.len() + methods.len() * reduced.len()) as u32;
-    let judge = |case: &Case, method: Method| {
-        let judged = Judged::of(case, &models[case.process], method);
+    let total = work.len() as u32;
+    let judge = |(case, name, method): &(&Case, &str, Method)| {
+        let row = judged(case, &models[case.process], name, *method);
         bar.at(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
-        judged
+        row
     };
-    let all = |cases: &[Case], method: Method| -> Result<Vec<Judged>, Failure> {
-        cases.par_iter().map(|case| judge(case, method)).collect()
-    };
-    let judged = all(&cases, Method::default())?;
-    let mut ablations: Vec<Ablation> = Vec::new();
-    for (name, method) in methods {
-        ablations.extend(Ablation::of_processes(name, &all(&reduced, *method)?));
-    }
-    if !ablations.is_empty() {
-        ablations.extend(Ablation::of_processes(
-            "the whole method, same cases",
-            judged.iter().filter(|judged| in_ablation(&judged.case)),
-        ));
-    }
+    let rows = work.par_iter().map(judge).collect();
     bar.finish();
-    let tallies: Vec<Tally> = GENERATORS
-        .iter()
-        .map(|generator| Tally::new(generator.process, &judged))
-        .filter(|tally| tally.cases > 0)
-        .collect();
-    if let Some(out) = out {
-        out.put("cases.csv", &judged::table(&judged))?;
-        out.put_json("blind.json", &tally::json(&tallies, &ablations, &judged))?;
-        let arguments = [format!("--seed {} --cases {}", args.seed, args.cases.name())];
-        out.record(&provenance("gap blind", &[], arguments, Some(args.seed)), start.elapsed())?;
-        voice.say(format_args!("wrote {}", out.publish()?.join("cases.csv").display()));
-    }
-    if voice.json {
-        voice.json(&tally::json(&tallies, &ablations, &judged))
-    } else {
-        tallies.iter().try_for_each(|tally| voice.data(tally))?;
-        ablations.iter().try_for_each(|ablation| voice.data(ablation))
-    }
+    rows
 }
 
 fn chosen(args: &BlindArgs) -> Result<Vec<Case>, Failure> {
@@ -121,6 +149,13 @@ fn chosen(args: &BlindArgs) -> Result<Vec<Case>, Failure> {
             let message = format!("no hidden effects are known for the process `{process}`");
             return Err(Failure::argument(message, format_args!("one of: {}", known.join(", "))));
         }
+    }
+    if let Some((k, n)) = args.part {
+        let mut at = 0;
+        cases.retain(|_| {
+            at += 1;
+            at % n == k % n
+        });
     }
     Ok(cases)
 }

@@ -1,5 +1,6 @@
 //! `toolroom gap diagnose`.
 
+use super::joined::joined;
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -8,12 +9,12 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use toolroom_analysis::gap::plan::plan;
-use toolroom_analysis::gap::shop::{after, groups_of, queues, visits};
+use toolroom_analysis::gap::shop::{queues, visits};
 use toolroom_analysis::gap::{
     Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes,
 };
 use toolroom_analysis::page::Provenance;
-use toolroom_analysis::records::{RecordKind, Records};
+use toolroom_analysis::records::Records;
 use toolroom_analysis::results::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
@@ -23,7 +24,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     for Table { model, mut records } in tables(&args.models, &args.set, &args.data, voice)? {
         let mut outside: Vec<String> = Vec::new();
         if let Some(path) = &args.holdout_data {
-            (records, outside) = with_more(&model, records, path, group, voice)?;
+            (records, outside) = with_more(&model, &records, path, group, voice)?;
         }
         let share = args.holdout.unwrap_or(0.0);
         // Every so many groups is held out, evenly through the data.
@@ -63,38 +64,16 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
 /// The records followed by those of another set, and the groups that only the other has.
 fn with_more(
     model: &NominalModel,
-    records: Records,
+    records: &Records,
     path: &Path,
     group: Option<&str>,
     voice: &Voice,
 ) -> Result<(Records, Vec<String>), Failure> {
-    let mut more = super::recorded(path, model, voice)?;
-    let both = |column: &str, name: &str| {
+    let more = super::recorded(path, model, voice)?;
+    joined(model, records, more, group).map_err(|(column, name)| {
         let message = format!("{column} {name} stands in both sets; a group is either fitted or held out");
         Failure::argument(message, "give the groups of the second set other names")
-    };
-    if let NominalProcess::Shop(shop) = &model.process {
-        // The days of another log come after those of the first.
-        more = after(shop, &records, more);
-        let [inside, outside] = [&records, &more].map(|own| groups_of(shop, own, group));
-        if let Some(name) = outside.iter().find(|name| inside.contains(*name)) {
-            return Err(both(group.unwrap_or("day"), name));
-        }
-        return Ok((records.followed_by(&more), outside.into_iter().collect()));
-    }
-    let program = model.kind() == RecordKind::Program;
-    let column = group.unwrap_or(if program { "section" } else { "tool_id" });
-    if program {
-        // The same sections of the same programs ran on other pieces.
-        let names = more.texts(column).map(|names| names.iter().map(|name| format!("{name}, held out")).collect());
-        names.into_iter().for_each(|names| more.set_texts(column, names));
-    }
-    let outside = more.levels(column).map(|(names, _)| names).unwrap_or_default();
-    let inside = records.levels(column).map(|(names, _)| names).unwrap_or_default();
-    match outside.iter().find(|name| inside.contains(name)) {
-        Some(name) => Err(both(column, name)),
-        None => Ok((records.followed_by(&more), outside)),
-    }
+    })
 }
 
 fn write(args: &DiagnoseArgs, answers: &Answers, voice: &Voice) -> Result<(), Failure> {

@@ -5,7 +5,7 @@ use super::evidence::{left_out_solutions, solution};
 use super::fit::{offset_residual, own_factors};
 use super::noise::HUBER;
 use super::trial::{Trial, columns};
-use super::{Basis, Closure, Diagnosed, Forward, Measured, Method};
+use super::{Basis, Closure, Diagnosed, Direction, Forward, Frame, Measured, Method, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -85,6 +85,35 @@ impl<'a> Outside<'a> {
         let chosen = held_out_residuals(self.model, &self.basis, &trial, &[]);
         let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
         (total, trial.fit.cost)
+    }
+
+    /// Size (SI) of the candidate `index` that the groups kept out ask for by themselves.
+    pub fn size(&self, index: usize) -> f64 {
+        let mut frame = self.model.frame().clone();
+        frame.measured.fitted.iter_mut().for_each(|fitted| *fitted = !*fitted);
+        let turned = Turned { model: self.model, frame };
+        let trial = Trial::new(&turned, &self.basis, &[], &self.base.fit, &[index]);
+        trial.fit.linear.point.effects[index]
+    }
+}
+
+/// A model with fitted groups and those kept out exchanged.
+struct Turned<'a> {
+    model: &'a dyn Forward,
+    frame: Frame,
+}
+
+impl Forward for Turned<'_> {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        self.model.simulate(at)
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        self.model.slopes(at, raw, along)
     }
 }
 

@@ -46,7 +46,10 @@ pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
 
 /// [`diagnose`] by parts of the method only.
 pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
-    if method.allowance { diagnosed(model, method, seed) } else { diagnosed(&Bare::new(model), method, seed) }
+    if method.allowance && method.scatter {
+        return diagnosed(model, method, seed);
+    }
+    diagnosed(&Bare::new(model, method), method, seed)
 }
 
 /// Noise and scatter as the data show them, and the nominal model calibrated beside them.

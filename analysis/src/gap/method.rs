@@ -12,6 +12,8 @@ pub struct Method {
     pub abstention: bool,
     /// The form tolerance: so may the function of a named effect.
     pub tolerance: bool,
+    /// Factors that differ from group to group, such as the wear of an edge.
+    pub scatter: bool,
     /// Correlation of neighbouring readings, and less weight for outliers.
     pub memory: bool,
     /// Processes of the data set that are asked together: each has an equal share of the error.
@@ -27,33 +29,40 @@ impl Method {
 
 impl Default for Method {
     fn default() -> Self {
-        Self { allowance: true, abstention: true, tolerance: true, memory: true, processes: 1 }
+        Self { allowance: true, abstention: true, tolerance: true, scatter: true, memory: true, processes: 1 }
     }
 }
 
-/// A model without its form allowance.
+/// A model without its form allowance, or without factors of groups.
 pub(super) struct Bare<'a> {
     model: &'a dyn Forward,
     frame: Frame,
-    /// Parameters that are no allowance.
-    kept: Vec<usize>,
+    /// Parameters and surfaces that are left.
+    kept: [Vec<usize>; 2],
 }
 
 impl<'a> Bare<'a> {
-    pub fn new(model: &'a dyn Forward) -> Self {
+    pub fn new(model: &'a dyn Forward, method: Method) -> Self {
         let mut frame = model.frame().clone();
-        let kept = (0..frame.parameters.len()).filter(|i| !frame.parameters[*i].allowance).collect();
-        frame.parameters.retain(|parameter| !parameter.allowance);
-        frame.surfaces.retain(|surface| !surface.allowance);
-        Self { model, frame, kept }
+        let stays = |allowance: bool| method.allowance || !allowance;
+        let parameters = (0..frame.parameters.len()).filter(|i| stays(frame.parameters[*i].allowance)).collect();
+        let surfaces = (0..frame.surfaces.len()).filter(|i| stays(frame.surfaces[*i].allowance)).collect();
+        frame.parameters.retain(|parameter| stays(parameter.allowance));
+        frame.surfaces.retain(|surface| stays(surface.allowance));
+        if !method.scatter {
+            frame.locals.clear();
+        }
+        Self { model, frame, kept: [parameters, surfaces] }
     }
 
-    /// The point of the whole model: its allowance is zero.
+    /// The point of the whole model: what was left out is zero.
     fn whole(&self, at: &Point) -> Point {
-        let mut parameters = vec![0.0; self.model.frame().parameters.len()];
-        self.kept.iter().zip(&at.parameters).for_each(|(i, x)| parameters[*i] = *x);
-        let surfaces = vec![0.0; self.model.frame().surfaces.len()];
-        Point { parameters, surfaces, ..at.clone() }
+        let mut whole = Point::nominal(self.model);
+        self.kept[0].iter().zip(&at.parameters).for_each(|(i, x)| whole.parameters[*i] = *x);
+        self.kept[1].iter().zip(&at.surfaces).for_each(|(i, x)| whole.surfaces[*i] = *x);
+        whole.effects.clone_from(&at.effects);
+        whole.locals.iter_mut().zip(&at.locals).for_each(|(all, own)| all.clone_from(own));
+        whole
     }
 }
 
@@ -70,7 +79,7 @@ impl Forward for Bare<'_> {
         let along: Vec<Direction> = along
             .iter()
             .map(|direction| match direction {
-                Direction::Parameter(i) => Direction::Parameter(self.kept[*i]),
+                Direction::Parameter(i) => Direction::Parameter(self.kept[0][*i]),
                 other => *other,
             })
             .collect();

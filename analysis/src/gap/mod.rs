@@ -87,6 +87,6 @@ pub use settings::Settings;
 pub use trial::Trial;
 
 /// Factor from SI to the display unit of an effect's size, and the unit.
-pub(crate) fn report_units(id: &str) -> (f64, &'static str) {
+pub fn report_units(id: &str) -> (f64, &'static str) {
     diagnose::entry(id).map_or((1.0, "1"), |entry| (entry.size.to_display(1.0), entry.size.display))
 }

@@ -1,11 +1,11 @@
 //! Rates of right and wrong answers, with their bounds, against the gates.
 
-use super::judged::{Judged, Mark};
-use super::shrunk::Shrunk;
+use super::row::{Mark, Row};
+use super::{PARTS, WHOLE};
 use serde_json::{Value, json};
 use std::fmt;
 use toolroom_analysis::statistics::clopper_pearson;
-use toolroom_truth::Set;
+use toolroom_truth::{GENERATORS, Set};
 
 /// Promised score from which an effect has to be found.
 const PROMISED: f64 = 5.0;
@@ -24,72 +24,112 @@ pub struct Rate {
 }
 
 impl Rate {
-    fn value(&self) -> f64 {
+    fn of(name: &'static str, answers: &[bool], gate: f64, at_most: bool) -> Self {
+        Self { name, count: answers.iter().filter(|yes| **yes).count(), of: answers.len(), gate, at_most }
+    }
+
+    pub fn value(&self) -> f64 {
         self.count as f64 / self.of as f64
     }
 
-    fn bounds(&self) -> [f64; 2] {
+    /// Exact 95 % bounds (Clopper and Pearson).
+    pub fn bounds(&self) -> [f64; 2] {
         clopper_pearson(self.count, self.of, 0.95)
     }
 
-    fn holds(&self) -> bool {
+    pub fn sign(&self) -> &'static str {
+        if self.at_most { "≤" } else { "≥" }
+    }
+
+    pub fn holds(&self) -> bool {
         self.of == 0 || if self.at_most { self.value() <= self.gate } else { self.value() >= self.gate }
     }
 }
+
+/// Closure on new edges over the channels that the hidden effect touches, mean of all cases where an
+/// effect was hidden and one named.
+pub struct Closed {
+    pub cases: usize,
+    /// By what was named.
+    pub named: f64,
+    /// By the hidden effect, had it been known.
+    pub hidden: f64,
+}
+
+impl Closed {
+    fn of(rows: &[&Row]) -> Option<Self> {
+        let both: Vec<(f64, f64)> =
+            rows.iter().filter_map(|row| Some((row.closed_by_named?, row.closed_by_hidden?))).collect();
+        let count = both.len() as f64;
+        let mean = |value: &dyn Fn(&(f64, f64)) -> f64| both.iter().map(value).sum::<f64>() / count;
+        (!both.is_empty()).then(|| Self { cases: both.len(), named: mean(&|both| both.0), hidden: mean(&|both| both.1) })
+    }
+
+    /// Share of the oracle's closure.
+    pub fn share(&self) -> f64 {
+        self.named / self.hidden
+    }
+
+    pub fn holds(&self) -> bool {
+        self.share() >= OF_ORACLE
+    }
+
+    pub const GATE: f64 = OF_ORACLE;
+}
+
+/// Answers by set.
+pub type Marks = Vec<(Set, [usize; 6])>;
 
 /// All answers of a process.
 pub struct Tally {
     pub process: &'static str,
     pub cases: usize,
-    /// Answers by set.
-    pub marks: Vec<(Set, [usize; 6])>,
+    pub marks: Marks,
     pub rates: Vec<Rate>,
-    /// Closure on new edges by what was named, as a share of that by what was hidden; NaN where
-    /// nothing was named.
-    pub of_oracle: f64,
+    pub closed: Option<Closed>,
+    /// What is wrong, or missed though it was promised: hidden cause, set, answer.
+    pub failures: Vec<[String; 3]>,
 }
 
 impl Tally {
-    pub fn new(process: &'static str, judged: &[Judged]) -> Self {
-        let own: Vec<&Judged> = judged.iter().filter(|judged| judged.case.process == process).collect();
-        let count = |rows: &[&Judged], keep: &dyn Fn(&Judged) -> bool| rows.iter().filter(|row| keep(row)).count();
-        let of = |keep: &dyn Fn(&Judged) -> bool| own.iter().copied().filter(|row| keep(row)).collect::<Vec<_>>();
-        let marks = marks(&own);
-        let named = of(&|row| !row.named.is_empty() && row.promised.is_some());
-        let nulls = of(&|row| row.case.hidden.is_empty());
-        let outside = of(&|row| row.case.set == Set::Outside);
-        let single = |row: &Judged| row.case.hidden.len() == 1 && row.promised.is_some();
-        let promised = of(&|row| single(row) && row.promised.is_some_and(|z| z >= PROMISED));
-        let wrong = |row: &Judged| row.mark == Mark::Wrong;
-        let rate = |name, rows: &[&Judged], keep: &dyn Fn(&Judged) -> bool, gate, at_most| Rate {
-            name,
-            count: count(rows, keep),
-            of: rows.len(),
-            gate,
-            at_most,
+    /// One for each process that has cases.
+    pub fn of_processes(rows: &[Row]) -> Vec<Self> {
+        let of = |process: &'static str| {
+            let own: Vec<&Row> = rows.iter().filter(|row| row.process == process && row.method == WHOLE).collect();
+            (!own.is_empty()).then(|| Self::of(process, &own))
         };
-        let closures = of(&|row| row.shrunk.is_some());
-        let sum = |value: &dyn Fn(&Shrunk) -> f64| {
-            closures.iter().filter_map(|row| row.shrunk.as_ref()).map(value).sum::<f64>()
+        GENERATORS.iter().filter_map(|generator| of(generator.process)).collect()
+    }
+
+    fn of(process: &'static str, own: &[&Row]) -> Self {
+        let of = |keep: &dyn Fn(&Row) -> bool, test: &dyn Fn(&Row) -> bool| -> Vec<bool> {
+            own.iter().filter(|row| keep(row)).map(|row| test(row)).collect()
         };
-        let of_oracle = sum(&|shrunk| shrunk.attributed) / sum(&|shrunk| shrunk.oracle);
-        let missed = of(&|row| single(row) && matches!(row.mark, Mark::Unknown | Mark::Masked | Mark::NoGap));
-        let covered = |row: &Judged| row.shrunk.as_ref().is_some_and(Shrunk::covered);
+        let wrong = |row: &Row| row.mark == Mark::Wrong;
+        let missed = |row: &Row| row.single() && matches!(row.mark, Mark::Unknown | Mark::Masked | Mark::NoGap);
+        let promised = |row: &Row| row.promised_z.is_some_and(|z| z >= PROMISED);
+        let covered = |test: &dyn Fn(&Row) -> Option<bool>| own.iter().filter_map(|row| test(row)).collect::<Vec<bool>>();
+        let named = of(&|row| !row.named.is_empty() && row.promised_z.is_some(), &wrong);
+        let nulls = of(&|row| row.hidden.is_empty(), &wrong);
+        let outside = of(&|row| row.set == Set::Outside.name(), &wrong);
+        let exact = of(&|row| row.single() && promised(row), &|row| row.mark == Mark::Exact);
+        let missed_though = of(&missed, &promised);
         let rates = vec![
-            rate("wrong, of all attributions", &named, &wrong, 0.03, true),
-            rate("nothing hidden, an effect blamed", &nulls, &wrong, 0.02, true),
-            rate("outside the catalogue, an effect blamed", &outside, &wrong, 0.05, true),
-            rate("exact where a score of 5 was promised", &promised, &|row| row.mark == Mark::Exact, 0.95, false),
-            rate(
-                "missed although a score of 5 was promised",
-                &missed,
-                &|row| row.promised.is_some_and(|z| z >= PROMISED),
-                0.0,
-                true,
-            ),
-            rate("90 % interval holds the closure on new edges", &closures, &covered, 0.80, false),
+            Rate::of("wrong, of all attributions", &named, 0.03, true),
+            Rate::of("nothing hidden, an effect blamed", &nulls, 0.02, true),
+            Rate::of("outside the catalogue, an effect blamed", &outside, 0.05, true),
+            Rate::of("exact where a score of 5 was promised", &exact, 0.95, false),
+            Rate::of("missed although a score of 5 was promised", &missed_though, 0.0, true),
+            Rate::of("90 % interval holds the closure on new edges", &covered(&Row::closure_covered), 0.80, false),
+            Rate::of("90 % interval holds the size of new edges", &covered(&Row::size_covered), 0.80, false),
         ];
-        Self { process, cases: own.len(), marks, rates, of_oracle }
+        let failed = own.iter().filter(|row| wrong(row) || (missed(row) && promised(row)));
+        let failure = |row: &&Row| {
+            let answer = if wrong(row) { format!("named {}", row.named) } else { format!("“{}”", row.mark.name()) };
+            [row.hidden.clone(), row.set.clone(), answer]
+        };
+        let failures = failed.map(failure).collect();
+        Self { process, cases: own.len(), marks: marks(own), rates, closed: Closed::of(own), failures }
     }
 
     fn json(&self) -> Value {
@@ -99,44 +139,64 @@ impl Tally {
                 "gate": rate.gate, "at_most": rate.at_most, "holds": rate.holds(),
             })
         });
+        let closed = self.closed.as_ref().map(|closed| {
+            json!({
+                "cases": closed.cases, "by_named": closed.named, "by_hidden": closed.hidden, "share": closed.share(),
+                "gate": Closed::GATE, "holds": closed.holds(),
+            })
+        });
         json!({
-            "process": self.process, "cases": self.cases,
-            "closure_of_oracle": self.of_oracle.is_finite().then_some(self.of_oracle),
+            "process": self.process, "cases": self.cases, "closure_on_new_edges": closed,
             "sets": sets(&self.marks), "rates": rates.collect::<Vec<_>>(),
         })
     }
 }
 
-/// Answers of the method with a part left out.
+/// Answers of the method with a part left out, or of the whole method on the same cases.
 pub struct Ablation {
-    pub name: &'static str,
+    pub method: &'static str,
     pub process: &'static str,
-    pub marks: Vec<(Set, [usize; 6])>,
+    pub marks: Marks,
 }
 
-/// Answers by set.
-fn marks(rows: &[&Judged]) -> Vec<(Set, [usize; 6])> {
-    let count = |set: Set, mark: Mark| rows.iter().filter(|row| row.case.set == set && row.mark == mark).count();
+impl Ablation {
+    /// One for each process and method; none where nothing was left out.
+    pub fn of_processes(rows: &[Row]) -> Vec<Self> {
+        let mut list = Vec::new();
+        for process in GENERATORS.iter().map(|generator| generator.process) {
+            let own = |row: &&Row| row.process == process;
+            let reduced: Vec<&Row> = rows.iter().filter(own).filter(|row| row.method != WHOLE).collect();
+            let tried = |row: &&Row| reduced.iter().any(|reduced| reduced.seed == row.seed);
+            for method in std::iter::once(WHOLE).chain(PARTS.map(|(name, _)| name)) {
+                let cases: Vec<&Row> =
+                    rows.iter().filter(own).filter(|row| row.method == method).filter(tried).collect();
+                list.push(Self { method, process, marks: marks(&cases) });
+            }
+        }
+        list.retain(|ablation| !ablation.marks.is_empty());
+        list
+    }
+
+    /// Cases of the sets that `keep` takes, and those of them with one of `answers`.
+    pub fn count(&self, keep: &[Set], answers: &[Mark]) -> [usize; 2] {
+        let own = self.marks.iter().filter(|(set, _)| keep.contains(set));
+        let answered = |mark: &(Mark, &usize)| answers.contains(&mark.0);
+        own.fold([0, 0], |[all, some], (_, counts)| {
+            let matching: usize = Mark::ALL.into_iter().zip(counts).filter(answered).map(|(_, count)| count).sum();
+            [all + counts.iter().sum::<usize>(), some + matching]
+        })
+    }
+}
+
+fn marks(rows: &[&Row]) -> Marks {
+    let count = |set: Set, mark: Mark| rows.iter().filter(|row| row.set == set.name() && row.mark == mark).count();
     let sets = Set::ALL.into_iter().map(|set| (set, Mark::ALL.map(|mark| count(set, mark))));
     sets.filter(|(_, marks)| marks.iter().sum::<usize>() > 0).collect()
 }
 
-impl Ablation {
-    /// One for each process.
-    pub fn of_processes<'a>(name: &'static str, judged: impl IntoIterator<Item = &'a Judged>) -> Vec<Self> {
-        let judged: Vec<&Judged> = judged.into_iter().collect();
-        let of = |process: &'static str| {
-            let own: Vec<&Judged> = judged.iter().copied().filter(|judged| judged.case.process == process).collect();
-            Self { name, process, marks: marks(&own) }
-        };
-        let processes = toolroom_truth::GENERATORS.iter().map(|generator| of(generator.process));
-        processes.filter(|ablation| !ablation.marks.is_empty()).collect()
-    }
-}
-
 impl fmt::Display for Ablation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} · {}", self.process, self.name)?;
+        write!(f, "{} · {}", self.process, self.method)?;
         for (set, marks) in &self.marks {
             let answers = Mark::ALL.iter().zip(marks).filter(|(_, count)| **count > 0);
             let answers: Vec<String> = answers.map(|(mark, count)| format!("{count} {}", mark.name())).collect();
@@ -146,16 +206,14 @@ impl fmt::Display for Ablation {
     }
 }
 
-/// Tallies, ablations and every case.
-pub fn json(tallies: &[Tally], ablations: &[Ablation], judged: &[Judged]) -> Value {
+/// Tallies and ablations.
+pub fn json(tallies: &[Tally], ablations: &[Ablation]) -> Value {
     let tallies: Vec<Value> = tallies.iter().map(Tally::json).collect();
-    let cases: Vec<Value> = judged.iter().map(Judged::json).collect();
-    let ablation = |ablation: &Ablation| json!({ "process": ablation.process, "method": ablation.name, "sets": sets(&ablation.marks) });
-    let ablations: Vec<Value> = ablations.iter().map(ablation).collect();
-    json!({ "schema": 1, "processes": tallies, "ablations": ablations, "cases": cases })
+    let ablation = |ablation: &Ablation| json!({ "process": ablation.process, "method": ablation.method, "sets": sets(&ablation.marks) });
+    json!({ "schema": 1, "processes": tallies, "ablations": ablations.iter().map(ablation).collect::<Vec<_>>() })
 }
 
-fn sets(marks: &[(Set, [usize; 6])]) -> Vec<Value> {
+fn sets(marks: &Marks) -> Vec<Value> {
     let one = |(set, marks): &(Set, [usize; 6])| {
         let marks: serde_json::Map<String, Value> =
             Mark::ALL.iter().zip(marks).map(|(mark, count)| (mark.name().to_owned(), json!(count))).collect();
@@ -175,22 +233,15 @@ impl fmt::Display for Tally {
         }
         for rate in self.rates.iter().filter(|rate| rate.of > 0) {
             let [low, high] = rate.bounds().map(|bound| 100.0 * bound);
-            let sign = if rate.at_most { "≤" } else { "≥" };
-            let verdict = if rate.holds() { "" } else { "   NOT KEPT" };
-            write!(
-                f,
-                "\n{:44} {:>3} of {:<3} {:5.1} % [{low:.1}, {high:.1}]",
-                rate.name,
-                rate.count,
-                rate.of,
-                100.0 * rate.value()
-            )?;
-            write!(f, "  gate {sign} {:.0} %{verdict}", 100.0 * rate.gate)?;
+            let (value, verdict) = (100.0 * rate.value(), if rate.holds() { "" } else { "   NOT KEPT" });
+            write!(f, "\n{:44} {:>3} of {:<3} {value:5.1} % [{low:.1}, {high:.1}]", rate.name, rate.count, rate.of)?;
+            write!(f, "  gate {} {:.0} %{verdict}", rate.sign(), 100.0 * rate.gate)?;
         }
-        if self.of_oracle.is_finite() {
-            let verdict = if self.of_oracle >= OF_ORACLE { "" } else { "   NOT KEPT" };
-            write!(f, "\nclosure on new edges, of what the hidden effect itself closes: {:.2}", self.of_oracle)?;
-            write!(f, "  gate ≥ {OF_ORACLE}{verdict}")?;
+        if let Some(closed) = &self.closed {
+            let [named, hidden] = [closed.named, closed.hidden].map(|share| 100.0 * share);
+            let verdict = if closed.holds() { "" } else { "   NOT KEPT" };
+            write!(f, "\nclosed on new edges, mean of {} cases: {named:.1} % by what was named, ", closed.cases)?;
+            write!(f, "{hidden:.1} % by the hidden effect: {:.2}  gate ≥ {}{verdict}", closed.share(), Closed::GATE)?;
         }
         writeln!(f)
     }
