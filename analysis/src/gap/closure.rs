@@ -1,58 +1,17 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
 use super::diagnose::{entry, settled};
-use super::evidence::{left_out_solutions, solution};
-use super::fit::{offset_residual, own_factors};
+use super::left_out::LeftOut;
 use super::noise::HUBER;
-use super::trial::{Trial, columns};
+use super::trial::Trial;
 use super::{Basis, Closure, Diagnosed, Direction, Forward, Frame, Measured, Method, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
-
-/// Residuals of every observation predicted without its own group: the fit that predicts a group
-/// has not seen it. Of the group's own factors, those that are mere scatter follow its readings, with
-/// or without an effect: no model of means predicts them, and beside them a gap of the means would
-/// drown. The others are unknown. The form allowance protects the attribution only: it is no part of
-/// the model that is scored.
-pub fn held_out_residuals(model: &dyn Forward, basis: &Basis, trial: &Trial, folds: &[Vec<usize>]) -> Vec<f64> {
-    let measured = &model.frame().measured;
-    let linear = &trial.fit.linear;
-    let nuisance = linear.nuisance.len();
-    let parameters = model.frame().parameters.iter().map(|parameter| parameter.allowance);
-    let allowance: Vec<bool> =
-        parameters.chain(model.frame().surfaces.iter().map(|surface| surface.allowance)).collect();
-    let shared = trial.shared;
-    let mut at: Vec<usize> = columns(shared, &trial.fit.active);
-    at.retain(|i| *i >= shared || (*i < nuisance && !allowance[*i]));
-    let solutions = left_out_solutions(&trial.gram, &at, shared);
-    let mut left = offset_residual(model, linear, &trial.fit.active);
-    let column = |i: usize| if i < nuisance { &linear.nuisance[i] } else { &linear.effects[i - shared] };
-    // Groups outside the fit are predicted by the fit to all that is inside.
-    let whole = solution(&trial.gram, &at, shared);
-    let mut fold_of = vec![None; measured.groups.len()];
-    for (index, fold) in folds.iter().enumerate() {
-        fold.iter().for_each(|group| fold_of[*group] = Some(index));
-    }
-    for (span, fold) in measured.spans.iter().zip(fold_of) {
-        let solution = fold.map_or(&whole, |fold| &solutions[fold]);
-        for (i, x) in at.iter().zip(solution.iter()) {
-            let slope = column(*i);
-            span.clone().for_each(|row| left[row] -= slope[row] * x);
-        }
-    }
-    let own = own_factors(model, &basis.noise, linear, &left, &basis.local_scale);
-    for ((column, x), local) in linear.locals.iter().zip(&own).zip(&model.frame().locals) {
-        if local.scatter {
-            let each = measured.spans.iter().zip(x).flat_map(|(span, x)| span.clone().map(move |row| (row, x)));
-            each.for_each(|(row, x)| left[row] -= column[row] * x);
-        }
-    }
-    left
-}
 
 /// Closure on groups that were kept out of the fit, of any effects that one asks about: by how much
 /// an effect that is known to be there would close the gap.
@@ -60,7 +19,7 @@ pub struct Outside<'a> {
     model: &'a dyn Forward,
     basis: Basis,
     base: Trial,
-    left: Vec<f64>,
+    left: LeftOut,
     groups: Vec<usize>,
 }
 
@@ -75,14 +34,14 @@ impl<'a> Outside<'a> {
         }
         let (basis, fit) = settled(model, Method::default());
         let base = Trial::of(model, &basis, &[], fit);
-        let left = held_out_residuals(model, &basis, &base, &[]);
+        let left = LeftOut::of(model, &basis, &base, &[]);
         Some(Self { model, basis, base, left, groups })
     }
 
     /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
     pub fn closure(&self, active: &[usize], touched: &[&str], seed: u64) -> (Closure, f64) {
         let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
-        let chosen = held_out_residuals(self.model, &self.basis, &trial, &[]);
+        let chosen = LeftOut::of(self.model, &self.basis, &trial, &[]);
         let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
         (total, trial.fit.cost)
     }
@@ -125,70 +84,90 @@ struct Sums {
     count: Vec<f64>,
 }
 
+/// Fits to other groups that an interval allows for.
+const FITS: usize = 100;
+
 /// Closure by channel and over those that are `touched` (all, if none is named); the total is in
 /// units of noise.
 pub fn closures(
     model: &dyn Forward,
     basis: &Basis,
-    base: &[f64],
-    chosen: &[f64],
+    base: &LeftOut,
+    chosen: &LeftOut,
     scored: &[usize],
     touched: &[&str],
     seed: u64,
 ) -> (Closure, Vec<(&'static str, Closure)>) {
     let measured = &model.frame().measured;
     let among = counted(measured, touched);
-    let sums = |channel: Option<usize>| {
-        let counts = |i: usize| match channel {
-            Some(channel) => measured.observations[i].channel == channel,
-            None => among[measured.observations[i].channel],
-        };
-        let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
-        for group in scored {
-            let inside = measured.spans[*group].clone();
-            let inside = inside.filter(|i| counts(*i));
-            let (mut before, mut after, mut floor, mut count) = (0.0, 0.0, 0.0, 0.0);
-            for i in inside {
-                let unit = basis.noise.deviation(measured, i);
-                let scale = if channel.is_none() { unit } else { 1.0 };
-                before += huber(base[i] / unit) * (unit / scale).powi(2);
-                after += huber(chosen[i] / unit) * (unit / scale).powi(2);
-                floor += (unit / scale).powi(2);
-                count += 1.0;
+    let channels = measured.channels.len();
+    let sums = |[base, chosen]: [&[f64]; 2]| -> Vec<Sums> {
+        let of = |channel: usize| {
+            let counts = |i: usize| match measured.observations[i].channel {
+                own if channel < channels => own == channel,
+                own => among[own],
+            };
+            let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
+            for group in scored {
+                let inside = measured.spans[*group].clone();
+                let (mut before, mut after, mut floor, mut count) = (0.0, 0.0, 0.0, 0.0);
+                for i in inside.filter(|i| counts(*i)) {
+                    let unit = basis.noise.deviation(measured, i);
+                    let square = if channel < channels { unit * unit } else { 1.0 };
+                    before += huber(base[i] / unit) * square;
+                    after += huber(chosen[i] / unit) * square;
+                    floor += square;
+                    count += 1.0;
+                }
+                sums.before.push(before);
+                sums.after.push(after);
+                sums.floor.push(floor);
+                sums.count.push(count);
             }
-            sums.before.push(before);
-            sums.after.push(after);
-            sums.floor.push(floor);
-            sums.count.push(count);
-        }
-        sums
+            sums
+        };
+        (0..=channels).map(of).collect()
     };
-    let channels = measured.channels.iter().enumerate();
-    let channels = channels.map(|(index, channel)| (channel.name, closure(&sums(Some(index)), seed))).collect();
-    (closure(&sums(None), seed), channels)
+    let values = sums([&base.residual, &chosen.residual]);
+    let fits: Vec<Vec<Sums>> = if base.moves() && chosen.moves() {
+        (0..FITS).into_par_iter().map(|draw| sums([&base.drawn(seed, draw), &chosen.drawn(seed, draw)])).collect()
+    } else {
+        Vec::new()
+    };
+    let one = |place: usize| {
+        let fits: Vec<&Sums> = fits.iter().map(|fit| &fit[place]).collect();
+        closure(&values[place], &fits, seed)
+    };
+    let by_channel = measured.channels.iter().enumerate().map(|(index, channel)| (channel.name, one(index))).collect();
+    (one(channels), by_channel)
 }
 
 /// Closure over several models, in units of noise; those of one process share groups of one name.
 /// Where an effect is named only the channels count that it touches.
 pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure {
-    let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
-    for (process, model, diagnosed) in parts {
-        let measured = &model.frame().measured;
-        let [base, chosen] = &diagnosed.held_out;
-        let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
-        let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
-        let counts = counted(measured, &touched);
-        for group in scored(measured) {
-            let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
-            for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
-                let unit = diagnosed.basis.noise.deviation(measured, i);
-                let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
-                own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
+    let sums = |draw: Option<usize>| {
+        let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
+        for (process, model, diagnosed) in parts {
+            let measured = &model.frame().measured;
+            let of = |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
+            let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(of);
+            let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
+            let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
+            let counts = counted(measured, &touched);
+            for group in scored(measured) {
+                let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
+                for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
+                    let unit = diagnosed.basis.noise.deviation(measured, i);
+                    let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
+                    own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
+                }
             }
         }
-    }
-    let column = |at: usize| sums.values().map(|own| own[at]).collect();
-    closure(&Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }, seed)
+        let column = |at: usize| sums.values().map(|own| own[at]).collect();
+        Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }
+    };
+    let fits: Vec<Sums> = (0..FITS).into_par_iter().map(|draw| sums(Some(draw))).collect();
+    closure(&sums(None), &fits.iter().collect::<Vec<_>>(), seed)
 }
 
 /// Whether each channel counts for effects that touch some: all, if none of them is measured.
@@ -214,7 +193,7 @@ pub fn crossed(
     trial: &Trial,
     seed: u64,
 ) -> Closure {
-    let [before, after] = [base, trial].map(|each| held_out_residuals(model, basis, each, folds));
+    let [before, after] = [base, trial].map(|each| LeftOut::of(model, basis, each, folds));
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }
@@ -233,20 +212,25 @@ fn huber(standard: f64) -> f64 {
     if standard.abs() <= far { standard * standard } else { far * (2.0 * standard.abs() - far) }
 }
 
-fn closure(sums: &Sums, seed: u64) -> Closure {
+/// `fits` are sums with fits to other groups; none where the fit counts as it is.
+fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
     let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
     // Every group counts alike: else the one with the most readings would decide.
     let root = |values: &[f64], groups: &[usize]| {
         (groups.iter().map(|i| values[*i] / sums.count[*i]).sum::<f64>() / groups.len() as f64).sqrt()
     };
-    let closed = |groups: &[usize]| 1.0 - root(&sums.after, groups) / root(&sums.before, groups);
+    let closed = |sums: &Sums, groups: &[usize]| 1.0 - root(&sums.after, groups) / root(&sums.before, groups);
     let (before, after, floor) = (root(&sums.before, &groups), root(&sums.after, &groups), root(&sums.floor, &groups));
-    let value = closed(&groups);
+    let value = closed(sums, &groups);
+    let itself = [sums];
+    let fits = if fits.is_empty() { &itself[..] } else { fits };
+    // A fit to other groups is as far from the best as this one: on the whole it closes less.
+    let middle = fits.iter().map(|fit| closed(fit, &groups)).sum::<f64>() / fits.len() as f64;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut draws: Vec<f64> = (0..RESAMPLES)
-        .map(|_| {
+        .map(|draw| {
             let sample: Vec<usize> = groups.iter().map(|_| groups[random.random_range(0..groups.len())]).collect();
-            closed(&sample)
+            value + closed(fits[draw % fits.len()], &sample) - middle
         })
         .filter(|draw| draw.is_finite())
         .collect();

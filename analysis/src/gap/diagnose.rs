@@ -1,8 +1,9 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
-use super::closure::{closures, held_out_residuals, scored, touched};
+use super::closure::{closures, scored, touched};
 use super::decide::{Decision, SAME, decide};
 use super::evidence::{folds, gain, predictive_gain};
+use super::left_out::LeftOut;
 use super::method::Bare;
 use super::trial::Trial;
 use super::{
@@ -31,7 +32,7 @@ pub struct Diagnosed {
     /// Noise and scatter.
     pub basis: Basis,
     /// Residuals of groups left out: nominal model, and with the named effects.
-    pub held_out: [Vec<f64>; 2],
+    pub(super) held_out: [LeftOut; 2],
 }
 
 /// Catalogue row of an id.
@@ -84,8 +85,9 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         let Some(better) = restarted(model, &basis, &folds, &decision) else { break };
         decision = decide(model, &basis, &folds, better, seed);
     }
-    let base_left = held_out_residuals(model, &basis, &decision.base, &folds);
-    let chosen_left = held_out_residuals(model, &basis, decision.model(), &folds);
+    let left_out = if decision.verdict == GapVerdict::Effect { LeftOut::with_moves } else { LeftOut::of };
+    let [base_left, chosen_left] =
+        [&decision.base, decision.model()].map(|trial| left_out(model, &basis, trial, &folds));
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
@@ -145,7 +147,7 @@ fn tried(
     basis: &Basis,
     folds: &[Vec<usize>],
     decision: &Decision,
-    base_left: &[f64],
+    base_left: &LeftOut,
     scored: &[usize],
     seed: u64,
 ) -> Vec<Tried> {
@@ -155,7 +157,7 @@ fn tried(
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
-        let left = held_out_residuals(model, basis, trial, folds);
+        let left = LeftOut::of(model, basis, trial, folds);
         Tried {
             effects: trial.fit.active.iter().map(word).collect(),
             gain: decision.gain_of(trial, candidates.len()),

@@ -45,6 +45,7 @@ mod forward;
 mod generic;
 mod gram;
 pub mod grinding;
+mod left_out;
 mod linear;
 mod measured;
 mod method;

@@ -36,9 +36,8 @@ impl Shrunk {
         let (forward, _) = model.over(&both, column, |_, name| outside.iter().any(|own| own == name));
         let outside = Outside::new(forward.as_ref())?;
         let candidates = &forward.frame().candidates;
-        let place = |effect: &NamedEffect| {
-            candidates.iter().position(|own| own.id == effect.id && own.shape == effect.shape)
-        };
+        let place =
+            |effect: &NamedEffect| candidates.iter().position(|own| own.id == effect.id && own.shape == effect.shape);
         let named: Vec<usize> = diagnosis.effects.iter().filter_map(place).collect();
         let own: Vec<&str> = diagnosis.effects.iter().flat_map(|effect| touched(effect.id)).collect();
         let of_hidden = touched(hidden);

@@ -62,7 +62,11 @@ impl Closed {
             rows.iter().filter_map(|row| Some((row.closed_by_named?, row.closed_by_hidden?))).collect();
         let count = both.len() as f64;
         let mean = |value: &dyn Fn(&(f64, f64)) -> f64| both.iter().map(value).sum::<f64>() / count;
-        (!both.is_empty()).then(|| Self { cases: both.len(), named: mean(&|both| both.0), hidden: mean(&|both| both.1) })
+        (!both.is_empty()).then(|| Self {
+            cases: both.len(),
+            named: mean(&|both| both.0),
+            hidden: mean(&|both| both.1),
+        })
     }
 
     /// Share of the oracle's closure.
@@ -108,7 +112,8 @@ impl Tally {
         let wrong = |row: &Row| row.mark == Mark::Wrong;
         let missed = |row: &Row| row.single() && matches!(row.mark, Mark::Unknown | Mark::Masked | Mark::NoGap);
         let promised = |row: &Row| row.promised_z.is_some_and(|z| z >= PROMISED);
-        let covered = |test: &dyn Fn(&Row) -> Option<bool>| own.iter().filter_map(|row| test(row)).collect::<Vec<bool>>();
+        let covered =
+            |test: &dyn Fn(&Row) -> Option<bool>| own.iter().filter_map(|row| test(row)).collect::<Vec<bool>>();
         let named = of(&|row| !row.named.is_empty() && row.promised_z.is_some(), &wrong);
         let nulls = of(&|row| row.hidden.is_empty(), &wrong);
         let outside = of(&|row| row.set == Set::Outside.name(), &wrong);
