@@ -252,3 +252,27 @@ fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
         of_closable: if closable > 0.0 { (before * before - after * after) / closable } else { f64::NAN },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight groups of ten readings, of which `after` is left.
+    fn sums(after: [f64; 8]) -> Sums {
+        Sums { before: vec![40.0; 8], after: after.to_vec(), floor: vec![10.0; 8], count: vec![10.0; 8] }
+    }
+
+    #[test]
+    fn fits_to_other_groups_widen_an_interval_around_the_same_closure() {
+        let own = sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0]);
+        let others =
+            [0.5, 0.8, 1.1, 1.6].map(|factor| sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0].map(|x| factor * x)));
+        let (narrow, wide) = (closure(&own, &[], 1), closure(&own, &others.iter().collect::<Vec<_>>(), 1));
+        assert_eq!(narrow.closed, wide.closed);
+        assert!((narrow.closed - 0.5).abs() < 1e-12);
+        let width = |closure: &Closure| closure.ci90[1] - closure.ci90[0];
+        assert!(width(&wide) > 3.0 * width(&narrow), "{narrow:?} {wide:?}");
+        assert!(wide.ci90[0] < 0.5 && 0.5 < wide.ci90[1]);
+        assert_eq!(closure(&own, &[&own], 1).ci90, narrow.ci90, "a fit that does not move changes nothing");
+    }
+}
