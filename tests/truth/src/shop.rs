@@ -2,7 +2,7 @@
 //! stay of a machine is an event; delays happen one by one.
 
 use crate::noise::Chance;
-use crate::{Case, Generator};
+use crate::{Case, Edges, Generator};
 use std::fmt::Write;
 
 /// Days that are recorded.
@@ -256,7 +256,9 @@ fn records(case: &Case) -> String {
         machine.good = world.good();
         machine.log("off_shift", "", 1.0, &world);
     }
-    let end = DAYS as f64 * DAY;
+    // A closure that is to be believed needs more days than a diagnosis.
+    let days = if case.edges == Edges::New { 3 * DAYS } else { DAYS };
+    let end = days as f64 * DAY;
     let mut arrivals: Vec<(f64, &[usize])> = Vec::new();
     for (programs, rate) in JOBS {
         let mut time = 0.0;
