@@ -258,12 +258,14 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
 /// promise; a far greater one means that the nominal fit was caught somewhere else.
 fn credible(model: &dyn Forward, decision: &Decision, trial: &Trial) -> bool {
     let candidates = &model.frame().candidates;
-    // Of several shapes of an effect the one that shows best speaks for all.
-    let promise = |index: &usize| {
+    let lengths = decision.base.scores().length;
+    // Of several shapes of an effect the one that shows best speaks for all, or its size where the
+    // nominal fit gave much of it to calibration.
+    let promise = |(index, size): (&usize, f64)| {
         let alike = decision.singles.iter().filter(|single| single.id == candidates[*index].id);
-        0.5 * alike.map(|single| single.score.max(0.0)).fold(0.0, f64::max).powi(2)
+        0.5 * alike.map(|single| single.score).fold(lengths[*index] * size, f64::max).powi(2)
     };
-    let promised: f64 = trial.fit.active.iter().map(promise).sum();
+    let promised: f64 = trial.fit.active.iter().zip(trial.sizes(model)).map(promise).sum();
     decision.gain_of(trial, candidates.len()) < PROMISED * promised + SLACK
 }
 

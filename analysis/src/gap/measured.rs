@@ -80,6 +80,8 @@ pub struct Measured {
     pub runs: Vec<Range<usize>>,
     /// Whether a group takes part in the fit; the others are only predicted.
     pub fitted: Vec<bool>,
+    /// Whether a channel counts rare events: what is far out is what one asks for, no outlier.
+    pub rare: Vec<bool>,
 }
 
 impl Measured {
@@ -108,8 +110,9 @@ impl Measured {
             }
             spans.push(start..observations.len());
         }
+        let rare = vec![false; channels.len()];
         let channels = channels.into_iter().map(|(channel, _)| channel).collect();
-        Self { channels, observations, groups, group_of_row, spans, runs, fitted }
+        Self { channels, observations, groups, group_of_row, spans, runs, fitted, rare }
     }
 
     /// Number of values.

@@ -68,10 +68,19 @@ impl Noise {
                 );
             }
             noise.memory[channel] = memory;
-            noise.scale[channel] = (MAD * median(&mut whitened) / freedom.max(0.2).sqrt()).max(LEAST_SCALE);
+            // Most counts of rare events are alike and say nothing about their scatter.
+            let scatter = if measured.rare[channel] {
+                (whitened.iter().map(|value| value * value).sum::<f64>() / whitened.len() as f64).sqrt()
+            } else {
+                MAD * median(&mut whitened)
+            };
+            noise.scale[channel] = (scatter / freedom.max(0.2).sqrt()).max(LEAST_SCALE);
         }
         let white = noise.whiten(measured, residual);
-        noise.weight = white.iter().map(|value| (HUBER / value.abs().max(HUBER)).sqrt()).collect();
+        let weight = |(value, observation): (&f64, &super::Observation)| {
+            if measured.rare[observation.channel] { 1.0 } else { (HUBER / value.abs().max(HUBER)).sqrt() }
+        };
+        noise.weight = white.iter().zip(&measured.observations).map(weight).collect();
         noise
     }
 

@@ -211,6 +211,21 @@ impl<P: Nominal> Cutting<P> {
         }
     }
 
+    /// Force in the plane of feed at the wear `wear` of each row, N. A component that turns its sign is the
+    /// small difference of great ones: what its form may be off by goes with them, not with what is left.
+    fn in_plane(&self, wear: &[f64]) -> Vec<f64> {
+        let places = ["feed_force", "normal_force"].map(P::Output::index_of);
+        let land = P::State::index_of("flank_wear").unwrap_or(0);
+        let force = |(input, wear): (&P::Input, &f64)| {
+            let mut state = self.process.initial();
+            state.set(land, *wear);
+            let output = P::observe(&self.process.held(input), &state);
+            let part = |place: Option<usize>| place.and_then(|place| output.get(place)).unwrap_or(0.0);
+            part(places[0]).hypot(part(places[1]))
+        };
+        self.inputs.iter().zip(wear).map(force).collect()
+    }
+
     fn allowance(&mut self, records: &Records, wear: &[f64]) {
         let find = |names: &[&str]| -> Vec<usize> {
             let channels = self.frame.measured.channels.iter().enumerate();
@@ -234,16 +249,24 @@ impl<P: Nominal> Cutting<P> {
             ("feed force", find(&["feed_force"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.05),
             ("temperature", find(&["temperature"]), 0.015, 0.0075, 0.0075),
             ("thermo-EMF", find(&["thermo_emf"]), 0.02, 0.01, 0.01),
-            ("form error", find(&["form_error"]), 0.04, 0.02, 0.03),
+            ("form error", find(&["form_error"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
             ("roughness", find(&["roughness_ra"]), 0.15, 0.08, 0.1),
         ];
         let land: Vec<f64> = wear.iter().map(|wear| wear / LAND).collect();
+        let signed = find(P::SIGNED);
+        let in_plane = if signed.is_empty() { Vec::new() } else { self.in_plane(wear) };
         for (class, channels, linear, square, by_land) in &classes {
+            let of_force = !channels.is_empty() && channels.iter().all(|channel| signed.contains(channel));
+            let mut allow = |name: &str, mut feature: Vec<f64>, deviation: f64| {
+                if of_force {
+                    feature.iter_mut().zip(&in_plane).for_each(|(feature, force)| *feature *= force);
+                }
+                add(format!("{class}, {name}"), channels, feature, deviation, true, of_force);
+            };
             for (name, feature, is_linear) in features::surface(records, P::CONDITIONS) {
-                let deviation = if is_linear { *linear } else { *square };
-                add(format!("{class}, {name}"), channels, feature, deviation, true, false);
+                allow(&name, feature, if is_linear { *linear } else { *square });
             }
-            add(format!("{class}, land"), channels, land.clone(), *by_land, true, false);
+            allow("land", land.clone(), *by_land);
         }
         add("feed force level".to_owned(), &find(&["feed_force"]), ones(), 0.08, false, false);
         add("thermo-EMF level".to_owned(), &find(&["thermo_emf"]), ones(), 0.05, false, false);
@@ -258,7 +281,8 @@ impl<P: Nominal> Cutting<P> {
         for (_, machine, feature) in features::indicators(records, &["machine"]) {
             let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
             for (i, channel) in self.frame.measured.channels.iter().enumerate() {
-                if matches!(channel.transform, Transform::Log) || channel.name == "temperature" {
+                // A caliper is no part of the machine, its clock does not gain.
+                if !matches!(channel.name, "flank_wear" | "cycle_time") {
                     let name = format!("gain of {}, machine {machine}", channel.name);
                     add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, false, false);
                 }

@@ -39,6 +39,9 @@ const DAILY: f64 = 0.01;
 /// Booked short stops that every shop has, 1/s (assumption).
 const BOOKED: f64 = 0.2 / 3600.0;
 
+/// Channels that live on the few operations of a block that were stopped.
+const RARE: [&str; 4] = ["cutting_tail", "cutting_excess", "cutting_spread", "stop_count"];
+
 /// What a candidate does to a block.
 enum Action {
     /// Longer cutting, by share, on blocks by weight.
@@ -141,6 +144,7 @@ impl ShopModel {
             channels.push((Channel { name, display: unit, unit, transform, sensor }, values));
         }
         let mut measured = Measured::new(channels, groups.0, groups.1, groups.2);
+        measured.rare = self.kinds.iter().map(|kind| RARE.contains(&CHANNELS[*kind])).collect();
         for observation in &mut measured.observations {
             let scatter = blocks[observation.row].deviations[self.kinds[observation.channel]];
             observation.deviation = observation.deviation.hypot(scatter);

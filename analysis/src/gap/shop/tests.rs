@@ -95,6 +95,18 @@ fn holds_of_the_simulated_shop_are_named_with_their_length() {
 }
 
 #[test]
+fn nameless_handling_belongs_to_the_operations_around_it() {
+    let csv = "time [s],machine,state,program,operation_id\n0,M,idle,,\n10,M,handling,,\n50,M,cutting,P,J1/a\n\
+        90,M,handling,,\n100,M,handling,,\n130,M,cutting,P,J2/a\n170,M,handling,,\n185,M,cutting,P,J3/a\n\
+        225,M,handling,,\n240,M,idle,,\n2000,M,unavailable,,\n";
+    let (records, _) = crate::records::parse_csv("events", csv.as_bytes(), RecordKind::Shop).expect("events");
+    let seen = visits(&records);
+    let handled: Vec<f64> = seen.list.iter().map(|visit| visit.handling).collect();
+    // Unloading and loading in one go count for the operation that follows.
+    assert_eq!(handled, [40.0 + 10.0, 30.0, 15.0 + 15.0], "{seen:?}");
+}
+
+#[test]
 fn another_log_of_the_shop_is_held_out_day_by_day() {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };

@@ -145,6 +145,7 @@ pub fn visits(events: &Records) -> Visits {
             let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
             stays.push(Stay { state, start, end, program, operation, tool, feed });
         }
+        adopt(&mut stays);
         let gone = |stay: &&Stay<'_>| match stay.state {
             State::Stopped => stay.end - stay.start > SHORT_STOP,
             State::OffShift | State::Unknown => true,
@@ -165,6 +166,26 @@ pub fn visits(events: &Records) -> Visits {
         all.notes.push(format!("{cut_off} operations are left out: not seen from beginning to end"));
     }
     all
+}
+
+/// Gives loading and unloading that bear no name to the operations around them: of several stays the
+/// first is the unloading of the operation before; one alone belongs to what follows at once.
+fn adopt(stays: &mut [Stay<'_>]) {
+    let mut at = 0;
+    while at < stays.len() {
+        let nameless = |stay: &Stay<'_>| stay.state == State::Handling && stay.operation.is_empty();
+        let count = stays[at..].iter().take_while(|stay| nameless(stay)).count();
+        let end = at + count;
+        if count > 0 {
+            let before = at.checked_sub(1).map_or_else(String::new, |before| stays[before].operation.clone());
+            let after = stays.get(end).map_or_else(String::new, |after| after.operation.clone());
+            let unloaded = if after.is_empty() { count } else { (count - 1).min(1) };
+            for (place, stay) in stays[at..end].iter_mut().enumerate() {
+                stay.operation.clone_from(if place < unloaded { &before } else { &after });
+            }
+        }
+        at = end.max(at + 1);
+    }
 }
 
 /// Time in cut over that of the same program on the same machine below which a program did not come to
