@@ -1,15 +1,18 @@
 //! Speed of simulated tool lives, lives a second: `cargo bench -p toolroom-analysis --bench life`.
 //!
 //! Each figure is that of the fastest of many runs of a few milliseconds on one thread, which other
-//! work on the machine disturbs least. With `-- threads` it compares one and two threads over blocks
-//! of lives instead; that needs an idle machine.
+//! work on the machine disturbs least. With `-- threads` it compares one and two threads instead, beside
+//! what the machine gives at all: two processes with half of the lives each, which share nothing, at the
+//! same time against one after the other. That needs an idle machine.
 
 #![allow(clippy::print_stdout)]
 
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 use toolroom_analysis::life::study::points::Sampling;
 use toolroom_analysis::life::study::policy::{Reading, Rule};
-use toolroom_analysis::life::study::run::{BLOCK, lives};
+use toolroom_analysis::life::study::run::lives;
 use toolroom_analysis::life::study::{Ends, Passes, Study, Tilt, cell};
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{Pair, Scatter};
@@ -55,31 +58,117 @@ fn fastest(study: &Study) -> f64 {
     LIVES as f64 / (0..RUNS).map(run).fold(f64::INFINITY, f64::min)
 }
 
-/// How many times as many lives a second two threads simulate.
-fn gain_of_two_threads(study: &Study, blocks: u64) -> f64 {
-    let best = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let run = |_| seconds(|| drop(pool.install(|| lives(study, &study.cells[0], 0, blocks * BLOCK, false))));
-        (0..5).map(run).fold(f64::INFINITY, f64::min)
-    };
-    best(1) / best(2)
+/// Ratios of the fastest of this many runs, and how many of them.
+const ROUNDS: usize = 5;
+const RATIOS: usize = 5;
+
+/// Seconds that lives `from..to` take in a pool.
+fn in_pool(pool: &rayon::ThreadPool, study: &Study, from: u64, to: u64) -> f64 {
+    pool.install(|| seconds(|| drop(lives(study, &study.cells[0], from, to, false))))
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
+}
+
+/// A process that lives the same edges whenever it is told.
+struct Alone {
+    process: Child,
+    orders: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Alone {
+    fn new(case: usize, from: u64, to: u64) -> Self {
+        let words = ["alone".to_owned(), case.to_string(), from.to_string(), to.to_string()];
+        let mut process = Command::new(std::env::current_exe().expect("this program"))
+            .args(words)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("a process");
+        let (orders, answers) = (process.stdin.take().expect("piped"), process.stdout.take().expect("piped"));
+        let mut alone = Self { process, orders, answers: BufReader::new(answers) };
+        alone.order();
+        alone.seconds();
+        alone
+    }
+
+    fn order(&mut self) {
+        writeln!(self.orders).expect("it listens");
+    }
+
+    fn seconds(&mut self) -> f64 {
+        let mut line = String::new();
+        self.answers.read_line(&mut line).expect("it answers");
+        line.trim().parse().expect("seconds")
+    }
+
+    fn end(mut self) {
+        drop(self.orders);
+        self.process.wait().expect("it ends");
+    }
+}
+
+/// What such a process does.
+fn obey(study: &Study, from: u64, to: u64) {
+    let pool = pool(1);
+    for _ in std::io::stdin().lines() {
+        println!("{}", in_pool(&pool, study, from, to));
+    }
+}
+
+/// How many times as fast two threads are, and two processes: ratios of the fastest runs, sorted.
+fn gains(case: usize, study: &Study, count: u64) -> [Vec<f64>; 2] {
+    let pools = [pool(1), pool(2)];
+    let mut halves = [Alone::new(case, 0, count / 2), Alone::new(case, count / 2, count)];
+    let mut gains = [Vec::new(), Vec::new()];
+    for _ in 0..RATIOS {
+        let mut least = [f64::INFINITY; 4];
+        for _ in 0..ROUNDS {
+            let [one, two] = pools.each_ref().map(|pool| in_pool(pool, study, 0, count));
+            let apart = halves.each_mut().map(|half| {
+                half.order();
+                half.seconds()
+            });
+            halves.iter_mut().for_each(Alone::order);
+            let beside = halves.each_mut().map(Alone::seconds);
+            let seen = [one, two, apart[0] + apart[1], beside[0].max(beside[1])];
+            least.iter_mut().zip(seen).for_each(|(least, seen)| *least = least.min(seen));
+        }
+        gains[0].push(least[0] / least[1]);
+        gains[1].push(least[2] / least[3]);
+    }
+    halves.into_iter().for_each(Alone::end);
+    gains.iter_mut().for_each(|gains| gains.sort_by(f64::total_cmp));
+    gains
 }
 
 fn main() {
     let shop = Scatter::shop();
     let even = Scatter { allowance: 0.0, piece_hardness: 0.0, ..shop };
+    // With the lives of about 0.2 s.
     let cases = [
-        ("constant speed", study(Rule::Programmed, Reading::Pass, even, false), 32),
-        ("constant speed, passes that differ", study(Rule::Programmed, Reading::Pass, shop, false), 8),
-        ("constant speed, lagged body and pauses", study(Rule::Programmed, Reading::Pass, shop, true), 4),
-        ("adaptive, one update a pass", study(Rule::MinimumWear, Reading::Pass, shop, false), 4),
-        ("adaptive, updates every 6 s", study(Rule::MinimumWear, Reading::Period, shop, false), 4),
-        ("adaptive, every 6 s, lagged body and pauses", study(Rule::MinimumWear, Reading::Period, shop, true), 4),
+        ("constant speed", study(Rule::Programmed, Reading::Pass, even, false), 40_000),
+        ("constant speed, passes that differ", study(Rule::Programmed, Reading::Pass, shop, false), 10_000),
+        ("constant speed, lagged body and pauses", study(Rule::Programmed, Reading::Pass, shop, true), 3200),
+        ("adaptive, one update a pass", study(Rule::MinimumWear, Reading::Pass, shop, false), 4000),
+        ("adaptive, updates every 6 s", study(Rule::MinimumWear, Reading::Period, shop, false), 1400),
+        ("adaptive, every 6 s, lagged body and pauses", study(Rule::MinimumWear, Reading::Period, shop, true), 1000),
     ];
-    let threads = std::env::args().any(|argument| argument == "threads");
-    for (name, study, blocks) in &cases {
-        if threads {
-            println!("{name}: {:.2} times as fast on two threads", gain_of_two_threads(study, *blocks));
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [word, case, from, to] = &words[..]
+        && word == "alone"
+    {
+        let number = |text: &str| text.parse().expect("a number");
+        return obey(&cases[number(case) as usize].1, number(from), number(to));
+    }
+    for (case, (name, study, count)) in cases.iter().enumerate() {
+        if words.iter().any(|word| word == "threads") {
+            let [threads, processes] = gains(case, study, *count).map(|gains| {
+                format!("{:.2} times as fast ({:.2} … {:.2})", gains[RATIOS / 2], gains[0], gains[RATIOS - 1])
+            });
+            println!("{name}: two threads {threads}, two processes {processes}");
         } else {
             println!("{name}: {:.0} lives a second", fastest(study));
         }

@@ -4,11 +4,11 @@ use super::edge::{Draws, LEVELS, Outcome};
 use super::points::Points;
 use super::tally::{Digest, Sketch, Sums};
 use super::{Cell, End, Study};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Lives of a block: what one thread takes at a time.
-pub const BLOCK: u64 = 4096;
+/// Lives that a thread takes at a time: a few milliseconds at most, so that threads end together.
+const BLOCK: u64 = 16;
 /// Lives of a cell whose wear curves are kept, from the first.
 pub const CURVES: u64 = 20_000;
 
@@ -126,36 +126,43 @@ impl Tally {
 }
 
 /// Lives `from..to` of a cell; the outcomes in the order of their numbers, if they are wanted.
+///
+/// Every thread takes the next block that nobody has, and keeps one tally: tallies merge to the same
+/// bits whoever lived which edge.
 pub fn lives(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tally, Vec<Outcome>) {
-    let starts: Vec<u64> = (from..to).step_by(BLOCK as usize).collect();
-    let parts: Vec<(Tally, Vec<Outcome>)> =
-        starts.into_par_iter().map(|start| block(study, cell, start, to.min(start + BLOCK), keep)).collect();
+    let next = AtomicU64::new(from);
+    let take = || Some(next.fetch_add(BLOCK, Ordering::Relaxed)).filter(|start| *start < to);
+    let parts = rayon::broadcast(|_| {
+        let points = Points::new(study.sampling, study.seed, study.lives);
+        let mut point = vec![0.0; study.dimensions()];
+        let (mut tally, mut blocks) = (Tally::default(), Vec::new());
+        while let Some(start) = take() {
+            let mut outcomes = Vec::new();
+            for index in start..to.min(start + BLOCK) {
+                points.at(index, &mut point);
+                if let Some(copula) = &study.copula {
+                    copula.apply(&mut point);
+                }
+                let outcome = study.live(cell, &point, &mut Draws::of(study.seed, index));
+                tally.push(index, &outcome, study.early);
+                if keep {
+                    outcomes.push(outcome);
+                }
+            }
+            if keep {
+                blocks.push((start, outcomes));
+            }
+        }
+        (tally, blocks)
+    });
     let mut tally = Tally::default();
-    let mut outcomes = Vec::new();
+    let mut blocks = Vec::new();
     for (part, rows) in parts {
         tally.merge(&part);
-        outcomes.extend(rows);
+        blocks.extend(rows);
     }
-    (tally, outcomes)
-}
-
-fn block(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tally, Vec<Outcome>) {
-    let points = Points::new(study.sampling, study.seed, study.lives);
-    let mut point = vec![0.0; study.dimensions()];
-    let mut tally = Tally::default();
-    let mut outcomes = Vec::with_capacity(if keep { (to - from) as usize } else { 0 });
-    for index in from..to {
-        points.at(index, &mut point);
-        if let Some(copula) = &study.copula {
-            copula.apply(&mut point);
-        }
-        let outcome = study.live(cell, &point, &mut Draws::of(study.seed, index));
-        tally.push(index, &outcome, study.early);
-        if keep {
-            outcomes.push(outcome);
-        }
-    }
-    (tally, outcomes)
+    blocks.sort_unstable_by_key(|(start, _)| *start);
+    (tally, blocks.into_iter().flat_map(|(_, outcomes)| outcomes).collect())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::edge::Outcome;
 use super::run::{Tally, lives};
-use super::{End, Study};
+use super::{Cell, End, Study};
 use crate::life::sample::{Observation, Sample, SampleError};
 use crate::shards::{Computed, Plan, ShardError, at, parts};
 use polars::prelude::{
@@ -60,23 +60,25 @@ fn write_lives(study: &Study, (from, to): (u64, u64), path: Option<&Path>) -> Re
         }
         None => None,
     };
-    let mut cells = Vec::with_capacity(study.cells.len());
-    for cell in &study.cells {
-        let mut tally = Tally::default();
-        let mut start = from;
-        while start < to {
-            let end = to.min(start + CHUNK);
-            let (part, outcomes) = lives(study, cell, start, end, writer.is_some());
-            tally.merge(&part);
-            if let (Some(writer), Some(path)) = (&mut writer, path) {
-                let names = (cell.condition.as_str(), cell.policy.as_str());
-                let frame = frame(names, start, &outcomes).map_err(failed(path))?;
-                writer.write_batch(&frame).map_err(failed(path))?;
-            }
-            start = end;
+    let mut write = |rows: Rows| match (&mut writer, path) {
+        (Some(writer), Some(path)) => {
+            let frame = frame(&study.cells[rows.cell], rows.start, &rows.outcomes).map_err(failed(path))?;
+            writer.write_batch(&frame).map_err(failed(path))
         }
-        cells.push(tally);
+        _ => Ok(()),
+    };
+    let mut cells = vec![Tally::default(); study.cells.len()];
+    let mut ready = Rows::default();
+    let starts = || (from..to).step_by(CHUNK as usize);
+    for (cell, start) in (0..cells.len()).flat_map(|cell| starts().map(move |start| (cell, start))) {
+        let live = || lives(study, &study.cells[cell], start, to.min(start + CHUNK), path.is_some());
+        // The last chunk is written while this one lives.
+        let (written, (part, outcomes)) = rayon::join(|| write(std::mem::take(&mut ready)), live);
+        written?;
+        cells[cell].merge(&part);
+        ready = Rows { cell, start, outcomes };
     }
+    write(ready)?;
     if let (Some(writer), Some(path)) = (writer, path) {
         writer.finish().map_err(failed(path))?;
         File::open(path).and_then(|file| file.sync_all()).map_err(at(path))?;
@@ -84,7 +86,15 @@ fn write_lives(study: &Study, (from, to): (u64, u64), path: Option<&Path>) -> Re
     Ok(cells)
 }
 
-fn frame((condition, policy): (&str, &str), start: u64, outcomes: &[Outcome]) -> Result<DataFrame, PolarsError> {
+/// Lives of a cell, from a number on, that wait to be written.
+#[derive(Default)]
+struct Rows {
+    cell: usize,
+    start: u64,
+    outcomes: Vec<Outcome>,
+}
+
+fn frame(cell: &Cell, start: u64, outcomes: &[Outcome]) -> Result<DataFrame, PolarsError> {
     let n = outcomes.len();
     let real = |name: &str, of: &dyn Fn(usize, &Outcome) -> f64| -> Column {
         let values: Vec<f64> = outcomes.iter().enumerate().map(|(i, outcome)| of(i, outcome)).collect();
@@ -92,8 +102,8 @@ fn frame((condition, policy): (&str, &str), start: u64, outcomes: &[Outcome]) ->
     };
     let text = |name: &str, values: Vec<&str>| Series::new(name.into(), values).into_column();
     let columns = vec![
-        text("condition", vec![condition; n]),
-        text("policy", vec![policy; n]),
+        text("condition", vec![cell.condition.as_str(); n]),
+        text("policy", vec![cell.policy.as_str(); n]),
         real("edge", &|i, _| (start + i as u64) as f64),
         real("life [min]", &|_, outcome| outcome.life / 60.0),
         real("path [m]", &|_, outcome| outcome.path),
