@@ -6,7 +6,7 @@ use toolroom_analysis::life::measured::numbers;
 use toolroom_analysis::life::replacement::Costs;
 use toolroom_analysis::life::study::edge::COORDINATES;
 use toolroom_analysis::life::study::points::Sampling;
-use toolroom_analysis::life::study::policy::{Reading, Rule};
+use toolroom_analysis::life::study::policy::{Knows, Reading, Rule};
 use toolroom_analysis::life::study::spread::{Copula, Spread};
 use toolroom_analysis::life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use toolroom_process::{Record, unit};
@@ -14,6 +14,9 @@ use toolroom_sim::scenario::file::{
     Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,
 };
 use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
+
+/// What may stand before the dot in the name of a field, for messages.
+const GROUPS: &str = "GROUP.NAME as in [parameters], such as limits.wear_limit; cut.NAME, such as cut.hardness";
 
 /// What a study file says.
 #[derive(Clone, Debug)]
@@ -47,8 +50,8 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         }
     }
     let cells = cells(walk, root, &pair, &scatter, &conditions);
-    let fields = fields(walk, root, &pair, directory);
-    let copula = copula(walk, root, &fields);
+    let (fields, named) = fields(walk, root, &pair, directory);
+    let copula = copula(walk, root, &named);
     let passes = walk.table(root, "passes");
     let passes = passes.map_or(Passes { path: 37.7, pause: 0.0 }, |section| Passes {
         path: section.required("path"),
@@ -167,7 +170,9 @@ fn cells(
             Some("schedule") => Rule::Schedule,
             Some("minimum_wear") => Rule::MinimumWear,
             Some("price") => Rule::Price(section.required("price")),
-            Some("oracle") => Rule::Oracle,
+            Some("oracle") => {
+                Rule::Oracle(if section.text("knows") == Some("edge") { Knows::Edge } else { Knows::Wear })
+            }
             _ => Rule::Programmed,
         };
         let reading = if section.text("reading") == Some("pass") { Reading::Pass } else { Reading::Period };
@@ -228,7 +233,8 @@ fn costs(walk: &mut Walk, section: &Section<'_>) -> Option<Costs> {
     Some(costs)
 }
 
-fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) -> Vec<Field> {
+/// The numbers that vary, and all that the file names as such, faulty ones too.
+fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) -> (Vec<Field>, Vec<String>) {
     let mut pair = pair.clone();
     let mut targets: Vec<(String, Option<&'static str>, usize, &'static toolroom_process::Field)> = Vec::new();
     for (group, record) in pair.parameters_mut() {
@@ -237,15 +243,25 @@ fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) ->
     }
     let cut = Cut::<f64>::FIELDS.iter().enumerate();
     targets.extend(cut.map(|(i, field)| (format!("cut.{}", field.name), None, i, field)));
-    let mut fields = Vec::new();
+    let (mut fields, mut names) = (Vec::new(), Vec::<String>::new());
     for section in walk.sections(root, "field", None) {
         let Some(name) = section.text("name") else { continue };
+        if names.iter().any(|known| known == name) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "field", name: name.to_owned() });
+        }
+        names.push(name.to_owned());
         let Some((_, group, index, field)) = targets.iter().find(|(known, ..)| known == name) else {
+            let group = name.split('.').next().unwrap_or_default();
+            let mut known: Vec<&str> =
+                targets.iter().map(|target| target.0.as_str()).filter(|known| known.split('.').next() == Some(group)).collect();
+            if known.is_empty() {
+                known = vec![GROUPS];
+            }
             let fault = Fault::UnknownName {
                 kind: "field",
                 name: name.to_owned(),
                 nearest: nearest(name, targets.iter().map(|target| target.0.as_str())).map(str::to_owned),
-                known: "GROUP.NAME of the parameter set, cut.NAME; see the file of the set".to_owned(),
+                known: known.join(", "),
             };
             walk.fault(section.span_of("name"), fault);
             continue;
@@ -254,7 +270,7 @@ fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) ->
             fields.push(Field { name: name.to_owned(), group: *group, index: *index, spread });
         }
     }
-    fields
+    (fields, names)
 }
 
 /// A value in the unit of a field; `None` with or after a fault.
@@ -372,12 +388,13 @@ fn empirical(
     }
 }
 
-fn copula(walk: &mut Walk, root: &Section<'_>, fields: &[Field]) -> Option<Copula> {
+/// The copula over the inputs that every study has and those that the file has `named`.
+fn copula(walk: &mut Walk, root: &Section<'_>, named: &[String]) -> Option<Copula> {
     let sections = walk.sections(root, "correlation", None);
     if sections.is_empty() {
         return None;
     }
-    let names: Vec<&str> = COORDINATES.into_iter().chain(fields.iter().map(|field| field.name.as_str())).collect();
+    let names: Vec<&str> = COORDINATES.into_iter().chain(named.iter().map(String::as_str)).collect();
     let mut entries = Vec::new();
     for section in &sections {
         let mut index = |key: &str| {
@@ -395,11 +412,19 @@ fn copula(walk: &mut Walk, root: &Section<'_>, fields: &[Field]) -> Option<Copul
             found
         };
         let (first, second) = (index("first"), index("second"));
-        if let (Some(first), Some(second), Some(value)) = (first, second, section.si("value"))
-            && first != second
-        {
-            entries.push((first, second, value));
+        let (Some(first), Some(second), Some(value)) = (first, second, section.si("value")) else { continue };
+        if first == second || entries.iter().any(|(i, j, _)| [(first, second), (second, first)].contains(&(*i, *j))) {
+            let fault = Fault::Contradiction {
+                first: "first",
+                first_value: names[first].to_owned(),
+                second: "second",
+                second_value: names[second].to_owned(),
+                rule: "a correlation is that of two inputs, given once",
+            };
+            walk.fault(section.span_of("second"), fault);
+            continue;
         }
+        entries.push((first, second, value));
     }
     let copula = Copula::of(names.len(), &entries);
     if copula.is_none() {

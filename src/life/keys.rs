@@ -115,6 +115,13 @@ static POLICY: Form = Form {
         )
         .when("speed", &["minimum_wear", "price"]),
         Key::optional("sensors", Kind::Table(&SENSORS), "Sensors").when("speed", &["minimum_wear", "price"]),
+        Key::default(
+            "knows",
+            Kind::Choice(&["wear", "edge"]),
+            "wear",
+            "What the oracle knows: the wear of its edge, as in the shop; or also how the edge differs from nominal",
+        )
+        .when("speed", &["oracle"]),
     ],
 };
 

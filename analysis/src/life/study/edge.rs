@@ -97,11 +97,15 @@ impl Edge {
         }
     }
 
+    /// Its cut but for what differs from pass to pass.
+    fn mean_cut(&self) -> Cut {
+        Cut { hardness: self.cut.hardness * self.batch_hardness, ..self.cut }
+    }
+
     /// The cut of a pass: hardness of the piece and depth of the allowance.
     fn cut_of_pass(&self, scatter: &Scatter, varies: bool, stream: &mut Stream) -> Cut {
-        let nominal = Cut { hardness: self.cut.hardness * self.batch_hardness, ..self.cut };
         if !varies {
-            return nominal;
+            return self.mean_cut();
         }
         let hardness = scatter.sample_piece_hardness(self.batch_hardness, stream);
         let depth_of_cut = scatter.sample_depth(self.cut.depth_of_cut, stream);

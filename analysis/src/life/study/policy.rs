@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{
-    Coefficients, Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable,
+    Coefficients, Contact, Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable,
 };
 
 /// A rule, before it is worked out for a cut.
@@ -21,8 +21,17 @@ pub enum Rule {
     MinimumWear,
     /// Path weighed against time at a price (s/m) at the estimated wear.
     Price(f64),
-    /// Mode 1 at the true wear.
-    Oracle,
+    /// Mode 1 at the truth.
+    Oracle(Knows),
+}
+
+/// What an oracle knows of its edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knows {
+    /// Its wear: the bound for whoever measures wear, as in the shop.
+    Wear,
+    /// Its wear, its factors of wear and the hardness of its batch: the bound for every observer.
+    Edge,
 }
 
 /// When the sensors are read.
@@ -51,7 +60,7 @@ const SWEEPS: u32 = 3;
 enum Speed {
     Constant(f64),
     Schedule(SpeedSchedule),
-    Planned { law: SpeedTable, oracle: bool },
+    Planned { law: SpeedTable, oracle: Option<Knows> },
 }
 
 /// A rule worked out for one nominal cut.
@@ -79,8 +88,11 @@ pub struct Ramp {
 
 /// What a policy remembers of one edge.
 #[derive(Clone, Debug)]
-pub struct Pilot {
+pub struct Pilot<'a> {
     observer: Option<Observer>,
+    /// The edge as it is.
+    pair: &'a Pair,
+    cut: Cut,
     last_speed: Option<f64>,
 }
 
@@ -99,11 +111,11 @@ impl Policy {
                 let speed = |wear: f64| limits.clip(pair.minimum_wear_speed(cut, wear));
                 Speed::Schedule(SpeedSchedule::tabulate(pair, speed, cut, 60))
             }
-            Rule::MinimumWear => Speed::Planned { law: least(), oracle: false },
+            Rule::MinimumWear => Speed::Planned { law: least(), oracle: None },
             Rule::Price(price) => {
-                Speed::Planned { law: law(&|wear| pair.shadow_price_speed(cut, wear, price)), oracle: false }
+                Speed::Planned { law: law(&|wear| pair.shadow_price_speed(cut, wear, price)), oracle: None }
             }
-            Rule::Oracle => Speed::Planned { law: least(), oracle: true },
+            Rule::Oracle(knows) => Speed::Planned { law: least(), oracle: Some(knows) },
         };
         let noise = ObserverNoise {
             power_noise: sensors.spindle_power.max(LEAST_NOISE),
@@ -112,7 +124,7 @@ impl Policy {
             depth_scatter: allowance,
             ..ObserverNoise::default()
         };
-        let observes = matches!(speed, Speed::Planned { oracle: false, .. });
+        let observes = matches!(speed, Speed::Planned { oracle: None, .. });
         Self {
             template: observes.then(|| Observer::new(pair, noise)),
             speed,
@@ -144,13 +156,13 @@ impl Policy {
         }
     }
 
-    /// A pilot for a new edge.
-    pub fn pilot(&self) -> Pilot {
-        Pilot { observer: self.template.clone(), last_speed: None }
+    /// A pilot for a new edge, of which only an oracle gets to know how it differs from nominal.
+    pub fn pilot<'a>(&self, pair: &'a Pair, cut: Cut) -> Pilot<'a> {
+        Pilot { observer: self.template.clone(), pair, cut, last_speed: None }
     }
 }
 
-impl Pilot {
+impl Pilot<'_> {
     /// The speeds of the next pass of `length` (m) of an edge that has cut `path` (m).
     pub fn plan(&mut self, policy: &Policy, true_wear: f64, path: f64, length: f64) -> Ramp {
         if let Some(observer) = &mut self.observer {
@@ -159,13 +171,17 @@ impl Pilot {
         let ramp = match &policy.speed {
             Speed::Constant(speed) => Ramp { start: *speed, end: *speed },
             Speed::Schedule(schedule) => Ramp { start: schedule.speed_at(path), end: schedule.speed_at(path + length) },
-            Speed::Planned { law, oracle } => {
+            Speed::Planned { oracle: Some(Knows::Edge), .. } => {
+                let law = |wear: f64| policy.pair.limits.clip(self.pair.minimum_wear_speed(&self.cut, wear));
+                policy.planned(law, self.pair.contact(&self.cut), (true_wear, 1.0), length, self.last_speed)
+            }
+            Speed::Planned { law, .. } => {
                 let estimate = self.observer.as_ref().map(Observer::estimate);
-                let (wear, factor) = match estimate {
-                    Some(estimate) if !oracle => (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp()),
-                    _ => (true_wear, 1.0),
-                };
-                policy.planned(law, wear, factor, length, self.last_speed)
+                let known = estimate.map_or((true_wear, 1.0), |estimate| {
+                    (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp())
+                });
+                let contact = policy.pair.contact_of(policy.contact);
+                policy.planned(|wear| law.speed_at(wear), contact, known, length, self.last_speed)
             }
         };
         self.last_speed = Some(ramp.end);
@@ -183,22 +199,29 @@ impl Pilot {
 
 impl Policy {
     /// Speeds by a law of wear at both ends of a pass, the wear at its end by the midpoint rule on
-    /// the nominal model times the estimated factor of this edge. The first pass starts at the
+    /// the believed contact times the estimated factor of this edge. The first pass starts at the
     /// speed of the law, however far from the programmed one.
-    fn planned(&self, law: &SpeedTable, wear: f64, factor: f64, length: f64, last: Option<f64>) -> Ramp {
+    fn planned(
+        &self,
+        law: impl Fn(f64) -> f64,
+        contact: Contact<'_>,
+        (wear, factor): (f64, f64),
+        length: f64,
+        last: Option<f64>,
+    ) -> Ramp {
         let limits = &self.pair.limits;
-        let wanted = law.speed_at(wear);
+        let wanted = law(wear);
         let near = last.unwrap_or(wanted);
         let start = limits.clip(wanted.max(near - self.largest_step).min(near + self.largest_step));
         // v² changes by 2·a·l over a path.
         let reach = 2.0 * LARGEST_ACCELERATION * limits.reference_speed * length;
         let (slowest, fastest) = ((start * start - reach).max(0.0).sqrt(), (start * start + reach).sqrt());
-        let contact = self.pair.contact_of(self.contact).at_speed(start);
+        let contact = contact.at_speed(start);
         let growth = |wear: f64, speed: f64| {
             let intensity = contact.near_speed(speed).steady_wear(wear).intensity(speed);
             (factor * intensity * length).min(limits.wear_limit)
         };
-        let end_after = |growth: f64| law.speed_at(wear + growth).max(slowest).min(fastest);
+        let end_after = |growth: f64| law(wear + growth).max(slowest).min(fastest);
         let mut grown = growth(wear, start);
         let mut end = end_after(grown);
         for _ in 1..SWEEPS {

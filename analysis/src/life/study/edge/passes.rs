@@ -126,7 +126,7 @@ impl<'a> Machining<'a> {
     }
 
     pub fn run(mut self) -> Outcome {
-        let mut pilot = self.policy.pilot();
+        let mut pilot = self.policy.pilot(self.pair, self.edge.mean_cut());
         let (passes, scatter) = (self.study.passes, self.study.scatter);
         for _ in 0..MOST_PASSES {
             let cut = self.edge.cut_of_pass(&scatter, self.study.varies(), &mut self.draws.pieces);
@@ -154,7 +154,7 @@ impl<'a> Machining<'a> {
     }
 
     /// One pass; something where the edge ends in it.
-    fn pass(&mut self, contact: &Contact<'a>, ramp: &Ramp, path: f64, pilot: &mut Pilot) -> Option<Outcome> {
+    fn pass(&mut self, contact: &Contact<'a>, ramp: &Ramp, path: f64, pilot: &mut Pilot<'_>) -> Option<Outcome> {
         let duration = 2.0 * path / (ramp.start + ramp.end);
         let acceleration = (ramp.end - ramp.start) / duration;
         let sampling = self.policy.sampling(duration);
@@ -340,7 +340,7 @@ impl<'a> Machining<'a> {
     }
 
     /// What the sensors show, given to the observer: with their biases and noise.
-    fn measure(&mut self, truth: &Measurement, pilot: &mut Pilot, dt: f64, [mean_speed, speed]: [f64; 2]) {
+    fn measure(&mut self, truth: &Measurement, pilot: &mut Pilot<'_>, dt: f64, [mean_speed, speed]: [f64; 2]) {
         let Some(sensors) = self.policy.sensors() else { return };
         let mut shown = |value: f64, bias: f64, deviation: f64| {
             let z: f64 = StandardNormal.sample(&mut self.draws.sensors);

@@ -7,7 +7,7 @@ use super::{Edge, LEVELS, Outcome, STRETCH, collapse, level_share};
 use crate::life::study::{End, Study};
 use std::sync::LazyLock;
 use toolroom_sim::Stream;
-use toolroom_wear::{Contact, Cut, Pair};
+use toolroom_wear::{Contact, Pair};
 
 /// Inner node of the 4-point Gauss–Lobatto rule on -1 … 1, which also takes both ends, so that
 /// panels share values.
@@ -27,7 +27,7 @@ const AT_MIDDLE: [f64; 4] = [-0.125, 0.625, 0.625, -0.125];
 /// Chipping ends a life and changes nothing before: most edges are spared by a bound on the hazard
 /// of the life without it, and only for the others the hazard is followed.
 pub(super) fn life(study: &Study, pair: &Pair, edge: &Edge, speed: f64, stream: &mut Stream, parts: u32) -> Outcome {
-    let cut = Cut { hardness: edge.cut.hardness * edge.batch_hardness, ..edge.cut }.at_speed(speed);
+    let cut = edge.mean_cut().at_speed(speed);
     let contact = pair.contact(&cut);
     let chips = Chips { chipping: pair.chipping, added: cut.chipping_rate };
     let course = Course { study, pair, edge, contact, speed, limit: study.wear_at_end(pair), parts };

@@ -1,5 +1,5 @@
 use super::super::points::{Points, Sampling};
-use super::super::policy::{Reading, Rule};
+use super::super::policy::{Knows, Reading, Rule};
 use super::super::{Ends, Passes, cell};
 use super::*;
 use toolroom_sim::scenario::SensorSheet;
@@ -68,7 +68,7 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
         ("readings every 6 s", study(shop, Rule::MinimumWear, Reading::Period, false)),
         ("schedule", study(shop, Rule::Schedule, Reading::Pass, false)),
         ("price of a metre", study(shop, Rule::Price(1.3), Reading::Period, false)),
-        ("oracle", study(shop, Rule::Oracle, Reading::Pass, false)),
+        ("oracle", study(shop, Rule::Oracle(Knows::Wear), Reading::Pass, false)),
         ("readings every 6 s, lagged body", study(shop, Rule::MinimumWear, Reading::Period, true)),
     ] {
         let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));

@@ -1,5 +1,5 @@
 use super::super::points::Sampling;
-use super::super::policy::{Reading, Rule};
+use super::super::policy::{Knows, Reading, Rule};
 use super::super::{Ends, Passes, Tilt, cell};
 use super::*;
 use toolroom_sim::scenario::SensorSheet;
@@ -95,7 +95,7 @@ fn parts_merge_to_the_whole_whatever_the_cut() {
 fn policies_come_in_the_published_order() {
     // Independent reference, 200 tools, full scatter, pauses of 0.3 min: constant 30.4 has a mean
     // path of 713 m, the schedule 974, mode 1 with an observer 1023, the oracle 1046.
-    let rules = [Rule::Best(Objective::Path), Rule::Schedule, Rule::MinimumWear, Rule::Oracle];
+    let rules = [Rule::Best(Objective::Path), Rule::Schedule, Rule::MinimumWear, Rule::Oracle(Knows::Wear)];
     let mut study = study(Scatter { chipped_share: 0.0, ..Scatter::shop() }, &rules, true, 18.0);
     study.lives = 400;
     let paths: Vec<f64> = study.cells.iter().map(|cell| lives(&study, cell, 0, 400, false).0.path.mean()).collect();
