@@ -10,7 +10,6 @@ use std::path::Path;
 use std::sync::Arc;
 use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
 use toolroom_analysis::study::{KnownRuns, StoredRun, stored_runs};
-use toolroom_sim::Scenario;
 use toolroom_sim::scenario::file::{ScenarioFile, parse, read};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
@@ -28,7 +27,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let input = args.scenario.file.display().to_string();
     if let Some(target) = &args.plan {
-        return plan(args, &file.scenario, &file.text, &policies, target, voice);
+        return plan(args, &file, &policies, target, voice);
     }
     let request = Request {
         command: format!("compare {input}"),
@@ -47,8 +46,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
 /// `--plan FILE`: the replications cut into shards.
 fn plan(
     args: &CompareArgs,
-    scenario: &Scenario,
-    text: &str,
+    file: &ScenarioFile,
     policies: &[usize],
     target: &Path,
     voice: &Voice,
@@ -57,6 +55,7 @@ fn plan(
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
     }
+    let scenario = &file.scenario;
     let replications = u64::from(scenario.replications);
     let plan = Plan {
         schema: 1,
@@ -65,7 +64,8 @@ fn plan(
         name: scenario.name.clone(),
         file: args.scenario.file.display().to_string(),
         directory: String::new(),
-        text: text.to_owned(),
+        text: file.text.clone(),
+        files: Plan::fingerprints(&file.files).map_err(refused)?,
         overrides: args.scenario.changes.overrides(),
         policies: policies.iter().map(|policy| scenario.policies[*policy].name.clone()).collect(),
         seed: scenario.seed,

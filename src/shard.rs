@@ -50,7 +50,7 @@ pub fn checked(plan: &Plan) -> Result<(), Failure> {
         let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));
         return Err(Failure::argument(message, "use one version for plan, shards and merge"));
     }
-    Ok(())
+    plan.check_files().map_err(refused)
 }
 
 /// Threads, 0 for one per processor.
@@ -67,6 +67,9 @@ pub fn refused(error: ShardError) -> Failure {
         ShardError::File { path, source } => Failure::Unwritable { path, source },
         ShardError::Parquet { .. } => {
             Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
+        }
+        ShardError::OtherFile { .. } => {
+            Failure::argument(error, "restore the file, or make a new plan and run all of its shards")
         }
         _ => Failure::argument(error, "run the missing shards, or merge the parts of one plan only"),
     }

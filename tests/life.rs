@@ -256,6 +256,10 @@ fn input_that_makes_no_sense_is_refused() {
     let (a, b, c) = ("common wear", "batch hardness", "initial wear");
     let impossible = [pair(a, b, 0.9), pair(b, c, 0.9), pair(a, c, -0.9)].concat();
     assert!(with(&impossible).contains("positive definite"));
+    let faulty = format!("{field}\"normal\"\nmean = \"1\"\ndeviation = \"-1\"\n");
+    let said = with(&[faulty, pair("cut.hardness", a, 0.5)].concat());
+    assert!(said.contains("positive") && !said.contains("did you mean"), "{said}");
+    assert!(with(&[pair(a, b, 0.5), pair(b, a, 0.4)].concat()).contains("given once"));
     assert!(with("lifes = 3\n").contains("lifes"));
     assert!(!at.join("out").exists(), "nothing is written");
 
@@ -270,6 +274,22 @@ fn input_that_makes_no_sense_is_refused() {
     assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
     assert!(refused(&["merge", text(&at)]).contains("plan.json"));
     assert!(refused(&["life"]).contains("FILE") || refused(&["life"]).contains("required"));
+}
+
+#[test]
+fn a_file_that_changes_between_shards_is_refused() {
+    let at = directory("changed");
+    let field = "[[field]]\nname = \"cut.hardness\"\ndistribution = \"empirical\"\nfile = \"h.csv\"\ncolumn = \"h\"\n";
+    let file = study(&at, field);
+    let (csv, plan, parts) = (at.join("h.csv"), at.join("plan.json"), at.join("parts"));
+    fs::write(&csv, "h\n0.9\n1.1\n").unwrap();
+    let run = |arguments: &[&str]| toolroom(arguments).status.code();
+    assert_eq!(run(&["life", text(&file), "--plan", text(&plan), "--shards", "2"]), Some(0));
+    let shard = |k: &'static str| ["life", "--run", text(&plan), "--shard", k, "--out", text(&parts)];
+    assert_eq!(run(&shard("0")), Some(0));
+    fs::write(&csv, "h\n0.8\n1.2\n").unwrap();
+    assert!(refused(&shard("1")).contains("h.csv has changed"));
+    assert!(refused(&["merge", text(&parts)]).contains("h.csv has changed"));
 }
 
 #[cfg(unix)]

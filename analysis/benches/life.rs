@@ -25,7 +25,8 @@ fn study(rule: Rule, reading: Reading, scatter: Scatter, lagged: bool) -> Study 
     let mut pair = Pair::default();
     let cut = pair.reference_cut().at_speed(0.5);
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.1).expect("an edge that wears out");
-    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default())];
+    let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
+    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
     Study {
         name: String::new(),
         title: String::new(),
@@ -37,7 +38,7 @@ fn study(rule: Rule, reading: Reading, scatter: Scatter, lagged: bool) -> Study 
         copula: None,
         cells,
         ends: Ends::default(),
-        passes: Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } },
+        passes,
         lagged,
         sampling: Sampling::Plain,
         tilt: Tilt::default(),
@@ -59,7 +60,7 @@ fn fastest(study: &Study) -> f64 {
 }
 
 /// Ratios of the fastest of this many runs, and how many of them.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 7;
 const RATIOS: usize = 5;
 
 /// Seconds that lives `from..to` take in a pool.
@@ -147,14 +148,14 @@ fn gains(case: usize, study: &Study, count: u64) -> [Vec<f64>; 2] {
 fn main() {
     let shop = Scatter::shop();
     let even = Scatter { allowance: 0.0, piece_hardness: 0.0, ..shop };
-    // With the lives of about 0.2 s.
+    // With the lives of about 0.12 s.
     let cases = [
-        ("constant speed", study(Rule::Programmed, Reading::Pass, even, false), 40_000),
-        ("constant speed, passes that differ", study(Rule::Programmed, Reading::Pass, shop, false), 10_000),
-        ("constant speed, lagged body and pauses", study(Rule::Programmed, Reading::Pass, shop, true), 3200),
-        ("adaptive, one update a pass", study(Rule::MinimumWear, Reading::Pass, shop, false), 4000),
-        ("adaptive, updates every 6 s", study(Rule::MinimumWear, Reading::Period, shop, false), 1400),
-        ("adaptive, every 6 s, lagged body and pauses", study(Rule::MinimumWear, Reading::Period, shop, true), 1000),
+        ("constant speed", study(Rule::Programmed, Reading::Pass, even, false), 24_000),
+        ("constant speed, passes that differ", study(Rule::Programmed, Reading::Pass, shop, false), 6000),
+        ("constant speed, lagged body and pauses", study(Rule::Programmed, Reading::Pass, shop, true), 2000),
+        ("adaptive, one update a pass", study(Rule::MinimumWear, Reading::Pass, shop, false), 2500),
+        ("adaptive, updates every 6 s", study(Rule::MinimumWear, Reading::Period, shop, false), 850),
+        ("adaptive, every 6 s, lagged body and pauses", study(Rule::MinimumWear, Reading::Period, shop, true), 600),
     ];
     let words: Vec<String> = std::env::args().skip(1).collect();
     if let [word, case, from, to] = &words[..]

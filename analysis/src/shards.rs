@@ -32,6 +32,8 @@ pub struct Plan {
     pub directory: String,
     /// Text of the file.
     pub text: String,
+    /// Files that the text names, each with the fingerprint of its content.
+    pub files: Vec<(String, String)>,
     /// Changes to it, `path=value`.
     pub overrides: Vec<String>,
     /// Seed.
@@ -55,17 +57,38 @@ impl Plan {
             file: _,
             directory: _,
             text,
+            files,
             overrides,
             policies,
             seed,
             pieces,
             shards,
         } = self;
-        let words = [kind, version, name, text, &overrides.join("\n"), &policies.join("\n")];
+        let contents: Vec<&str> = files.iter().map(|(_, fingerprint)| fingerprint.as_str()).collect();
+        let words = [kind, version, name, text, &contents.join("\n"), &overrides.join("\n"), &policies.join("\n")];
         let hash = words.iter().fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
         let numbers = [u64::from(*schema), *seed, *pieces, *shards];
         let hash = numbers.iter().fold(hash, |hash, number| fnv(hash, &number.to_le_bytes()));
         format!("{hash:016x}")
+    }
+
+    /// Files for [`Plan::files`].
+    ///
+    /// # Errors
+    /// [`ShardError`] for a file that cannot be read.
+    pub fn fingerprints(paths: &[PathBuf]) -> Result<Vec<(String, String)>, ShardError> {
+        paths.iter().map(|path| Ok((path.display().to_string(), hash_of(path)?))).collect()
+    }
+
+    /// Whether the files that the plan names are still those for which it was made.
+    ///
+    /// # Errors
+    /// [`ShardError`] for the first that is not, or cannot be read.
+    pub fn check_files(&self) -> Result<(), ShardError> {
+        self.files.iter().try_for_each(|(file, fingerprint)| {
+            let path = PathBuf::from(file);
+            if hash_of(&path)? == *fingerprint { Ok(()) } else { Err(ShardError::OtherFile { path }) }
+        })
     }
 
     /// Numbers of the pieces of a shard, from and to.
@@ -145,6 +168,12 @@ pub enum ShardError {
         found: String,
         /// Hash of this plan.
         expected: String,
+    },
+    /// A file that the plan names, with another content than then.
+    #[error("{path} has changed since the plan was made: parts of two studies are not merged")]
+    OtherFile {
+        /// The file.
+        path: PathBuf,
     },
     /// Parts that are not there.
     #[error("{} of {shards} shards are missing: {}", .missing.len(), list(.missing))]

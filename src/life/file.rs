@@ -49,14 +49,15 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
             }
         }
     }
-    let cells = cells(walk, root, &pair, &scatter, &conditions);
-    let (fields, named) = fields(walk, root, &pair, directory);
-    let copula = copula(walk, root, &named);
     let passes = walk.table(root, "passes");
     let passes = passes.map_or(Passes { path: 37.7, pause: 0.0 }, |section| Passes {
         path: section.required("path"),
         pause: section.required("pause"),
     });
+    let lagged = root.text("body") == Some("lagged");
+    let cells = cells(walk, root, (&pair, &scatter), &conditions, (passes, lagged));
+    let (fields, named) = fields(walk, root, &pair, directory);
+    let copula = copula(walk, root, &named);
     let early = walk.table(root, "early");
     let tilt = early.as_ref().map_or_else(Tilt::default, |section| Tilt {
         wear_shift: section.required("wear_shift"),
@@ -84,7 +85,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         cells,
         ends,
         passes,
-        lagged: root.text("body") == Some("lagged"),
+        lagged,
         sampling,
         tilt,
         early: early.and_then(|section| section.si("age")).unwrap_or(0.0),
@@ -152,9 +153,9 @@ fn conditions(walk: &mut Walk, root: &Section<'_>, pair: &Pair) -> Vec<(String, 
 fn cells(
     walk: &mut Walk,
     root: &Section<'_>,
-    pair: &Pair,
-    scatter: &toolroom_wear::Scatter,
+    (pair, scatter): (&Pair, &toolroom_wear::Scatter),
     conditions: &[(String, Cut)],
+    course: (Passes, bool),
 ) -> Vec<Cell> {
     let mut policies = Vec::<(String, Rule, Reading, toolroom_sim::scenario::SensorSheet)>::new();
     for section in walk.sections(root, "policy", None) {
@@ -184,7 +185,7 @@ fn cells(
     }
     let made = conditions.iter().flat_map(|(condition, cut)| {
         policies.iter().map(move |(name, rule, reading, sensors)| {
-            cell((condition, *cut), (name, *rule, *reading), pair, scatter, *sensors)
+            cell((condition, *cut), (name, *rule, *reading), pair, scatter, *sensors, course)
         })
     });
     made.collect()
@@ -376,6 +377,7 @@ fn empirical(
         read.and_then(|bytes| numbers(&path.display().to_string(), &bytes, column).map_err(|error| error.to_string()));
     match values {
         Ok(mut values) => {
+            walk.named(path);
             values.iter_mut().for_each(|value| *value = unit::convert(*value, field.display, field.unit));
             values.sort_by(f64::total_cmp);
             Some(Spread::Empirical(values))

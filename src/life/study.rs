@@ -63,6 +63,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         file,
         directory: directory.display().to_string(),
         text,
+        files: Plan::fingerprints(&parsed.files).map_err(refused)?,
         overrides,
         policies: Vec::new(),
         seed: study.seed,

@@ -39,6 +39,7 @@ pub fn plan(
         file: input.to_owned(),
         directory: String::new(),
         text: file.text.clone(),
+        files: Plan::fingerprints(&file.files).map_err(failed)?,
         overrides: args.set.clone(),
         seed: 0,
         policies: Vec::new(),

@@ -40,6 +40,12 @@ impl SpeedSchedule {
         schedule
     }
 
+    /// Starts at a speed and passes through entries (path m, speed m/s) in order of path.
+    pub fn through(start_speed: f64, entries: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let (path, cutting_speed) = std::iter::once((0.0, start_speed)).chain(entries).unzip();
+        Self { path, cutting_speed }
+    }
+
     /// Speed after `path` metres, m/s; linear between entries, constant beyond them.
     pub fn speed_at(&self, path: f64) -> f64 {
         let above = self.path.partition_point(|each| *each <= path);

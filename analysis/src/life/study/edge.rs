@@ -4,12 +4,14 @@ mod chips;
 mod cubic;
 mod noise;
 mod passes;
+mod rehearsal;
 mod steady;
 
 use super::policy::Policy;
 use super::{End, Study, Tilt};
 use crate::life::normal;
 use passes::Machining;
+pub use rehearsal::rehearsed;
 use rand::RngExt;
 use std::sync::LazyLock;
 use toolroom_sim::{Entity, Purpose, Stream, Streams};
@@ -151,7 +153,7 @@ fn live_in_parts(
     let edge = Edge::of(study, cut, point, &mut draws.wear);
     match policy.constant() {
         Some(speed) if study.steady() => steady::life(study, pair, &edge, speed, &mut draws.wear, parts),
-        _ => Machining::new(study, pair, &edge, policy, draws, parts).run(),
+        _ => Machining::new(study, pair, &edge, policy, draws, parts).run(|_, _| ()),
     }
 }
 

@@ -272,14 +272,16 @@ impl Study {
     }
 }
 
-/// A condition and a rule become a cell.
+/// A condition and a rule become a cell; `course` says in what passes edges live, and whether their
+/// body follows with its lag.
 pub fn cell(
     (condition, cut): (&str, Cut),
     (name, rule, reading): (&str, Rule, Reading),
     pair: &Pair,
     scatter: &Scatter,
     sensors: SensorSheet,
+    course: (Passes, bool),
 ) -> Cell {
-    let speed = Policy::new(rule, pair, &cut, scatter.allowance, sensors, reading);
+    let speed = Policy::new(rule, (pair, &cut), course, scatter.allowance, (sensors, reading));
     Cell { condition: condition.to_owned(), policy: name.to_owned(), cut, speed }
 }

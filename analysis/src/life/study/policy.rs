@@ -1,5 +1,7 @@
 //! How the speed of an edge is chosen in a study.
 
+use super::Passes;
+use super::edge::rehearsed;
 use std::sync::Arc;
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{
@@ -15,7 +17,7 @@ pub enum Rule {
     Best(Objective),
     /// Least wear per path at a reference wear (m) on the nominal model (Makarov).
     Makarov(f64),
-    /// Speed against path, tabulated on the nominal model.
+    /// Speed against path: what mode 1 does with a nominal edge in the passes of the study.
     Schedule,
     /// Least wear per path at the estimated wear (mode 1).
     MinimumWear,
@@ -97,9 +99,15 @@ pub struct Pilot<'a> {
 }
 
 impl Policy {
-    /// Works a rule out on the nominal `pair` at the nominal `cut`; `allowance` (m) is the scatter
-    /// of depth that the observer reckons with.
-    pub fn new(rule: Rule, pair: &Pair, cut: &Cut, allowance: f64, sensors: SensorSheet, reading: Reading) -> Self {
+    /// Works a rule out on the nominal `pair` at the nominal `cut`, for lives in `passes` with a
+    /// `lagged` body or not; `allowance` (m) is the scatter of depth that the observer reckons with.
+    pub fn new(
+        rule: Rule,
+        (pair, cut): (&Pair, &Cut),
+        (passes, lagged): (Passes, bool),
+        allowance: f64,
+        (sensors, reading): (SensorSheet, Reading),
+    ) -> Self {
         let limits = pair.limits;
         let law = |speed: &dyn Fn(f64) -> f64| SpeedTable::tabulate(limits.wear_limit, |wear| limits.clip(speed(wear)));
         let least = || law(&|wear| pair.minimum_wear_speed(cut, wear));
@@ -107,10 +115,7 @@ impl Policy {
             Rule::Programmed => Speed::Constant(cut.cutting_speed),
             Rule::Best(objective) => Speed::Constant(pair.best_constant_speed(cut, objective).cutting_speed),
             Rule::Makarov(wear) => Speed::Constant(limits.clip(pair.minimum_wear_speed(cut, wear))),
-            Rule::Schedule => {
-                let speed = |wear: f64| limits.clip(pair.minimum_wear_speed(cut, wear));
-                Speed::Schedule(SpeedSchedule::tabulate(pair, speed, cut, 60))
-            }
+            Rule::Schedule => Speed::Schedule(rehearsed(pair, cut, passes, lagged)),
             Rule::MinimumWear => Speed::Planned { law: least(), oracle: None },
             Rule::Price(price) => {
                 Speed::Planned { law: law(&|wear| pair.shadow_price_speed(cut, wear, price)), oracle: None }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Lives that a thread takes at a time: a few milliseconds at most, so that threads end together.
-const BLOCK: u64 = 16;
+const BLOCK: u64 = 8;
 /// Lives of a cell whose wear curves are kept, from the first.
 pub const CURVES: u64 = 20_000;
 

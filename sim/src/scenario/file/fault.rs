@@ -416,6 +416,9 @@ impl Fault {
     }
 }
 
+/// Letters from which on the beginning of a word stands for the word.
+const BEGUN: usize = 4;
+
 /// The text nearest to `read` among `known`, where it is near enough to be a slip.
 ///
 /// ```
@@ -425,12 +428,13 @@ impl Fault {
 pub fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let read = read.to_lowercase();
     let limit = 1 + read.chars().count() / 3;
-    known
-        .into_iter()
-        .map(|name| (strsim::damerau_levenshtein(&read, &name.to_lowercase()), name))
-        .filter(|(distance, _)| *distance <= limit)
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+    let distances = known.into_iter().map(|name| {
+        let word = name.to_lowercase();
+        // A word that was only begun is nearer than one that differs.
+        let begun = read.chars().count() >= BEGUN && word.starts_with(&read);
+        (if begun { 0 } else { strsim::damerau_levenshtein(&read, &word) }, name)
+    });
+    distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
 }
 
 #[cfg(test)]
@@ -442,5 +446,6 @@ mod tests {
         let known = ["cutting_speed", "depth_of_cut"];
         assert_eq!(nearest("cuting_speed", known), Some("cutting_speed"));
         assert_eq!(nearest("zzz", known), None);
+        assert_eq!(nearest("flank_shear", ["flank_pressure", "flank_shear_stress"]), Some("flank_shear_stress"));
     }
 }

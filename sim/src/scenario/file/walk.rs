@@ -168,6 +168,11 @@ impl Walk {
         self.problems.push(Problem { fault, span });
     }
 
+    /// Notes a file that was read because the file names it.
+    pub fn named(&mut self, path: PathBuf) {
+        self.files.push(path);
+    }
+
     /// The text of a file that the value under `key` names; `None` where a problem was noted.
     pub(super) fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
         let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };

@@ -125,12 +125,14 @@ impl<'a> Machining<'a> {
         machining
     }
 
-    pub fn run(mut self) -> Outcome {
+    /// Cuts until the edge ends; `planned` gets to know the path before every pass, and its speeds.
+    pub fn run(mut self, mut planned: impl FnMut(f64, &Ramp)) -> Outcome {
         let mut pilot = self.policy.pilot(self.pair, self.edge.mean_cut());
         let (passes, scatter) = (self.study.passes, self.study.scatter);
         for _ in 0..MOST_PASSES {
             let cut = self.edge.cut_of_pass(&scatter, self.study.varies(), &mut self.draws.pieces);
             let ramp = pilot.plan(self.policy, self.wear, self.path, passes.path);
+            planned(self.path, &ramp);
             let contact = self.pair.contact(&cut.at_speed(ramp.start));
             if let Some(outcome) = self.pass(&contact, &ramp, passes.path, &mut pilot) {
                 return outcome;

@@ -9,7 +9,8 @@ fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study 
     let mut pair = Pair::default();
     let cut = pair.reference_cut().at_speed(0.5);
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.3).unwrap();
-    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default())];
+    let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
+    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
     Study {
         name: String::new(),
         title: String::new(),
@@ -21,7 +22,7 @@ fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study 
         copula: None,
         cells,
         ends: Ends::default(),
-        passes: Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } },
+        passes,
         lagged,
         sampling: Sampling::Plain,
         tilt: Tilt::default(),
@@ -68,7 +69,8 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
         ("readings every 6 s", study(shop, Rule::MinimumWear, Reading::Period, false)),
         ("schedule", study(shop, Rule::Schedule, Reading::Pass, false)),
         ("price of a metre", study(shop, Rule::Price(1.3), Reading::Period, false)),
-        ("oracle", study(shop, Rule::Oracle(Knows::Wear), Reading::Pass, false)),
+        ("oracle of wear", study(shop, Rule::Oracle(Knows::Wear), Reading::Pass, false)),
+        ("oracle of the edge", study(shop, Rule::Oracle(Knows::Edge), Reading::Pass, false)),
         ("readings every 6 s, lagged body", study(shop, Rule::MinimumWear, Reading::Period, true)),
     ] {
         let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
