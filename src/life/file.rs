@@ -252,16 +252,16 @@ fn fields(walk: &mut Walk, root: &Section<'_>, pair: &Pair, directory: &Path) ->
         }
         names.push(name.to_owned());
         let Some((_, group, index, field)) = targets.iter().find(|(known, ..)| known == name) else {
-            let group = name.split('.').next().unwrap_or_default();
-            let mut known: Vec<&str> =
-                targets.iter().map(|target| target.0.as_str()).filter(|known| known.split('.').next() == Some(group)).collect();
+            let all = || targets.iter().map(|target| target.0.as_str());
+            let group = name.split('.').next();
+            let mut known: Vec<&str> = all().filter(|known| known.split('.').next() == group).collect();
             if known.is_empty() {
-                known = vec![GROUPS];
+                known.push(GROUPS);
             }
             let fault = Fault::UnknownName {
                 kind: "field",
                 name: name.to_owned(),
-                nearest: nearest(name, targets.iter().map(|target| target.0.as_str())).map(str::to_owned),
+                nearest: nearest(name, all()).map(str::to_owned),
                 known: known.join(", "),
             };
             walk.fault(section.span_of("name"), fault);

@@ -182,9 +182,8 @@ impl Pilot<'_> {
             }
             Speed::Planned { law, .. } => {
                 let estimate = self.observer.as_ref().map(Observer::estimate);
-                let known = estimate.map_or((true_wear, 1.0), |estimate| {
-                    (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp())
-                });
+                let known = estimate
+                    .map_or((true_wear, 1.0), |estimate| (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp()));
                 let contact = policy.pair.contact_of(policy.contact);
                 policy.planned(|wear| law.speed_at(wear), contact, known, length, self.last_speed)
             }
