@@ -10,9 +10,7 @@ use serde_json::json;
 use std::path::Path;
 use toolroom_analysis::gap::plan::plan;
 use toolroom_analysis::gap::shop::{queues, visits};
-use toolroom_analysis::gap::{
-    Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes,
-};
+use toolroom_analysis::gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::records::Records;
 use toolroom_analysis::results::fingerprint;
@@ -20,7 +18,7 @@ use toolroom_analysis::results::fingerprint;
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
     let mut asked: Vec<Asked> = Vec::new();
-    let mut rest: Vec<(NominalModel, Records, Vec<String>)> = Vec::new();
+    let mut rest: Vec<(NominalModel, Records)> = Vec::new();
     for Table { model, mut records } in tables(&args.models, &args.set, &args.data, voice)? {
         let mut outside: Vec<String> = Vec::new();
         if let Some(path) = &args.holdout_data {
@@ -29,29 +27,21 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         let share = args.holdout.unwrap_or(0.0);
         // Every so many groups is held out, evenly through the data.
         let every = if share > 0.0 { (1.0 / share).round().max(2.0) as usize } else { usize::MAX };
-        let (parts, notes) = model.parts(&records, group, |index, name| {
+        let one = model.asked(&records, group, |index, name| {
             outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
         });
-        if parts.iter().all(|part| part.frame().measured.is_empty()) {
-            return Err(super::nothing_measured(&notes));
+        if one.parts.iter().all(|part| part.frame().measured.is_empty()) {
+            return Err(super::nothing_measured(&one.notes));
         }
-        asked.push(Asked { process: model.kind().name(), parts });
-        rest.push((model, records, notes));
+        asked.push(one);
+        rest.push((model, records));
     }
     let mut answers = diagnose_processes(&asked, args.seed);
-    for ((_, diagnosis), (model, records, notes)) in answers.processes.iter_mut().zip(rest) {
+    for ((_, diagnosis), (model, records)) in answers.processes.iter_mut().zip(rest) {
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
-        // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
-        let impossible = notes.iter().filter(|note| note.contains("check its unit")).count();
-        if impossible > 1 && !diagnosis.effects.is_empty() {
-            diagnosis.effects.clear();
-            diagnosis.verdict = GapVerdict::Unknown;
-            diagnosis.notes.push("several channels are impossible at once: no effect is named".to_owned());
-        }
-        diagnosis.notes.extend(notes);
         if let NominalProcess::Shop(shop) = &model.process {
             let named = !diagnosis.effects.is_empty();
             let scores = queues(shop, &visits(&records), diagnosis, args.seed);

@@ -11,7 +11,7 @@ use toolroom_analysis::gap::identifiability;
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;
     let records = recorded(&args.data.data, &model, voice)?;
-    let (parts, _) = model.parts(&records, args.data.group.as_deref(), |_, _| false);
+    let parts = model.asked(&records, args.data.group.as_deref(), |_, _| false).parts;
     let mut list = Vec::new();
     for part in &parts {
         let channel = part.frame().measured.channels.first().filter(|_| parts.len() > 1);

@@ -6,8 +6,8 @@ use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use std::time::Instant;
-use toolroom_analysis::gap::diagnose_parts;
 use toolroom_analysis::gap::plan::plan;
+use toolroom_analysis::gap::{Asked, diagnose_parts};
 use toolroom_analysis::records::write_csv;
 
 pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
@@ -15,7 +15,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;
     let records = recorded(&args.data.data, &model, voice)?;
     let group = args.data.group.as_deref();
-    let (parts, notes) = model.parts(&records, group, |_, _| false);
+    let Asked { parts, notes, .. } = model.asked(&records, group, |_, _| false);
     notes.iter().for_each(|note| voice.say(note));
     if parts.iter().all(|part| part.frame().measured.is_empty()) {
         return Err(super::nothing_measured(&notes));

@@ -15,8 +15,9 @@ const SHAPES: usize = 2;
 const PAIRED: usize = 3;
 /// Lead of a pair over its best single effect, the choice among pairs paid for, that names both.
 const PAIR_GATE: f64 = 8.0;
-/// Share of the gain of an effect by which a second one in its channels has to lead more: the
-/// occurrences of a cause scatter, and what they leave looks like something else (assumption).
+/// Share of the gain of an effect by which a second one that moves the same readings has to lead
+/// more: the occurrences of a cause scatter, and what they leave looks like something else
+/// (assumption).
 const SCATTERED: f64 = 0.05;
 /// Single effects that are fitted anew because the nominal point asks for them, where the
 /// calibrated nominal model is strained.
@@ -275,10 +276,16 @@ fn agreed(model: &dyn Forward, trial: &Trial) -> bool {
     trial.sizes(model).iter().zip(errors).all(|(size, error)| *size > AGREED * error)
 }
 
-/// Whether the catalogue lists two effects in one channel.
-fn share_channels(a: &str, b: &str) -> bool {
-    let channels = |id| super::diagnose::entry(id).map_or(&[][..], |entry| entry.channels);
-    channels(a).iter().any(|own| channels(b).iter().any(|other| own.channel == other.channel))
+/// Share of what an effect of a pair does that it does to readings which the other moves too; of the
+/// effect that is not `first`.
+fn overlap(model: &dyn Forward, basis: &Basis, pair: &Trial, first: usize) -> f64 {
+    let [one, other] = pair.fit.active[..] else { return 0.0 };
+    let (first, second) = if other == first { (other, one) } else { (one, other) };
+    let slopes = |index: usize| &pair.fit.linear.effects[index];
+    let square = |i: usize| (slopes(second)[i] / basis.noise.deviation(&model.frame().measured, i)).powi(2);
+    let all: f64 = (0..slopes(second).len()).map(square).sum();
+    let shared: f64 = (0..slopes(second).len()).filter(|i| slopes(first)[*i] != 0.0).map(square).sum();
+    if all > 0.0 { shared / all } else { 0.0 }
 }
 
 /// The form allowance that a trial strains most, among those that act where its effects act: name and
@@ -370,15 +377,18 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let lead = gain(&decision.trials[pair].evidence, &decision.trials[single].evidence);
         let lead = lead - (price(count, 2) - price(count, 1));
         let first = decision.trials[single].fit.active[0];
-        let id = |index: &usize| model.frame().candidates[*index].id;
-        let own = decision.trials[pair].fit.active.iter().all(|index| share_channels(id(index), id(&first)));
-        let scattered = if own { SCATTERED * decision.gain_of(&decision.trials[single], count) } else { 0.0 };
         let both = &decision.trials[pair];
-        // Beside the first, the second has to shrink the gap of groups left out by itself.
-        let further = || crossed(model, basis, folds, &decision.trials[single], both, seed).closed > 0.0;
         let stands = agreed(model, both) && convincing(model, both, &decision.base);
-        if lead > PAIR_GATE + scattered && stands && (!basis.method.abstention || further()) {
-            chosen = Some(pair);
+        if lead > PAIR_GATE && stands {
+            // Beside the first, the second has to shrink the gap of groups left out by itself; where both
+            // move the same readings it has to be certain of that, or to lead by more.
+            let further = crossed(model, basis, folds, &decision.trials[single], both, seed);
+            let gained = decision.gain_of(&decision.trials[single], count);
+            let scattered = SCATTERED * gained * overlap(model, basis, both, first);
+            let sure = lead > PAIR_GATE + scattered || further.ci90[0] > 0.0;
+            if !basis.method.abstention || (sure && further.closed > 0.0) {
+                chosen = Some(pair);
+            }
         }
     }
     let strongest = decision.before.strongest;

@@ -5,7 +5,7 @@ use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::{Forward, Sensor, Settings};
+use super::{Asked, Forward, Sensor, Settings};
 use crate::records::{RecordKind, Records};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
@@ -175,42 +175,36 @@ impl NominalModel {
         group: Option<&str>,
         held: impl Fn(usize, &str) -> bool,
     ) -> (Box<dyn Forward>, Vec<String>) {
-        let (mut parts, notes) = self.parts(records, group, held);
-        (parts.swap_remove(0), notes)
+        let mut asked = self.asked(records, group, held);
+        (asked.parts.swap_remove(0), asked.notes)
     }
 
     /// The same in parts that know nothing of each other, at least one: the channels of an
     /// empirical model, or the whole.
-    pub fn parts(
-        &self,
-        records: &Records,
-        group: Option<&str>,
-        held: impl Fn(usize, &str) -> bool,
-    ) -> (Vec<Box<dyn Forward>>, Vec<String>) {
+    pub fn asked(&self, records: &Records, group: Option<&str>, held: impl Fn(usize, &str) -> bool) -> Asked {
+        let asked = |parts, notes| Asked { process: self.kind().name(), parts, notes, impossible: 0 };
         if let NominalProcess::Program(model) = &self.process {
             let groups = self.groups(records, group, &held);
             let stretches = Stretches::new((**model).clone(), records, groups, &self.settings);
             let notes = [stretches.totals(), stretches.places(PLACES)].concat();
-            return (vec![Box::new(stretches)], notes);
+            return asked(vec![Box::new(stretches)], notes);
         }
         if let NominalProcess::Shop(shop) = &self.process {
             let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings);
-            return (vec![Box::new(model)], notes);
+            return asked(vec![Box::new(model)], notes);
         }
         let all = self.parts_of_all(records, group, &held);
         let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
         if matches!(self.process, NominalProcess::Empirical) {
             suspicious = super::plausible::suspicious(records);
         }
-        if suspicious.is_empty() {
-            let notes = all.iter().flat_map(|part| part.frame().notes.clone()).collect();
-            return (all, notes);
-        }
-        let mut rest = records.clone();
-        suspicious.iter().for_each(|(channel, _)| rest.remove(channel));
-        let rest = self.parts_of_all(&rest, group, &held);
-        let assumed = rest.iter().flat_map(|part| part.frame().notes.clone()).collect::<Vec<_>>();
-        (rest, suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect())
+        let mut possible = records.clone();
+        suspicious.iter().for_each(|(channel, _)| possible.remove(channel));
+        let parts = if suspicious.is_empty() { all } else { self.parts_of_all(&possible, group, &held) };
+        let impossible = suspicious.len();
+        let assumed = parts.iter().flat_map(|part| part.frame().notes.clone());
+        let notes = suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect();
+        Asked { impossible, ..asked(parts, notes) }
     }
 
     /// Names of the groups, that of each row, and which of them are fitted.

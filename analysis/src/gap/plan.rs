@@ -116,7 +116,7 @@ struct SeenEffects {
 }
 
 fn seen(model: &NominalModel, records: &Records, group: Option<&str>) -> SeenEffects {
-    let (parts, _) = model.parts(records, group, |_, _| false);
+    let parts = model.asked(records, group, |_, _| false).parts;
     let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref())).collect();
     let mut seen = all.swap_remove(0);
     for other in all {

@@ -30,6 +30,10 @@ pub struct Asked {
     pub process: &'static str,
     /// The model, in parts that know nothing of each other; at least one.
     pub parts: Vec<Box<dyn Forward>>,
+    /// What is said of the records whatever is found.
+    pub notes: Vec<String>,
+    /// Channels that were left out because no cut gives their numbers.
+    pub impossible: usize,
 }
 
 /// What is said of every process of a data set.
@@ -48,8 +52,7 @@ pub struct Answers {
 /// # Panics
 /// Without processes, or of one without parts.
 pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
-    let all: Vec<(Diagnosis, Vec<Diagnosed>)> =
-        asked.iter().map(|own| diagnose_among(&own.parts, asked.len(), seed)).collect();
+    let all: Vec<(Diagnosis, Vec<Diagnosed>)> = asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
     let total = match &all[..] {
         [(only, _)] => only.total.clone(),
         _ => {
@@ -62,6 +65,20 @@ pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
     };
     let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
     Answers { processes, total }
+}
+
+fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+    let (mut diagnosis, mut diagnosed) = diagnose_among(&asked.parts, processes, seed);
+    // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
+    if asked.impossible > 1 && !diagnosis.effects.is_empty() {
+        for own in diagnosed.iter_mut().map(|each| &mut each.diagnosis).chain([&mut diagnosis]) {
+            own.effects.clear();
+            own.verdict = GapVerdict::Unknown;
+        }
+        diagnosis.notes.push("several channels are impossible at once: no effect is named".to_owned());
+    }
+    diagnosis.notes.extend(asked.notes.iter().cloned());
+    (diagnosis, diagnosed)
 }
 
 impl Answers {

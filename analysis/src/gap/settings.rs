@@ -46,7 +46,7 @@ impl Default for Settings {
             edge_wear: 0.25,
             edge_force: 0.02,
             form_wear: 0.15,
-            form_land_wear: 0.10,
+            form_land_wear: 0.15,
             form_land_conditions_wear: 0.15,
             conditions: None,
             channels: Vec::new(),

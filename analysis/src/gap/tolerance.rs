@@ -18,8 +18,10 @@ pub(super) fn columns(model: &dyn Forward, linear: &Linear, active: &[usize], si
     let mut columns = Vec::new();
     for (index, size) in active.iter().zip(sizes) {
         let contribution: Vec<f64> = linear.effects[*index].iter().map(|slope| slope * size).collect();
+        // An effect that is there or not has no other exponent: rows without it do not count.
         let mean_square = |channel: usize| {
-            let own = contribution.iter().zip(&measured.observations).filter(|(_, each)| each.channel == channel);
+            let own = contribution.iter().zip(&measured.observations);
+            let own = own.filter(|(value, each)| each.channel == channel && **value != 0.0);
             let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (value, _)| (sum + value * value, count + 1.0));
             if count > 0.0 { sum / count } else { 0.0 }
         };
