@@ -253,6 +253,10 @@ fn input_that_makes_no_sense_is_refused() {
     let pair = |first: &str, second: &str, value: f64| {
         format!("[[correlation]]\nfirst = \"{first}\"\nsecond = \"{second}\"\nvalue = {value}\n")
     };
+    let empirical = format!("{field}\"empirical\"\ncolumn = \"h\"\nfile = ");
+    assert!(with(&format!("{empirical}\"nowhere.csv\"\n")).contains("nowhere.csv cannot be read"));
+    fs::write(at.join("g.csv"), "g\n1\n").unwrap();
+    assert!(with(&format!("{empirical}\"g.csv\"\n")).contains("g.csv:1: there is no column `h`"));
     let (a, b, c) = ("common wear", "batch hardness", "initial wear");
     let impossible = [pair(a, b, 0.9), pair(b, c, 0.9), pair(a, c, -0.9)].concat();
     assert!(with(&impossible).contains("positive definite"));
@@ -269,7 +273,7 @@ fn input_that_makes_no_sense_is_refused() {
         refused(&["life", "--fit", text(&path), "--out", text(&at.join("out"))])
     };
     assert!(csv("censored.csv", "life,censored\n5,1\n7,1\n").contains("all 2 lives are censored"));
-    assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine"));
+    assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine 2 parameters"));
     assert!(csv("negative.csv", "life\n5\n-3\n").contains("life number 2 is -3"));
     assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
     assert!(refused(&["merge", text(&at)]).contains("plan.json"));

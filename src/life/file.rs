@@ -372,19 +372,23 @@ fn empirical(
 ) -> Option<Spread> {
     let path = directory.join(section.text("file")?);
     let column = section.text("column")?;
-    let read = std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()));
-    let values =
-        read.and_then(|bytes| numbers(&path.display().to_string(), &bytes, column).map_err(|error| error.to_string()));
-    match values {
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            let file = section.text("file").unwrap_or_default().to_owned();
+            walk.fault(section.span_of("file"), Fault::Unreadable { file, reason: error.kind() });
+            return None;
+        }
+    };
+    match numbers(&path.display().to_string(), &bytes, column) {
         Ok(mut values) => {
             walk.named(path);
             values.iter_mut().for_each(|value| *value = unit::convert(*value, field.display, field.unit));
             values.sort_by(f64::total_cmp);
             Some(Spread::Empirical(values))
         }
-        Err(reason) => {
-            let name = section.text("file").unwrap_or_default().to_owned();
-            walk.fault(section.span_of("file"), Fault::ParameterSet { name, reason });
+        Err(error) => {
+            walk.fault(section.span_of("file"), Fault::Table { reason: error.to_string() });
             None
         }
     }

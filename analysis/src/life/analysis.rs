@@ -124,7 +124,9 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
         }
     }
     if fits.is_empty() {
-        return Err(refused.pop().map_or(SampleError::Empty, |(_, error)| error));
+        // What not even the simplest law finds in them.
+        let simplest = refused.into_iter().min_by_key(|(family, _)| family.parameters());
+        return Err(simplest.map_or(SampleError::Empty, |(_, error)| error));
     }
     // Regular fits first; of equally credible laws the one with fewer parameters.
     fits.sort_by(|a, b| {

@@ -210,6 +210,12 @@ pub enum Fault {
         /// What the system says.
         reason: std::io::ErrorKind,
     },
+    /// A table named in the file that does not hold what is due.
+    #[error("{reason}")]
+    Table {
+        /// The table and its place, and what is wrong there.
+        reason: String,
+    },
     /// A file named in the scenario that is not UTF-8.
     #[error("{file} is not UTF-8")]
     NotUtf8 {
@@ -350,7 +356,7 @@ impl Fault {
             Self::ShiftsOverlap { .. } => "shifts-overlap",
             Self::Contradiction { .. } => "contradiction",
             Self::ParameterSet { .. } => "parameter-set",
-            Self::Unreadable { .. } | Self::NotUtf8 { .. } => "file",
+            Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::Table { .. } => "file",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
             Self::Unit { .. } => "unit",
             Self::Beside { .. } => "beside",
@@ -410,6 +416,7 @@ impl Fault {
             | Self::OutOfRange { .. }
             | Self::Contradiction { .. }
             | Self::ParameterSet { .. }
+            | Self::Table { .. }
             | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })
