@@ -35,6 +35,10 @@ const CONVINCING: f64 = 4.5;
 const FORM: f64 = 0.1;
 /// Lead over another effect beyond which groups left out need not be asked.
 const CLEAR: f64 = 8.0;
+/// Gain beyond which an effect needs not be certain to shrink the gap of groups left out, and the share
+/// of its signature that the form allowance takes from which it has to (assumption).
+const EVIDENT: f64 = 2.0 * CLEAR;
+const IMITATED: f64 = 0.5;
 /// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
 const PROMISED: f64 = 4.0;
 const SLACK: f64 = 20.0;
@@ -312,6 +316,14 @@ fn convincing(model: &dyn Forward, trial: &Trial, base: &Trial) -> bool {
     scores.into_iter().all(|score| score > CONVINCING)
 }
 
+/// Whether the gap of groups left out shrinks by `closed`, as the name of `trial` asks for: at all; and
+/// certainly, if the gain is small and the form of the equations could be off by the same.
+fn shrinks(model: &dyn Forward, decision: &Decision, trial: &Trial, closed: &Closure, gain: f64) -> bool {
+    let imitated = |index: &usize| decision.base.imitated(model, *index) > IMITATED;
+    let certain = gain > EVIDENT || !trial.fit.active.iter().any(imitated) || closed.ci90[0] > 0.0;
+    closed.closed > 0.0 && certain
+}
+
 /// Another shape of the effect of trial `index` that shrinks the gap clearly further on groups left
 /// out, and what to say about it. The gain is judged beside the form allowance, which is no part of
 /// the model that a user goes on with: a shape that needs the allowance is the worse one there.
@@ -427,7 +439,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         } else if let Some((name, x)) = strained.filter(|_| passes) {
             let far = format!("`{name}` would be off by {x:.1} prior standard deviations");
             decision.reasons.push(format!("beside the best effect the form of the equations is wrong: {far}"));
-        } else if passes && closed.as_ref().is_some_and(|closed| closed.closed <= 0.0) {
+        } else if passes && closed.as_ref().is_some_and(|closed| !shrinks(model, decision, trial, closed, value)) {
             let [low, high] = closed.map_or([0.0; 2], |closed| closed.ci90.map(|end| 100.0 * end));
             let names: Vec<&str> = trial.fit.active.iter().map(|index| model.frame().candidates[*index].id).collect();
             decision.reasons.push(format!(

@@ -4,6 +4,7 @@ use super::basis::warm;
 use super::evidence::{Evidence, evidence};
 use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
+use super::gram::{factor, part, part_column};
 use super::score::{Scores, scores};
 use super::{Basis, Forward, Gram, Linear, tolerance};
 
@@ -89,6 +90,25 @@ impl Trial {
         scores(&rearranged(&self.gram, &order), first, &free)
     }
 
+    /// Share of what calibration leaves of the signature of `candidate` that the form allowance takes.
+    pub fn imitated(&self, model: &dyn Forward, candidate: usize) -> f64 {
+        let frame = model.frame();
+        let of_parameters = frame.parameters.iter().map(|parameter| parameter.allowance);
+        let allowance: Vec<bool> = of_parameters.chain(frame.surfaces.iter().map(|own| own.allowance)).collect();
+        let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
+        let both: Vec<usize> = (0..allowance.len()).collect();
+        let own = self.shared + candidate;
+        let total = &self.gram.total;
+        let left = |nuisance: &[usize]| {
+            let mut matrix = part(total, nuisance, nuisance);
+            (0..nuisance.len()).for_each(|i| matrix[(i, i)] += 1.0);
+            let cross = part_column(total, nuisance, own);
+            total[(own, own)] - cross.dot(&factor(matrix).solve(&cross))
+        };
+        let before = left(&calibration);
+        if before > 0.0 { 1.0 - left(&both) / before } else { 1.0 }
+    }
+
     /// Standard error of each active size over groups left out, in ordinary sizes.
     pub fn jackknife(&self) -> Vec<f64> {
         let nuisance = self.shared;
@@ -113,11 +133,11 @@ impl Trial {
     pub fn deviations(&self) -> Vec<f64> {
         let nuisance = self.shared;
         let at = columns(nuisance, &self.fit.active);
-        let mut matrix = super::gram::part(&self.gram.total, &at, &at);
+        let mut matrix = part(&self.gram.total, &at, &at);
         for i in 0..at.len() {
             matrix[(i, i)] += if i < nuisance { 1.0 } else { super::fit::EFFECT_PRIOR.powi(-2) };
         }
-        let inverse = super::gram::factor(matrix).inverse();
+        let inverse = factor(matrix).inverse();
         (nuisance..at.len()).map(|i| inverse[(i, i)].sqrt()).collect()
     }
 }
@@ -160,7 +180,7 @@ fn rearranged(gram: &Gram, order: &[usize]) -> Gram {
     Gram {
         folds: Vec::new(),
         log_determinants: Vec::new(),
-        total: super::gram::part(&gram.total, order, order),
+        total: part(&gram.total, order, order),
         log_determinant: gram.log_determinant,
         lengths: nalgebra::DVector::from_fn(order.len(), |i, _| gram.lengths[order[i]]),
     }
