@@ -202,7 +202,7 @@ fn early(
     if strain(model, base).is_none_or(|(_, x)| x < STRAINED) {
         return;
     }
-    let unbent = super::Fit { linear: basis.nominal.clone(), active: Vec::new(), cost: f64::INFINITY };
+    let unbent = super::Fit::at(basis.nominal.clone(), f64::INFINITY);
     let scores = Trial::of(model, basis, folds, unbent).scores();
     let mut order: Vec<usize> = (0..singles.len()).collect();
     order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));

@@ -134,8 +134,8 @@ fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
     let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
     match best.filter(|index| scores.score[*index] > DETECTABLE) {
         Some(index) => {
-            let best = Trial::new(model, basis, &[], &probe.fit, &[index]);
-            Basis::new(model, &best.fit.complete(model), basis)
+            let best = Trial::fitted(model, basis, &probe.fit, &[index]);
+            Basis::new(model, &best.complete(model), basis)
         }
         None => Basis::new(model, &probe.fit, basis),
     }
@@ -428,7 +428,7 @@ pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
             }
         }
     }
-    let fit = super::Fit { linear, active: Vec::new(), cost: 0.0 };
+    let fit = super::Fit::at(linear, 0.0);
     let trial = Trial::of(model, &basis, &[], fit);
     identified(model, &basis, &trial).into_iter().map(|(row, _)| row).collect()
 }

@@ -31,15 +31,30 @@ pub struct Fit {
     pub active: Vec<usize>,
     /// Half the sum of squares of noise and priors.
     pub cost: f64,
+    /// Whether the derivatives are still those of another point: many a fit is compared by its cost only.
+    stale: bool,
 }
 
 impl Fit {
-    /// The same with derivatives by all candidates.
-    pub(crate) fn complete(self, model: &dyn Forward) -> Self {
-        if self.linear.effects.iter().all(|column| !column.is_empty()) {
+    /// A model as it was linearised.
+    pub(crate) fn at(linear: Linear, cost: f64) -> Self {
+        Self { linear, active: Vec::new(), cost, stale: false }
+    }
+
+    /// The same with the derivatives of its own point by all that is active.
+    pub(crate) fn settled(self, model: &dyn Forward) -> Self {
+        if !self.stale {
             return self;
         }
-        Self { linear: Linear::new(model, self.linear.point), ..self }
+        Self { linear: Linear::with(model, self.linear.point, &self.active), stale: false, ..self }
+    }
+
+    /// The same with derivatives by all candidates.
+    pub(crate) fn complete(self, model: &dyn Forward) -> Self {
+        if !self.stale && self.linear.effects.iter().all(|column| !column.is_empty()) {
+            return self;
+        }
+        Self { linear: Linear::new(model, self.linear.point), stale: false, ..self }
     }
 }
 
@@ -66,8 +81,9 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
     residual
 }
 
-/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in [`Gram::new`]. Only
-/// derivatives by what is active are sure to be there in the end.
+/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in [`Gram::new`]. Its
+/// derivatives are those of its point once it is `settled`, by what is active, or
+/// `complete`.
 pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], local_scale: &[f64]) -> Fit {
     let mut linear = start;
     if active.iter().any(|index| linear.effects[*index].is_empty()) {
@@ -115,8 +131,7 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
             fresh = true;
         }
     }
-    let linear = if fresh { linear } else { Linear::with(model, linear.point, active) };
-    Fit { linear, active: active.to_vec(), cost }
+    Fit { linear, active: active.to_vec(), cost, stale: !fresh }
 }
 
 /// Half the sum of squares of noise and priors.

@@ -140,7 +140,7 @@ fn seen(model: &NominalModel, records: &Records, group: Option<&str>) -> SeenEff
 fn part_seen(model: &dyn Forward) -> SeenEffects {
     let basis = Basis::of_sheet(model, Method::default());
     let linear = Linear::new(model, Point::nominal(model));
-    let trial = Trial::of(model, &basis, &[], Fit { linear, active: Vec::new(), cost: 0.0 });
+    let trial = Trial::of(model, &basis, &[], Fit::at(linear, 0.0));
     let scores = trial.scores();
     let mut best: Vec<usize> = Vec::new();
     for (i, candidate) in model.frame().candidates.iter().enumerate() {

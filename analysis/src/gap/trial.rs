@@ -27,14 +27,19 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// The fit of the `active` candidates with its evidence.
+    pub fn new(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], from: &Fit, active: &[usize]) -> Self {
+        Self::of(model, basis, folds, Self::fitted(model, basis, from, active).settled(model))
+    }
+
     /// Fits the `active` candidates, starting where `from` was fitted and, since a model without
     /// them may have gone far astray, from the nominal point.
-    pub fn new(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], from: &Fit, active: &[usize]) -> Self {
+    pub(super) fn fitted(model: &dyn Forward, basis: &Basis, from: &Fit, active: &[usize]) -> Fit {
         let near = fit(model, &basis.noise, from.linear.clone(), active, &basis.local_scale);
         let far = fit(model, &basis.noise, basis.nominal.clone(), active, &basis.local_scale);
         let fitted = [Some(near), Some(far), Self::from_size(model, basis, active)];
         let best = fitted.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        Self::of(model, basis, folds, best.unwrap_or_else(|| from.clone()))
+        best.unwrap_or_else(|| from.clone())
     }
 
     /// A fit from the ordinary size of the effects, where they move the wear of edges by so much that

@@ -171,6 +171,25 @@ impl<'a, N: Number> Contact<'a, N> {
         Contact { at: coefficients, ..*self }
     }
 
+    /// The contact of an edge that wears by `factor` faster.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_wear::Pair;
+    /// let pair = Pair::default();
+    /// let contact = pair.contact(&pair.reference_cut());
+    /// let (own, faster) = (contact.steady_wear(0.2e-3), contact.wearing(1.5).steady_wear(0.2e-3));
+    /// assert!((faster.thermal_rate / own.thermal_rate - 1.5).abs() < 1e-12);
+    /// ```
+    #[inline]
+    pub fn wearing(&self, factor: N) -> Self {
+        let mut contact = *self;
+        contact.at.cut.wear_factor *= factor;
+        contact.at.level.mechanical_per_path *= factor;
+        contact.at.level.thermal_rate *= factor;
+        contact
+    }
+
     /// The cut of this contact.
     #[inline]
     pub fn cut(&self) -> &Cut<N> {

@@ -23,7 +23,18 @@ enum Change {
     /// Multiplies the wear rate by a feature of the row.
     WearFeature(Vec<f64>),
     /// Multiplies the wear rate by a function of the land, weighted by a feature of the row if it has one.
-    WearOfLand(Option<Vec<f64>>, fn(f64) -> f64),
+    WearOfLand(Option<Vec<f64>>, LandForm),
+}
+
+/// Forms that the rate of wear may have along the land.
+#[derive(Clone, Copy)]
+enum LandForm {
+    /// In proportion to the land.
+    Level,
+    /// The same around half the land that features of wear refer to.
+    Bent,
+    /// While an edge runs in.
+    Narrow,
 }
 
 /// Inputs by index.
@@ -48,6 +59,8 @@ pub struct Cutting<P: Nominal> {
     steps: Vec<Vec<Step>>,
     /// Output of each channel; wear and cycle time have none.
     outputs: Vec<Source>,
+    /// Whether all of them are among [`Nominal::READINGS`].
+    readings: bool,
     /// Sign in which a channel is recorded, against that of the model.
     signs: Vec<f64>,
     changes: Vec<Change>,
@@ -105,6 +118,8 @@ impl<P: Nominal> Cutting<P> {
         broken::widen(&mut measured);
         let measured_channels = measured.channels.len();
         let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
+        let readings = measured.channels.iter().all(|channel| known(channel.name));
         let locals = vec![
             Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true, scatter: true },
             Local { name: "force of the edge", deviation: settings.edge_force, estimated: false, scatter: true },
@@ -119,6 +134,7 @@ impl<P: Nominal> Cutting<P> {
             steps: Vec::new(),
             signs: vec![1.0; measured_channels],
             outputs,
+            readings,
             changes: Vec::new(),
             actions: Vec::new(),
             ports,
@@ -196,16 +212,14 @@ impl<P: Nominal> Cutting<P> {
             let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
             self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));
         }
-        let early: fn(f64) -> f64 = |land| (-land / NARROW).exp();
         let of_land = P::WEAR_CURVE * settings.form_land_wear;
-        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(None, |land| land / LAND));
-        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(None, early));
+        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(None, LandForm::Level));
+        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(None, LandForm::Narrow));
         // Terms that share the wear rate share it otherwise at another speed.
-        let bent: fn(f64) -> f64 = |land| land / LAND - 0.5;
         let of_both = P::WEAR_CURVE * settings.form_land_conditions_wear;
         for (name, feature, _) in features::surface(records, P::CONDITIONS).into_iter().filter(|(.., linear)| *linear) {
-            for (shape, function) in [("land", bent), ("narrow land", early)] {
-                let change = Change::WearOfLand(Some(feature.clone()), function);
+            for (shape, form) in [("land", LandForm::Bent), ("narrow land", LandForm::Narrow)] {
+                let change = Change::WearOfLand(Some(feature.clone()), form);
                 self.parameter(format!("wear rate, {name} × {shape}"), of_both, true, change);
             }
         }

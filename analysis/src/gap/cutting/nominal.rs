@@ -18,6 +18,8 @@ pub trait Nominal: Process + Clone {
     const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
     const SIGNED: &'static [&'static str];
+    /// Outputs that [`Nominal::readings`] gives, where they come at less cost than all.
+    const READINGS: &'static [&'static str];
     /// The process under an input that stays.
     type Held<'a>
     where
@@ -37,6 +39,10 @@ pub trait Nominal: Process + Clone {
     fn rates(held: &Self::Held<'_>, x: &Self::State, factor: f64) -> Self::State;
     /// What can be observed at `x`.
     fn observe(held: &Self::Held<'_>, x: &Self::State) -> Self::Output;
+    /// Those outputs at `x`; the others may be anything.
+    fn readings(held: &Self::Held<'_>, x: &Self::State) -> Self::Output {
+        Self::observe(held, x)
+    }
 }
 
 impl Nominal for Turning {
@@ -46,6 +52,7 @@ impl Nominal for Turning {
     const FORCE_FORM: f64 = 1.0;
     const ROUGHNESS: f64 = 0.3;
     const SIGNED: &'static [&'static str] = &[];
+    const READINGS: &'static [&'static str] = HeldTurning::READINGS;
     type Held<'a> = HeldTurning<'a>;
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
@@ -68,6 +75,9 @@ impl Nominal for Turning {
     fn observe(held: &HeldTurning<'_>, x: &Self::State) -> Self::Output {
         held.output(x)
     }
+    fn readings(held: &HeldTurning<'_>, x: &Self::State) -> Self::Output {
+        held.readings(x)
+    }
 }
 
 impl Nominal for Milling {
@@ -80,6 +90,7 @@ impl Nominal for Milling {
     // A micrometre of runout makes a wall many times as rough as ideal teeth would.
     const ROUGHNESS: f64 = 1.0;
     const SIGNED: &'static [&'static str] = &["feed_force"];
+    const READINGS: &'static [&'static str] = &[];
     type Held<'a> = HeldMilling<'a>;
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }

@@ -1,6 +1,6 @@
 //! An edge through its operations, in steps that are the same wherever the model is asked.
 
-use super::{Action, Change, Cutting, Nominal, Source};
+use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source};
 use crate::gap::{Direction, Forward, Frame, Point};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
@@ -42,8 +42,7 @@ impl Step {
 pub(super) struct Setting<'a, P> {
     pub process: P,
     pub at: &'a Point,
-    /// Weight, feature of the row if it has one, and function of the land, in the logarithm of the wear
-    /// rate.
+    /// Weight, feature of the row if it has one, and form along the land, in the logarithm of the wear rate.
     of_land: Vec<AlongLand<'a>>,
     /// Logarithm of the wear rate of all rows.
     wear: f64,
@@ -55,15 +54,34 @@ pub(super) struct Setting<'a, P> {
 
 /// One number a row, where rows differ.
 pub(super) type Feature<'a> = Option<&'a [f64]>;
-type AlongLand<'a> = (f64, Feature<'a>, fn(f64) -> f64);
-/// Weight and function of the land, in the logarithm of the wear rate.
-pub(super) type OfLand = (f64, fn(f64) -> f64);
+type AlongLand<'a> = (f64, Feature<'a>, LandForm);
+
+impl LandForm {
+    /// Values of all forms, in their order.
+    pub(super) fn all_at(land: f64) -> [f64; 3] {
+        [land / LAND, land / LAND - 0.5, (-land / NARROW).exp()]
+    }
+}
+
+/// Forms and weights of the logarithm of the wear rate along the land in a row.
+pub(super) struct OfLand(Vec<(f64, LandForm)>);
+
+impl OfLand {
+    /// Factor on the rate of wear.
+    fn factor(&self, land: f64) -> f64 {
+        if self.0.is_empty() {
+            return 1.0;
+        }
+        let values = LandForm::all_at(land);
+        self.0.iter().map(|(weight, form)| weight * values[*form as usize]).sum::<f64>().exp()
+    }
+}
 
 impl<P> Setting<'_, P> {
     /// What multiplies the wear rate along the land in a row.
-    pub(super) fn of_land(&self, row: usize) -> Vec<OfLand> {
+    pub(super) fn of_land(&self, row: usize) -> OfLand {
         let of_row = |feature: Feature<'_>| feature.map_or(1.0, |feature| feature[row]);
-        self.of_land.iter().map(|(weight, feature, function)| (weight * of_row(*feature), *function)).collect()
+        OfLand(self.of_land.iter().map(|(weight, feature, form)| (weight * of_row(*feature), *form)).collect())
     }
 }
 
@@ -112,7 +130,7 @@ impl<P: Nominal> Cutting<P> {
                         end = duration;
                     }
                     let step = Step::new(at, end, at >= LEFT_OUT || short, lag);
-                    taken::<P>(&parts, &held, &mut x, &step, [1.0; 2], &[]);
+                    taken::<P>(&parts, &held, &mut x, &step, [1.0; 2], &OfLand(Vec::new()));
                     steps[*row].push(step);
                     at = end;
                 }
@@ -144,7 +162,7 @@ impl<P: Nominal> Cutting<P> {
                 _ if weight == 0.0 => {}
                 Change::Wear => setting.wear += weight,
                 Change::WearFeature(feature) => setting.of_row.push((weight, feature)),
-                Change::WearOfLand(feature, function) => setting.of_land.push((weight, feature.as_deref(), *function)),
+                Change::WearOfLand(feature, form) => setting.of_land.push((weight, feature.as_deref(), *form)),
                 Change::Constant { .. } => {}
             }
         }
@@ -213,7 +231,7 @@ impl<P: Nominal> Cutting<P> {
             for step in &self.steps[*row] {
                 let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &of_land);
                 if step.seen {
-                    P::observe(&held, &P::State::from_slice(&middle)).write_to(&mut y);
+                    self.observe(&held, &middle).write_to(&mut y);
                     for (sum, source) in values.iter_mut().zip(&self.outputs) {
                         if let Source::Output(i) = source {
                             *sum += step.length * y[*i];
@@ -232,6 +250,12 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         self.observed(group, &values)
+    }
+
+    /// What the channels ask for at a state.
+    pub(super) fn observe(&self, held: &P::Held<'_>, x: &[f64; MOST]) -> P::Output {
+        let x = P::State::from_slice(x);
+        if self.readings { P::readings(held, &x) } else { P::observe(held, &x) }
     }
 
     /// Input of a row, and the factor on its rate of wear.
@@ -265,15 +289,10 @@ pub(super) fn taken<P: Nominal>(
     x: &mut [f64; MOST],
     step: &Step,
     [first_factor, second_factor]: [f64; 2],
-    of_land: &[OfLand],
+    of_land: &OfLand,
 ) -> [f64; MOST] {
     let rates = |x: &[f64; MOST], factor: f64| {
-        let here = x[parts.land];
-        let bent = if of_land.is_empty() {
-            factor
-        } else {
-            factor * of_land.iter().map(|(weight, function)| weight * function(here)).sum::<f64>().exp()
-        };
+        let bent = factor * of_land.factor(x[parts.land]);
         let mut slope = [0.0; MOST];
         P::rates(held, &P::State::from_slice(x), bent).write_to(&mut slope);
         slope
@@ -281,7 +300,11 @@ pub(super) fn taken<P: Nominal>(
     let start = *x;
     // Damage of a hot edge comes and goes within seconds; its equation is linear.
     let first = rates(&start, first_factor);
-    let damaging = parts.damage.filter(|i| first[*i] != 0.0);
+    let damaging = parts.damage.filter(|i| first[*i] != 0.0).map(|i| {
+        let mut healed = start;
+        healed[i] = 0.0;
+        (i, if start[i] == 0.0 { first[i] } else { rates(&healed, first_factor)[i] })
+    });
     let moved = |rate: &[f64; MOST], time: f64, lagged: f64| {
         let mut next = start;
         for i in 0..parts.length {
@@ -290,10 +313,7 @@ pub(super) fn taken<P: Nominal>(
         if let Some(i) = parts.lagged {
             next[i] = start[i] + rate[i] * lagged;
         }
-        if let Some(i) = damaging {
-            let mut healed = start;
-            healed[i] = 0.0;
-            let fresh = rates(&healed, first_factor)[i];
+        if let Some((i, fresh)) = damaging {
             let decay = if start[i] > 1e-6 { (fresh - rate[i]) / start[i] } else { fresh };
             let stretch = if decay > 0.0 { -(-decay * time).exp_m1() / decay } else { time };
             next[i] = start[i] + rate[i] * stretch;

@@ -7,7 +7,7 @@
 //! reading needs no run at all.
 
 use super::run::{Feature, MOST, OfLand, Parts, Setting, Step, taken};
-use super::{Action, Change, Cutting, Nominal, Source};
+use super::{Action, Change, Cutting, LandForm, Nominal, Source};
 use crate::gap::{Direction, Point};
 use rayon::prelude::*;
 use toolroom_process::Record;
@@ -18,14 +18,14 @@ const SMALL: f64 = 1e-6;
 const SCALES: [f64; 3] = [0.03e-3, 100.0, 0.1];
 
 /// What a run of its own needs in a row: conditions, factor on the wear rate, and that along the land.
-type Own<'a, P> = (<P as Nominal>::Held<'a>, f64, Vec<OfLand>);
+type Own<'a, P> = (<P as Nominal>::Held<'a>, f64, OfLand);
 
 /// How a direction acts.
 enum Way<'a, P> {
     /// On the logarithm of the rate of wear: weight, and feature of the row if it has one.
     Rate(f64, Feature<'a>),
     /// The same by a function of the land.
-    RateOfLand(f64, Feature<'a>, fn(f64) -> f64),
+    RateOfLand(f64, Feature<'a>, LandForm),
     /// On what is observed: the setting a step ahead, and the step.
     Seen(Setting<'a, P>, f64),
     /// On everything.
@@ -71,8 +71,8 @@ impl<P: Nominal> Cutting<P> {
                 match &self.changes[i] {
                     Change::Wear => return Way::Rate(deviation, None),
                     Change::WearFeature(feature) => return Way::Rate(deviation, Some(feature)),
-                    Change::WearOfLand(feature, function) => {
-                        return Way::RateOfLand(deviation, feature.as_deref(), *function);
+                    Change::WearOfLand(feature, form) => {
+                        return Way::RateOfLand(deviation, feature.as_deref(), *form);
                     }
                     // Forces do not wear the edge.
                     Change::Constant { group, .. } => still && *group == "force",
@@ -138,19 +138,18 @@ impl<P: Nominal> Cutting<P> {
                             let phi = weight_of * feature.map_or(1.0, |feature| feature[*row]);
                             local.carry(self, &mut each.s, [phi; 2], weight, values);
                         }
-                        (Way::RateOfLand(weight_of, feature, function), _) => {
+                        (Way::RateOfLand(weight_of, feature, form), _) => {
                             let weight_of = weight_of * feature.map_or(1.0, |feature| feature[*row]);
-                            let phi = [x, local.middle].map(|x| weight_of * function(x[parts.land]));
+                            let phi = local.of_land.map(|values| weight_of * values[*form as usize]);
                             local.carry(self, &mut each.s, phi, weight, values);
                         }
                         (Way::Seen(..), Some((held, ..))) if step.seen => {
-                            let y = P::observe(held, &P::State::from_slice(&local.middle));
-                            self.add(values, weight, &written(&y));
+                            self.add(values, weight, &written(&self.observe(held, &local.middle)));
                         }
                         (Way::Run(..), Some((held, factor, of_land))) => {
                             let middle = taken::<P>(&parts, held, &mut each.x, step, [*factor; 2], of_land);
                             if step.seen {
-                                self.add(values, weight, &written(&P::observe(held, &P::State::from_slice(&middle))));
+                                self.add(values, weight, &written(&self.observe(held, &middle)));
                             }
                         }
                         _ => {}
@@ -212,6 +211,8 @@ struct Differentiated {
     by_factor: [[Sensitive; 2]; 2],
     /// Outputs by the state halfway.
     y_by_state: [[f64; OUTPUTS]; 3],
+    /// Forms along the land at the start and halfway.
+    of_land: [[f64; 3]; 2],
 }
 
 impl Differentiated {
@@ -222,7 +223,7 @@ impl Differentiated {
         x: [f64; MOST],
         step: &Step,
         factor: f64,
-        of_land: &[OfLand],
+        of_land: &OfLand,
     ) -> Self {
         let run = |mut x: [f64; MOST], factors: [f64; 2]| {
             let middle = taken::<P>(parts, held, &mut x, step, factors, of_land);
@@ -236,7 +237,7 @@ impl Differentiated {
             let of = |a: &[f64; MOST], b: &[f64; MOST]| places.map(|place| place.map_or(0.0, |i| (a[i] - b[i]) / by));
             [of(&there.0, &middle), of(&there.1, &end)]
         };
-        let observe = |x: &[f64; MOST]| written(&P::observe(held, &P::State::from_slice(x)));
+        let observe = |x: &[f64; MOST]| written(&model.observe(held, x));
         let asked = step.seen && model.outputs.iter().any(|source| matches!(source, Source::Output(_)));
         let y = if asked { observe(&middle) } else { [0.0; OUTPUTS] };
         let (mut by_state, mut y_by_state) = ([[[0.0; 3]; 2]; 3], [[0.0; OUTPUTS]; 3]);
@@ -256,7 +257,8 @@ impl Differentiated {
         let faster = factor * (1.0 + SMALL);
         let by = SMALL.ln_1p();
         let by_factor = [change(run(x, [faster, factor]), by), change(run(x, [factor, faster]), by)];
-        Self { middle, end, y, active, by_state, by_factor, y_by_state }
+        let of_land = [x, middle].map(|x| LandForm::all_at(x[parts.land]));
+        Self { middle, end, y, active, by_state, by_factor, y_by_state, of_land }
     }
 
     /// Carries `s` through the step, with the logarithms of the factors changing by `phi`; adds to the means.

@@ -16,6 +16,15 @@ pub(crate) struct Engagement<'a, N: Copy = f64> {
     chatters: bool,
 }
 
+/// Readings of force, power and temperature.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sensed<N> {
+    pub cutting_force: N,
+    pub feed_force: N,
+    pub spindle_power: N,
+    pub temperature: N,
+}
+
 /// What is kept of an [`Engagement`] that nothing changes but the edge's wear.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
@@ -68,6 +77,33 @@ impl<N: Number> Engagement<'_, N> {
     #[inline]
     fn softened(&self, temperature: N) -> N {
         -(self.terms.thermal_softening * (temperature - self.ambient)) + 1.0
+    }
+
+    /// Cutting and feed force before the reading, where softening leaves the share `warm`, N.
+    #[inline]
+    fn forces(&self, flank_wear: N, warm: N) -> [N; 2] {
+        let (load, engaged) = (self.load.times(warm), self.contact.cut().engaged);
+        let cutting = load.cutting(flank_wear) * engaged * self.terms.cutting_force;
+        [cutting, load.feed(flank_wear) * engaged * self.terms.feed_force]
+    }
+
+    /// Readings at a contact temperature with the forces that it leaves.
+    #[inline]
+    fn readings(&self, temperature: N, [cutting_force, feed_force]: [N; 2], cutting_speed: N) -> Sensed<N> {
+        let terms = &self.terms;
+        Sensed {
+            cutting_force: cutting_force * terms.force_reading + terms.force_offset,
+            feed_force: feed_force * terms.force_reading,
+            spindle_power: cutting_force * cutting_speed + terms.spindle_loss,
+            temperature: temperature + terms.temperature_offset,
+        }
+    }
+
+    /// What sensors of force, power and temperature show; the rest of [`Turning::observe`] costs more.
+    #[inline]
+    pub fn sensed(&self, x: &TurningState<N>, u: &TurningInput<N>) -> Sensed<N> {
+        let temperature = self.contact.temperature_at(&x.wear());
+        self.readings(temperature, self.forces(x.flank_wear, self.softened(temperature)), u.cutting_speed)
     }
 
     /// Right-hand side: rates per second.
@@ -193,8 +229,9 @@ impl<N: Number> Turning<N> {
         let cut = contact.cut();
         let point = contact.point(load, x.flank_wear, x.tool_body_temperature_rise, x.thermal_damage);
         let warm = at.softened(point.temperature);
-        let cutting_force = load.times(warm).cutting(x.flank_wear) * cut.engaged * terms.cutting_force;
-        let feed_force = load.times(warm).feed(x.flank_wear) * cut.engaged * terms.feed_force;
+        let forces = at.forces(x.flank_wear, warm);
+        let sensed = at.readings(point.temperature, forces, u.cutting_speed);
+        let [_, feed_force] = forces;
         let edge_angle = self.pair.force.cutting_edge_angle.tan();
         let new_feed_force = load.feed(N::from(0.0)) * cut.engaged;
         let deflection = (feed_force - new_feed_force) / edge_angle / self.finish.static_stiffness;
@@ -207,16 +244,16 @@ impl<N: Number> Turning<N> {
         TurningOutput {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.pair.limits.wear_limit,
-            temperature: point.temperature + terms.temperature_offset,
+            temperature: sensed.temperature,
             mechanical_wear_per_path: point.mechanical_wear_per_path,
             thermal_wear_rate: point.thermal_wear_rate,
             wear_intensity: point.wear_intensity,
             wear_balance: point.wear_balance,
-            cutting_force: cutting_force * terms.force_reading + terms.force_offset,
-            feed_force: feed_force * terms.force_reading,
+            cutting_force: sensed.cutting_force,
+            feed_force: sensed.feed_force,
             passive_force,
             peak_cutting_force: peak.times(warm).cutting(x.flank_wear) * terms.cutting_force * cut.engaged,
-            spindle_power: cutting_force * u.cutting_speed + terms.spindle_loss,
+            spindle_power: sensed.spindle_power,
             thermo_emf: point.thermo_emf,
             spindle_speed: u.cutting_speed / u.workpiece_diameter * 2.0,
             material_removal_rate: u.cutting_speed * u.feed_per_rev * u.depth_of_cut * u.engaged,
