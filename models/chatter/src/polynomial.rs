@@ -47,7 +47,7 @@ pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest
 }
 
 /// Value, slope and half the curvature at `x`.
-fn evaluate(coefficients: &[f64], x: Complex<f64>) -> [Complex<f64>; 3] {
+pub(crate) fn evaluate(coefficients: &[f64], x: Complex<f64>) -> [Complex<f64>; 3] {
     let zero = Complex::new(0.0, 0.0);
     let [mut p, mut slope, mut curvature] = [zero; 3];
     for a in coefficients.iter().rev() {
@@ -112,13 +112,26 @@ fn divide(rest: &mut Vec<f64>, root: Complex<f64>) {
     rest.drain(..if root.im == 0.0 { 1 } else { 2 });
 }
 
-/// Whether the disc of `radius` holds no root: the recursion of Schur, Cohn and Jury.
+/// Whether the disc of `radius` holds no root.
 fn is_clear(coefficients: &[f64], radius: f64) -> bool {
+    greatest_reflection(coefficients, radius) < 1.0
+}
+
+/// Whether the disc of `radius` holds a root; `None` where that hangs on less than `doubt`.
+pub(crate) fn holds_root(coefficients: &[f64], radius: f64, doubt: f64) -> Option<bool> {
+    let greatest = greatest_reflection(coefficients, radius);
+    (greatest.is_finite() && (greatest - 1.0).abs() > doubt).then_some(greatest > 1.0)
+}
+
+/// Greatest reflection coefficient of the recursion of Schur, Cohn and Jury, or the first that is not
+/// below one: the disc of `radius` holds no root if all are below one. Infinite where the polynomial
+/// is too long or has no value.
+fn greatest_reflection(coefficients: &[f64], radius: f64) -> f64 {
     const SPACE: usize = 128;
     let mut scaled = [0.0; SPACE];
     let mut power = 1.0;
     let mut top = 0;
-    let Some(scaled) = scaled.get_mut(..coefficients.len()) else { return false };
+    let Some(scaled) = scaled.get_mut(..coefficients.len()) else { return f64::INFINITY };
     for (j, (target, a)) in scaled.iter_mut().zip(coefficients).enumerate() {
         *target = a * power;
         power *= radius;
@@ -126,10 +139,15 @@ fn is_clear(coefficients: &[f64], radius: f64) -> bool {
             top = j;
         }
     }
+    let mut greatest: f64 = 0.0;
     for n in (1..=top).rev() {
         let ratio = scaled[n] / scaled[0];
-        if ratio.abs() >= 1.0 || ratio.is_nan() {
-            return false;
+        if ratio.is_nan() {
+            return f64::INFINITY;
+        }
+        greatest = greatest.max(ratio.abs());
+        if greatest >= 1.0 {
+            break;
         }
         for j in 0..=n / 2 {
             let (low, high) = (scaled[j], scaled[n - j]);
@@ -137,7 +155,7 @@ fn is_clear(coefficients: &[f64], radius: f64) -> bool {
             scaled[n - j] = high - ratio * low;
         }
     }
-    true
+    greatest
 }
 
 /// Newton's method on the whole polynomial: dividing out has cost digits.

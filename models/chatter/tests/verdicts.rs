@@ -190,6 +190,42 @@ fn boundary_agrees_with_the_full_chart() {
     }
 }
 
+/// At every sampled depth of every column the curve tells the side that a verdict tells, and the
+/// curve is where the radius is one.
+#[test]
+fn no_change_between_sampled_depths_is_missed() {
+    let (greatest, steps) = (10e-3, 16);
+    let (mut sampled, mut islands) = (0, 0);
+    for (immersion, direction) in [
+        (0.05, Direction::Down),
+        (0.05, Direction::Up),
+        (0.3, Direction::Down),
+        (0.6, Direction::Up),
+        (1.0, Direction::Down),
+    ] {
+        let cut = standard(1, immersion, direction);
+        let speed = Axis { start: rpm(4000.0), end: rpm(22000.0), points: 61 };
+        for column in cut.boundary(&speed, greatest, steps).unwrap().columns {
+            let mut at_speed = cut.at_speed(column.speed).unwrap();
+            for step in 1..=steps {
+                let depth = greatest * step as f64 / steps as f64;
+                let verdict = at_speed.verdict(depth).unwrap();
+                if (verdict.spectral_radius - 1.0).abs() > 1e-3 {
+                    let below = column.crossings.iter().filter(|crossing| crossing.limit.depth < depth).count();
+                    assert_eq!(verdict.stable, below % 2 == 0, "{immersion} {} rad/s {depth} m", column.speed);
+                    sampled += 1;
+                }
+            }
+            for crossing in &column.crossings {
+                let radius = at_speed.verdict(crossing.limit.depth).unwrap().spectral_radius;
+                assert!((radius - 1.0).abs() < 5e-3, "{immersion} {} rad/s {radius}", column.speed);
+            }
+            islands += usize::from(column.crossings.len() > 1);
+        }
+    }
+    assert!(sampled > 4000 && islands > 4, "{sampled} {islands}");
+}
+
 #[test]
 fn a_chart_at_varying_speed_is_that_of_constant_speed_where_nothing_varies() {
     let cut = standard(1, 1.0, Direction::Down);

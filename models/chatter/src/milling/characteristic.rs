@@ -10,9 +10,9 @@
 
 use super::Milling;
 use super::engagement::Geometry;
-use crate::gauss::{MAX_NODES, Rule};
+use crate::gauss::Rule;
 use crate::krylov::Dominant;
-use crate::polynomial::least_root;
+use crate::polynomial::{Root, evaluate, holds_root, least_root};
 use crate::response::Modal;
 use nalgebra::Complex;
 use std::sync::Arc;
@@ -29,11 +29,16 @@ struct Stretch {
     phase: Vec<[f64; 2]>,
     /// Quadrature weight times the share of the strength.
     weight: Vec<f64>,
-    /// Row j: `r` of the next order at node j by `r` at the nodes.
-    kernel: Vec<f64>,
+    /// `r` of the next order at a node (row) by `r` at the nodes (column): columns of [`LANES`] rows.
+    kernel: Vec<[f64; LANES]>,
     /// `r` of the last order from A = 1 and from B = 1 at the start.
-    r: Vec<[f64; 2]>,
+    r: [Vec<f64>; 2],
+    /// Working storage for the next.
+    next: [Vec<f64>; 2],
 }
+
+/// Rows of the kernel that are summed at once, so that no sum waits for the last.
+const LANES: usize = 4;
 
 /// The characteristic function, its series worked out as far as the depths so far need it.
 pub(super) struct Characteristic {
@@ -139,14 +144,67 @@ impl Characteristic {
                 radius = modulus;
                 continue;
             }
-            // What rounding and the terms that were dropped can do to the polynomial.
-            let argument = reach * (1.0 + modulus);
-            let size = self.series[..=order].iter().rev().fold(0.0, |sum, p| sum * argument + p.abs());
-            let error = modulus * (f64::EPSILON * size + NEGLIGIBLE * tolerance) / root.slope;
-            let residual = root.step.powi(2).max(error);
+            let residual = self.residual(&root, reach, order, tolerance);
             self.last = Some(root.at);
             return (residual <= tolerance).then(|| Dominant { value: root.at.inv(), residual });
         }
+    }
+
+    /// Relative error of a root: by its last step, and by what rounding and the terms that were dropped
+    /// can do to the polynomial.
+    fn residual(&self, root: &Root, reach: f64, order: usize, tolerance: f64) -> f64 {
+        let modulus = root.at.norm_sqr().sqrt();
+        let argument = reach * (1.0 + modulus);
+        let size = self.series[..=order].iter().rev().fold(0.0, |sum, p| sum * argument + p.abs());
+        let error = modulus * (f64::EPSILON * size + NEGLIGIBLE * tolerance) / root.slope;
+        root.step.powi(2).max(error)
+    }
+
+    /// Whether the cut is stable at `depth`, for less than the dominant multiplier costs: one
+    /// multiplier outside the unit circle will do, and Jury's criterion needs none. `None` where the
+    /// series cancels or a multiplier is too near the circle for that.
+    pub fn is_stable(&mut self, depth: f64) -> Option<bool> {
+        const TOLERANCE: f64 = 1e-6;
+        if self.is_surely_unstable(depth) {
+            return Some(false);
+        }
+        let reach = depth * self.strength;
+        let order = self.order(2.0 * reach, TOLERANCE)?;
+        self.expand(reach, order);
+        let unstable = holds_root(&self.polynomial, 1.0, TOLERANCE)?;
+        let root = if unstable { least_root(&self.polynomial, self.last, &mut self.rest) } else { None };
+        self.last = root.map(|root| root.at);
+        Some(!unstable)
+    }
+
+    /// Whether a disc about the last root, moved to this `depth`, is sure to hold a root and lies
+    /// within the unit circle: a polynomial of degree n has a root within `n |f/f'|` of any point.
+    fn is_surely_unstable(&mut self, depth: f64) -> bool {
+        const TOLERANCE: f64 = 1e-3;
+        let Some(mut at) = self.last else { return false };
+        let reach = depth * self.strength;
+        let greatest = 1.1 * at.norm_sqr().sqrt();
+        let Some(order) = self.order(reach * (1.0 + greatest), TOLERANCE) else { return false };
+        for _ in 0..6 {
+            let modulus = at.norm_sqr().sqrt();
+            if modulus > greatest.min(1.0) {
+                return false;
+            }
+            let [p, slope, curvature] = evaluate(&self.series[..=order], (1.0 - at) * reach);
+            let value = 1.0 - at * p + at * at * self.determinant;
+            let slopes = [
+                -p + at * slope * reach + at * 2.0 * self.determinant,
+                slope * reach - at * curvature * (reach * reach) + self.determinant,
+            ];
+            let error = modulus * TOLERANCE;
+            let disc = (order + 2) as f64 * (value.norm_sqr().sqrt() + error) / slopes[0].norm_sqr().sqrt();
+            if modulus + disc < 1.0 {
+                self.last = Some(at);
+                return true;
+            }
+            at -= value * slopes[0] / (slopes[0] * slopes[0] - value * slopes[1]);
+        }
+        false
     }
 
     /// Order up to which the series counts at `argument`; `None` where rounding of its terms exceeds
@@ -179,26 +237,34 @@ impl Characteristic {
         // A and B from A = 1 and from B = 1.
         let (mut a, mut b) = ([0.0; 2], [0.0; 2]);
         let mut greatest: f64 = 0.0;
-        for Stretch { phase, weight, kernel, r, .. } in &mut self.stretches {
+        for Stretch { phase, weight, kernel, r, next, .. } in &mut self.stretches {
             let (start_a, start_b) = (a, b);
-            for ((weight, [cos, sin]), r) in weight.iter().zip(&*phase).zip(&*r) {
-                for side in 0..2 {
-                    a[side] += weight * sin * r[side];
-                    b[side] -= weight * cos * r[side];
+            let [from_a, from_b] = r;
+            for (((weight, [cos, sin]), from_a), from_b) in weight.iter().zip(&*phase).zip(&*from_a).zip(&*from_b) {
+                for (side, r) in [from_a, from_b].into_iter().enumerate() {
+                    a[side] += weight * sin * r;
+                    b[side] -= weight * cos * r;
                 }
             }
-            let mut next = [[0.0; 2]; MAX_NODES];
-            for ((next, row), [cos, sin]) in next.iter_mut().zip(kernel.chunks_exact(r.len())).zip(&*phase) {
-                let mut sum = [cos * start_a[0] + sin * start_b[0], cos * start_a[1] + sin * start_b[1]];
-                for (entry, r) in row.iter().zip(&*r) {
-                    sum[0] += entry * r[0];
-                    sum[1] += entry * r[1];
+            for (block, rows) in kernel.chunks_exact(phase.len()).enumerate() {
+                let mut sums = [[0.0; LANES]; 2];
+                for ((column, from_a), from_b) in rows.iter().zip(&*from_a).zip(&*from_b) {
+                    for lane in 0..LANES {
+                        sums[0][lane] += column[lane] * from_a;
+                        sums[1][lane] += column[lane] * from_b;
+                    }
                 }
-                greatest = greatest.max(sum[0].abs() + sum[1].abs());
-                *next = sum;
+                for (next, sums) in next.iter_mut().zip(&sums) {
+                    next[block * LANES..][..LANES].copy_from_slice(sums);
+                }
             }
-            let count = r.len();
-            r.copy_from_slice(&next[..count]);
+            for (j, [cos, sin]) in phase.iter().enumerate() {
+                for (side, next) in next.iter_mut().enumerate() {
+                    next[j] += cos * start_a[side] + sin * start_b[side];
+                }
+                greatest = greatest.max(next[0][j].abs() + next[1][j].abs());
+            }
+            std::mem::swap(r, next);
         }
         let [cos, sin] = self.turn;
         self.series.push(cos * (a[0] + b[1]) + sin * (b[0] - a[1]));
@@ -229,25 +295,34 @@ impl Characteristic {
     }
 }
 
-/// Radians in one stretch, at most: the rule has nodes for them.
-const MOST_RADIANS: f64 = 40.0;
+/// Radians in one stretch, at most: an order costs the square of the nodes of each, and the ends of
+/// many short stretches are known better than those of a long one.
+const MOST_RADIANS: f64 = 10.0;
 
 impl Stretch {
     fn new(rule: Arc<Rule>) -> Self {
         let n = rule.nodes.len();
-        Self { rule, phase: vec![[0.0; 2]; n], weight: vec![0.0; n], kernel: Vec::new(), r: Vec::new() }
+        let none = || [Vec::new(), Vec::new()];
+        Self { rule, phase: vec![[0.0; 2]; n], weight: vec![0.0; n], kernel: Vec::new(), r: none(), next: none() }
     }
 
     /// From the gain at the nodes to weights and kernel.
     fn finish(&mut self, strength: f64) {
         let n = self.weight.len();
         self.weight.iter_mut().for_each(|weight| *weight /= strength);
-        self.kernel.reserve_exact(n * n);
-        for (row, [cos, sin]) in self.rule.integration.chunks_exact(n).zip(&self.phase) {
-            let entries = row.iter().zip(&self.phase).zip(&self.weight);
-            self.kernel.extend(entries.map(|((s, [c, z]), weight)| s * weight * (cos * z - sin * c)));
+        self.kernel = vec![[0.0; LANES]; n.div_ceil(LANES) * n];
+        for (j, (row, [cos, sin])) in self.rule.integration.chunks_exact(n).zip(&self.phase).enumerate() {
+            let columns = &mut self.kernel[j / LANES * n..][..n];
+            for (((column, s), [c, z]), weight) in columns.iter_mut().zip(row).zip(&self.phase).zip(&self.weight) {
+                column[j % LANES] = s * weight * (cos * z - sin * c);
+            }
         }
         self.weight.iter_mut().zip(&self.rule.weights).for_each(|(weight, w)| *weight *= w);
-        self.r.clone_from(&self.phase);
+        let rows = n.div_ceil(LANES) * LANES;
+        for side in 0..2 {
+            self.r[side] = self.phase.iter().map(|phase| phase[side]).collect();
+            self.r[side].resize(rows, 0.0);
+            self.next[side] = vec![0.0; rows];
+        }
     }
 }

@@ -249,20 +249,30 @@ impl<'a> AtSpeed<'a> {
     }
 
     /// The dominant multiplier by the characteristic function, where the cut has one that tells it
-    /// well enough: one mode, regular teeth, constant speed, no damping by the cut.
+    /// well enough.
     fn characteristic_multiplier(
         &mut self,
         depth: f64,
         effort: Effort,
     ) -> Result<Option<(Dominant, f64)>, ChatterError> {
+        let Some((function, period)) = self.characteristic(depth, effort)? else { return Ok(None) };
+        Ok(function.dominant(depth, effort.settings().1).map(|found| (found, period)))
+    }
+
+    /// The characteristic function and the tooth period (s), where the cut has one: one mode, regular
+    /// teeth, constant speed, no damping by the cut.
+    fn characteristic(
+        &mut self,
+        depth: f64,
+        effort: Effort,
+    ) -> Result<Option<(&mut Characteristic, f64)>, ChatterError> {
         let Self { cut, motion: Motion::Constant(speed), .. } = *self else { return Ok(None) };
         let [modal] = self.frame.modes.modal[..] else { return Ok(None) };
         if !cut.cutter.is_regular() || cut.force.process_damping > 0.0 {
             return Ok(None);
         }
-        let (extra, tolerance, _) = effort.settings();
         // A verdict's nodes serve charts too.
-        let (level, extra) = if matches!(effort, Effort::Boundary) { (1, extra / 2) } else { (0, 0) };
+        let (level, extra) = if matches!(effort, Effort::Boundary) { (1, 4) } else { (0, 0) };
         let fits = |(_, greatest): &(_, f64)| cut.cutter.helix_angle == 0.0 && depth <= *greatest;
         if !self.characteristic[level].as_ref().is_some_and(fits) {
             let geometry = self.geometry(depth)?;
@@ -272,8 +282,7 @@ impl<'a> AtSpeed<'a> {
             self.characteristic[level] = Some((function, greatest));
         }
         let period = TAU / (cut.cutter.teeth as f64 * speed);
-        let found = self.characteristic[level].as_mut().and_then(|(function, _)| function.dominant(depth, tolerance));
-        Ok(found.map(|found| (found, period)))
+        Ok(self.characteristic[level].as_mut().map(|(function, _)| (function, period)))
     }
 
     /// Verdict at `depth` (m). Near the boundary it is refined before it is given.
@@ -381,22 +390,40 @@ impl<'a> AtSpeed<'a> {
     /// All crossings of the boundary below `greatest` depth that `steps` equal steps show, to a
     /// thousandth of a step.
     pub(crate) fn crossings(&mut self, greatest: f64, steps: usize) -> Result<Vec<Crossing>, ChatterError> {
-        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
-        let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, false)?;
-        let mut crossings = Vec::with_capacity(found.len());
-        for [before, after] in found {
-            // Without cutting the structure decays; its true radius is not needed for the bracket.
-            let depth = root(&mut excess, before, after, 1e-3 / steps as f64)?;
-            crossings.push((depth, after.1 > 0.0));
+        // Without cutting the structure decays; its true radius is not needed for the bracket.
+        let found = brackets(|depth| self.side(depth), (0.0, -1.0), greatest, steps, false)?;
+        let crossing = |[before, after]: [(f64, f64); 2]| {
+            let becomes_unstable = after.1 > 0.0;
+            let (before, after) = (self.excess_beside(before)?, self.excess_beside(after)?);
+            let depth = root(|depth| self.excess(depth), before, after, 1e-3 / steps as f64)?;
+            let (dominant, period) = self.dominant(depth, Effort::Screening)?;
+            Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
+        };
+        found.into_iter().map(crossing).collect()
+    }
+
+    /// Logarithm of the spectral radius at `depth` (m), to some three digits.
+    fn excess(&mut self, depth: f64) -> Result<f64, ChatterError> {
+        Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
+    }
+
+    /// On which side of the boundary `depth` (m) lies: a number of the sign of [`AtSpeed::excess`].
+    fn side(&mut self, depth: f64) -> Result<f64, ChatterError> {
+        let known = match self.characteristic(depth, Effort::Screening)? {
+            Some((function, _)) => function.is_stable(depth),
+            None => None,
+        };
+        match known {
+            Some(stable) => Ok(if stable { -1.0 } else { 1.0 }),
+            None => self.excess(depth),
         }
-        crossings
-            .into_iter()
-            .map(|(depth, becomes_unstable)| {
-                let (dominant, period) = self.dominant(depth, Effort::Screening)?;
-                let limit = StabilityLimit::new(depth, &self.cut.modes, dominant, period);
-                Ok(Crossing { limit, becomes_unstable })
-            })
-            .collect()
+    }
+
+    /// The excess at a depth that lies on a known side, with the sign of that side.
+    fn excess_beside(&mut self, (depth, side): (f64, f64)) -> Result<(f64, f64), ChatterError> {
+        let excess = if depth == 0.0 { side } else { self.excess(depth)? };
+        let same = (excess > 0.0) == (side > 0.0);
+        Ok((depth, if same { excess } else { f64::MIN_POSITIVE.copysign(side) }))
     }
 
     /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).
