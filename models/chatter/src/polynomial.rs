@@ -8,6 +8,9 @@ const MAX_STEPS: usize = 40;
 /// Moduli that are closer than this count as different only after both roots are known.
 const APART: f64 = 1e-9;
 
+/// Roots of moduli that differ by more than this are told apart without dividing out.
+const SURELY_APART: f64 = 1e-3;
+
 /// A simple root.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Root {
@@ -43,7 +46,9 @@ pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest
             least = Some(root);
         }
     }
-    polish(coefficients, least?)
+    // Dividing out a root that was not the least can spoil the rest: the whole has the last word.
+    let least = least.filter(|least| is_clear(coefficients, least.norm() * (1.0 - SURELY_APART)))?;
+    polish(coefficients, least)
 }
 
 /// Value, slope and half the curvature at `x`.
