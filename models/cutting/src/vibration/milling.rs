@@ -160,7 +160,8 @@ impl MillingStructure {
     }
 
     /// Boundary in depths of the judged cut. A cut that the model refuses, as one without a tooth in
-    /// cut, counts as unstable; every other one is judged, if need be by dense eigenvalues.
+    /// cut, counts as unstable, and so does one whose eigenvalue does not converge and that is too large
+    /// for dense ones.
     fn boundary(&self, at: &Tooth, key: &Key) -> Boundary {
         let judge = || -> Result<Boundary, ChatterError> {
             let (cut, speed, _) = self.judged(at, key)?;
