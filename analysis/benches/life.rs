@@ -10,10 +10,9 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
-use toolroom_analysis::life::study::points::Sampling;
 use toolroom_analysis::life::study::policy::{Reading, Rule};
 use toolroom_analysis::life::study::run::lives;
-use toolroom_analysis::life::study::{Ends, Passes, Study, Tilt, cell};
+use toolroom_analysis::life::study::{Passes, Study, cell};
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{Pair, Scatter};
 
@@ -27,23 +26,7 @@ fn study(rule: Rule, reading: Reading, scatter: Scatter, lagged: bool) -> Study 
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.1).expect("an edge that wears out");
     let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
     let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
-    Study {
-        name: String::new(),
-        title: String::new(),
-        seed: 1,
-        lives: 1 << 40,
-        pair,
-        scatter,
-        fields: Vec::new(),
-        copula: None,
-        cells,
-        ends: Ends::default(),
-        passes,
-        lagged,
-        sampling: Sampling::Plain,
-        tilt: Tilt::default(),
-        early: 0.0,
-    }
+    Study { seed: 1, lives: 1 << 40, ..Study::plain(pair, scatter, cells, (passes, lagged)) }
 }
 
 /// Seconds that `run` takes.

@@ -210,6 +210,37 @@ pub struct Study {
 }
 
 impl Study {
+    /// A study of one life a cell, seed 0, with nothing else asked for: no further fields, the usual end
+    /// criteria, plain points, no age before which a failure is early.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_analysis::life::study::{Passes, Study};
+    /// use toolroom_wear::{Pair, Scatter};
+    /// let passes = Passes { path: 37.7, pause: 0.0 };
+    /// let study = Study { lives: 1000, ..Study::plain(Pair::default(), Scatter::none(), Vec::new(), (passes, false)) };
+    /// assert_eq!((study.lives, study.seed), (1000, 0));
+    /// ```
+    pub fn plain(pair: Pair, scatter: Scatter, cells: Vec<Cell>, (passes, lagged): (Passes, bool)) -> Self {
+        Self {
+            name: String::new(),
+            title: String::new(),
+            seed: 0,
+            lives: 1,
+            pair,
+            scatter,
+            fields: Vec::new(),
+            copula: None,
+            cells,
+            ends: Ends::default(),
+            passes,
+            lagged,
+            sampling: Sampling::Plain,
+            tilt: Tilt::default(),
+            early: 0.0,
+        }
+    }
+
     /// Coordinates of a point.
     pub fn dimensions(&self) -> usize {
         edge::COORDINATES.len() + self.fields.len()

@@ -2,9 +2,8 @@
 
 use super::passes::Machining;
 use super::{COORDINATES, Draws, Edge};
-use crate::life::study::points::Sampling;
 use crate::life::study::policy::{Knows, Policy, Reading, Rule};
-use crate::life::study::{Ends, Passes, Study, Tilt};
+use crate::life::study::{Passes, Study};
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{Cut, Pair, Scatter, SpeedSchedule};
 
@@ -26,23 +25,7 @@ pub fn rehearsed(pair: &Pair, cut: &Cut, passes: Passes, lagged: bool) -> SpeedS
     pair.chipping.rate = 0.0;
     let sheet = (SensorSheet::default(), Reading::Pass);
     let policy = Policy::new(Rule::Oracle(Knows::Wear), (&pair, cut), (passes, lagged), 0.0, sheet);
-    let study = Study {
-        name: String::new(),
-        title: String::new(),
-        seed: 0,
-        lives: 1,
-        pair,
-        scatter: Scatter::none(),
-        fields: Vec::new(),
-        copula: None,
-        cells: Vec::new(),
-        ends: Ends::default(),
-        passes,
-        lagged,
-        sampling: Sampling::Plain,
-        tilt: Tilt::default(),
-        early: 0.0,
-    };
+    let study = Study::plain(pair, Scatter::none(), Vec::new(), (passes, lagged));
     let mut draws = Draws::of(0, 0);
     let edge = Edge::of(&study, cut, &[0.5; COORDINATES.len()], &mut draws.wear);
     let mut ramps = Vec::new();

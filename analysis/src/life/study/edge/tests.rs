@@ -1,6 +1,6 @@
-use super::super::points::{Points, Sampling};
+use super::super::points::Points;
 use super::super::policy::{Knows, Reading, Rule};
-use super::super::{Ends, Passes, cell};
+use super::super::{Passes, cell};
 use super::*;
 use toolroom_sim::scenario::SensorSheet;
 
@@ -11,23 +11,7 @@ fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study 
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.3).unwrap();
     let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
     let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
-    Study {
-        name: String::new(),
-        title: String::new(),
-        seed: 11,
-        lives: 1000,
-        pair,
-        scatter,
-        fields: Vec::new(),
-        copula: None,
-        cells,
-        ends: Ends::default(),
-        passes,
-        lagged,
-        sampling: Sampling::Plain,
-        tilt: Tilt::default(),
-        early: 0.0,
-    }
+    Study { seed: 11, lives: 1000, ..Study::plain(pair, scatter, cells, (passes, lagged)) }
 }
 
 /// The lives of the first edges with every step and panel cut into `parts`.

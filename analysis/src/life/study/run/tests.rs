@@ -1,6 +1,6 @@
 use super::super::points::Sampling;
 use super::super::policy::{Knows, Reading, Rule};
-use super::super::{Ends, Passes, Tilt, cell};
+use super::super::{Passes, Tilt, cell};
 use super::*;
 use toolroom_sim::scenario::SensorSheet;
 use toolroom_wear::{Objective, Pair, Scatter};
@@ -14,23 +14,8 @@ fn study(scatter: Scatter, rules: &[Rule], lagged: bool, pause: f64) -> Study {
         cell(("", cut), ("", *rule, Reading::Period), &pair, &scatter, SensorSheet::default(), (passes, lagged))
     };
     let cells = rules.iter().map(of).collect();
-    Study {
-        name: "test".to_owned(),
-        title: String::new(),
-        seed: 7,
-        lives: 20_000,
-        pair,
-        scatter,
-        fields: Vec::new(),
-        copula: None,
-        cells,
-        ends: Ends::default(),
-        passes,
-        lagged,
-        sampling: Sampling::Plain,
-        tilt: Tilt::default(),
-        early: 480.0,
-    }
+    let plain = Study::plain(pair, scatter, cells, (passes, lagged));
+    Study { name: "test".to_owned(), seed: 7, lives: 20_000, early: 480.0, ..plain }
 }
 
 #[test]
