@@ -71,6 +71,7 @@ pub fn refused(error: ShardError) -> Failure {
         ShardError::OtherFile { .. } => {
             Failure::argument(error, "restore the file, or make a new plan and run all of its shards")
         }
+        ShardError::NoPlan { .. } => Failure::argument(error, "give the plan another name"),
         _ => Failure::argument(error, "run the missing shards, or merge the parts of one plan only"),
     }
 }

@@ -298,6 +298,32 @@ fn a_file_that_changes_between_shards_is_refused() {
 
 #[cfg(unix)]
 #[test]
+fn a_plan_takes_the_place_of_nothing_but_a_plan() {
+    let at = directory("life-plan-place");
+    let file = study(&at, "");
+    let plan_to =
+        |place: &Path, shards: &str| toolroom(&["life", text(&file), "--plan", text(place), "--shards", shards]);
+    let before = fs::read(&file).unwrap();
+    let said = plan_to(&file, "2");
+    assert_eq!(said.status.code(), Some(2));
+    assert!(stderr(&said).contains("is there and is no plan"), "{}", stderr(&said));
+    assert_eq!(fs::read(&file).unwrap(), before);
+    let plan = at.join("plan.json");
+    for shards in ["2", "3"] {
+        assert_eq!(plan_to(&plan, shards).status.code(), Some(0));
+        assert!(fs::read_to_string(&plan).unwrap().contains(&format!("\"shards\": {shards}")));
+    }
+    // Whatever is no file stays what it is.
+    let link = at.join("link");
+    std::os::unix::fs::symlink("/dev/stdout", &link).unwrap();
+    let said = plan_to(&link, "2");
+    assert_eq!(said.status.code(), Some(0), "{}", stderr(&said));
+    assert!(String::from_utf8_lossy(&said.stdout).contains("\"shards\": 2"));
+    assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
+}
+
+#[cfg(unix)]
+#[test]
 fn a_full_disk_loses_nothing_that_was_complete() {
     let at = directory("full");
     let file = study(&at, "");

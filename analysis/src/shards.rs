@@ -151,6 +151,12 @@ pub enum ShardError {
         /// What serde said.
         source: serde_json::Error,
     },
+    /// A file in the place of a plan that is none.
+    #[error("{path} is there and is no plan: nothing was changed")]
+    NoPlan {
+        /// The file.
+        path: PathBuf,
+    },
     /// A shard that the plan does not have.
     #[error("shard {shard} does not exist: the plan has {shards}, numbered from 0")]
     NoSuchShard {
@@ -237,15 +243,24 @@ fn atomically(path: &Path, bytes: &[u8]) -> Result<(), ShardError> {
     })
 }
 
-/// Writes the plan; an equal one may be there.
+/// Writes the plan; another one in its place is replaced. What is no file, such as `/dev/stdout`, is
+/// written into and stays what it is.
 ///
 /// # Errors
-/// [`ShardError`].
+/// [`ShardError`], [`ShardError::NoPlan`] where a file that is no plan has the name: it stays as it is.
 pub fn write_plan(path: &Path, plan: &Plan) -> Result<(), ShardError> {
     let text =
         serde_json::to_string_pretty(plan).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })?;
-    if fs::read_to_string(path).is_ok_and(|there| there == text) {
+    let Ok(there) = fs::metadata(path) else { return atomically(path, text.as_bytes()) };
+    if !there.is_file() {
+        return fs::write(path, text).map_err(at(path));
+    }
+    let there = fs::read(path).map_err(at(path))?;
+    if there == text.as_bytes() {
         return Ok(());
+    }
+    if !there.is_empty() && serde_json::from_slice::<Plan>(&there).is_err() {
+        return Err(ShardError::NoPlan { path: path.to_owned() });
     }
     atomically(path, text.as_bytes())
 }

@@ -4,6 +4,7 @@ use super::closure::crossed;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::{Remainder, Trial, remainder};
 use super::{Basis, Closure, Forward, GapVerdict};
+use rayon::prelude::*;
 
 /// Gain of log posterior density that a named effect needs beside the price of having been chosen.
 pub(crate) const GATE: f64 = 4.0;
@@ -140,33 +141,29 @@ fn price(candidates: usize, effects: usize) -> f64 {
 pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Trial, seed: u64) -> Decision {
     let count = model.frame().candidates.len();
     let scores = base.scores();
-    let before = remainder(model, basis, folds, &base, seed);
-    let mut singles: Vec<Single> = (0..count)
-        .map(|candidate| Single {
-            candidate,
-            id: model.frame().candidates[candidate].id,
-            score: scores.score[candidate],
-            evidence: base.with(candidate),
-            trial: None,
-        })
-        .collect();
+    let single = |candidate: usize| Single {
+        candidate,
+        id: model.frame().candidates[candidate].id,
+        score: scores.score[candidate],
+        evidence: base.with(candidate),
+        trial: None,
+    };
+    let (before, mut singles): (Remainder, Vec<Single>) = rayon::join(
+        || remainder(model, basis, folds, &base, seed),
+        || (0..count).into_par_iter().map(single).collect(),
+    );
     singles.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut trials: Vec<Trial> = Vec::new();
-    let mut refitted: Vec<&'static str> = Vec::new();
-    for single in &mut singles {
-        let id = model.frame().candidates[single.candidate].id;
-        if trials.len() == REFITTED || single.score < 2.0 {
+    let mut refitted: Vec<usize> = Vec::new();
+    for (place, single) in singles.iter().enumerate() {
+        if refitted.len() == REFITTED || single.score < 2.0 {
             break;
         }
-        if refitted.iter().filter(|known| **known == id).count() == SHAPES {
-            continue;
+        if refitted.iter().filter(|known| singles[**known].id == single.id).count() < SHAPES {
+            refitted.push(place);
         }
-        refitted.push(id);
-        let trial = Trial::new(model, basis, folds, &base.fit, &[single.candidate]);
-        single.evidence = trial.evidence.clone();
-        single.trial = Some(trials.len());
-        trials.push(trial);
     }
+    let mut trials: Vec<Trial> = Vec::new();
+    refit(model, basis, folds, &base, &mut singles, &refitted, &mut trials);
     early(model, basis, folds, &base, &mut singles, &mut trials);
     let base_evidence = base.evidence.clone();
     let value = |evidence: &Evidence| {
@@ -207,24 +204,42 @@ fn early(
     let mut order: Vec<usize> = (0..singles.len()).collect();
     order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
     let mut tried: Vec<&'static str> = Vec::new();
+    let mut refitted: Vec<usize> = Vec::new();
     for place in order {
-        let score = scores.score[singles[place].candidate];
-        let id = singles[place].id;
+        let single = &mut singles[place];
+        let score = scores.score[single.candidate];
         if tried.len() == EARLY || score < super::diagnose::DETECTABLE {
             break;
         }
-        if tried.contains(&id) {
+        if tried.contains(&single.id) {
             continue;
         }
-        tried.push(id);
-        let single = &mut singles[place];
+        tried.push(single.id);
         single.score = single.score.max(score);
         if single.trial.is_none() {
-            let trial = Trial::new(model, basis, folds, &base.fit, &[single.candidate]);
-            single.evidence = trial.evidence.clone();
-            single.trial = Some(trials.len());
-            trials.push(trial);
+            refitted.push(place);
         }
+    }
+    refit(model, basis, folds, base, singles, &refitted, trials);
+}
+
+/// Fits the singles at `places` anew, side by side.
+fn refit(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    base: &Trial,
+    singles: &mut [Single],
+    places: &[usize],
+    trials: &mut Vec<Trial>,
+) {
+    let one = |place: &usize| Trial::new(model, basis, folds, &base.fit, &[singles[*place].candidate]);
+    let fitted: Vec<Trial> = places.par_iter().map(one).collect();
+    for (place, trial) in places.iter().zip(fitted) {
+        let single = &mut singles[*place];
+        single.evidence = trial.evidence.clone();
+        single.trial = Some(trials.len());
+        trials.push(trial);
     }
 }
 
@@ -232,31 +247,48 @@ fn early(
 fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision) {
     let count = model.frame().candidates.len();
     let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
-    let mut tried: Vec<Vec<usize>> = Vec::new();
-    for first in best {
-        if decision.gain_of(&decision.trials[first], count) < GATE || !decision.trials[first].evidence.admissible {
-            continue;
+    let promising = |first: &usize| {
+        let trial = &decision.trials[*first];
+        decision.gain_of(trial, count) >= GATE && trial.evidence.admissible
+    };
+    let best: Vec<usize> = best.into_iter().filter(promising).collect();
+    let completed: Vec<(Trial, Option<Vec<usize>>)> = best
+        .par_iter()
+        .map(|first| {
+            let single = decision.trials[*first].clone().complete(model, basis, folds);
+            let second = second(model, &single);
+            (single, second)
+        })
+        .collect();
+    let mut sought: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (first, (single, active)) in best.into_iter().zip(completed) {
+        decision.trials[first] = single;
+        if let Some(active) = active
+            && sought.iter().all(|(_, known)| *known != active)
+        {
+            sought.push((first, active));
         }
-        decision.trials[first] = decision.trials[first].clone().complete(model, basis, folds);
-        let single = &decision.trials[first];
-        let scores = single.scores();
-        let own = model.frame().candidates[single.fit.active[0]].id;
-        let second = (0..count)
-            .filter(|other| model.frame().candidates[*other].id != own && scores.score[*other] > 2.5)
-            .map(|other| (other, single.with(other)))
-            .filter(|(_, evidence)| evidence.admissible)
-            .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((second, lead)) = second else { continue };
-        let mut active = vec![single.fit.active[0], second];
-        active.sort_unstable();
-        if lead < 2.0 || tried.contains(&active) {
-            continue;
-        }
-        tried.push(active.clone());
-        let from = single.fit.clone();
-        decision.trials.push(Trial::new(model, basis, folds, &from, &active));
     }
+    let one =
+        |(first, active): &(usize, Vec<usize>)| Trial::new(model, basis, folds, &decision.trials[*first].fit, active);
+    let fitted: Vec<Trial> = sought.par_iter().map(one).collect();
+    decision.trials.extend(fitted);
+}
+
+/// The effect of `single` with the one that is best beside it, if that leads.
+fn second(model: &dyn Forward, single: &Trial) -> Option<Vec<usize>> {
+    let candidates = &model.frame().candidates;
+    let scores = single.scores();
+    let first = single.fit.active[0];
+    let (second, lead) = (0..candidates.len())
+        .filter(|other| candidates[*other].id != candidates[first].id && scores.score[*other] > 2.5)
+        .map(|other| (other, single.with(other)))
+        .filter(|(_, evidence)| evidence.admissible)
+        .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let mut active = vec![first, second];
+    active.sort_unstable();
+    (lead >= 2.0).then_some(active)
 }
 
 /// Whether the gain of a trial is of the order that the scores of its effects at the nominal fit

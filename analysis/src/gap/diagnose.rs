@@ -11,6 +11,7 @@ use super::{
     Ranked, Transform, Tried, report_units,
 };
 use nalgebra::DVector;
+use rayon::prelude::*;
 use toolroom_effects::{CatalogueEntry, Effect};
 use toolroom_sim::effects::SHOP_EFFECTS;
 
@@ -86,8 +87,10 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         decision = decide(model, &basis, &folds, better, seed);
     }
     let left_out = if decision.verdict == GapVerdict::Effect { LeftOut::with_moves } else { LeftOut::of };
-    let [base_left, chosen_left] =
-        [&decision.base, decision.model()].map(|trial| left_out(model, &basis, trial, &folds));
+    let (base_left, chosen_left) = rayon::join(
+        || left_out(model, &basis, &decision.base, &folds),
+        || left_out(model, &basis, decision.model(), &folds),
+    );
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
@@ -164,7 +167,8 @@ fn tried(
             closure: closures(model, basis, base_left, &left, scored, &[], seed).0,
         }
     };
-    let mut tried: Vec<Tried> = decision.trials.iter().filter(|trial| trial.evidence.admissible).map(one).collect();
+    let admissible = decision.trials.par_iter().filter(|trial| trial.evidence.admissible);
+    let mut tried: Vec<Tried> = admissible.map(one).collect();
     tried.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     tried
 }
@@ -176,12 +180,13 @@ const RESTARTS: usize = 3;
 /// something may have been caught far away, and its gap may not be blamed on an effect.
 fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &Decision) -> Option<Trial> {
     let near = |trial: &Trial| trial.fit.cost < decision.base.fit.cost - 1.0;
-    let fits = decision.trials.iter().filter(|trial| near(trial)).take(3).map(|trial| {
+    let nearer: Vec<&Trial> = decision.trials.iter().filter(|trial| near(trial)).take(3).collect();
+    let fits = nearer.into_par_iter().map(|trial| {
         let mut point = trial.fit.linear.point.clone();
         point.effects.iter_mut().for_each(|size| *size = 0.0);
         super::fit::fit(model, &basis.noise, super::Linear::with(model, point, &[]), &[], &basis.local_scale)
     });
-    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let best = fits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
 }
 

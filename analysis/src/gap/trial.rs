@@ -35,9 +35,12 @@ impl Trial {
     /// Fits the `active` candidates, starting where `from` was fitted and, since a model without
     /// them may have gone far astray, from the nominal point.
     pub(super) fn fitted(model: &dyn Forward, basis: &Basis, from: &Fit, active: &[usize]) -> Fit {
-        let near = fit(model, &basis.noise, from.linear.clone(), active, &basis.local_scale);
-        let far = fit(model, &basis.noise, basis.nominal.clone(), active, &basis.local_scale);
-        let fitted = [Some(near), Some(far), Self::from_size(model, basis, active)];
+        let start = |linear: &Linear| fit(model, &basis.noise, linear.clone(), active, &basis.local_scale);
+        let (near, (far, sized)) = rayon::join(
+            || start(&from.linear),
+            || rayon::join(|| start(&basis.nominal), || Self::from_size(model, basis, active)),
+        );
+        let fitted = [Some(near), Some(far), sized];
         let best = fitted.into_iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
         best.unwrap_or_else(|| from.clone())
     }
