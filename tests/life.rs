@@ -24,11 +24,11 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-/// The words of a refusal with exit code 2.
+/// The words of a refusal with exit code 2, wherever its lines break.
 fn refused(arguments: &[&str]) -> String {
     let output = toolroom(arguments);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    stderr(&output)
+    stderr(&output).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// An empty directory of this test.

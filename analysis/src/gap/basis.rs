@@ -35,7 +35,7 @@ impl Basis {
         let columns: Vec<&[f64]> = linear
             .nuisance
             .iter()
-            .chain(&linear.effects)
+            .chain(linear.effects.iter())
             .map(Vec::as_slice)
             .chain(dictionary.iter().map(|signature| signature.column.as_slice()))
             .collect();
@@ -117,7 +117,7 @@ pub(super) fn warm(model: &dyn Forward, mut point: Point) -> Point {
 fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]) -> Vec<f64> {
     let measured = &model.frame().measured;
     let mut scale = vec![1.0; model.frame().locals.len()];
-    let columns: Vec<&[f64]> = linear.nuisance.iter().chain(&linear.effects).map(Vec::as_slice).collect();
+    let columns: Vec<&[f64]> = linear.nuisance.iter().chain(linear.effects.iter()).map(Vec::as_slice).collect();
     for kind in (0..scale.len()).filter(|kind| model.frame().locals[*kind].estimated) {
         let trials: Vec<Vec<f64>> = SCALES
             .iter()

@@ -336,7 +336,7 @@ fn strain<'m>(model: &'m dyn Forward, trial: &Trial) -> Option<(&'m str, f64)> {
         let meets = |index: &usize| linear.effects[*index].iter().zip(column).any(|(a, b)| *a != 0.0 && *b != 0.0);
         active.is_empty() || active.iter().any(meets)
     };
-    let all = parameters.chain(surfaces).zip(moved).zip(&linear.nuisance);
+    let all = parameters.chain(surfaces).zip(moved).zip(linear.nuisance.iter());
     let allowances = all.filter(|(((_, allowance), _), column)| *allowance && concerns(column));
     allowances.map(|(((name, _), x), _)| (name, x.abs())).max_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -429,7 +429,7 @@ pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
             let (there, _) = super::linear::predict(model, &point);
             let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| (there - here) / size).collect();
             if square(&change) < square(&linear.effects[index]) {
-                linear.effects[index] = change;
+                std::sync::Arc::make_mut(&mut linear.effects)[index] = change;
             }
         }
     }

@@ -3,6 +3,10 @@
 use super::{Direction, Forward, Measured, Point, Transform};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
+
+/// Columns of derivatives: many fits start from the same ones.
+pub type Columns = Arc<Vec<Vec<f64>>>;
 
 /// A model linearised at a point: `residual(x) = residual − Σ columns · (x − point)`.
 #[derive(Clone, Debug)]
@@ -14,11 +18,11 @@ pub struct Linear {
     /// Raw predictions, SI, surfaces included.
     pub raw: Vec<f64>,
     /// Derivatives by parameters, then surfaces (prior standard deviations).
-    pub nuisance: Vec<Vec<f64>>,
+    pub nuisance: Columns,
     /// Derivatives by the sizes of the candidates, per ordinary size; empty where nobody asked.
-    pub effects: Vec<Vec<f64>>,
+    pub effects: Columns,
     /// Derivatives by the local factors, those of a kind in one column.
-    pub locals: Vec<Vec<f64>>,
+    pub locals: Columns,
 }
 
 /// Transformed predictions and raw ones, SI.
@@ -106,6 +110,7 @@ impl Linear {
         wanted.iter().zip(columns.split_off(parameters)).for_each(|(index, column)| effects[*index] = column);
         let mut nuisance = columns;
         nuisance.extend(surface_columns(model, &raw, &prediction));
+        let [nuisance, effects, locals] = [nuisance, effects, locals].map(Arc::new);
         Self { residual: residual(model, &prediction), point, raw, nuisance, effects, locals }
     }
 }

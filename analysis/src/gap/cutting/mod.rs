@@ -59,6 +59,8 @@ pub struct Cutting<P: Nominal> {
     steps: Vec<Vec<Step>>,
     /// Output of each channel; wear and cycle time have none.
     outputs: Vec<Source>,
+    /// Channels that are means over the cut, each with its output.
+    means: Vec<(usize, usize)>,
     /// Whether all of them are among [`Nominal::READINGS`].
     readings: bool,
     /// Sign in which a channel is recorded, against that of the model.
@@ -117,7 +119,11 @@ impl<P: Nominal> Cutting<P> {
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
         broken::widen(&mut measured);
         let measured_channels = measured.channels.len();
-        let outputs = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let mean = |(channel, source): (usize, &Source)| match source {
+            Source::Output(output) => Some((channel, *output)),
+            _ => None,
+        };
         let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
         let readings = measured.channels.iter().all(|channel| known(channel.name));
         let locals = vec![
@@ -133,6 +139,7 @@ impl<P: Nominal> Cutting<P> {
             places,
             steps: Vec::new(),
             signs: vec![1.0; measured_channels],
+            means: outputs.iter().enumerate().filter_map(mean).collect(),
             outputs,
             readings,
             changes: Vec::new(),

@@ -232,10 +232,8 @@ impl<P: Nominal> Cutting<P> {
                 let middle = taken::<P>(&parts, &held, &mut x, step, [factor; 2], &of_land);
                 if step.seen {
                     self.observe(&held, &middle).write_to(&mut y);
-                    for (sum, source) in values.iter_mut().zip(&self.outputs) {
-                        if let Source::Output(i) = source {
-                            *sum += step.length * y[*i];
-                        }
+                    for (channel, output) in &self.means {
+                        values[*channel] += step.length * y[*output];
                     }
                     seen += step.length;
                 }
@@ -291,29 +289,66 @@ pub(super) fn taken<P: Nominal>(
     [first_factor, second_factor]: [f64; 2],
     of_land: &OfLand,
 ) -> [f64; MOST] {
-    let rates = |x: &[f64; MOST], factor: f64| {
-        let bent = factor * of_land.factor(x[parts.land]);
-        let mut slope = [0.0; MOST];
-        P::rates(held, &P::State::from_slice(x), bent).write_to(&mut slope);
-        slope
-    };
-    let start = *x;
-    // Damage of a hot edge comes and goes within seconds; its equation is linear.
-    let first = rates(&start, first_factor);
-    let damaging = parts.damage.filter(|i| first[*i] != 0.0).map(|i| {
-        let mut healed = start;
-        healed[i] = 0.0;
-        (i, if start[i] == 0.0 { first[i] } else { rates(&healed, first_factor)[i] })
-    });
-    let moved = |rate: &[f64; MOST], time: f64, lagged: f64| {
-        let mut next = start;
+    let half = Half::new::<P>(parts, held, *x, step, first_factor, of_land);
+    *x = half.end::<P>(parts, held, step, second_factor, of_land);
+    half.middle
+}
+
+/// A step up to its middle.
+pub(super) struct Half {
+    start: [f64; MOST],
+    /// State halfway.
+    pub middle: [f64; MOST],
+    /// Place of the damage, where it changes, and its rate in a healed edge.
+    damaging: Option<(usize, f64)>,
+}
+
+impl Half {
+    #[inline]
+    pub(super) fn new<P: Nominal>(
+        parts: &Parts,
+        held: &P::Held<'_>,
+        start: [f64; MOST],
+        step: &Step,
+        factor: f64,
+        of_land: &OfLand,
+    ) -> Self {
+        let first = rates::<P>(parts, held, &start, factor, of_land);
+        // Damage of a hot edge comes and goes within seconds; its equation is linear.
+        let damaging = parts.damage.filter(|i| first[*i] != 0.0).map(|i| {
+            let mut healed = start;
+            healed[i] = 0.0;
+            (i, if start[i] == 0.0 { first[i] } else { rates::<P>(parts, held, &healed, factor, of_land)[i] })
+        });
+        let mut half = Self { start, middle: start, damaging };
+        half.middle = half.moved(parts, &first, 0.5 * step.length, step.lagged[0]);
+        half
+    }
+
+    /// State at the end, with the factor on the rate of wear halfway.
+    #[inline]
+    pub(super) fn end<P: Nominal>(
+        &self,
+        parts: &Parts,
+        held: &P::Held<'_>,
+        step: &Step,
+        factor: f64,
+        of_land: &OfLand,
+    ) -> [f64; MOST] {
+        self.moved(parts, &rates::<P>(parts, held, &self.middle, factor, of_land), step.length, step.lagged[1])
+    }
+
+    #[inline]
+    fn moved(&self, parts: &Parts, rate: &[f64; MOST], time: f64, lagged: f64) -> [f64; MOST] {
+        let start = &self.start;
+        let mut next = *start;
         for i in 0..parts.length {
             next[i] += rate[i] * time;
         }
         if let Some(i) = parts.lagged {
             next[i] = start[i] + rate[i] * lagged;
         }
-        if let Some((i, fresh)) = damaging {
+        if let Some((i, fresh)) = self.damaging {
             let decay = if start[i] > 1e-6 { (fresh - rate[i]) / start[i] } else { fresh };
             let stretch = if decay > 0.0 { -(-decay * time).exp_m1() / decay } else { time };
             next[i] = start[i] + rate[i] * stretch;
@@ -326,10 +361,15 @@ pub(super) fn taken<P: Nominal>(
         }
         next[parts.land] = next[parts.land].min(GREATEST_LAND);
         next
-    };
-    let middle = moved(&first, 0.5 * step.length, step.lagged[0]);
-    *x = moved(&rates(&middle, second_factor), step.length, step.lagged[1]);
-    middle
+    }
+}
+
+#[inline]
+fn rates<P: Nominal>(parts: &Parts, held: &P::Held<'_>, x: &[f64; MOST], factor: f64, of_land: &OfLand) -> [f64; MOST] {
+    let bent = factor * of_land.factor(x[parts.land]);
+    let mut slope = [0.0; MOST];
+    P::rates(held, &P::State::from_slice(x), bent).write_to(&mut slope);
+    slope
 }
 
 impl<P: Nominal> Forward for Cutting<P> {

@@ -6,7 +6,7 @@
 //! readings only is asked at the states of the run. Everything else runs beside it. What adds to a
 //! reading needs no run at all.
 
-use super::run::{Feature, MOST, OfLand, Parts, Setting, Step, taken};
+use super::run::{Feature, Half, MOST, OfLand, Parts, Setting, Step, taken};
 use super::{Action, Change, Cutting, LandForm, Nominal, Source};
 use crate::gap::{Direction, Point};
 use rayon::prelude::*;
@@ -180,10 +180,8 @@ impl<P: Nominal> Cutting<P> {
 
     /// Adds what a step contributes to the means over a row.
     fn add(&self, sums: &mut [f64], weight: f64, y: &[f64; OUTPUTS]) {
-        for (sum, source) in sums.iter_mut().zip(&self.outputs) {
-            if let Source::Output(i) = source {
-                *sum += weight * y[*i];
-            }
+        for (channel, output) in &self.means {
+            sums[*channel] += weight * y[*output];
         }
     }
 }
@@ -203,8 +201,8 @@ struct Differentiated {
     end: [f64; MOST],
     /// Outputs halfway.
     y: [f64; OUTPUTS],
-    /// Components that something depends on: index in [`Sensitive`].
-    active: Vec<usize>,
+    /// Components that something depends on.
+    active: [bool; 3],
     /// `∂middle/∂x` and `∂end/∂x`, by column.
     by_state: [[Sensitive; 2]; 3],
     /// The same by the logarithms of the factors at the start and halfway.
@@ -225,56 +223,61 @@ impl Differentiated {
         factor: f64,
         of_land: &OfLand,
     ) -> Self {
-        let run = |mut x: [f64; MOST], factors: [f64; 2]| {
-            let middle = taken::<P>(parts, held, &mut x, step, factors, of_land);
-            (middle, x)
+        let run = |x: [f64; MOST], factors: [f64; 2]| {
+            let half = Half::new::<P>(parts, held, x, step, factors[0], of_land);
+            let end = half.end::<P>(parts, held, step, factors[1], of_land);
+            (half, end)
         };
         let places = [Some(parts.land), parts.lagged, parts.damage];
-        let (middle, end) = run(x, [factor; 2]);
-        let alive = |i: usize| i != parts.damage.unwrap_or(MOST) || x[i] != 0.0 || end[i] != 0.0;
-        let active: Vec<usize> = (0..3).filter(|c| places[*c].is_some_and(alive)).collect();
-        let change = |there: ([f64; MOST], [f64; MOST]), by: f64| {
-            let of = |a: &[f64; MOST], b: &[f64; MOST]| places.map(|place| place.map_or(0.0, |i| (a[i] - b[i]) / by));
-            [of(&there.0, &middle), of(&there.1, &end)]
+        let (half, end) = run(x, [factor; 2]);
+        let middle = half.middle;
+        let active = places.map(|place| place.is_some_and(|i| place != parts.damage || x[i] != 0.0 || end[i] != 0.0));
+        let change = |there: &[f64; MOST], here: &[f64; MOST], by: f64| {
+            places.map(|place| place.map_or(0.0, |i| (there[i] - here[i]) / by))
         };
+        let both =
+            |(half, there): (Half, [f64; MOST]), by: f64| [change(&half.middle, &middle, by), change(&there, &end, by)];
         let observe = |x: &[f64; MOST]| written(&model.observe(held, x));
-        let asked = step.seen && model.outputs.iter().any(|source| matches!(source, Source::Output(_)));
+        let asked = step.seen && !model.means.is_empty();
         let y = if asked { observe(&middle) } else { [0.0; OUTPUTS] };
         let (mut by_state, mut y_by_state) = ([[[0.0; 3]; 2]; 3], [[0.0; OUTPUTS]; 3]);
-        for c in &active {
-            let Some(i) = places[*c] else { continue };
-            let by = SMALL * (x[i] + SCALES[*c]);
+        for c in (0..3).filter(|c| active[*c]) {
+            let Some(i) = places[c] else { continue };
+            let by = SMALL * (x[i] + SCALES[c]);
             let mut there = x;
             there[i] += by;
-            by_state[*c] = change(run(there, [factor; 2]), by);
+            by_state[c] = both(run(there, [factor; 2]), by);
             if asked {
                 let mut there = middle;
                 there[i] += by;
                 let there = observe(&there);
-                y_by_state[*c] = std::array::from_fn(|k| (there[k] - y[k]) / by);
+                for (_, output) in &model.means {
+                    y_by_state[c][*output] = (there[*output] - y[*output]) / by;
+                }
             }
         }
         let faster = factor * (1.0 + SMALL);
         let by = SMALL.ln_1p();
-        let by_factor = [change(run(x, [faster, factor]), by), change(run(x, [factor, faster]), by)];
+        let late = half.end::<P>(parts, held, step, faster, of_land);
+        let by_factor = [both(run(x, [faster, factor]), by), [[0.0; 3], change(&late, &end, by)]];
         let of_land = [x, middle].map(|x| LandForm::all_at(x[parts.land]));
         Self { middle, end, y, active, by_state, by_factor, y_by_state, of_land }
     }
 
     /// Carries `s` through the step, with the logarithms of the factors changing by `phi`; adds to the means.
+    #[inline]
     fn carry<P: Nominal>(&self, model: &Cutting<P>, s: &mut Sensitive, phi: [f64; 2], weight: f64, sums: &mut [f64]) {
+        let active = || (0..3).filter(|c| self.active[*c]);
         let moved = |stage: usize| -> Sensitive {
             std::array::from_fn(|to| {
-                let by_state: f64 = self.active.iter().map(|from| self.by_state[*from][stage][to] * s[*from]).sum();
+                let by_state: f64 = active().map(|from| self.by_state[from][stage][to] * s[from]).sum();
                 by_state + self.by_factor[0][stage][to] * phi[0] + self.by_factor[1][stage][to] * phi[1]
             })
         };
         let (middle, end) = (moved(0), moved(1));
         if weight > 0.0 {
-            for (sum, source) in sums.iter_mut().zip(&model.outputs) {
-                if let Source::Output(i) = source {
-                    *sum += weight * self.active.iter().map(|c| self.y_by_state[*c][*i] * middle[*c]).sum::<f64>();
-                }
+            for (channel, output) in &model.means {
+                sums[*channel] += weight * active().map(|c| self.y_by_state[c][*output] * middle[c]).sum::<f64>();
             }
         }
         *s = end;
