@@ -1,16 +1,22 @@
 //! Diagnosis of shops whose hidden effect, equations and noise no model here knows.
 
-use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_analysis::gap::{Diagnosis, GapVerdict, Identifiable, NominalModel, diagnose, identifiability};
 use toolroom_analysis::records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
-fn diagnosed(case: &Case) -> Diagnosis {
+/// What the records of `case` answer, and what their design promised.
+fn answered(case: &Case) -> (Diagnosis, Vec<Identifiable>) {
     let shipped = format!("scenarios/gap/{}.toml", case.process);
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(shipped);
     let model = NominalModel::read(&path, &[]).expect("the shipped nominal model");
     let csv = case.records();
     let (records, _) = parse_csv("truth", csv.as_bytes(), model.kind()).expect("records of the contract");
-    diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis
+    let (forward, _) = model.over(&records, None, |_, _| false);
+    (diagnose(forward.as_ref(), 1).diagnosis, identifiability(forward.as_ref()))
+}
+
+fn diagnosed(case: &Case) -> Diagnosis {
+    answered(case).0
 }
 
 #[test]
@@ -27,6 +33,17 @@ fn force_that_grows_with_wear_is_named_with_its_size() {
     assert_eq!((effect.id, diagnosis.effects.len()), ("wear_force", 1));
     assert!(effect.ci90[0] < 0.20 && effect.ci90[1] > 0.20, "{:?}", effect.ci90);
     assert!(diagnosis.total.closed > 0.0, "{:?}", diagnosis.total);
+}
+
+#[test]
+fn an_edge_that_builds_up_between_two_windows_is_missed_as_it_was_promised() {
+    let case = Case::one("turning", "built_up_edge", 2.0, 1_100_200_066);
+    let (diagnosis, promised) = answered(&case);
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    let size = case.size("built_up_edge").expect("it is hidden");
+    let windows = promised.iter().filter(|row| row.id == "built_up_edge");
+    let least = windows.map(|row| row.score(size)).min_by(f64::total_cmp).expect("windows are tried");
+    assert!((3.0..5.0).contains(&least), "{least}");
 }
 
 #[test]

@@ -42,6 +42,30 @@ fn a_wheel_that_dulls_is_named_with_its_size() {
 }
 
 #[test]
+fn a_machine_that_loses_a_fifth_of_its_stiffness_is_named_with_its_size() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "stiffness_drift", 2.0, 1_100_200_767).records());
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["stiffness_drift"], "{}", diagnosis.terminal());
+    // 0.06 1/h at first, less and less later on: 0.05 1/h over the hours that were recorded.
+    let effect = &diagnosis.effects[0];
+    assert!(effect.size > 0.04 && effect.ci90[0] < 0.05 && 0.05 < effect.ci90[1], "{} {:?}", effect.size, effect.ci90);
+}
+
+#[test]
+fn a_wheel_that_dulls_is_named_where_the_form_of_other_equations_drowns_what_it_closes() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "wheel_dulling", 1.0, 1_100_200_649).records());
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["wheel_dulling"], "{}", diagnosis.terminal());
+    assert!(diagnosis.total.ci90[0] < 0.0, "{:?}", diagnosis.total);
+}
+
+#[test]
+fn a_start_of_infeed_that_differs_from_operator_to_operator_gets_no_name() {
+    let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "operator_touch", 2.0, 1_100_100_916).records());
+    assert_eq!(diagnosis.verdict, GapVerdict::Unknown, "{}", diagnosis.terminal());
+}
+
+#[test]
 fn a_grinding_cause_outside_the_catalogue_gets_no_name() {
     let (diagnosis, _) = diagnosed("grinding", &Case::one("grinding", "size_effect", 2.0, 1).records());
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());

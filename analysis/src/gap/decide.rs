@@ -349,11 +349,18 @@ fn convincing(model: &dyn Forward, trial: &Trial, base: &Trial) -> bool {
 }
 
 /// Whether the gap of groups left out shrinks by `closed`, as the name of `trial` asks for: at all; and
-/// certainly, if the gain is small and the form of the equations could be off by the same.
+/// certainly, if the gain is small and the form of the equations could be off by the same. Without the form
+/// allowance the form of the equations may be off by so much that the gap does not tell: its interval holds zero.
+/// An effect that the form could not imitate has to predict groups left out better beside the allowance, then, and
+/// certainly.
 fn shrinks(model: &dyn Forward, decision: &Decision, trial: &Trial, closed: &Closure, gain: f64) -> bool {
-    let imitated = |index: &usize| decision.base.imitated(model, *index) > IMITATED;
-    let certain = gain > EVIDENT || !trial.fit.active.iter().any(imitated) || closed.ci90[0] > 0.0;
-    closed.closed > 0.0 && certain
+    let imitated = trial.fit.active.iter().any(|index| decision.base.imitated(model, *index) > IMITATED);
+    if closed.closed > 0.0 {
+        return gain > EVIDENT || !imitated || closed.ci90[0] > 0.0;
+    }
+    let (left_out, error) = predictive_gain(&trial.evidence, &decision.base.evidence);
+    let folds = trial.evidence.folds.len() as f64;
+    !imitated && closed.ci90[1] > 0.0 && left_out > crate::statistics::student(0.9, folds - 1.0) * error
 }
 
 /// Another shape of the effect of trial `index` that shrinks the gap clearly further on groups left

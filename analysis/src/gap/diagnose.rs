@@ -5,6 +5,7 @@ use super::decide::{Decision, SAME, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::left_out::LeftOut;
 use super::method::Bare;
+use super::score::Scores;
 use super::trial::Trial;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, Method, NamedEffect, NextExperiment,
@@ -375,7 +376,7 @@ pub struct Identifiable {
     /// Share of its signature that calibration, allowance and group factors take up.
     pub masking: f64,
     /// Least size that would reach a score of 5 even where its function is not quite that of the
-    /// catalogue, display unit.
+    /// catalogue, or between two shapes of it, display unit.
     pub minimal_detectable: f64,
     /// Unit of that.
     pub unit: &'static str,
@@ -464,6 +465,30 @@ fn promised(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, mov
     (score - UNLUCKY * lost.sqrt()).max(ANYHOW * score)
 }
 
+/// Cosine of two signatures, before anything is projected out, from which shapes of an effect are neighbours
+/// (assumption): a cause may lie between them. Lots and coolants act on rows of their own and are none.
+const NEIGHBOURS: f64 = 0.5;
+
+/// Share of the score of a shape that is left where the cause lies halfway between it and its neighbour: what the
+/// projection leaves of the two may have little in common, so that neither sees it well.
+fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, index: usize) -> f64 {
+    let frame = model.frame();
+    let effects = &trial.fit.linear.effects;
+    let dot = |a: usize, b: usize| -> f64 {
+        let each = effects[a].iter().zip(&effects[b]).enumerate();
+        each.map(|(i, (a, b))| a * b / basis.noise.deviation(&frame.measured, i).powi(2)).sum()
+    };
+    let alike = |other: &usize| *other != index && frame.candidates[*other].id == frame.candidates[index].id;
+    let cosine = |other: usize| (other, dot(index, other) / (dot(index, index) * dot(other, other)).sqrt());
+    let near = (0..frame.candidates.len()).filter(alike).map(cosine).filter(|(_, cosine)| *cosine > NEIGHBOURS);
+    let Some((other, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) else { return 1.0 };
+    let (own, its, common) = (scores.length[index], scores.length[other], scores.cosine[(index, other)]);
+    if own == 0.0 {
+        return 1.0;
+    }
+    (0.5 * (own + its * common).max(its + own * common) / own).clamp(ANYHOW, 1.0)
+}
+
 fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<(Identifiable, f64)> {
     let scores = trial.scores();
     let nuisance = trial.fit.linear.nuisance.len();
@@ -481,7 +506,8 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<(Identif
         let entry = entry(candidate.id)?;
         let (factor, unit) = report_units(candidate.id);
         let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
-        let promised = promised(model, basis, trial, index, &moved, scores.length[index]);
+        let promised = promised(model, basis, trial, index, &moved, scores.length[index])
+            * between(model, basis, trial, &scores, index);
         let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
         let bias = worst.map_or_else(String::new, |worst| {
             format!("at ordinary size it moves `{}` by {:.1} prior standard deviations", name(worst), moved[worst])

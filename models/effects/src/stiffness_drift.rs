@@ -11,7 +11,7 @@ record! {
     /// Assumption: linear in time (bearings, centres warming up).
     pub struct StiffnessDrift {
         /// Share by which the stiffness falls per time.
-        size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-5;
+        size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-4;
     }
 }
 

@@ -8,6 +8,9 @@ use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
 
+/// Share of its stiffness that a machine may lose by the last trial: what is left has to stay positive.
+const SOFTEST: f64 = 0.9;
+
 /// How a candidate acts.
 pub(super) enum Action {
     /// By the process; what the wheel has worn may be missing from the infeed of later parts.
@@ -29,7 +32,11 @@ impl Grinding {
         let waits = records.numbers("wait_time").and_then(standardised).is_some();
         let mut add = |effect: Effect, shape: String, typical: f64, action: Action| {
             let entry = effect.entry();
-            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest: entry.size.max });
+            let greatest = match entry.id {
+                "stiffness_drift" => entry.size.max.min(SOFTEST / latest),
+                _ => entry.size.max,
+            };
+            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest });
             self.actions.push(action);
         };
         let plain = |effect: Effect| Action::Effect { effect, by_command: false };
