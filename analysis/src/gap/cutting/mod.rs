@@ -81,6 +81,16 @@ enum Source {
     Duration,
 }
 
+/// The same process without the hazard of chipping: it costs a power in every rate, and no reading tells of it.
+fn unbroken<P: Nominal>(mut process: P) -> P {
+    for (_, record) in process.parameters_mut().into_iter().filter(|(group, _)| *group == "chipping") {
+        if let Some(rate) = record.fields().iter().position(|field| field.name == "rate") {
+            record.set_value(rate, 0.0);
+        }
+    }
+    process
+}
+
 /// Prior standard deviation of the form error of one part type: fixtures give way (assumption).
 const FIXTURE: f64 = 0.05;
 /// Prior standard deviation of an edge force: a linear law differs from a power law most at the
@@ -99,6 +109,7 @@ impl<P: Nominal> Cutting<P> {
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
     ) -> Self {
+        let process = unbroken(process);
         let (names, group_of_row, fitted) = groups;
         let mut rows = vec![Vec::new(); names.len()];
         let mut places = Vec::with_capacity(group_of_row.len());

@@ -90,7 +90,6 @@ pub(super) struct Parts {
     pub land: usize,
     pub lagged: Option<usize>,
     pub damage: Option<usize>,
-    length: usize,
 }
 
 impl Parts {
@@ -99,7 +98,6 @@ impl Parts {
             land: P::State::index_of("flank_wear").unwrap_or(0),
             lagged: P::LAGGED.and_then(P::State::index_of),
             damage: P::State::index_of("thermal_damage"),
-            length: P::State::LEN.min(MOST),
         }
     }
 }
@@ -341,10 +339,7 @@ impl Half {
     #[inline]
     fn moved(&self, parts: &Parts, rate: &[f64; MOST], time: f64, lagged: f64) -> [f64; MOST] {
         let start = &self.start;
-        let mut next = *start;
-        for i in 0..parts.length {
-            next[i] += rate[i] * time;
-        }
+        let mut next: [f64; MOST] = std::array::from_fn(|i| start[i] + rate[i] * time);
         if let Some(i) = parts.lagged {
             next[i] = start[i] + rate[i] * lagged;
         }
@@ -353,12 +348,8 @@ impl Half {
             let stretch = if decay > 0.0 { -(-decay * time).exp_m1() / decay } else { time };
             next[i] = start[i] + rate[i] * stretch;
         }
-        for i in 0..parts.length {
-            // An edge whose model runs away has broken long before: numbers stay numbers.
-            if !next[i].is_finite() {
-                next[i] = start[i];
-            }
-        }
+        // An edge whose model runs away has broken long before: numbers stay numbers.
+        next = std::array::from_fn(|i| if next[i].is_finite() { next[i] } else { start[i] });
         next[parts.land] = next[parts.land].min(GREATEST_LAND);
         next
     }
