@@ -488,6 +488,12 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         } else if passes && beside {
             decision.reasons.push(format!("beside the best effect as much structure is left (score {left:.1})"));
         } else if passes {
+            if closed.as_ref().is_some_and(|closed| closed.closed <= 0.0) {
+                let id = model.frame().candidates[trial.fit.active[0]].id;
+                let why =
+                    "the form of the equations drowns what it closes on groups left out; beside the form allowance";
+                decision.reasons.push(format!("{id}: {why} they are predicted better for certain"));
+            }
             let shape = closed.and_then(|closed| shape(model, basis, folds, decision, index, &closed, seed));
             if let Some((other, note)) = shape {
                 decision.reasons.push(note);
