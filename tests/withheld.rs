@@ -83,6 +83,19 @@ fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
 }
 
 #[test]
+fn many_short_stops_are_no_skewed_times_and_get_their_size() {
+    // Calibration alone would ask for a skewness ten prior standard deviations away in the last of these shops.
+    let sizes = [3, 11, 13].map(|seed| {
+        let diagnosis = diagnosed(&Case::one("shop", "micro_stops", 2.0, seed));
+        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+        assert_eq!(named, ["micro_stops"], "{}", diagnosis.terminal());
+        diagnosis.effects[0].size
+    });
+    let mean = sizes.iter().sum::<f64>() / 3.0;
+    assert!((mean / 3.0 - 1.0).abs() < 0.1, "{sizes:?} 1/h");
+}
+
+#[test]
 fn a_shop_that_hides_nothing_is_blamed_on_nothing() {
     let diagnosis = diagnosed(&Case::null("shop", 1));
     assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());

@@ -7,7 +7,7 @@ pub(crate) const HUBER: f64 = 2.5;
 /// A sensor is never believed to be better than this share of its sheet (assumption).
 const LEAST_SCALE: f64 = 0.5;
 /// Consistency of the median absolute deviation with a normal standard deviation.
-const MAD: f64 = 1.4826;
+pub(crate) const MAD: f64 = 1.4826;
 /// Greatest memory that is believed.
 const GREATEST_MEMORY: f64 = 0.95;
 /// Fewer residuals than these say nothing about a channel's noise.

@@ -77,6 +77,8 @@ pub struct Blocks {
     pub groups: Vec<String>,
     /// Scatter of the logarithm of the time in cut, by program.
     pub scatter: Vec<f64>,
+    /// Operations of each of the pools about whose middles that was taken, by program.
+    pub pools: Vec<Vec<usize>>,
     /// Programmed time, s, by program: the nominal shop's, or the shop's own median.
     pub times: Vec<f64>,
     /// Whether the nominal shop knows the program.
@@ -144,6 +146,7 @@ impl Blocks {
         let pooled = by(&visits, |visit| (visit.machine, day(visit.start), visit.program, shift(visit)));
         // Distances to the middle of the pool, both below and above.
         let mut below: Vec<Vec<f64>> = vec![Vec::new(); seen.programs.len()];
+        blocks.pools = vec![Vec::new(); seen.programs.len()];
         let mut handled: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         let logarithms = |at: &[usize], time: &dyn Fn(&Visit) -> f64| -> Vec<f64> {
             at.iter().map(|at| time(visits[*at])).filter(|time| *time > 0.0).map(f64::ln).collect()
@@ -152,6 +155,7 @@ impl Blocks {
             let cut = logarithms(at, &full_feed);
             let middle = median(&mut cut.clone());
             if cut.len() >= 3 {
+                blocks.pools[*program].push(cut.len());
                 below[*program].extend(cut.iter().map(|y| middle - y).filter(|d| *d > 0.0));
             }
             let handling = logarithms(at, &|visit| visit.handling);

@@ -3,13 +3,15 @@
 use super::super::features::standardised;
 use super::super::noise::median;
 use super::super::{
-    Candidate, Channel, Covariate, Forward, Frame, Local, Measured, Point, Sensor, Settings, Surface, Transform,
+    Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Sensor, Settings, Surface,
+    Transform,
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
 use super::nominal::Shop;
 use super::stops::{SIZES, Shape, Stops, Timed};
 use super::visit::{Visits, visits};
 use crate::records::Records;
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
 use toolroom_effects::CatalogueEntry;
@@ -330,41 +332,42 @@ impl ShopModel {
 }
 
 impl ShopModel {
-    /// Shape of the blocks of each program and class under a rate of stops.
+    /// Rate of stops that nobody books, 1/s.
+    fn rate(&self, at: &Point) -> f64 {
+        let sizes = self.actions.iter().zip(&at.effects);
+        sizes.filter(|(action, _)| matches!(action, Action::Stops)).map(|(_, size)| *size).sum()
+    }
+
+    /// Shape of the blocks of each program and class under a rate of stops; nothing without stops.
     fn shapes(&self, rate: f64) -> Vec<Vec<Shape>> {
+        if rate <= 0.0 {
+            return Vec::new();
+        }
         let blocks = &self.blocks;
         let of = |program: usize| {
-            let mut classes = [0_usize; SIZES];
+            let mut classes = [false; SIZES];
             let own = blocks.list.iter().filter(|block| block.program == Some(program));
-            own.for_each(|block| classes[block.class] += 1);
-            let class = (0..SIZES).max_by_key(|class| classes[*class]).unwrap_or(0);
+            own.for_each(|block| classes[block.class] = true);
             let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
-            let mut shapes =
-                self.stops.shapes(rate, Timed { time, deviation, exact, class }, &classes.map(|count| count > 0));
+            let program = Timed { time, deviation, exact, pools: &blocks.pools[program] };
+            let mut shapes = self.stops.shapes(rate, program, &classes);
             // The middle of exact times stays where it is until most operations are stopped.
             shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
             shapes
         };
-        (0..blocks.times.len()).map(of).collect()
-    }
-}
-
-impl Forward for ShopModel {
-    fn frame(&self) -> &Frame {
-        &self.frame
+        (0..blocks.times.len()).into_par_iter().map(of).collect()
     }
 
-    fn simulate(&self, at: &Point) -> Vec<f64> {
+    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rate of `at`.
+    fn simulated(&self, at: &Point, shapes: &[Vec<Shape>]) -> Vec<f64> {
         let of = |wanted: &dyn Fn(&Action) -> bool| -> f64 {
             self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
         };
-        let rate = of(&|action| matches!(action, Action::Stops));
         let booked = of(&|action| matches!(action, Action::Booked));
         let change = of(&|action| matches!(action, Action::Change));
         let hold = of(&|action| matches!(action, Action::Hold));
         let policy = of(&|action| matches!(action, Action::Policy));
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
-        let shapes = if rate > 0.0 { self.shapes(rate) } else { Vec::new() };
         let measured = &self.frame.measured;
         let value = |observation: &super::super::Observation| {
             let (row, kind) = (observation.row, self.kinds[observation.channel]);
@@ -399,6 +402,42 @@ impl Forward for ShopModel {
             }
         };
         measured.observations.iter().map(value).collect()
+    }
+}
+
+impl Forward for ShopModel {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        self.simulated(at, &self.shapes(self.rate(at)))
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        let shapes = self.shapes(self.rate(at));
+        let difference = |(from, to): (&[f64], Vec<f64>), step: f64| -> Vec<f64> {
+            to.iter().zip(from).map(|(to, from)| (to - from) / step).collect()
+        };
+        let slope = |direction: &Direction| match direction {
+            Direction::Effect(index) if matches!(self.actions[*index], Action::Stops) => {
+                // Over a twentieth of an ordinary rate a handful of replications would decide.
+                let typical = self.frame.candidates[*index].typical;
+                let size = at.effects[*index];
+                let to = |size: f64| {
+                    let mut point = at.clone();
+                    point.effects[*index] = size;
+                    self.simulate(&point)
+                };
+                let (low, high) = ((size - typical).max(0.0), size + typical);
+                difference((&to(low), to(high)), (high - low) / typical)
+            }
+            _ => {
+                let (ahead, step) = direction.ahead(&self.frame, at);
+                difference((raw, self.simulated(&ahead, &shapes)), step)
+            }
+        };
+        along.par_iter().map(slope).collect()
     }
 }
 
