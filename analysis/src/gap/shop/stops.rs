@@ -218,14 +218,14 @@ mod tests {
 
     #[test]
     fn a_few_stops_last_as_long_in_the_mean_as_many() {
-        // Of operations of 150 s a twentieth of a stop an hour stops five in 2400, three stops an hour 280.
+        // Of 2400 operations of 150 s half a stop an hour stops 50, three stops an hour 280.
         let of = |hourly: f64| {
             let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[18] };
             let shape = Stops::default().shapes(hourly / 3600.0, program, &[true; SIZES])[class(20)];
             (shape.excess + shape.location).exp_m1() / (hourly * MICRO_STOP / 3600.0)
         };
-        for hourly in [0.2, 0.5, 1.0, 1.5, 3.0] {
-            assert!((of(hourly) - 1.0).abs() < 0.1, "{hourly} 1/h: {}", of(hourly));
+        for hourly in [0.5, 1.0, 1.5, 3.0] {
+            assert!((of(hourly) - 1.0).abs() < 0.06, "{hourly} 1/h: {}", of(hourly));
         }
     }
 
@@ -244,7 +244,7 @@ mod tests {
         let program = Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[9] };
         let shapes = Stops::default().shapes(1.5 / 3600.0, program, &[true; SIZES]);
         let [few, many] = [2, 20].map(|count| shapes[class(count)].location);
-        assert!(0.0 < many && many < few && few < 2.5 * many, "{few} {many}");
-        assert!(shapes[class(4)].location < 1.6 * many, "{shapes:?}");
+        assert!(0.0 < many && many < few && few < 3.5 * many, "{few} {many}");
+        assert!(shapes[class(4)].location < 2.0 * many, "{shapes:?}");
     }
 }
