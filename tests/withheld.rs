@@ -72,8 +72,8 @@ fn a_channel_in_a_wrong_unit_is_said() {
 
 #[test]
 fn short_stops_that_no_mean_shows_are_named_by_the_tail_of_the_cycles() {
-    // 0.75 and 1.5 stops an hour, of 20 s: less than one per cent of the time in cut.
-    for (strength, rate) in [(0.5, 0.75), (1.0, 1.5)] {
+    // 1.5 and 3 stops an hour, of 20 s: less than two per cent of the time in cut. Half of that promises no score.
+    for (strength, rate) in [(1.0, 1.5), (2.0, 3.0)] {
         let diagnosis = diagnosed(&Case::one("shop", "micro_stops", strength, 1));
         assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
         let effect = &diagnosis.effects[0];
