@@ -3,6 +3,7 @@
 use super::fit::{Fit, fit, offset_residual};
 use super::gram::{factor, inverse_diagonal, part, part_column};
 use super::{Forward, Gram, Linear, Method, Noise, Point, evidence, generic};
+use rayon::prelude::*;
 
 /// Factors on the scale of an estimated local scatter that are tried.
 const SCALES: [f64; 6] = [0.15, 0.3, 0.5, 0.75, 1.1, 1.6];
@@ -126,7 +127,7 @@ fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]
         let grams = Gram::at_scales(measured, noise, linear, &columns, residual, &trials);
         let weight =
             |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, linear.nuisance.len()) - 0.5 * factor * factor;
-        let weights: Vec<f64> = grams.iter().zip(&SCALES).map(weight).collect();
+        let weights: Vec<f64> = grams.par_iter().zip(&SCALES).map(weight).collect();
         let best = (0..SCALES.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
         scale[kind] = SCALES[best];
     }

@@ -193,7 +193,8 @@ pub fn crossed(
     trial: &Trial,
     seed: u64,
 ) -> Closure {
-    let [before, after] = [base, trial].map(|each| LeftOut::of(model, basis, each, folds));
+    let left = |trial: &Trial| LeftOut::of(model, basis, trial, folds);
+    let (before, after) = rayon::join(|| left(base), || left(trial));
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }

@@ -450,15 +450,17 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
     if let Some(index) = chosen {
         let trial = &decision.trials[index];
         let value = decision.gain_of(trial, count);
-        let after = remainder(model, basis, folds, trial, seed);
-        let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
-        let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
         let abstains = basis.method.abstention;
         let passes = value > GATE && agreed(model, trial) && convincing(model, trial, &decision.base);
+        let (after, closed) = rayon::join(
+            || remainder(model, basis, folds, trial, seed),
+            || (passes && abstains).then(|| crossed(model, basis, folds, &decision.base, trial, seed)),
+        );
+        let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
+        let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
         let beaten = abstains && generic_gain - value > GATE + FORM * value;
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
-        let closed = (passes && abstains).then(|| crossed(model, basis, folds, &decision.base, trial, seed));
         if value > GATE && groups < FEWEST_GROUPS {
             let mut alike = vec![model.frame().candidates[trial.fit.active[0]].id];
             alike.extend(decision.class(model, trial.fit.active[0]).into_iter().map(|(id, _)| id));

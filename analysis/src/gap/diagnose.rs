@@ -95,10 +95,13 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
-    let (total, channels) = closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed);
-    let named = named(model, &basis, &decision);
-    let masked = masked(model, &basis, &decision);
-    let tried = tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
+    let ((total, channels), (named, (masked, tried))) = rayon::join(
+        || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
+        || {
+            let rest = || tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
+            rayon::join(|| named(model, &basis, &decision), || rayon::join(|| masked(model, &basis, &decision), rest))
+        },
+    );
     let mut notes = decision.reasons.clone();
     if decision.verdict == GapVerdict::Unknown
         && let Some(best) = tried.first().filter(|best| best.gain > 0.0 && best.closure.closed > 0.0)

@@ -9,6 +9,7 @@
 use super::diagnose::{DETECTABLE, entry};
 use super::{Basis, Diagnosis, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
 use crate::records::Records;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -60,11 +61,10 @@ pub struct Plan {
 pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagnosis: &Diagnosis) -> Plan {
     let before = seen(model, records, group);
     let open = open(diagnosis, &before);
-    let mut blocks: Vec<Block> = Vec::new();
     if open.is_empty() {
-        return Plan { blocks };
+        return Plan { blocks: Vec::new() };
     }
-    for offered in menu::blocks(records) {
+    let block = |offered: menu::Offered| {
         let mut after = seen(model, &records.followed_by(&offered.runs), group);
         after.at_sizes_of(&before);
         let pairs: Vec<Separated> = open
@@ -81,15 +81,16 @@ pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagno
         let mut runs = offered.runs;
         let channels: Vec<&str> = menu::channels(&runs);
         channels.iter().for_each(|channel| runs.remove(channel));
-        blocks.push(Block {
+        Block {
             design: offered.design,
             operations: runs.len(),
             minutes: offered.minutes,
             pairs,
             worth: gained / offered.minutes,
             runs,
-        });
-    }
+        }
+    };
+    let mut blocks: Vec<Block> = menu::blocks(records).into_par_iter().map(block).collect();
     blocks.sort_by(|a, b| b.worth.total_cmp(&a.worth));
     Plan { blocks }
 }

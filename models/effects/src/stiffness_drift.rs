@@ -5,10 +5,10 @@ use crate::{Context, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
-    /// The machine grows softer: system stiffness `× (1 - size · machine_time)`.
+    /// The machine grows softer: system stiffness `× (1 - size · machine_time)`, at least a tenth of it stays.
     ///
     /// # Source
-    /// Assumption: linear in time (bearings, centres warming up).
+    /// Assumption: linear in time (bearings, centres warming up), up to nine tenths.
     pub struct StiffnessDrift {
         /// Share by which the stiffness falls per time.
         size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-4;
@@ -27,8 +27,12 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     processes: &["infeed"],
 };
 
+/// Share of its stiffness that a machine keeps (assumption).
+const SOFTEST: f64 = 0.1;
+
 impl<N: Number> StiffnessDrift<N> {
     pub(crate) fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
-        terms.system_stiffness *= -(self.size * context.machine_time) + 1.0;
+        let left = -(self.size * context.machine_time) + 1.0;
+        terms.system_stiffness *= if left.re() > SOFTEST { left } else { N::from(SOFTEST) };
     }
 }
