@@ -28,7 +28,7 @@ fn json(arguments: &[&str]) -> Value {
 fn refused(arguments: &[&str]) -> String {
     let output = toolroom(arguments);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    stderr(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+    stderr(&output).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
 }
 
 /// An empty directory of this test.
