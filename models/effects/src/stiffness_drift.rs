@@ -5,10 +5,10 @@ use crate::{Context, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
-    /// The machine grows softer: system stiffness `× (1 - size · machine_time)`, at least a tenth of it stays.
+    /// The machine grows softer: system stiffness `× (1 - size · machine_time)`.
     ///
     /// # Source
-    /// Assumption: linear in time (bearings, centres warming up), up to nine tenths.
+    /// Assumption: linear in time (bearings, centres warming up).
     pub struct StiffnessDrift {
         /// Share by which the stiffness falls per time.
         size: Real["1/s" => "1/h"] = 0.0, 0.0..=1e-4;
@@ -27,12 +27,8 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     processes: &["infeed"],
 };
 
-/// Share of its stiffness that a machine keeps (assumption).
-const SOFTEST: f64 = 0.1;
-
 impl<N: Number> StiffnessDrift<N> {
     pub(crate) fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
-        let left = -(self.size * context.machine_time) + 1.0;
-        terms.system_stiffness *= if left.re() > SOFTEST { left } else { N::from(SOFTEST) };
+        terms.system_stiffness *= -(self.size * context.machine_time) + 1.0;
     }
 }

@@ -155,7 +155,6 @@ impl<R: Recorder> Shop<'_, R> {
         task.layers = conditions.layers;
         task.step = Step::Pass;
         task.left = duration;
-        write(&mut input, ports.pass_time, duration);
         state.segment.start_input = input;
         self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
         self.plan_segment(machine)
@@ -219,7 +218,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
         let segment = &mut state.segment;
-        ports.write_ages(&mut segment.start_input, now.seconds());
+        write(&mut segment.start_input, ports.coolant_age, now.seconds());
         let idle = now - edge.clock;
         let result =
             if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };

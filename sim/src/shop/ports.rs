@@ -23,9 +23,6 @@ pub(super) struct Ports {
     pub flank_shear_factor: Option<usize>,
     pub flank_pressure_factor: Option<usize>,
     pub coolant_age: Option<usize>,
-    pub machine_time: Option<usize>,
-    pub sensor_time: Option<usize>,
-    pub pass_time: Option<usize>,
     pub flank_wear_state: Option<usize>,
     pub energy_state: Option<usize>,
     pub feed_rate: Option<usize>,
@@ -75,9 +72,6 @@ impl Ports {
             flank_shear_factor: element(u, &["flank_shear_factor"]),
             flank_pressure_factor: element(u, &["flank_pressure_factor"]),
             coolant_age: element(u, &["coolant_age"]),
-            machine_time: element(u, &["machine_time"]),
-            sensor_time: element(u, &["sensor_time"]),
-            pass_time: element(u, &["pass_time"]),
             flank_wear_state: element(x, &["flank_wear"]),
             energy_state: element(x, &["energy"]),
             feed_rate: element(y, &["feed_rate"]),
@@ -104,13 +98,6 @@ impl Ports {
             roughness: element(y, &["roughness_ra"]),
             structure: false,
         }
-    }
-}
-
-impl Ports {
-    /// Sets what ages from the start of the run on: coolant is fresh then, machines are cold, sensors calibrated.
-    pub fn write_ages(&self, input: &mut [f64], now: f64) {
-        [self.coolant_age, self.machine_time, self.sensor_time].into_iter().for_each(|port| write(input, port, now));
     }
 }
 

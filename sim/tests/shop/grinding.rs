@@ -2,7 +2,6 @@
 
 use crate::scenarios::{self, jobs_at, operation, run, time_in, tool};
 use std::sync::Arc;
-use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Input};
 use toolroom_process::Process;
 use toolroom_sim::runlog::{ChangeReason, JobOutcome, MachineState};
@@ -46,29 +45,6 @@ fn a_cycle_in_the_shop_is_the_cycle_of_the_process() {
     assert!((log.passes[0].cutting_force - 170.0).abs() < 0.1, "{}", log.passes[0].cutting_force);
     assert!((log.passes[0].size_error - 5.48e-6).abs() < 0.02e-6, "{}", log.passes[0].size_error);
     assert!((log.jobs[0].finish - 20.0 * TURN).abs() < 1e-9);
-}
-
-#[test]
-fn a_machine_that_grows_softer_presses_less_later_in_the_day() {
-    let drift = Effect::named("stiffness_drift").unwrap().with_size(0.3 / 3600.0);
-    let infeed = Infeed { effects: Effects::new(vec![drift]).unwrap(), ..Infeed::default() };
-    let mut shop = grinder(infeed.clone(), 0);
-    shop.horizon = 30_000.0;
-    // At the last a tenth of the stiffness is all that is left.
-    let times = [0.0, 7200.0, 20_000.0];
-    shop.arrivals = vec![jobs_at(&times.map(|time| (time, 1)))];
-    let log = run(&shop);
-    let forces = times.map(|machine_time| {
-        let mut part = infeed.initial();
-        let input = Input { machine_time, ..Input::default() };
-        infeed.advance(&mut part, &input, 16.0 * TURN).unwrap();
-        infeed.output(&part, &input).normal_force
-    });
-    for (place, force) in forces.iter().enumerate() {
-        let row = &log.passes[2 * place];
-        assert!((row.cutting_force - force).abs() < 1e-6 * force, "{place}: {} {force}", row.cutting_force);
-    }
-    assert!(forces[0] > 1.1 * forces[1] && forces[1] > 1.1 * forces[2], "{forces:?}");
 }
 
 #[test]
