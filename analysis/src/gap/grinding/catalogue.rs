@@ -8,8 +8,8 @@ use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
 
-/// Share of its stiffness that a machine may lose by the last trial: what is left has to stay positive.
-const SOFTEST: f64 = 0.9;
+/// Share of its stiffness that a machine may lose by the last trial: what is left has to stay positive (assumption).
+const MOST_LOST: f64 = 0.9;
 
 /// How a candidate acts.
 pub(super) enum Action {
@@ -33,7 +33,7 @@ impl Grinding {
         let mut add = |effect: Effect, shape: String, typical: f64, action: Action| {
             let entry = effect.entry();
             let greatest = match entry.id {
-                "stiffness_drift" => entry.size.max.min(SOFTEST / latest),
+                "stiffness_drift" => entry.size.max.min(MOST_LOST / latest),
                 _ => entry.size.max,
             };
             self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest });
