@@ -73,14 +73,19 @@ impl Basis {
         Self { noise, local_scale, floor: left, method: before.method, nominal: before.nominal.clone() }
     }
 
-    /// The sensor sheet and the priors as they stand.
+    /// The sensor sheet and the priors as they stand, wear of each edge brought near its readings.
     pub fn of_sheet(model: &dyn Forward, method: Method) -> Self {
+        Self::unmeasured(model, method, Linear::new(model, warm(model, Point::nominal(model))))
+    }
+
+    /// The same about any linearised model: designs whose values nobody has measured have nothing else.
+    pub fn unmeasured(model: &dyn Forward, method: Method, nominal: Linear) -> Self {
         Self {
             method,
             noise: Noise::of_sheet(&model.frame().measured),
             local_scale: vec![1.0; model.frame().locals.len()],
             floor: vec![0.0; model.frame().measured.len()],
-            nominal: Linear::new(model, warm(model, Point::nominal(model))),
+            nominal,
         }
     }
 

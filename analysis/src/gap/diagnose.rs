@@ -416,7 +416,6 @@ const CONFUSED: f64 = 0.9;
 /// What records of the design of `model` could show, by the sensor sheet alone: no measured value
 /// counts.
 pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
-    let basis = Basis::of_sheet(model, Method::default());
     let mut linear = super::Linear::new(model, super::Point::nominal(model));
     // An effect promises no more than it shows at its ordinary size and at twice that: its slope at
     // zero overstates one that saturates, its change at such sizes one that runs away.
@@ -437,8 +436,8 @@ pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
             }
         }
     }
-    let fit = super::Fit::at(linear, 0.0);
-    let trial = Trial::of(model, &basis, &[], fit);
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
+    let trial = Trial::of(model, &basis, &[], super::Fit::at(linear, 0.0));
     identified(model, &basis, &trial).into_iter().map(|(row, _)| row).collect()
 }
 

@@ -59,13 +59,14 @@ pub struct Plan {
 
 /// Plans the next experiment after `records`, of which `diagnosis` says what is open.
 pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagnosis: &Diagnosis) -> Plan {
-    let before = seen(model, records, group);
+    let before = seen(model, records, group, None);
     let open = open(diagnosis, &before);
     if open.is_empty() {
         return Plan { blocks: Vec::new() };
     }
+    let asked: Vec<&str> = open.iter().flat_map(|(a, b)| std::iter::once(a.as_str()).chain(b.as_deref())).collect();
     let block = |offered: menu::Offered| {
-        let mut after = seen(model, &records.followed_by(&offered.runs), group);
+        let mut after = seen(model, &records.followed_by(&offered.runs), group, Some(&asked));
         after.at_sizes_of(&before);
         let pairs: Vec<Separated> = open
             .iter()
@@ -116,9 +117,10 @@ struct SeenEffects {
     cosines: Vec<Vec<f64>>,
 }
 
-fn seen(model: &NominalModel, records: &Records, group: Option<&str>) -> SeenEffects {
+/// What records like these would show of the effects `asked` for, of all if `None`.
+fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Option<&[&str]>) -> SeenEffects {
     let parts = model.asked(records, group, |_, _| false).parts;
-    let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref())).collect();
+    let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref(), asked)).collect();
     let mut seen = all.swap_remove(0);
     for other in all {
         // Channels that know nothing of each other add up, and tell no pair apart by their signature.
@@ -137,10 +139,13 @@ fn seen(model: &NominalModel, records: &Records, group: Option<&str>) -> SeenEff
     seen
 }
 
-/// Ids, scores and cosines of the best shape of each candidate of one model.
-fn part_seen(model: &dyn Forward) -> SeenEffects {
-    let basis = Basis::of_sheet(model, Method::default());
-    let linear = Linear::new(model, Point::nominal(model));
+/// Ids, scores and cosines of the best shape of each candidate of one model; nought for those not `asked` for.
+fn part_seen(model: &dyn Forward, asked: Option<&[&str]>) -> SeenEffects {
+    let candidates = model.frame().candidates.iter().enumerate();
+    let asked = candidates.filter(|(_, own)| asked.is_none_or(|asked| asked.contains(&own.id)));
+    let asked: Vec<usize> = asked.map(|(i, _)| i).collect();
+    let linear = Linear::with(model, Point::nominal(model), &asked);
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
     let trial = Trial::of(model, &basis, &[], Fit::at(linear, 0.0));
     let scores = trial.scores();
     let mut best: Vec<usize> = Vec::new();

@@ -8,6 +8,16 @@ use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessE
 /// when its time has been cut into steps.
 const WHOLE: f64 = 1e-9;
 
+/// How wheel and part press on each other.
+struct Pressed<N> {
+    terms: Terms<N>,
+    process_stiffness: N,
+    system_stiffness: N,
+    /// Normal force that takes no chip.
+    uncut: N,
+    normal_force: N,
+}
+
 /// Plunge grinding, revolution by revolution.
 ///
 /// At the end of each work revolution the wheel has cut
@@ -115,23 +125,48 @@ impl<N: Number> Infeed<N> {
 
     /// State after the end of a work revolution at the commanded infeed of `x`.
     pub fn revolution(&self, x: &State<N>, u: &Input<N>) -> State<N> {
+        let mut next = self.cold_revolution(x, u);
+        let rise = self.output_in_cut(&next, u).temperature_rise;
+        if rise.re() > next.peak_temperature_rise.re() {
+            next.peak_temperature_rise = rise;
+        }
+        next
+    }
+
+    /// [`Infeed::revolution`] where nobody asks for the peak temperature, which stays: a third of the work.
+    pub fn cold_revolution(&self, x: &State<N>, u: &Input<N>) -> State<N> {
         let p = &self.parameters;
         let [compliance, wear, threshold] = self.shares(x, u);
         let engagement = x.commanded_infeed - x.wheel_wear - threshold - x.stock_removed;
         let depth = positive(engagement) / (compliance + wear + 1.0);
-        let mut next = State {
+        State {
             stock_removed: x.stock_removed + depth,
             depth_of_cut: depth,
             revolutions: x.revolutions + 1.0,
             wheel_wear: x.wheel_wear + wear * depth,
             removed_volume: x.removed_volume + p.work_diameter * depth * std::f64::consts::PI,
             ..*x
-        };
-        let rise = self.output_in_cut(&next, u).temperature_rise;
-        if rise.re() > next.peak_temperature_rise.re() {
-            next.peak_temperature_rise = rise;
         }
-        next
+    }
+
+    fn pressed(&self, x: &State<N>, u: &Input<N>) -> Pressed<N> {
+        let p = &self.parameters;
+        let terms = self.terms(x, u);
+        let process_stiffness = self.process_stiffness(x, u, &terms);
+        let threshold = p.threshold_force + terms.threshold_force;
+        // Below the threshold the wheel rubs, pressed on by the deflection that is there.
+        let system_stiffness = p.system_stiffness * terms.system_stiffness;
+        let deflection = x.commanded_infeed - x.stock_removed - x.wheel_wear - terms.start_offset;
+        let pressed = positive(deflection * system_stiffness);
+        let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
+        let uncut = if x.depth_of_cut.re() > 0.0 { threshold } else { rubbing };
+        let normal_force = uncut + process_stiffness * x.depth_of_cut;
+        Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force }
+    }
+
+    /// [`Output::normal_force`] of a wheel in contact, by itself.
+    pub fn normal_force(&self, x: &State<N>, u: &Input<N>) -> N {
+        self.pressed(x, u).normal_force
     }
 
     /// Outputs while the wheel touches the part.
@@ -146,18 +181,10 @@ impl<N: Number> Infeed<N> {
     /// length under a threshold force: assumption.
     pub(crate) fn output_in_cut(&self, x: &State<N>, u: &Input<N>) -> Output<N> {
         let p = &self.parameters;
-        let terms = self.terms(x, u);
-        let process_stiffness = self.process_stiffness(x, u, &terms);
-        let threshold = p.threshold_force + terms.threshold_force;
+        let Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force } = self.pressed(x, u);
         let zero = N::from(0.0);
         let depth = x.depth_of_cut;
         let size_error = x.commanded_infeed - x.stock_removed;
-        // Below the threshold the wheel rubs, pressed on by the deflection that is there.
-        let system_stiffness = p.system_stiffness * terms.system_stiffness;
-        let pressed = positive((size_error - x.wheel_wear - terms.start_offset) * system_stiffness);
-        let rubbing = if pressed.re() < threshold.re() { pressed } else { threshold };
-        let uncut = if depth.re() > 0.0 { threshold } else { rubbing };
-        let normal_force = uncut + process_stiffness * depth;
         let tangential_force = normal_force * p.friction * u.friction_factor;
         let spindle_power = tangential_force * p.wheel_speed;
         let work_speed = u.work_rotation_speed * p.work_diameter * 0.5;

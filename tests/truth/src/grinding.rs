@@ -38,6 +38,8 @@ const DEPTH: f64 = 4.4;
 /// Work diameter, wheel diameter, mm.
 const WORK: f64 = 50.0;
 const WHEEL: f64 = 400.0;
+/// Share of what stands in the way to which a depth is worked out.
+const CLOSE: f64 = 1e-12;
 /// Removed volume at which dulling counts, mm³/mm.
 const DULL: f64 = 1500.0;
 
@@ -57,25 +59,40 @@ struct Contact {
 impl Contact {
     fn force_of(&self, depth: f64) -> f64 {
         // Grains that rub begin to do so at once, those that cut take their share.
-        self.threshold * -(-depth / 0.08).exp_m1() + self.force * DEPTH * (depth / DEPTH).powf(self.exponent)
+        let rubbing = if self.threshold > 0.0 { self.threshold * -(-depth / 0.08).exp_m1() } else { 0.0 };
+        rubbing + self.force * DEPTH * (depth / DEPTH).powf(self.exponent)
     }
 
     fn deflection(&self, force: f64) -> f64 {
         force / self.stiffness * (force.max(1.0) / 170.0).powf(-self.stiffening)
     }
 
-    /// Depth at which force and deflection use up what stands in the way, by bisection.
+    /// Depth at which force and deflection use up what stands in the way, by false position; of an end that stays
+    /// in place half the weight is taken (Illinois).
     fn depth(&self, standing: f64) -> f64 {
         if standing <= 0.0 {
             return 0.0;
         }
-        let (mut low, mut high) = (0.0, standing);
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            let used = middle * (1.0 + self.wear) + self.deflection(self.force_of(middle));
-            if used < standing { low = middle } else { high = middle }
+        let beyond = |depth: f64| depth * (1.0 + self.wear) + self.deflection(self.force_of(depth)) - standing;
+        let [mut low, mut high] = [(0.0, -standing), (standing, beyond(standing))];
+        let mut stayed = 0;
+        while high.0 - low.0 > CLOSE * standing {
+            let depth = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let left = beyond(depth);
+            if left.abs() <= CLOSE * standing {
+                return depth;
+            }
+            if left < 0.0 {
+                low = (depth, left);
+                high.1 *= if stayed > 0 { 0.5 } else { 1.0 };
+                stayed = 1;
+            } else {
+                high = (depth, left);
+                low.1 *= if stayed < 0 { 0.5 } else { 1.0 };
+                stayed = -1;
+            }
         }
-        0.5 * (low + high)
+        0.5 * (low.0 + high.0)
     }
 }
 

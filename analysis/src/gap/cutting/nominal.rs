@@ -18,7 +18,7 @@ pub trait Nominal: Process + Clone {
     const ROUGHNESS: f64;
     /// Channels whose sign depends on the cut: climb milling pulls the table along.
     const SIGNED: &'static [&'static str];
-    /// Outputs that [`Nominal::readings`] gives, where they come at less cost than all.
+    /// Outputs that [`Nominal::readings`] gives.
     const READINGS: &'static [&'static str];
     /// The process under an input that stays.
     type Held<'a>
@@ -39,10 +39,8 @@ pub trait Nominal: Process + Clone {
     fn rates(held: &Self::Held<'_>, x: &Self::State, factor: f64) -> Self::State;
     /// What can be observed at `x`.
     fn observe(held: &Self::Held<'_>, x: &Self::State) -> Self::Output;
-    /// Those outputs at `x`; the others may be anything.
-    fn readings(held: &Self::Held<'_>, x: &Self::State) -> Self::Output {
-        Self::observe(held, x)
-    }
+    /// Those outputs at `x`, at less cost than all; the others may be anything.
+    fn readings(held: &Self::Held<'_>, x: &Self::State) -> Self::Output;
 }
 
 impl Nominal for Turning {
@@ -90,7 +88,7 @@ impl Nominal for Milling {
     // A micrometre of runout makes a wall many times as rough as ideal teeth would.
     const ROUGHNESS: f64 = 1.0;
     const SIGNED: &'static [&'static str] = &["feed_force"];
-    const READINGS: &'static [&'static str] = &[];
+    const READINGS: &'static [&'static str] = HeldMilling::READINGS;
     type Held<'a> = HeldMilling<'a>;
     fn with_effects(&self, effects: Effects) -> Self {
         Self { effects, ..self.clone() }
@@ -112,5 +110,8 @@ impl Nominal for Milling {
     }
     fn observe(held: &HeldMilling<'_>, x: &Self::State) -> Self::Output {
         held.output(x)
+    }
+    fn readings(held: &HeldMilling<'_>, x: &Self::State) -> Self::Output {
+        held.readings(x)
     }
 }

@@ -30,21 +30,43 @@ impl Plunge {
     }
 }
 
-/// One revolution, or a part of one, at the stiffness that the depth of the one before gives.
-fn turn(process: &Infeed, part: &mut State, u: &Input, exponent: f64, share: f64) {
-    let depth = if part.depth_of_cut > 0.0 { part.depth_of_cut } else { 0.5 * u.infeed_per_rev };
-    let bent = if exponent == 0.0 || depth <= 0.0 { 1.0 } else { (depth / DEPTH).max(1e-3).powf(exponent) };
-    let u = Input { process_stiffness_factor: u.process_stiffness_factor * bent, ..*u };
-    let mut next = *part;
-    next.commanded_infeed += u.infeed_per_rev;
-    let next = process.revolution(&next, &u);
-    if share >= 1.0 {
-        *part = next;
-    } else {
-        part.stock_removed += share * (next.stock_removed - part.stock_removed);
-        part.depth_of_cut += share * (next.depth_of_cut - part.depth_of_cut);
-        part.commanded_infeed += share * u.infeed_per_rev;
-        part.revolutions += share;
+/// A part under the wheel, the force growing with a power of the depth.
+struct Contact<'a> {
+    process: &'a Infeed,
+    part: State,
+    exponent: f64,
+    /// Factor on the stiffness at the depth of `part`.
+    bent: f64,
+}
+
+impl Contact<'_> {
+    fn bent(&self, depth: f64) -> f64 {
+        if self.exponent == 0.0 || depth <= 0.0 { 1.0 } else { (depth / DEPTH).max(1e-3).powf(self.exponent) }
+    }
+
+    /// The input at the stiffness that the depth of the last revolution gives.
+    fn input(&self, u: &Input) -> Input {
+        Input { process_stiffness_factor: u.process_stiffness_factor * self.bent, ..*u }
+    }
+
+    /// One revolution, or a part of one.
+    fn turn(&mut self, u: &Input, share: f64) {
+        // The first depth is not known yet.
+        let first = self.part.depth_of_cut <= 0.0;
+        let bent = if first { self.bent(0.5 * u.infeed_per_rev) } else { self.bent };
+        let stiff = Input { process_stiffness_factor: u.process_stiffness_factor * bent, ..*u };
+        let part = &mut self.part;
+        let commanded = State { commanded_infeed: part.commanded_infeed + u.infeed_per_rev, ..*part };
+        let next = self.process.cold_revolution(&commanded, &stiff);
+        if share >= 1.0 {
+            *part = next;
+        } else {
+            part.stock_removed += share * (next.stock_removed - part.stock_removed);
+            part.depth_of_cut += share * (next.depth_of_cut - part.depth_of_cut);
+            part.commanded_infeed += share * u.infeed_per_rev;
+            part.revolutions += share;
+        }
+        self.bent = self.bent(self.part.depth_of_cut);
     }
 }
 
@@ -52,7 +74,7 @@ fn turn(process: &Infeed, part: &mut State, u: &Input, exponent: f64, share: f64
 /// The mean radius lacks `ramp` of the last revolution's depth.
 pub(super) fn plunge(
     process: &Infeed,
-    mut part: State,
+    part: State,
     u: &Input,
     [revolutions, spark_out]: [f64; 2],
     exponent: f64,
@@ -63,30 +85,28 @@ pub(super) fn plunge(
         let rest = count - count.floor();
         (0..whole).map(|_| 1.0).chain((rest > 1e-6).then_some(rest))
     };
-    let bent = |part: &State, u: &Input| {
-        let factor = if part.depth_of_cut > 0.0 { (part.depth_of_cut / DEPTH).max(1e-3).powf(exponent) } else { 1.0 };
-        Input { process_stiffness_factor: u.process_stiffness_factor * factor, ..*u }
-    };
+    let mut contact = Contact { process, part, exponent, bent: 1.0 };
+    contact.bent = contact.bent(part.depth_of_cut);
     let mut rise = vec![(0.0, 0.0)];
     for share in shares(revolutions) {
-        turn(process, &mut part, u, exponent, share);
-        let force = process.output(&part, &bent(&part, u)).normal_force;
+        contact.turn(u, share);
+        let force = process.normal_force(&contact.part, &contact.input(u));
         rise.push((rise.last().map_or(0.0, |last| last.0) + share, force));
     }
-    let steady = process.output(&part, &bent(&part, u));
+    let steady = process.output(&contact.part, &contact.input(u));
     // Heat comes in under infeed and stays until the part is gauged.
-    let warm = part.stock_removed - steady.stock_removed;
+    let warm = contact.part.stock_removed - steady.stock_removed;
     let resting = Input { infeed_per_rev: 0.0, ..*u };
     for share in shares(spark_out) {
-        turn(process, &mut part, &resting, exponent, share);
+        contact.turn(&resting, share);
     }
-    let end = process.output(&part, &bent(&part, &resting));
+    let part = contact.part;
     let read = Plunge {
         stock_removed: part.stock_removed - warm - ramp * part.depth_of_cut,
         normal_force: steady.normal_force,
         tangential_force: steady.tangential_force,
         rise_revolutions: risen(&rise, RISEN * steady.normal_force),
-        force_after_spark_out: end.normal_force,
+        force_after_spark_out: process.normal_force(&part, &contact.input(&resting)),
     };
     (read, part)
 }

@@ -17,6 +17,17 @@ struct MeanForce<N> {
     normal: N,
 }
 
+/// What sensors and gauges read of a cut.
+pub(super) struct Sensed<N> {
+    pub cutting_force: N,
+    pub feed_force: N,
+    pub normal_force: N,
+    pub spindle_power: N,
+    pub form_error: N,
+    /// Roughness that a cutter without chatter leaves.
+    pub roughness_ra: N,
+}
+
 /// What a rotation looks like: the engagement and its integrals.
 #[derive(Clone, Copy, Debug)]
 struct Arc<N> {
@@ -241,6 +252,23 @@ impl<N: Number> Milling<N> {
         peak / (section * (t * t + r * r).sqrt()) * shaken.forced
     }
 
+    /// What sensors and gauges read.
+    #[inline]
+    pub(super) fn sensed(&self, at: &Engagement<N>, x: &MillingState<N>) -> Sensed<N> {
+        let (u, terms, c) = (&at.input, &at.terms, &self.cutter);
+        let force = self.mean_force(x.flank_wear, at);
+        let scallop = |feed: N| feed * feed / c.diameter * 0.25;
+        let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
+        Sensed {
+            cutting_force: force.tangential * terms.force_reading + terms.force_offset,
+            feed_force: force.feed * terms.force_reading,
+            normal_force: force.normal,
+            spindle_power: force.tangential * u.cutting_speed + terms.spindle_loss,
+            form_error: force.normal / c.static_stiffness + terms.form_error,
+            roughness_ra: least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25,
+        }
+    }
+
     /// Everything that can be observed.
     ///
     /// | output | equation |
@@ -266,7 +294,7 @@ impl<N: Number> Milling<N> {
     ) -> MillingOutput<N> {
         let (u, terms, psi) = (&at.input, at.terms, at.arc.angle);
         let c = &self.cutter;
-        let force = self.mean_force(x.flank_wear, at);
+        let sensed = self.sensed(at, x);
         let new = self.mean_force(N::from(0.0), unworn);
         let width = at.width;
         let chip = at.chip * u.engaged;
@@ -275,11 +303,9 @@ impl<N: Number> Milling<N> {
         let radial = (k.radial_cutting * chip + k.radial_edge) * terms.feed_force;
         let rotation = u.cutting_speed / c.diameter * 2.0;
         let feed_rate = self.feed_rate(u);
-        let scallop = |feed: N| feed * feed / c.diameter * 0.25;
-        let marks = scallop(u.feed_per_tooth) + terms.runout * 2.0;
         let damage = at.damage_rate;
         let endless = damage.re() * LONGEST_LIFE <= 1.0;
-        let ideal = least(marks, scallop(u.feed_per_tooth * c.teeth)) * 0.25;
+        let ideal = sensed.roughness_ra;
         let shaken = self.judged(x, u, &terms);
         let peak = u.depth_of_cut * (tangential * tangential + radial * radial).sqrt() * u.engaged;
         let amplitude = self.forced_amplitude(&shaken, peak, u.depth_of_cut * chip, &k) + shaken.chatter;
@@ -289,11 +315,11 @@ impl<N: Number> Milling<N> {
             flank_wear: x.flank_wear,
             wear_ratio: x.flank_wear / self.life.wear_limit,
             tool_life: if endless { N::from(LONGEST_LIFE) } else { damage.recip() },
-            cutting_force: force.tangential * terms.force_reading + terms.force_offset,
-            feed_force: force.feed * terms.force_reading,
-            normal_force: force.normal,
+            cutting_force: sensed.cutting_force,
+            feed_force: sensed.feed_force,
+            normal_force: sensed.normal_force,
             peak_tooth_force: peak,
-            spindle_power: force.tangential * u.cutting_speed + terms.spindle_loss,
+            spindle_power: sensed.spindle_power,
             spindle_speed: rotation,
             feed_rate,
             material_removal_rate: u.depth_of_cut * width * feed_rate,
@@ -304,8 +330,9 @@ impl<N: Number> Milling<N> {
             } else {
                 ideal
             },
-            form_error: force.normal / c.static_stiffness + terms.form_error,
-            size_error: x.flank_wear * c.clearance_angle.tan() + (force.normal - new.normal) / c.static_stiffness,
+            form_error: sensed.form_error,
+            size_error: x.flank_wear * c.clearance_angle.tan()
+                + (sensed.normal_force - new.normal) / c.static_stiffness,
             stable: N::from(f64::from(u8::from(shaken.stable()))),
             stability_margin: N::from(shaken.margin),
             vibration_amplitude: amplitude,
