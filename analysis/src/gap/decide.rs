@@ -25,12 +25,12 @@ const SCATTERED: f64 = 0.05;
 const EARLY: usize = 2;
 /// Share of the gain that structure beside a named effect may have.
 const REMAINDER: f64 = 0.5;
-/// Size over its standard error between groups that a named effect needs: all groups must speak
-/// for it, not one.
+/// Size over its standard error between groups that a named effect needs, and lead over it that speaks
+/// for a generic signature in its place: all groups must say so, not one.
 const AGREED: f64 = 2.0;
 /// Score, at the size that was fitted, that a named effect needs: smaller ones are as often the
 /// work of causes that no catalogue has (blind checks on shops that were used for development).
-const CONVINCING: f64 = 4.5;
+pub(super) const CONVINCING: f64 = 4.5;
 /// Share of its gain by which an effect may fall behind a generic signature: the function of an
 /// effect is as little exact as any other (assumption).
 const FORM: f64 = 0.1;
@@ -458,7 +458,10 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         );
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
-        let beaten = abstains && generic_gain - value > GATE + FORM * value;
+        // What an effect does from time to time scatters, and a signature may follow the scatter of a few
+        // groups: it has to be the better one for all of them.
+        let (lead, error) = predictive_gain(&decision.before.evidence, &trial.evidence);
+        let beaten = abstains && generic_gain - value > GATE + FORM * value && lead > AGREED * error;
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
         if value > GATE && groups < FEWEST_GROUPS {

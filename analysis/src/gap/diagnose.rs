@@ -3,15 +3,14 @@
 use super::closure::{closures, scored, touched};
 use super::decide::{Decision, SAME, decide};
 use super::evidence::{folds, gain, predictive_gain};
+use super::identifiability::{Shown, hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
-use super::score::Scores;
 use super::trial::Trial;
 use super::{
-    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, MaskedEffect, Method, NamedEffect, NextExperiment,
-    Ranked, Transform, Tried, report_units,
+    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
+    Transform, Tried, report_units,
 };
-use nalgebra::DVector;
 use rayon::prelude::*;
 use toolroom_effects::{CatalogueEntry, Effect};
 use toolroom_sim::effects::SHOP_EFFECTS;
@@ -95,11 +94,11 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
-    let ((total, channels), (named, (masked, tried))) = rayon::join(
+    let ((total, channels), (named, (hidden, tried))) = rayon::join(
         || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
         || {
             let rest = || tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
-            rayon::join(|| named(model, &basis, &decision), || rayon::join(|| masked(model, &basis, &decision), rest))
+            rayon::join(|| named(model, &basis, &decision), || rayon::join(|| hidden(model, &basis, &decision), rest))
         },
     );
     let mut notes = decision.reasons.clone();
@@ -117,16 +116,18 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         channels,
         held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
         budget: budget(model, &decision),
-        masked,
+        masked: hidden.iter().map(Shown::masked).collect(),
         next: NextExperiment::default(),
         calibration: calibration(model, &decision),
         ranking: ranking(model, &decision),
         tried,
         notes,
     };
-    if diagnosis.verdict == GapVerdict::NoGap && hidden_by_calibration(&diagnosis) {
+    if diagnosis.verdict == GapVerdict::NoGap
+        && let Some(why) = hidden_by_calibration(model, &decision, &hidden)
+    {
         diagnosis.verdict = GapVerdict::Masked;
-        diagnosis.notes.push("calibration went far from nominal, where a masked effect would push it".to_owned());
+        diagnosis.notes.push(why);
     }
     diagnosis.next = next(&diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
@@ -352,193 +353,6 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
         .collect();
     list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
     list
-}
-
-/// Effects that such data can hardly show at their ordinary size.
-fn masked(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<MaskedEffect> {
-    let mut list: Vec<(Identifiable, f64)> = Vec::new();
-    for (row, typical) in identified(model, basis, &decision.base) {
-        // Of several shapes of an effect the one that shows best speaks for all.
-        match list.iter_mut().find(|(other, _)| other.id == row.id) {
-            Some(other) if row.minimal_detectable < other.0.minimal_detectable => *other = (row, typical),
-            Some(_) => {}
-            None => list.push((row, typical)),
-        }
-    }
-    let hidden = list.iter().filter(|(row, typical)| row.minimal_detectable > *typical);
-    hidden.map(|(row, _)| row.masked()).collect()
-}
-
-/// What records of such a design can show of one effect.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Identifiable {
-    /// Word of the catalogue.
-    pub id: &'static str,
-    /// Shape; may be empty.
-    pub shape: String,
-    /// Share of its signature that calibration, allowance and group factors take up.
-    pub masking: f64,
-    /// Least size that would reach a score of 5 even where its function is not quite that of the
-    /// catalogue, or between two shapes of it, display unit.
-    pub minimal_detectable: f64,
-    /// Unit of that.
-    pub unit: &'static str,
-    /// Effects with nearly the same signature.
-    pub confused: Vec<&'static str>,
-    /// What leaving it out would do to the calibration.
-    pub bias: String,
-    /// Experiment that tells it from its worst confounder.
-    pub separating_test: &'static str,
-}
-
-impl Identifiable {
-    /// Score that an effect of `size` (display unit) would reach.
-    pub fn score(&self, size: f64) -> f64 {
-        DETECTABLE * size / self.minimal_detectable
-    }
-
-    fn masked(&self) -> MaskedEffect {
-        MaskedEffect {
-            id: self.id,
-            shape: self.shape.clone(),
-            masking: self.masking,
-            minimal_detectable: self.minimal_detectable,
-            unit: self.unit,
-            separating_test: self.separating_test,
-            bias: self.bias.clone(),
-        }
-    }
-}
-
-/// Cosine of projected signatures from which two effects count as confused.
-const CONFUSED: f64 = 0.9;
-
-/// What records of the design of `model` could show, by the sensor sheet alone: no measured value
-/// counts.
-pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
-    let mut linear = super::Linear::new(model, super::Point::nominal(model));
-    // An effect promises no more than it shows at its ordinary size and at twice that: its slope at
-    // zero overstates one that saturates, its change at such sizes one that runs away.
-    let (nominal, _) = super::linear::predict(model, &linear.point);
-    for (index, candidate) in model.frame().candidates.iter().enumerate() {
-        let observations = &model.frame().measured.observations;
-        let square = |column: &[f64]| {
-            let standard = column.iter().zip(observations).map(|(value, each)| value / each.deviation);
-            standard.map(|value| value * value).sum::<f64>()
-        };
-        for size in [1.0, 2.0] {
-            let mut point = linear.point.clone();
-            point.effects[index] = (size * candidate.typical).min(candidate.greatest);
-            let (there, _) = super::linear::predict(model, &point);
-            let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| (there - here) / size).collect();
-            if square(&change) < square(&linear.effects[index]) {
-                std::sync::Arc::make_mut(&mut linear.effects)[index] = change;
-            }
-        }
-    }
-    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
-    let trial = Trial::of(model, &basis, &[], super::Fit::at(linear, 0.0));
-    identified(model, &basis, &trial).into_iter().map(|(row, _)| row).collect()
-}
-
-/// How many prior standard deviations of its form an effect may be unlucky by and still keep what is
-/// promised: nineteen times of twenty.
-const UNLUCKY: f64 = 1.645;
-/// Share of a score that is promised in any case.
-const ANYHOW: f64 = 0.1;
-
-/// Score per ordinary size that an effect shows although its function is not quite that of the
-/// catalogue: what the projection leaves of a signature is small beside what it takes away, so that
-/// a little change of form can cost much of it.
-fn promised(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, moved: &DVector<f64>, score: f64) -> f64 {
-    let linear = &trial.fit.linear;
-    if score == 0.0 {
-        return 0.0;
-    }
-    let mut left = linear.effects[index].clone();
-    for (column, x) in linear.nuisance.iter().zip(moved.iter()) {
-        left.iter_mut().zip(column).for_each(|(left, slope)| *left -= slope * x);
-    }
-    let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
-    let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
-    let measured = &model.frame().measured;
-    let gram = super::Gram::new(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
-    let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
-    (score - UNLUCKY * lost.sqrt()).max(ANYHOW * score)
-}
-
-/// Cosine of two signatures, before anything is projected out, from which shapes of an effect are neighbours
-/// (assumption): a cause may lie between them. Lots and coolants act on rows of their own and are none.
-const NEIGHBOURS: f64 = 0.5;
-
-/// Share of the score of a shape that is left where the cause lies halfway between it and its neighbour: what the
-/// projection leaves of the two may have little in common, so that neither sees it well.
-fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, index: usize) -> f64 {
-    let frame = model.frame();
-    let effects = &trial.fit.linear.effects;
-    let dot = |a: usize, b: usize| -> f64 {
-        let each = effects[a].iter().zip(&effects[b]).enumerate();
-        each.map(|(i, (a, b))| a * b / basis.noise.deviation(&frame.measured, i).powi(2)).sum()
-    };
-    let alike = |other: &usize| *other != index && frame.candidates[*other].id == frame.candidates[index].id;
-    let cosine = |other: usize| (other, dot(index, other) / (dot(index, index) * dot(other, other)).sqrt());
-    let near = (0..frame.candidates.len()).filter(alike).map(cosine).filter(|(_, cosine)| *cosine > NEIGHBOURS);
-    let Some((other, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) else { return 1.0 };
-    let (own, its, common) = (scores.length[index], scores.length[other], scores.cosine[(index, other)]);
-    if own == 0.0 {
-        return 1.0;
-    }
-    (0.5 * (own + its * common).max(its + own * common) / own).clamp(ANYHOW, 1.0)
-}
-
-fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<(Identifiable, f64)> {
-    let scores = trial.scores();
-    let nuisance = trial.fit.linear.nuisance.len();
-    let at: Vec<usize> = (0..nuisance).collect();
-    let mut matrix = super::gram::part(&trial.gram.total, &at, &at);
-    (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
-    let matrix = super::gram::factor(matrix);
-    let name = |i: usize| {
-        let parameters = &model.frame().parameters;
-        parameters
-            .get(i)
-            .map_or_else(|| model.frame().surfaces[i - parameters.len()].name.as_str(), |p| p.name.as_str())
-    };
-    let row = |(index, candidate): (usize, &super::Candidate)| {
-        let entry = entry(candidate.id)?;
-        let (factor, unit) = report_units(candidate.id);
-        let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
-        let promised = promised(model, basis, trial, index, &moved, scores.length[index])
-            * between(model, basis, trial, &scores, index);
-        let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
-        let bias = worst.map_or_else(String::new, |worst| {
-            format!("at ordinary size it moves `{}` by {:.1} prior standard deviations", name(worst), moved[worst])
-        });
-        let mut confused: Vec<&'static str> = (0..model.frame().candidates.len())
-            .filter(|other| {
-                scores.cosine[(index, *other)] > CONFUSED && model.frame().candidates[*other].id != candidate.id
-            })
-            .map(|other| model.frame().candidates[other].id)
-            .collect();
-        confused.dedup();
-        let row = Identifiable {
-            id: candidate.id,
-            shape: candidate.shape.clone(),
-            masking: scores.masking[index],
-            minimal_detectable: DETECTABLE / promised * candidate.typical * factor,
-            unit,
-            confused,
-            bias,
-            separating_test: entry.separating_test,
-        };
-        Some((row, candidate.typical * factor))
-    };
-    model.frame().candidates.iter().enumerate().filter_map(row).collect()
-}
-
-fn hidden_by_calibration(diagnosis: &Diagnosis) -> bool {
-    let far = diagnosis.calibration.iter().any(|each| each.prior_sd_moved.abs() > 4.0);
-    far && diagnosis.masked.iter().any(|masked| masked.masking > 0.97)
 }
 
 fn next(diagnosis: &Diagnosis) -> NextExperiment {

@@ -18,6 +18,7 @@
 //! | [`diagnose()`] | the whole way |
 //! | [`diagnose_parts()`] | the same for channels that are models of their own |
 //! | [`diagnose_processes()`] | the same for every process of a data set, with one answer |
+//! | [`identifiability()`] | what records of a design can show, before anything is measured |
 //! | [`Forward`] | what a nominal model must offer; [`cutting::Cutting`] offers it for turning and milling, [`program::Stretches`] for part programs |
 //! | [`Diagnosis`] | what is said, and its JSON form |
 //! | [`Basis`], [`Noise`] | by what all models are judged |
@@ -45,6 +46,7 @@ mod forward;
 mod generic;
 mod gram;
 pub mod grinding;
+mod identifiability;
 mod left_out;
 mod linear;
 mod measured;
@@ -67,7 +69,7 @@ pub use basis::Basis;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use decide::{Decision, FEWEST_GROUPS};
-pub use diagnose::{Diagnosed, Identifiable, diagnose, diagnose_by, identifiability};
+pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked, Tried,
 };
@@ -76,6 +78,7 @@ pub use evidence::Evidence;
 pub use fit::Fit;
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
 pub use gram::Gram;
+pub use identifiability::{Identifiable, identifiability};
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Sensor, Transform};
 pub use method::Method;

@@ -1,0 +1,247 @@
+//! What records of a design can show of each effect, before and beside a diagnosis.
+
+use super::decide::{CONVINCING, Decision};
+use super::diagnose::{DETECTABLE, entry};
+use super::score::Scores;
+use super::trial::Trial;
+use super::{Basis, Forward, MaskedEffect, Method, report_units};
+use nalgebra::DVector;
+
+/// What records of such a design can show of one effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identifiable {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Shape; may be empty.
+    pub shape: String,
+    /// Share of its signature that calibration, allowance and group factors take up.
+    pub masking: f64,
+    /// Least size whose score would convince nineteen times of twenty, for all the noise, even where its
+    /// function is not quite that of the catalogue, or between two shapes of it; display unit.
+    pub minimal_detectable: f64,
+    /// Unit of that.
+    pub unit: &'static str,
+    /// Effects with nearly the same signature.
+    pub confused: Vec<&'static str>,
+    /// What leaving it out would do to the calibration.
+    pub bias: String,
+    /// Experiment that tells it from its worst confounder.
+    pub separating_test: &'static str,
+}
+
+impl Identifiable {
+    /// Score that an effect of `size` (display unit) promises: 5 at the least size that would convince.
+    pub fn score(&self, size: f64) -> f64 {
+        DETECTABLE * size / self.minimal_detectable
+    }
+}
+
+/// What records of the design of `model` could show, by the sensor sheet alone: no measured value
+/// counts.
+pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
+    let mut linear = super::Linear::new(model, super::Point::nominal(model));
+    // An effect promises no more than it shows at its ordinary size and at twice that: its slope at
+    // zero overstates one that saturates, its change at such sizes one that runs away.
+    let (nominal, _) = super::linear::predict(model, &linear.point);
+    for (index, candidate) in model.frame().candidates.iter().enumerate() {
+        let observations = &model.frame().measured.observations;
+        let square = |column: &[f64]| {
+            let standard = column.iter().zip(observations).map(|(value, each)| value / each.deviation);
+            standard.map(|value| value * value).sum::<f64>()
+        };
+        for size in [1.0, 2.0] {
+            let mut point = linear.point.clone();
+            point.effects[index] = (size * candidate.typical).min(candidate.greatest);
+            let (there, _) = super::linear::predict(model, &point);
+            let change: Vec<f64> = there.iter().zip(&nominal).map(|(there, here)| (there - here) / size).collect();
+            if square(&change) < square(&linear.effects[index]) {
+                std::sync::Arc::make_mut(&mut linear.effects)[index] = change;
+            }
+        }
+    }
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
+    let trial = Trial::of(model, &basis, &[], super::Fit::at(linear, 0.0));
+    identified(model, &basis, &trial).into_iter().map(|shown| shown.row).collect()
+}
+
+/// What such data show of one effect.
+pub(super) struct Shown {
+    row: Identifiable,
+    /// Ordinary size, display unit.
+    typical: f64,
+    /// Where an ordinary size moves the calibration if it is left out, prior standard deviations.
+    moves: DVector<f64>,
+}
+
+impl Shown {
+    pub(super) fn masked(&self) -> MaskedEffect {
+        let row = &self.row;
+        MaskedEffect {
+            id: row.id,
+            shape: row.shape.clone(),
+            masking: row.masking,
+            minimal_detectable: row.minimal_detectable,
+            unit: row.unit,
+            separating_test: row.separating_test,
+            bias: row.bias.clone(),
+        }
+    }
+}
+
+/// Effects that such data can hardly show at their ordinary size.
+pub(super) fn hidden(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<Shown> {
+    let mut list: Vec<Shown> = Vec::new();
+    for shown in identified(model, basis, &decision.base) {
+        // Of several shapes of an effect the one that shows best speaks for all.
+        match list.iter_mut().find(|other| other.row.id == shown.row.id) {
+            Some(other) if shown.row.minimal_detectable < other.row.minimal_detectable => *other = shown,
+            Some(_) => {}
+            None => list.push(shown),
+        }
+    }
+    list.retain(|shown| shown.row.minimal_detectable > shown.typical);
+    list
+}
+
+/// Prior standard deviations from which calibration went so far that something may have pushed it.
+const PUSHED: f64 = 4.0;
+/// Ordinary sizes that a masked effect may have (assumption).
+const LARGE: f64 = 4.0;
+/// Share of a signature from which the projection leaves next to nothing of it.
+const WHOLLY: f64 = 0.97;
+
+/// What calibration went far for, if a masked effect of a size that occurs pushes it there.
+pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hidden: &[Shown]) -> Option<String> {
+    let point = &decision.base.fit.linear.point;
+    let moved = point.parameters.iter().chain(&point.surfaces).enumerate();
+    let pushed = |(i, x): (usize, &f64)| {
+        let pushes = |own: &&Shown| own.row.masking > WHOLLY && LARGE * own.moves[i] * x.signum() > x.abs();
+        let by = (x.abs() > PUSHED).then(|| hidden.iter().find(pushes)).flatten()?;
+        let (name, id) = (nuisance_name(model, i), by.row.id);
+        Some(format!("`{name}` is {:.1} prior standard deviations off, where {id} would push it", x.abs()))
+    };
+    moved.into_iter().find_map(pushed)
+}
+
+/// Cosine of projected signatures from which two effects count as confused.
+const CONFUSED: f64 = 0.9;
+
+fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
+    let scores = trial.scores();
+    let nuisance = trial.fit.linear.nuisance.len();
+    let at: Vec<usize> = (0..nuisance).collect();
+    let mut matrix = super::gram::part(&trial.gram.total, &at, &at);
+    (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
+    let matrix = super::gram::factor(matrix);
+    let row = |(index, candidate): (usize, &super::Candidate)| {
+        let entry = entry(candidate.id)?;
+        let (factor, unit) = report_units(candidate.id);
+        let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
+        let least = least(model, basis, trial, index, &moved, scores.length[index])
+            / between(model, basis, trial, &scores, index);
+        let worst = (0..nuisance).max_by(|a, b| moved[*a].abs().total_cmp(&moved[*b].abs()));
+        let bias = worst.map_or_else(String::new, |worst| {
+            let name = nuisance_name(model, worst);
+            format!("at ordinary size it moves `{name}` by {:.1} prior standard deviations", moved[worst])
+        });
+        let mut confused: Vec<&'static str> = (0..model.frame().candidates.len())
+            .filter(|other| {
+                scores.cosine[(index, *other)] > CONFUSED && model.frame().candidates[*other].id != candidate.id
+            })
+            .map(|other| model.frame().candidates[other].id)
+            .collect();
+        confused.dedup();
+        let row = Identifiable {
+            id: candidate.id,
+            shape: candidate.shape.clone(),
+            masking: scores.masking[index],
+            minimal_detectable: least * candidate.typical * factor,
+            unit,
+            confused,
+            bias,
+            separating_test: entry.separating_test,
+        };
+        Some(Shown { row, typical: candidate.typical * factor, moves: moved })
+    };
+    model.frame().candidates.iter().enumerate().filter_map(row).collect()
+}
+
+/// Name of a number of the calibration or the form allowance.
+fn nuisance_name(model: &dyn Forward, i: usize) -> &str {
+    let frame = model.frame();
+    let parameters = frame.parameters.iter().map(|parameter| &parameter.name);
+    parameters.chain(frame.surfaces.iter().map(|surface| &surface.name)).nth(i).map_or("", String::as_str)
+}
+
+/// How many standard deviations of its form and of the noise of its score an effect may be unlucky by
+/// and still keep what is promised: nineteen times of twenty.
+const UNLUCKY: f64 = 1.645;
+/// Share of a score that no form takes away.
+const ANYHOW: f64 = 0.1;
+
+/// Least size, in ordinary ones, whose score convinces although the noise takes away of it, and
+/// although the function of the effect is not quite that of the catalogue: what the projection leaves of a
+/// signature is small beside what it takes away, so that a little change of form can cost much of it.
+/// `score` is that of an ordinary size.
+fn least(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, moved: &DVector<f64>, score: f64) -> f64 {
+    let linear = &trial.fit.linear;
+    if score == 0.0 {
+        return f64::INFINITY;
+    }
+    let mut left = linear.effects[index].clone();
+    for (column, x) in linear.nuisance.iter().zip(moved.iter()) {
+        left.iter_mut().zip(column).for_each(|(left, slope)| *left -= slope * x);
+    }
+    let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
+    let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
+    let measured = &model.frame().measured;
+    let gram = super::Gram::new(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
+    let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
+    convincing(score, (UNLUCKY * lost.sqrt()).min((1.0 - ANYHOW) * score))
+}
+
+/// Size x at which `score` x − √((`lost` x)² + UNLUCKY²), the noise of a score being 1, comes to
+/// CONVINCING; `lost` is below `score`.
+fn convincing(score: f64, lost: f64) -> f64 {
+    let (a, b, c) = (score * score - lost * lost, CONVINCING * score, CONVINCING * CONVINCING - UNLUCKY * UNLUCKY);
+    (b + (b * b - a * c).sqrt()) / a
+}
+
+/// Cosine of two signatures, before anything is projected out, from which shapes of an effect are neighbours
+/// (assumption): a cause may lie between them. Lots and coolants act on rows of their own and are none.
+const NEIGHBOURS: f64 = 0.5;
+
+/// Share of the score of a shape that is left where the cause lies halfway between it and its neighbour: what the
+/// projection leaves of the two may have little in common, so that neither sees it well.
+fn between(model: &dyn Forward, basis: &Basis, trial: &Trial, scores: &Scores, index: usize) -> f64 {
+    let frame = model.frame();
+    let effects = &trial.fit.linear.effects;
+    let dot = |a: usize, b: usize| -> f64 {
+        let each = effects[a].iter().zip(&effects[b]).enumerate();
+        each.map(|(i, (a, b))| a * b / basis.noise.deviation(&frame.measured, i).powi(2)).sum()
+    };
+    let alike = |other: &usize| *other != index && frame.candidates[*other].id == frame.candidates[index].id;
+    let cosine = |other: usize| (other, dot(index, other) / (dot(index, index) * dot(other, other)).sqrt());
+    let near = (0..frame.candidates.len()).filter(alike).map(cosine).filter(|(_, cosine)| *cosine > NEIGHBOURS);
+    let Some((other, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) else { return 1.0 };
+    let (own, its, common) = (scores.length[index], scores.length[other], scores.cosine[(index, other)]);
+    if own == 0.0 {
+        return 1.0;
+    }
+    (0.5 * (own + its * common).max(its + own * common) / own).clamp(ANYHOW, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_size_convinces_in_spite_of_noise_and_form() {
+        for (score, lost) in [(5.0, 0.0), (3.0, 1.2), (40.0, 36.0)] {
+            let size = convincing(score, lost);
+            let left = score * size - (lost * size).hypot(UNLUCKY);
+            assert!((left - CONVINCING).abs() < 1e-9, "{left} at {size}");
+        }
+        assert!((convincing(1.0, 0.0) - CONVINCING - UNLUCKY).abs() < 1e-12);
+    }
+}
