@@ -21,6 +21,7 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
         idle_power: 100.0,
+        coolant_change: None,
         calendar: None,
     }
 }
@@ -93,6 +94,7 @@ pub(crate) fn scenario() -> Scenario {
             material_cost: 10.0,
             flow_allowance: 500.0,
             batch_size: 10,
+            deviating_lot: None,
             operations: vec![
                 operation("turn", vec![0, 1], 0, Work::Cutting(vec![cut; 2])),
                 operation("grind", vec![2], 1, grinding),
@@ -204,7 +206,7 @@ pub(crate) fn log() -> RunLog {
     let grinder = states(2, &[(Idle, 420.0), (Handling, 430.0), (Cutting, 530.0), (Handling, 540.0), (Idle, 3600.0)]);
     let mut rows = [lathe, states(1, &[(Idle, 3600.0)]), grinder].concat();
     rows.sort_by(|a, b| a.end.total_cmp(&b.end));
-    let job = |finish: f64, outcome| JobRow { part: 0, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
+    let job = |finish: f64, outcome| JobRow { part: 0, lot: 1, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
     let grinding = PassRow { speed_start: 0.0, speed_end: 0.0, path: 0.0, ..pass(0, 1, 0, 2, 2, 430.0, 530.0) };
     RunLog {
         passes: vec![

@@ -24,6 +24,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         refill_time: 300.0,
         speed_range: (0.1, 10.0),
         idle_power: 500.0,
+        coolant_change: None,
         calendar: None,
     }
 }
@@ -55,7 +56,7 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
 }
 
 fn part(name: String, operations: Vec<Operation>) -> Part {
-    Part { name, material_cost: 1.0, flow_allowance: 1e5, batch_size: 25, operations }
+    Part { name, material_cost: 1.0, flow_allowance: 1e5, batch_size: 25, deviating_lot: None, operations }
 }
 
 fn policy(speed: SpeedRule) -> PolicyRule {

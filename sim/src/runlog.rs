@@ -211,6 +211,8 @@ pub struct EdgeRow {
 pub struct JobRow {
     /// Part type.
     pub part: u32,
+    /// Batch of its source, from 1.
+    pub lot: u32,
     /// Arrival, s.
     pub arrival: f64,
     /// First operation started, s; NaN: never.

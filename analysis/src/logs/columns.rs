@@ -158,6 +158,7 @@ pub fn jobs() -> Vec<Column<JobRow>> {
     let columns = [
         count("job", |r| Some(r.index)),
         text("part", |r: &Row<'_, JobRow>| r.names.part(r.row.part)),
+        count("lot", |r| Some(r.row.lot)),
         real("arrival", "s", "min", |row| row.arrival),
         real("start", "s", "min", |row| row.start),
         real("finish", "s", "min", |row| row.finish),

@@ -267,10 +267,16 @@ impl Process for Infeed {
         self.observe(x, u)
     }
 
+    /// A machine whose stiffness has drifted away is refused.
+    ///
     /// Events are raised at the end of the revolution in which their limit is passed; where both
     /// are passed in one revolution, burn is raised and the other shows in the indicators.
     fn advance(&self, x: &mut State, u: &Input, dt: f64) -> Result<Advance, ModelError> {
         u.check()?;
+        if self.terms(x, u).system_stiffness <= 0.0 {
+            let reason = "stiffness_drift leaves nothing of it at this machine_time: choose a smaller size";
+            return Err(ModelError::NoSolution { quantity: "system_stiffness", reason });
+        }
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(ModelError::Step { seconds: dt });
         }

@@ -76,9 +76,14 @@ impl Field {
         Err(ModelError::OutOfRange {
             field: self.name,
             value: self.to_display(value),
-            min: self.to_display(self.min),
-            max: self.to_display(self.max),
+            min: without_rounding_error(self.to_display(self.min)),
+            max: without_rounding_error(self.to_display(self.max)),
             unit: self.display,
         })
     }
+}
+
+/// A bound as it was meant: 0.36 per hour, not 0.36000000000000004.
+fn without_rounding_error(bound: f64) -> f64 {
+    format!("{bound:.12e}").parse().unwrap_or(bound)
 }

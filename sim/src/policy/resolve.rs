@@ -239,6 +239,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         refill_time: 300.0,
         speed_range,
         idle_power: 0.0,
+        coolant_change: None,
         calendar: None,
     };
     controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")

@@ -14,6 +14,8 @@ pub struct Part {
     pub flow_allowance: f64,
     /// Workpieces of one hardness batch; the batch factor is drawn anew after each.
     pub batch_size: u32,
+    /// Number, from 1, of the batch from each source on which [`lot_hardness`](toolroom_effects::Effect) acts.
+    pub deviating_lot: Option<u32>,
     /// Operations in order.
     pub operations: Vec<Operation>,
 }

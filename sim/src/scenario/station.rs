@@ -35,6 +35,8 @@ pub struct MachineType {
     pub speed_range: (f64, f64),
     /// Power of spindle without cut, W.
     pub idle_power: f64,
+    /// When the coolant is changed for another, s; fresh from then on, and `coolant_change` acts.
+    pub coolant_change: Option<f64>,
     /// Index into [`Scenario::calendars`](super::Scenario::calendars).
     pub calendar: Option<usize>,
 }

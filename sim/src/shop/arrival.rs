@@ -76,9 +76,11 @@ impl<R: Recorder> Shop<'_, R> {
         let origin = Entity::named("job").part(source as u64);
         let entity = origin.part(index);
         let lot = index / u64::from(self.scenario.parts[part].batch_size.max(1));
+        let named = u32::try_from(lot + 1).unwrap_or(u32::MAX);
         let number = self.world.jobs.released;
         let row = JobRow {
             part: part as u32,
+            lot: named,
             arrival: now.seconds(),
             start: f64::NAN,
             finish: f64::NAN,

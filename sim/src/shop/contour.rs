@@ -53,10 +53,11 @@ impl<R: Recorder> Shop<'_, R> {
         write(&mut input, ports.depth_of_cut, plan.depth_of_cut);
         write(&mut input, ports.down_milling, if plan.milling == toolroom_contour::Milling::Down { 1.0 } else { 0.0 });
         edge.draw_noise(&tool.scatter, &self.streams);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
         program.command(0.0, &mut input);
         task.step = Step::Pass;
         task.left = duration;
+        write(&mut input, ports.pass_time, duration);
         state.segment.program = program;
         state.segment.start_input = input;
         let depth_of_cut = plan.depth_of_cut;

@@ -3,7 +3,7 @@
 use super::edge::Edge;
 use super::job::Job;
 use super::ports::{Ports, write};
-use crate::scenario::StructureScatter;
+use crate::scenario::{Part, StructureScatter};
 use crate::{Entity, Purpose, Streams};
 use rand_distr::{Distribution as _, StandardNormal};
 use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
@@ -32,10 +32,20 @@ pub(super) fn pair(scatter: &Scatter, streams: &Streams, tool: &str) -> PairScat
     scatter.sample_pair(&mut streams.open(Entity::named(tool), Purpose::Tool))
 }
 
-/// Hardness of a workpiece against nominal: that of its lot and its own.
-pub(super) fn hardness(scatter: &Scatter, streams: &Streams, job: &Job) -> f64 {
+/// A workpiece as it came.
+#[derive(Clone, Copy, Debug)]
+pub struct Blank {
+    /// Hardness against nominal: that of its lot and its own.
+    pub hardness: f64,
+    /// 1 in the lot that deviates, else 0.
+    pub lot_deviation: f64,
+}
+
+pub(super) fn blank(scatter: &Scatter, streams: &Streams, job: &Job, part: &Part) -> Blank {
     let lot = scatter.sample_batch_hardness(&mut streams.at(job.origin, Purpose::Workpiece, job.lot));
-    scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece))
+    let hardness = scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece));
+    let deviates = part.deviating_lot == Some(job.row.lot);
+    Blank { hardness, lot_deviation: f64::from(u8::from(deviates)) }
 }
 
 /// Depth of cut of a pass with its allowance; `operation` is a part of the job's name.
@@ -77,7 +87,7 @@ impl Edge {
         &self,
         scatter: &Scatter,
         pair: &PairScatter,
-        hardness: f64,
+        blank: Blank,
         ports: &Ports,
         input: &mut [f64],
     ) {
@@ -90,7 +100,8 @@ impl Edge {
         write(input, ports.chipping_resistance, chipping_resistance);
         write(input, ports.flank_shear_factor, pair.flank_shear_factor);
         write(input, ports.flank_pressure_factor, pair.flank_pressure_factor);
-        write(input, ports.hardness_ratio, hardness);
-        write(input, ports.process_stiffness_factor, hardness);
+        write(input, ports.hardness_ratio, blank.hardness);
+        write(input, ports.process_stiffness_factor, blank.hardness);
+        write(input, ports.lot_deviation, blank.lot_deviation);
     }
 }

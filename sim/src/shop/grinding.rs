@@ -58,8 +58,8 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cutting(_) | Work::Contour(_) => return Ok(()),
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
-        write(&mut input, ports.coolant_age, now);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        ports.write_ages(&mut input, now, scenario.machines[machine].coolant_change);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
         task.readings.clear();
         let phases = match (&tool.process, self.controllers.grinding(first_pass)) {
             (ProcessModel::Infeed(infeed), Some(controller)) => {

@@ -2,6 +2,7 @@
 
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
+use super::draws::Blank;
 use super::edge::Edge;
 use super::queue::Queue;
 use crate::policy::ForceReading;
@@ -74,8 +75,8 @@ pub struct Task {
     pub share_left: f64,
     /// Broken edges in this operation: index of the next draw.
     pub lost_edges: u32,
-    /// Hardness of the work against nominal.
-    pub hardness: f64,
+    /// The work as it came.
+    pub blank: Blank,
     /// Size error at the end of the last pass, m.
     pub size_error: f64,
     /// Layers in which the pass in work is cut.

@@ -1,6 +1,7 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
 use super::chatter::Surface;
+use super::draws::Blank;
 use super::machine::{Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
@@ -46,7 +47,7 @@ impl<R: Recorder> Shop<'_, R> {
             row: None,
             share_left: 1.0,
             lost_edges: 0,
-            hardness: 1.0,
+            blank: Blank { hardness: 1.0, lot_deviation: 0.0 },
             size_error: 0.0,
             layers: 1,
             surface: Surface::default(),

@@ -71,12 +71,13 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
-    /// A part comes before the edge: its hardness shows, a wheel finds it untouched.
+    /// A part comes before the edge: its lot and hardness show, a wheel finds it untouched.
     fn clamp_new_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let tool = &self.scenario.tools[place.tool];
-        let hardness = draws::hardness(&tool.scatter, &self.streams, self.world.jobs.at(place.slot));
+        let part = &self.scenario.parts[place.part];
+        let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
         if let Some(task) = &mut self.world.machines[machine].task {
-            task.hardness = hardness;
+            task.blank = blank;
         }
         self.clamp_ground_part(machine, place, first_pass);
     }
@@ -140,7 +141,7 @@ impl<R: Recorder> Shop<'_, R> {
             / f64::from(conditions.layers);
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.hardness, ports, &mut input);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
         if ports.structure {
             let owner = self.layout.machines[machine];
             let factors = draws::structure(&tool.structure_scatter, &self.streams, owner, place.tool);
@@ -155,6 +156,7 @@ impl<R: Recorder> Shop<'_, R> {
         task.layers = conditions.layers;
         task.step = Step::Pass;
         task.left = duration;
+        write(&mut input, ports.pass_time, duration);
         state.segment.start_input = input;
         self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
         self.plan_segment(machine)
@@ -218,7 +220,8 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
         let segment = &mut state.segment;
-        write(&mut segment.start_input, ports.coolant_age, now.seconds());
+        let coolant_change = self.scenario.machines[machine].coolant_change;
+        ports.write_ages(&mut segment.start_input, now.seconds(), coolant_change);
         let idle = now - edge.clock;
         let result =
             if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };

@@ -23,6 +23,11 @@ pub(super) struct Ports {
     pub flank_shear_factor: Option<usize>,
     pub flank_pressure_factor: Option<usize>,
     pub coolant_age: Option<usize>,
+    pub coolant_changed: Option<usize>,
+    pub machine_time: Option<usize>,
+    pub sensor_time: Option<usize>,
+    pub pass_time: Option<usize>,
+    pub lot_deviation: Option<usize>,
     pub flank_wear_state: Option<usize>,
     pub energy_state: Option<usize>,
     pub feed_rate: Option<usize>,
@@ -72,6 +77,11 @@ impl Ports {
             flank_shear_factor: element(u, &["flank_shear_factor"]),
             flank_pressure_factor: element(u, &["flank_pressure_factor"]),
             coolant_age: element(u, &["coolant_age"]),
+            coolant_changed: element(u, &["coolant_changed"]),
+            machine_time: element(u, &["machine_time"]),
+            sensor_time: element(u, &["sensor_time"]),
+            pass_time: element(u, &["pass_time"]),
+            lot_deviation: element(u, &["lot_deviation"]),
             flank_wear_state: element(x, &["flank_wear"]),
             energy_state: element(x, &["energy"]),
             feed_rate: element(y, &["feed_rate"]),
@@ -98,6 +108,18 @@ impl Ports {
             roughness: element(y, &["roughness_ra"]),
             structure: false,
         }
+    }
+}
+
+impl Ports {
+    /// Sets what ages: machines are cold and sensors calibrated at the start of the run, and the coolant is fresh then
+    /// and again when another is filled in.
+    pub fn write_ages(&self, input: &mut [f64], now: f64, coolant_change: Option<f64>) {
+        let filled = coolant_change.filter(|filled| now >= *filled);
+        write(input, self.coolant_age, now - filled.unwrap_or(0.0));
+        write(input, self.coolant_changed, f64::from(u8::from(filled.is_some())));
+        write(input, self.machine_time, now);
+        write(input, self.sensor_time, now);
     }
 }
 

@@ -2,6 +2,7 @@
 //! interruptions.
 
 mod adaptive;
+mod ages;
 mod breakdowns;
 mod chatter;
 mod conservation;

@@ -122,6 +122,7 @@ pub fn machine(name: &str) -> MachineType {
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
         idle_power: 0.0,
+        coolant_change: None,
         calendar: None,
     }
 }
@@ -150,7 +151,14 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
 }
 
 pub fn part(name: &str, operations: Vec<Operation>) -> Part {
-    Part { name: name.to_owned(), material_cost: 1.0, flow_allowance: 1000.0, batch_size: 10, operations }
+    Part {
+        name: name.to_owned(),
+        material_cost: 1.0,
+        flow_allowance: 1000.0,
+        batch_size: 10,
+        deviating_lot: None,
+        operations,
+    }
 }
 
 pub fn policy(name: &str, speed: SpeedRule, tool_change: ToolChangeRule) -> PolicyRule {

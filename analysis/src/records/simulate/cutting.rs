@@ -75,6 +75,11 @@ fn conditions(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
     records.set_numbers("sequence", sequence.iter().map(|at| at + 1.0).collect());
     records.set_numbers("start_time", number(&|row| passes[row].start));
     records.set_texts("part_type", text(&|row| run.scenario.parts[passes[row].part as usize].name.clone()));
+    // Lots are written down where somebody cares for them.
+    if run.scenario.parts.iter().any(|part| part.deviating_lot.is_some()) {
+        records.set_texts("lot", text(&|row| run.log.jobs[passes[row].job as usize].lot.to_string()));
+    }
+    run.coolants(records, &passes.iter().map(|pass| (pass.machine, pass.start)).collect::<Vec<_>>());
     let shifts = text(&|row| run.shift(passes[row].machine as usize, passes[row].start));
     if shifts.iter().any(|shift| !shift.is_empty()) {
         records.set_texts("shift", shifts);
@@ -124,6 +129,11 @@ fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
     }
 }
 
+/// Whether the work of a pass is of the lot that deviates.
+fn deviates(run: &Run<'_>, pass: &PassRow) -> bool {
+    run.scenario.parts[pass.part as usize].deviating_lot == Some(run.log.jobs[pass.job as usize].lot)
+}
+
 /// Element of a field by name.
 fn place(fields: &[Field], name: &str) -> Option<usize> {
     let mut at = 0;
@@ -158,7 +168,10 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], process: &dyn MachineProcess) -> 
         set("feed_per_tooth", pass.feed);
         set("depth_of_cut", pass.depth_of_cut);
         set("width_of_cut", cut.width_of_cut);
-        set("coolant_age", pass.start);
+        set("coolant_age", run.coolant(pass.machine, pass.start).0);
+        set("sensor_time", pass.start);
+        set("pass_time", pass.cutting_time);
+        set("lot_deviation", f64::from(u8::from(deviates(run, pass))));
         set("mechanical_wear_factor", edge.mechanical_wear_factor);
         set("thermal_wear_factor", edge.thermal_wear_factor);
         if cut.diameter > 0.0 {

@@ -22,6 +22,8 @@ struct Trial<'a> {
     /// Dressing cycle.
     edge: u32,
     start: f64,
+    /// Age of the coolant, s, and whether it is another than at first.
+    coolant: (f64, bool),
     /// Normal force at the end of the infeed, N.
     force: f64,
 }
@@ -61,6 +63,7 @@ pub fn trials(run: &Run<'_>) -> Records {
     records.set_numbers("spark_out_revolutions", number(&|trial| f64::from(trial.spark_out)));
     records.set_numbers("work_rotation_speed", number(&|trial| trial.work_rotation_speed));
     records.set_numbers("start_time", number(&|trial| trial.start));
+    run.coolants(&mut records, &trials.iter().map(|trial| (machine(trial), trial.start)).collect::<Vec<_>>());
     for (channel, values) in CHANNELS.iter().zip(&readings) {
         run.channel(&mut records, channel, values);
     }
@@ -90,6 +93,7 @@ fn trial<'a>(run: &Run<'a>, index: usize) -> Option<Trial<'a>> {
         spark_out: resting.iter().map(|phase| phase.revolutions).sum(),
         edge: first.edge,
         start: first.start,
+        coolant: run.coolant(first.machine, first.start),
         force: first.cutting_force,
     })
 }
@@ -100,7 +104,8 @@ fn ground(trial: &Trial<'_>, stiffness: f64, wheel: &mut State) -> [f64; CHANNEL
         infeed_per_rev: trial.infeed.infeed_per_rev,
         work_rotation_speed: trial.work_rotation_speed,
         process_stiffness_factor: stiffness,
-        coolant_age: trial.start,
+        coolant_age: trial.coolant.0,
+        coolant_changed: f64::from(u8::from(trial.coolant.1)),
         machine_time: trial.start,
         ..Input::default()
     };

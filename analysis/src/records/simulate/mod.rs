@@ -91,6 +91,23 @@ impl Run<'_> {
         several.and_then(|calendar| calendar.shift_at(time)).unwrap_or_default()
     }
 
+    /// Age of the coolant of a machine at a time, s, and whether it is another than at first.
+    fn coolant(&self, machine: u32, time: f64) -> (f64, bool) {
+        let filled = self.scenario.machines[machine as usize].coolant_change.filter(|filled| time >= *filled);
+        (time - filled.unwrap_or(0.0), filled.is_some())
+    }
+
+    /// Adds name and age of the coolant, where any machine gets another: without one its age is the calendar.
+    fn coolants(&self, records: &mut Records, at: &[(u32, f64)]) {
+        if self.scenario.machines.iter().all(|machine| machine.coolant_change.is_none()) {
+            return;
+        }
+        let coolants: Vec<(f64, bool)> = at.iter().map(|(machine, time)| self.coolant(*machine, *time)).collect();
+        let name = |(_, changed): &(f64, bool)| if *changed { "second" } else { "first" }.to_owned();
+        records.set_texts("coolant_id", coolants.iter().map(name).collect());
+        records.set_numbers("coolant_age", coolants.iter().map(|(age, _)| *age).collect());
+    }
+
     fn machine(&self, index: u32) -> String {
         self.scenario.machines[index as usize].name.clone()
     }

@@ -143,6 +143,11 @@ static MACHINE: Form = Form {
         Key::required("speed_range", Kind::List(&SPEED), "Least and greatest cutting speed of spindle and program")
             .when("process", &["turning", "milling"]),
         Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
+        Key::optional(
+            "coolant_change",
+            TIME,
+            "When another coolant is filled in: fresh from then on, and the effect `coolant_change` acts",
+        ),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
     ],
 };
@@ -217,6 +222,11 @@ static PART: Form = Form {
         Key::default("material_cost", COST, "0 EUR", "Cost of the blank, lost when the part is scrapped"),
         Key::default("flow_allowance", LONG_DURATION, "8 h", "Time from arrival to due date"),
         Key::default("batch_size", Kind::Count { min: 1, max: 1_000_000 }, "25", "Workpieces of one hardness batch"),
+        Key::optional(
+            "deviating_lot",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "Batch from each source, the first being 1, on which the effect `lot_hardness` acts",
+        ),
         Key::optional("operation", Kind::Tables(&OPERATION), "Operations in order"),
     ],
 };

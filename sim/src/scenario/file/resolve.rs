@@ -213,6 +213,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 refill_time: section.required("refill_time"),
                 speed_range,
                 idle_power: section.required("idle_power"),
+                coolant_change: section.si("coolant_change"),
                 calendar,
             });
         }

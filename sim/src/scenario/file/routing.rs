@@ -26,6 +26,7 @@ pub(super) fn parts(
             material_cost: section.required("material_cost"),
             flow_allowance: section.required("flow_allowance"),
             batch_size: section.count32("batch_size"),
+            deviating_lot: section.count("deviating_lot").and_then(|lot| u32::try_from(lot).ok()),
             operations,
         });
     }
