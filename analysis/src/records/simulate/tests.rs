@@ -82,3 +82,22 @@ fn grinding_trials_carry_the_stock_of_the_paper_machine() {
     let logged = mean(log.passes.iter().filter(|pass| pass.pass == 0).map(|pass| pass.cutting_force));
     assert!((force / logged - 1.0).abs() < 0.01, "{force} N, {logged} N");
 }
+
+#[test]
+fn lots_and_coolants_are_written_where_they_matter() {
+    let overrides = ["part.part.batch_size=20", "part.part.deviating_lot=2", "machine.L.coolant_change=1 h"];
+    let (_, log, all) = shop("turning.toml", &overrides);
+    let (lots, coolants) = (all[0].texts("lot").expect("lots"), all[0].texts("coolant_id").expect("coolants"));
+    let (ids, starts) = (all[0].texts("operation_id").expect("ids"), all[0].numbers("start_time").expect("starts"));
+    let ages = all[0].numbers("coolant_age").expect("ages");
+    for row in 0..all[0].len() {
+        let job: usize = ids[row][1..].split('/').next().and_then(|number| number.parse().ok()).expect("J12/turn");
+        assert_eq!(lots[row], log.jobs[job].lot.to_string());
+        let later = starts[row] >= 3600.0;
+        assert_eq!(coolants[row], if later { "second" } else { "first" });
+        let age = starts[row] - if later { 3600.0 } else { 0.0 };
+        assert!((ages[row] - age).abs() < 1e-6 * starts[row], "{} s at {} s", ages[row], starts[row]);
+    }
+    let (_, _, plain) = shop("turning.toml", &[]);
+    assert!(plain[0].texts("lot").is_none() && plain[0].texts("coolant_id").is_none());
+}
