@@ -108,3 +108,14 @@ fn chips_that_jam_one_program_are_no_short_stops() {
     let cell = &diagnosis.cells[0];
     assert_eq!(cell.group, "program=flange/turn", "{}", diagnosis.terminal());
 }
+
+#[test]
+fn a_delay_that_scatters_is_no_signature_of_first_operations() {
+    // Long delays happen to fall on long first operations here: relative to the cycle they fit better.
+    for (process, seed, stress) in [("turning", 1_200_100_194, false), ("milling", 1_500_100_499, true)] {
+        let case = Case { stress, ..Case::one(process, "tool_change_delay", 1.0, seed) };
+        let diagnosis = diagnosed(&case);
+        let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+        assert_eq!(named, ["tool_change_delay"], "{process}: {}", diagnosis.terminal());
+    }
+}

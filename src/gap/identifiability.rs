@@ -36,7 +36,9 @@ pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
             .collect();
         return voice.json(&json!({ "schema": 1, "effects": rows }));
     }
-    let mut text = String::from("least size that these runs would show (score 5), and what it is confused with\n");
+    let mut text = String::from(
+        "least size that these runs would show (nineteen times of twenty), and what it is confused with\n",
+    );
     for row in &list {
         let name = if row.shape.is_empty() { row.id.to_owned() } else { format!("{} ({})", row.id, row.shape) };
         let least = if row.minimal_detectable.is_finite() {

@@ -21,8 +21,8 @@ pub struct Basis {
     pub floor: Vec<f64>,
     /// Parts of the method that take part.
     pub method: Method,
-    /// The model linearised at its nominal point, but for the wear of each edge, which is brought
-    /// near its readings: an edge whose model has run away has no slope.
+    /// The model linearised where fits start: at its nominal point, but where anything was measured
+    /// for the wear of each edge, which is brought near its readings: an edge whose model has run away has no slope.
     pub nominal: Linear,
 }
 
@@ -78,7 +78,7 @@ impl Basis {
         Self::unmeasured(model, method, Linear::new(model, warm(model, Point::nominal(model))))
     }
 
-    /// The same about any linearised model: designs whose values nobody has measured have nothing else.
+    /// The same for a design that is only planned: about `nominal`, since there are no readings to start near.
     pub fn unmeasured(model: &dyn Forward, method: Method, nominal: Linear) -> Self {
         Self {
             method,

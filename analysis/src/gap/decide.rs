@@ -99,6 +99,16 @@ impl Decision {
         gain(&trial.evidence, &self.base.evidence) - price(candidates, trial.fit.active.len()) - self.share
     }
 
+    /// Whether the strongest generic signature is nothing but the image of one of `effects`.
+    pub(super) fn imaged(&self, model: &dyn Forward, basis: &Basis, effects: &[usize]) -> bool {
+        let base = &self.base.fit;
+        let Some(signature) = self.before.dictionary.get(self.before.strongest) else { return false };
+        let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()], &[]);
+        let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
+        let generic = cosine.nrows() - 1;
+        effects.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
+    }
+
     /// Candidates that the data cannot tell from `candidate`, by other ids.
     pub fn class(&self, model: &dyn Forward, candidate: usize) -> Vec<(&'static str, String)> {
         let own = self.singles.iter().find(|single| single.candidate == candidate);
@@ -459,9 +469,10 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
         // What an effect does from time to time scatters, and a signature may follow the scatter of a few
-        // groups: it has to be the better one for all of them.
+        // groups: it has to be the better one for all of them, and more than an image of the effect.
         let (lead, error) = predictive_gain(&decision.before.evidence, &trial.evidence);
-        let beaten = abstains && generic_gain - value > GATE + FORM * value && lead > AGREED * error;
+        let stronger = generic_gain - value > GATE + FORM * value && lead > AGREED * error;
+        let beaten = abstains && stronger && !decision.imaged(model, basis, &trial.fit.active);
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
         if value > GATE && groups < FEWEST_GROUPS {

@@ -1,7 +1,7 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
 use super::closure::{closures, scored, touched};
-use super::decide::{Decision, SAME, decide};
+use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{Shown, hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
@@ -237,7 +237,7 @@ fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'
         - (decision.before.dictionary.len().max(1) as f64).ln()
         - decision.share;
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
-    if !image(model, basis, decision) {
+    if !decision.imaged(model, basis, &decision.model().fit.active) {
         models.push((Vec::new(), generic));
     }
     let single = |single: &super::decide::Single| {
@@ -255,16 +255,6 @@ fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'
         models.iter().filter(|(active, _)| has(active)).map(|(_, value)| (value - greatest).exp() / total).sum::<f64>()
     };
     ids.iter().map(|id| (*id, with(id))).collect()
-}
-
-/// Whether the strongest generic signature is nothing but the image of a named effect.
-fn image(model: &dyn Forward, basis: &Basis, decision: &Decision) -> bool {
-    let base = &decision.base.fit;
-    let Some(signature) = decision.before.dictionary.get(decision.before.strongest) else { return false };
-    let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()], &[]);
-    let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
-    let generic = cosine.nrows() - 1;
-    decision.model().fit.active.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
 }
 
 fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {

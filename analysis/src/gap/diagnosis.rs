@@ -95,7 +95,7 @@ pub struct MaskedEffect {
     /// Share of the squared length of its signature that calibration, allowance and group factors take
     /// up: 0.98 leaves 14 % of the length, which many readings may well show.
     pub masking: f64,
-    /// Least size that would reach a score of 5, display unit.
+    /// Least size whose score would convince nineteen times of twenty, display unit.
     pub minimal_detectable: f64,
     /// Unit of that.
     pub unit: &'static str,

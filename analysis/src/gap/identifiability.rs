@@ -103,11 +103,11 @@ pub(super) fn hidden(model: &dyn Forward, basis: &Basis, decision: &Decision) ->
     list
 }
 
-/// Prior standard deviations from which calibration went so far that something may have pushed it.
+/// Prior standard deviations from which calibration went so far that something may have pushed it (assumption).
 const PUSHED: f64 = 4.0;
 /// Ordinary sizes that a masked effect may have (assumption).
 const LARGE: f64 = 4.0;
-/// Share of a signature from which the projection leaves next to nothing of it.
+/// Share taken by the projection from which next to nothing of a signature is left (assumption).
 const WHOLLY: f64 = 0.97;
 
 /// What calibration went far for, if a masked effect of a size that occurs pushes it there.
@@ -123,7 +123,7 @@ pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hi
     moved.into_iter().find_map(pushed)
 }
 
-/// Cosine of projected signatures from which two effects count as confused.
+/// Cosine of projected signatures from which two effects count as confused (assumption).
 const CONFUSED: f64 = 0.9;
 
 fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
@@ -176,7 +176,7 @@ fn nuisance_name(model: &dyn Forward, i: usize) -> &str {
 /// How many standard deviations of its form and of the noise of its score an effect may be unlucky by
 /// and still keep what is promised: nineteen times of twenty.
 const UNLUCKY: f64 = 1.645;
-/// Share of a score that no form takes away.
+/// Share of a score that no form takes away (assumption).
 const ANYHOW: f64 = 0.1;
 
 /// Least size, in ordinary ones, whose score convinces although the noise takes away of it, and

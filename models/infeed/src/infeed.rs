@@ -164,7 +164,7 @@ impl<N: Number> Infeed<N> {
         Pressed { terms, process_stiffness, system_stiffness, uncut, normal_force }
     }
 
-    /// [`Output::normal_force`] of a wheel in contact, by itself.
+    /// [`Output::normal_force`] (N) of a wheel in contact, by itself.
     pub fn normal_force(&self, x: &State<N>, u: &Input<N>) -> N {
         self.pressed(x, u).normal_force
     }
@@ -273,10 +273,6 @@ impl Process for Infeed {
     /// are passed in one revolution, burn is raised and the other shows in the indicators.
     fn advance(&self, x: &mut State, u: &Input, dt: f64) -> Result<Advance, ModelError> {
         u.check()?;
-        if self.terms(x, u).system_stiffness <= 0.0 {
-            let reason = "stiffness_drift leaves nothing of it at this machine_time: choose a smaller size";
-            return Err(ModelError::NoSolution { quantity: "system_stiffness", reason });
-        }
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(ModelError::Step { seconds: dt });
         }
@@ -284,6 +280,10 @@ impl Process for Infeed {
         let whole = Advance { elapsed: dt, event: None };
         if u.engaged <= 0.5 || per_second == 0.0 {
             return Ok(whole);
+        }
+        if self.terms(x, u).system_stiffness <= 0.0 {
+            let reason = "stiffness_drift leaves nothing of it at this machine_time: choose a smaller size";
+            return Err(ModelError::NoSolution { quantity: "system_stiffness", reason });
         }
         let indicators = |x: &State| self.indicators(x.peak_temperature_rise, x.removed_volume);
         let (mut state, mut left) = (*x, dt * per_second);

@@ -203,3 +203,22 @@ proptest! {
         prop_assert!((whole.removed_volume / parts.removed_volume - 1.0).abs() < 1e-9);
     }
 }
+
+#[test]
+fn a_part_of_what_a_revolution_gives_is_the_same_by_itself() {
+    let threshold = Parameters { threshold_force: 20.0, ..Parameters::default() };
+    let plain = Infeed::default();
+    for process in [plain.clone(), Infeed { parameters: threshold, ..plain }, everything()] {
+        let u = Input::default();
+        let mut part = process.initial();
+        // In the first revolutions the wheel rubs under the threshold.
+        for _ in 0..6 {
+            part.commanded_infeed += 1.5e-6;
+            let (whole, cold) = (process.revolution(&part, &u), process.cold_revolution(&part, &u));
+            assert_eq!(State { peak_temperature_rise: part.peak_temperature_rise, ..whole }, cold);
+            part = whole;
+            assert_eq!(process.normal_force(&part, &u), process.output(&part, &u).normal_force);
+        }
+        assert!(part.peak_temperature_rise > 0.0);
+    }
+}

@@ -14,10 +14,17 @@ pub struct Part {
     pub flow_allowance: f64,
     /// Workpieces of one hardness batch; the batch factor is drawn anew after each.
     pub batch_size: u32,
-    /// Number, from 1, of the batch from each source on which [`lot_hardness`](toolroom_effects::Effect) acts.
+    /// Number, from 1, of the batch from each source on which the effect `lot_hardness` acts.
     pub deviating_lot: Option<u32>,
     /// Operations in order.
     pub operations: Vec<Operation>,
+}
+
+impl Part {
+    /// 1 for work of the lot that deviates, else 0.
+    pub fn lot_deviation(&self, lot: u32) -> f64 {
+        f64::from(u8::from(self.deviating_lot == Some(lot)))
+    }
 }
 
 /// One operation of a routing.

@@ -41,6 +41,14 @@ pub struct MachineType {
     pub calendar: Option<usize>,
 }
 
+impl MachineType {
+    /// Age of the coolant at `time` of the run, s, and whether it is another than at first.
+    pub fn coolant(&self, time: f64) -> (f64, bool) {
+        let filled = self.coolant_change.filter(|filled| time >= *filled);
+        (time - filled.unwrap_or(0.0), filled.is_some())
+    }
+}
+
 /// The process of a tool: parameters and effects of the true world.
 #[derive(Clone)]
 pub enum ProcessModel {

@@ -76,6 +76,7 @@ impl<R: Recorder> Shop<'_, R> {
         let origin = Entity::named("job").part(source as u64);
         let entity = origin.part(index);
         let lot = index / u64::from(self.scenario.parts[part].batch_size.max(1));
+        // Nobody counts beyond that.
         let named = u32::try_from(lot + 1).unwrap_or(u32::MAX);
         let number = self.world.jobs.released;
         let row = JobRow {

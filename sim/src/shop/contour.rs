@@ -57,7 +57,6 @@ impl<R: Recorder> Shop<'_, R> {
         program.command(0.0, &mut input);
         task.step = Step::Pass;
         task.left = duration;
-        write(&mut input, ports.pass_time, duration);
         state.segment.program = program;
         state.segment.start_input = input;
         let depth_of_cut = plan.depth_of_cut;

@@ -41,11 +41,11 @@ pub struct Blank {
     pub lot_deviation: f64,
 }
 
+/// A workpiece of `job`, hardness drawn for its lot and for itself.
 pub(super) fn blank(scatter: &Scatter, streams: &Streams, job: &Job, part: &Part) -> Blank {
     let lot = scatter.sample_batch_hardness(&mut streams.at(job.origin, Purpose::Workpiece, job.lot));
     let hardness = scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece));
-    let deviates = part.deviating_lot == Some(job.row.lot);
-    Blank { hardness, lot_deviation: f64::from(u8::from(deviates)) }
+    Blank { hardness, lot_deviation: part.lot_deviation(job.row.lot) }
 }
 
 /// Depth of cut of a pass with its allowance; `operation` is a part of the job's name.

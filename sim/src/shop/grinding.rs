@@ -58,7 +58,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cutting(_) | Work::Contour(_) => return Ok(()),
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
-        ports.write_ages(&mut input, now, scenario.machines[machine].coolant_change);
+        ports.write_ages(&mut input, now, &scenario.machines[machine]);
         edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
         task.readings.clear();
         let phases = match (&tool.process, self.controllers.grinding(first_pass)) {

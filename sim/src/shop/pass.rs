@@ -15,6 +15,9 @@ use crate::scenario::{Cut, Work};
 use rand::RngExt;
 use toolroom_process::ProcessEvent;
 
+/// Longest pass that is told to sensors, s: the greatest `pass_time` of the processes.
+const LONG: f64 = 1e6;
+
 /// What identifies the pass in a machine.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -156,7 +159,8 @@ impl<R: Recorder> Shop<'_, R> {
         task.layers = conditions.layers;
         task.step = Step::Pass;
         task.left = duration;
-        write(&mut input, ports.pass_time, duration);
+        // What lags within the pass is read at its end; after so long nothing lags any more.
+        write(&mut input, ports.pass_time, duration.min(LONG));
         state.segment.start_input = input;
         self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
         self.plan_segment(machine)
@@ -220,8 +224,7 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
         let segment = &mut state.segment;
-        let coolant_change = self.scenario.machines[machine].coolant_change;
-        ports.write_ages(&mut segment.start_input, now.seconds(), coolant_change);
+        ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
         let idle = now - edge.clock;
         let result =
             if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };

@@ -1,5 +1,6 @@
 //! Where the quantities of the shop sit in the slices of a process.
 
+use crate::scenario::MachineType;
 use toolroom_process::{Field, MachineProcess};
 
 /// Element indices of one process, looked up by name once. A quantity that the process does not
@@ -112,12 +113,11 @@ impl Ports {
 }
 
 impl Ports {
-    /// Sets what ages: machines are cold and sensors calibrated at the start of the run, and the coolant is fresh then
-    /// and again when another is filled in.
-    pub fn write_ages(&self, input: &mut [f64], now: f64, coolant_change: Option<f64>) {
-        let filled = coolant_change.filter(|filled| now >= *filled);
-        write(input, self.coolant_age, now - filled.unwrap_or(0.0));
-        write(input, self.coolant_changed, f64::from(u8::from(filled.is_some())));
+    /// Sets what ages: machines are cold and sensors calibrated at the start of the run.
+    pub fn write_ages(&self, input: &mut [f64], now: f64, machine: &MachineType) {
+        let (age, changed) = machine.coolant(now);
+        write(input, self.coolant_age, age);
+        write(input, self.coolant_changed, f64::from(u8::from(changed)));
         write(input, self.machine_time, now);
         write(input, self.sensor_time, now);
     }

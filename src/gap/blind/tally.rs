@@ -123,8 +123,8 @@ impl Tally {
             Rate::of("wrong, of all attributions", &named, 0.03, true),
             Rate::of("nothing hidden, an effect blamed", &nulls, 0.02, true),
             Rate::of("outside the catalogue, an effect blamed", &outside, 0.05, true),
-            Rate::of("exact where a score of 5 was promised", &exact, 0.95, false),
-            Rate::of("missed although a score of 5 was promised", &missed_though, 0.0, true),
+            Rate::of("exact where it was promised", &exact, 0.95, false),
+            Rate::of("missed although it was promised", &missed_though, 0.0, true),
             Rate::of("90 % interval holds the closure on new edges", &covered(&Row::closure_covered), 0.80, false),
             Rate::of("90 % interval holds the size of new edges", &covered(&Row::size_covered), 0.80, false),
         ];

@@ -36,25 +36,28 @@ struct Contact<'a> {
     part: State,
     exponent: f64,
     /// Factor on the stiffness at the depth of `part`.
-    bent: f64,
+    factor: f64,
+}
+
+fn stiffened(u: &Input, factor: f64) -> Input {
+    Input { process_stiffness_factor: u.process_stiffness_factor * factor, ..*u }
 }
 
 impl Contact<'_> {
-    fn bent(&self, depth: f64) -> f64 {
+    fn factor_at(&self, depth: f64) -> f64 {
         if self.exponent == 0.0 || depth <= 0.0 { 1.0 } else { (depth / DEPTH).max(1e-3).powf(self.exponent) }
     }
 
     /// The input at the stiffness that the depth of the last revolution gives.
     fn input(&self, u: &Input) -> Input {
-        Input { process_stiffness_factor: u.process_stiffness_factor * self.bent, ..*u }
+        stiffened(u, self.factor)
     }
 
     /// One revolution, or a part of one.
     fn turn(&mut self, u: &Input, share: f64) {
         // The first depth is not known yet.
         let first = self.part.depth_of_cut <= 0.0;
-        let bent = if first { self.bent(0.5 * u.infeed_per_rev) } else { self.bent };
-        let stiff = Input { process_stiffness_factor: u.process_stiffness_factor * bent, ..*u };
+        let stiff = stiffened(u, if first { self.factor_at(0.5 * u.infeed_per_rev) } else { self.factor });
         let part = &mut self.part;
         let commanded = State { commanded_infeed: part.commanded_infeed + u.infeed_per_rev, ..*part };
         let next = self.process.cold_revolution(&commanded, &stiff);
@@ -66,7 +69,7 @@ impl Contact<'_> {
             part.commanded_infeed += share * u.infeed_per_rev;
             part.revolutions += share;
         }
-        self.bent = self.bent(self.part.depth_of_cut);
+        self.factor = self.factor_at(self.part.depth_of_cut);
     }
 }
 
@@ -85,8 +88,8 @@ pub(super) fn plunge(
         let rest = count - count.floor();
         (0..whole).map(|_| 1.0).chain((rest > 1e-6).then_some(rest))
     };
-    let mut contact = Contact { process, part, exponent, bent: 1.0 };
-    contact.bent = contact.bent(part.depth_of_cut);
+    let mut contact = Contact { process, part, exponent, factor: 1.0 };
+    contact.factor = contact.factor_at(part.depth_of_cut);
     let mut rise = vec![(0.0, 0.0)];
     for share in shares(revolutions) {
         contact.turn(u, share);

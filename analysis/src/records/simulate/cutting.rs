@@ -77,7 +77,8 @@ fn conditions(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
     records.set_texts("part_type", text(&|row| run.scenario.parts[passes[row].part as usize].name.clone()));
     // Lots are written down where somebody cares for them.
     if run.scenario.parts.iter().any(|part| part.deviating_lot.is_some()) {
-        records.set_texts("lot", text(&|row| run.log.jobs[passes[row].job as usize].lot.to_string()));
+        let part = |row: usize| &run.scenario.parts[passes[row].part as usize].name;
+        records.set_texts("lot", text(&|row| format!("{}-{}", part(row), run.log.jobs[passes[row].job as usize].lot)));
     }
     run.coolants(records, &passes.iter().map(|pass| (pass.machine, pass.start)).collect::<Vec<_>>());
     let shifts = text(&|row| run.shift(passes[row].machine as usize, passes[row].start));
@@ -129,11 +130,6 @@ fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
     }
 }
 
-/// Whether the work of a pass is of the lot that deviates.
-fn deviates(run: &Run<'_>, pass: &PassRow) -> bool {
-    run.scenario.parts[pass.part as usize].deviating_lot == Some(run.log.jobs[pass.job as usize].lot)
-}
-
 /// Element of a field by name.
 fn place(fields: &[Field], name: &str) -> Option<usize> {
     let mut at = 0;
@@ -171,7 +167,8 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], process: &dyn MachineProcess) -> 
         set("coolant_age", run.coolant(pass.machine, pass.start).0);
         set("sensor_time", pass.start);
         set("pass_time", pass.cutting_time);
-        set("lot_deviation", f64::from(u8::from(deviates(run, pass))));
+        let lot = run.log.jobs[pass.job as usize].lot;
+        set("lot_deviation", run.scenario.parts[pass.part as usize].lot_deviation(lot));
         set("mechanical_wear_factor", edge.mechanical_wear_factor);
         set("thermal_wear_factor", edge.thermal_wear_factor);
         if cut.diameter > 0.0 {

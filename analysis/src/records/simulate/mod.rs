@@ -91,10 +91,9 @@ impl Run<'_> {
         several.and_then(|calendar| calendar.shift_at(time)).unwrap_or_default()
     }
 
-    /// Age of the coolant of a machine at a time, s, and whether it is another than at first.
+    /// [`MachineType::coolant`](toolroom_sim::scenario::MachineType::coolant) of a machine of the log.
     fn coolant(&self, machine: u32, time: f64) -> (f64, bool) {
-        let filled = self.scenario.machines[machine as usize].coolant_change.filter(|filled| time >= *filled);
-        (time - filled.unwrap_or(0.0), filled.is_some())
+        self.scenario.machines[machine as usize].coolant(time)
     }
 
     /// Adds name and age of the coolant, where any machine gets another: without one its age is the calendar.

@@ -92,7 +92,7 @@ fn lots_and_coolants_are_written_where_they_matter() {
     let ages = all[0].numbers("coolant_age").expect("ages");
     for row in 0..all[0].len() {
         let job: usize = ids[row][1..].split('/').next().and_then(|number| number.parse().ok()).expect("J12/turn");
-        assert_eq!(lots[row], log.jobs[job].lot.to_string());
+        assert_eq!(lots[row], format!("part-{}", log.jobs[job].lot));
         let later = starts[row] >= 3600.0;
         assert_eq!(coolants[row], if later { "second" } else { "first" });
         let age = starts[row] - if later { 3600.0 } else { 0.0 };
