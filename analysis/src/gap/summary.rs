@@ -154,7 +154,8 @@ impl Diagnosis {
         for cell in &self.cells {
             let place = if cell.group == "all" { &cell.regime } else { &cell.group };
             chart = chart.row(
-                format!("{} × {place}", cell.channel),
+                // Long labels are cut, and sets of channels are longer than what they follow.
+                format!("{place} × {}", cell.channel),
                 Estimate::new(cell.score, cell.score - 1.0, cell.score + 1.0),
             );
         }
