@@ -3,7 +3,7 @@
 use super::closure::{closures, scored, touched};
 use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
-use super::identifiability::{Shown, hidden, hidden_by_calibration};
+use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
 use super::trial::Trial;
@@ -116,7 +116,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         channels,
         held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
         budget: budget(model, &decision),
-        masked: hidden.iter().map(Shown::masked).collect(),
+        masked: hidden.iter().map(|shown| shown.row.clone()).collect(),
         next: NextExperiment::default(),
         calibration: calibration(model, &decision),
         ranking: ranking(model, &decision),

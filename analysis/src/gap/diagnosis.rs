@@ -1,5 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
+use super::Identifiable;
 use serde_json::{Value, json};
 
 /// The answer in one word.
@@ -85,26 +86,6 @@ pub struct Closure {
     pub of_closable: f64,
 }
 
-/// An effect that the data cannot show.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MaskedEffect {
-    /// Word of the catalogue.
-    pub id: &'static str,
-    /// Shape; may be empty.
-    pub shape: String,
-    /// Share of the squared length of its signature that calibration, allowance and group factors take
-    /// up: 0.98 leaves 14 % of the length, which many readings may well show.
-    pub masking: f64,
-    /// Least size whose score would convince nineteen times of twenty, display unit.
-    pub minimal_detectable: f64,
-    /// Unit of that.
-    pub unit: &'static str,
-    /// Experiment that tells it from its worst confounder.
-    pub separating_test: &'static str,
-    /// What leaving it out would do to the calibration, at ordinary size.
-    pub bias: String,
-}
-
 /// Share of the gap by cause; none is negative, they sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
@@ -160,7 +141,7 @@ pub struct Diagnosis {
     /// Where the gap goes.
     pub budget: Budget,
     /// What cannot be seen.
-    pub masked: Vec<MaskedEffect>,
+    pub masked: Vec<Identifiable>,
     /// What to do next.
     pub next: NextExperiment,
     /// Calibration.
@@ -247,7 +228,7 @@ impl Diagnosis {
                 "rms_before": number(cell.rms_before), "rms_after": number(cell.rms_after),
             })
         };
-        let masked = |masked: &MaskedEffect| {
+        let masked = |masked: &Identifiable| {
             json!({
                 "id": masked.id, "shape": masked.shape, "masking": number(masked.masking),
                 "minimal_detectable": number(masked.minimal_detectable), "unit": masked.unit,

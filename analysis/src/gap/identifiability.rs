@@ -4,7 +4,7 @@ use super::decide::{CONVINCING, Decision};
 use super::diagnose::{DETECTABLE, entry};
 use super::score::Scores;
 use super::trial::Trial;
-use super::{Basis, Forward, MaskedEffect, Method, report_units};
+use super::{Basis, Forward, Method, report_units};
 use nalgebra::DVector;
 
 /// What records of such a design can show of one effect.
@@ -14,7 +14,8 @@ pub struct Identifiable {
     pub id: &'static str,
     /// Shape; may be empty.
     pub shape: String,
-    /// Share of its signature that calibration, allowance and group factors take up.
+    /// Share of the squared length of its signature that calibration, allowance and group factors take
+    /// up: 0.98 leaves 14 % of the length, which many readings may well show.
     pub masking: f64,
     /// Least size whose score would convince nineteen times of twenty, for all the noise, even where its
     /// function is not quite that of the catalogue, or between two shapes of it; display unit.
@@ -23,7 +24,7 @@ pub struct Identifiable {
     pub unit: &'static str,
     /// Effects with nearly the same signature.
     pub confused: Vec<&'static str>,
-    /// What leaving it out would do to the calibration.
+    /// What leaving it out would do to the calibration, at ordinary size.
     pub bias: String,
     /// Experiment that tells it from its worst confounder.
     pub separating_test: &'static str,
@@ -66,26 +67,11 @@ pub fn identifiability(model: &dyn Forward) -> Vec<Identifiable> {
 
 /// What such data show of one effect.
 pub(super) struct Shown {
-    row: Identifiable,
+    pub row: Identifiable,
     /// Ordinary size, display unit.
     typical: f64,
     /// Where an ordinary size moves the calibration if it is left out, prior standard deviations.
     moves: DVector<f64>,
-}
-
-impl Shown {
-    pub(super) fn masked(&self) -> MaskedEffect {
-        let row = &self.row;
-        MaskedEffect {
-            id: row.id,
-            shape: row.shape.clone(),
-            masking: row.masking,
-            minimal_detectable: row.minimal_detectable,
-            unit: row.unit,
-            separating_test: row.separating_test,
-            bias: row.bias.clone(),
-        }
-    }
 }
 
 /// Effects that such data can hardly show at their ordinary size.
@@ -115,12 +101,17 @@ pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hi
     let point = &decision.base.fit.linear.point;
     let moved = point.parameters.iter().chain(&point.surfaces).enumerate();
     let pushed = |(i, x): (usize, &f64)| {
-        let pushes = |own: &&Shown| own.row.masking > WHOLLY && LARGE * own.moves[i] * x.signum() > x.abs();
-        let by = (x.abs() > PUSHED).then(|| hidden.iter().find(pushes)).flatten()?;
+        let by = hidden.iter().find(|own| own.row.masking > WHOLLY && pushes(own.moves[i], *x))?;
         let (name, id) = (nuisance_name(model, i), by.row.id);
         Some(format!("`{name}` is {:.1} prior standard deviations off, where {id} would push it", x.abs()))
     };
     moved.into_iter().find_map(pushed)
+}
+
+/// Whether a number of the calibration that went to `moved` may have been pushed there by an effect whose
+/// ordinary size moves it by `push`, prior standard deviations.
+fn pushes(push: f64, moved: f64) -> bool {
+    moved.abs() > PUSHED && LARGE * push * moved.signum() > moved.abs()
 }
 
 /// Cosine of projected signatures from which two effects count as confused (assumption).
@@ -243,5 +234,13 @@ mod tests {
             assert!((left - CONVINCING).abs() < 1e-9, "{left} at {size}");
         }
         assert!((convincing(1.0, 0.0) - CONVINCING - UNLUCKY).abs() < 1e-12);
+    }
+
+    #[test]
+    fn calibration_is_pushed_its_own_way_by_sizes_that_occur() {
+        assert!(pushes(1.5, 5.0) && pushes(-1.5, -5.0));
+        assert!(!pushes(-1.5, 5.0), "the effect would push it the other way");
+        assert!(!pushes(1.0, 5.0), "five ordinary sizes are too many");
+        assert!(!pushes(3.0, 3.5), "it did not go far");
     }
 }

@@ -71,7 +71,7 @@ pub use closure::Outside;
 pub use decide::{Decision, FEWEST_GROUPS};
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, MaskedEffect, NamedEffect, NextExperiment, Ranked, Tried,
+    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
 };
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;

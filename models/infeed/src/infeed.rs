@@ -1,7 +1,7 @@
 //! The process.
 
 use crate::{Input, Output, Parameters, State, revolutions_to};
-use toolroom_effects::{Context, EffectError, Effects, Terms};
+use toolroom_effects::{Context, Effect, EffectError, Effects, Terms};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record};
 
 /// Least missing share of a revolution that still counts as missing: keeps a revolution whole
@@ -133,7 +133,7 @@ impl<N: Number> Infeed<N> {
         next
     }
 
-    /// [`Infeed::revolution`] where nobody asks for the peak temperature, which stays: a third of the work.
+    /// [`Infeed::revolution`] where nobody asks for the peak temperature, which stays.
     pub fn cold_revolution(&self, x: &State<N>, u: &Input<N>) -> State<N> {
         let p = &self.parameters;
         let [compliance, wear, threshold] = self.shares(x, u);
@@ -267,7 +267,7 @@ impl Process for Infeed {
         self.observe(x, u)
     }
 
-    /// A machine whose stiffness has drifted away is refused.
+    /// A machine whose stiffness has drifted away ([`ModelError::Contradiction`]) is refused.
     ///
     /// Events are raised at the end of the revolution in which their limit is passed; where both
     /// are passed in one revolution, burn is raised and the other shows in the indicators.
@@ -282,8 +282,14 @@ impl Process for Infeed {
             return Ok(whole);
         }
         if self.terms(x, u).system_stiffness <= 0.0 {
-            let reason = "stiffness_drift leaves nothing of it at this machine_time: choose a smaller size";
-            return Err(ModelError::NoSolution { quantity: "system_stiffness", reason });
+            let drift = self.effects.iter().filter(|effect| effect.entry().id == "stiffness_drift").map(Effect::size);
+            return Err(ModelError::Contradiction {
+                first: "size of stiffness_drift",
+                first_value: drift.sum(),
+                second: "machine_time",
+                second_value: u.machine_time,
+                rule: "system_stiffness falls to zero, stiffness_drift leaves nothing of it: choose a smaller size",
+            });
         }
         let indicators = |x: &State| self.indicators(x.peak_temperature_rise, x.removed_volume);
         let (mut state, mut left) = (*x, dt * per_second);

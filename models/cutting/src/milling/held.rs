@@ -49,7 +49,7 @@ impl HeldMilling<'_> {
         &["cutting_force", "feed_force", "normal_force", "spindle_power", "form_error", "roughness_ra"];
 
     /// [`HeldMilling::output`] where nothing is asked but [`HeldMilling::READINGS`]: the others stay at their
-    /// defaults, which costs a third.
+    /// defaults and cost nothing.
     ///
     /// # Examples
     /// ```
