@@ -6,10 +6,10 @@ use crate::study::{Request, chosen};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use toolroom_analysis::logs::Format;
-use toolroom_analysis::results::RunInfo;
-use toolroom_analysis::study::{Finished, StudyOptions};
 use toolroom_sim::scenario::file::{ScenarioFile, parse};
+use toolroom_study::logs::Format;
+use toolroom_study::results::RunInfo;
+use toolroom_study::study::{Finished, StudyOptions};
 
 /// Everything that the results depend on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

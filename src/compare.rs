@@ -8,9 +8,9 @@ use crate::study::{Request, chosen, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
-use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
-use toolroom_analysis::study::{KnownRuns, StoredRun, stored_runs};
+use toolroom_shards::{Computed, Plan, ShardError, write_plan};
 use toolroom_sim::scenario::file::{ScenarioFile, parse, read};
+use toolroom_study::study::{KnownRuns, StoredRun, stored_runs};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -89,7 +89,7 @@ fn planned(plan: &Plan) -> Result<(ScenarioFile, Vec<usize>), Failure> {
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let (file, policies) = planned(plan)?;
     let mut failed = None;
-    let ran = shards::run(plan, number, out, |(from, to), _| {
+    let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
         // Replications are 32-bit numbers by the form of the file.
         let runs = stored_runs(&file.scenario, &policies, from as u32, to as u32).unwrap_or_else(|error| {
             failed = Some(Failure::Work { message: error.to_string() });
@@ -111,7 +111,7 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
 /// Merges the parts of a planned comparison: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let (file, policies) = planned(plan)?;
-    let runs = shards::parts::<Vec<StoredRun>>(plan, parts).map_err(refused)?.into_iter().flatten();
+    let runs = toolroom_shards::parts::<Vec<StoredRun>>(plan, parts).map_err(refused)?.into_iter().flatten();
     let known: KnownRuns = runs.map(|run| ((run.replication, run.policy), run)).collect();
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs {

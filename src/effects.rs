@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
-use toolroom_analysis::gap::EMPIRICAL_EFFECTS;
 use toolroom_effects::{CatalogueEntry, Effect, Sign, Touched};
+use toolroom_gap::EMPIRICAL_EFFECTS;
 use toolroom_sim::effects::SHOP_EFFECTS;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {

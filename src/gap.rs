@@ -12,8 +12,8 @@ use crate::args::{GapCommand, GapData};
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
-use toolroom_analysis::gap::{ModelFileError, NominalModel};
-use toolroom_analysis::records::{self, RecordError, Records};
+use toolroom_gap::{ModelFileError, NominalModel};
+use toolroom_records::{RecordError, Records};
 
 pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -39,10 +39,11 @@ fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
 
 /// Records of the model's kind; what was read is said.
 fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records, Failure> {
-    let (records, report) = records::read(path, model.kind()).map_err(|error| match error {
-        RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
-        other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
-    })?;
+    let (records, report) =
+        toolroom_records::read(path, model.kind(), &toolroom_parquet::read_cells).map_err(|error| match error {
+            RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
+            other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
+        })?;
     voice.say(report.to_string().trim_end());
     Ok(records)
 }

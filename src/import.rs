@@ -11,7 +11,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_analysis::records::{ReadReport, Records, write_csv};
+use toolroom_records::{ReadReport, Records, write_csv};
 
 pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -27,7 +27,7 @@ fn write(
     records: &Records,
     report: &ReadReport,
     out: &Path,
-    provenance: &toolroom_analysis::page::Provenance,
+    provenance: &toolroom_chart::page::Provenance,
     began: Instant,
     voice: &Voice,
 ) -> Result<(), Failure> {

@@ -12,8 +12,8 @@ use crate::shard as shards;
 use crate::speak::Voice;
 use serde_json::Value;
 use std::path::Path;
-use toolroom_analysis::life::analysis::Request;
-use toolroom_analysis::life::replacement::Costs;
+use toolroom_life::analysis::Request;
+use toolroom_life::replacement::Costs;
 
 pub use keys::STUDY;
 pub use study::{merge, shard};

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::shard::checked;
 use crate::speak::Voice;
 use crate::{compare, life, lobes};
-use toolroom_analysis::shards::read_plan;
+use toolroom_shards::read_plan;
 
 pub fn run(args: &MergeArgs, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(&args.dir.join("plan.json"))

@@ -7,8 +7,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use toolroom_analysis::page::Provenance;
-use toolroom_analysis::results::fingerprint;
+use toolroom_chart::page::Provenance;
+use toolroom_shards::fingerprint;
 
 /// A directory that is filled under another name and takes its own when it is complete, so that
 /// nothing half-written can be taken for a result.

@@ -4,7 +4,7 @@ use crate::speak::Voice;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
-use toolroom_analysis::study::Progress;
+use toolroom_study::study::Progress;
 
 pub struct Bar {
     bar: ProgressBar,

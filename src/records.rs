@@ -1,6 +1,6 @@
 //! Records as rows of a table of inputs; cells of a table of results.
 
-use toolroom_analysis::chart::Table;
+use toolroom_chart::Table;
 use toolroom_process::AnyRecord;
 use toolroom_sim::scenario::file::significant;
 

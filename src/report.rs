@@ -7,8 +7,8 @@ use crate::results::Results;
 use crate::speak::Voice;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use toolroom_analysis::results::{RunInfo, redraw};
-use toolroom_analysis::study::StudyOptions;
+use toolroom_study::results::{RunInfo, redraw};
+use toolroom_study::study::StudyOptions;
 
 pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
     let results = Results::read(&args.dir)?;

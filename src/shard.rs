@@ -6,7 +6,7 @@ use crate::speak::Voice;
 use crate::{compare, life, lobes};
 use std::fs;
 use std::path::Path;
-use toolroom_analysis::shards::{Plan, ShardError, read_plan, write_plan};
+use toolroom_shards::{Plan, ShardError, read_plan, write_plan};
 
 pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
     perform(&args.plan, args.shard, &args.out, args.threads, voice)
@@ -65,7 +65,7 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
 pub fn refused(error: ShardError) -> Failure {
     match error {
         ShardError::File { path, source } => Failure::Unwritable { path, source },
-        ShardError::Parquet { .. } => {
+        ShardError::Rows { .. } => {
             Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
         }
         ShardError::OtherFile { .. } => {

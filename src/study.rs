@@ -11,16 +11,17 @@ use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toolroom_analysis::gap::{Settings, sensor_sheet};
-use toolroom_analysis::logs::Format;
-use toolroom_analysis::records::{RecordKind, write_simulated};
-use toolroom_analysis::results::{self, STOPPED, record};
-use toolroom_analysis::statistics;
-use toolroom_analysis::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
-use toolroom_analysis::summary::summary;
-use toolroom_analysis::terminal::{Style, table};
+use toolroom_gap::{Settings, sensor_sheet};
+use toolroom_records::RecordKind;
+use toolroom_study::logs::Format;
+use toolroom_study::results::{STOPPED, record};
+use toolroom_study::simulate::write_simulated;
+
 use toolroom_sim::scenario::file::{ScenarioFile, nearest};
 use toolroom_sim::{RunLog, Scenario};
+use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
+use toolroom_study::summary::summary;
+use toolroom_study::terminal::{Style, table};
 
 /// A study about to be run.
 pub struct Request<'a> {
@@ -182,11 +183,11 @@ fn reproduce(request: &Request<'_>) -> String {
 
 /// The scenario file and the files that it names, with their fingerprints.
 fn inputs(request: &Request<'_>) -> Vec<(String, String)> {
-    let scenario = (request.input.clone(), results::fingerprint(request.file.text.as_bytes()));
+    let scenario = (request.input.clone(), toolroom_shards::fingerprint(request.file.text.as_bytes()));
     let named = request.file.files.iter().map(|path| {
         // Gone since it was read: its name at least.
         let bytes = std::fs::read(path).unwrap_or_default();
-        (path.display().to_string(), results::fingerprint(&bytes))
+        (path.display().to_string(), toolroom_shards::fingerprint(&bytes))
     });
     std::iter::once(scenario).chain(named).collect()
 }
@@ -228,7 +229,7 @@ pub fn half_width(text: &str) -> Result<f64, String> {
         Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
         _ => Err(format!(
             "a relative half-width of the {} % interval is due, such as \"half-width 2%\"",
-            100.0 * statistics::CONFIDENCE
+            100.0 * toolroom_statistics::CONFIDENCE
         )),
     }
 }

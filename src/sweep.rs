@@ -9,10 +9,10 @@ use crate::study::chosen;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
-use toolroom_analysis::compare::Comparison;
-use toolroom_analysis::study::{Precision, StudyOptions, run_study};
-use toolroom_analysis::summary::summary;
 use toolroom_sim::scenario::file::{read, significant};
+use toolroom_study::compare::Comparison;
+use toolroom_study::study::{Precision, StudyOptions, run_study};
+use toolroom_study::summary::summary;
 
 /// Points of a sweep; more are a slip of the step.
 const MOST: usize = 1000;

@@ -16,8 +16,7 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     claims.extend(infeed.into_iter().map(|claim| ("infeed", claim)));
     let contour = toolroom_contour::claims().map_err(|error| Failure::Work { message: format!("contour: {error}") })?;
     claims.extend(contour.into_iter().map(|claim| ("contour", claim)));
-    let life =
-        toolroom_analysis::life::claims().map_err(|error| Failure::Work { message: format!("life: {error}") })?;
+    let life = toolroom_life::claims().map_err(|error| Failure::Work { message: format!("life: {error}") })?;
     claims.extend(life.into_iter().map(|claim| ("life", claim)));
     let failed = claims.iter().filter(|(_, claim)| !claim.pass()).count();
     if voice.json {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Normal (not development) dependencies of every package, by name.
@@ -44,57 +44,74 @@ fn reachable(edges: &BTreeMap<String, BTreeSet<String>>, package: &str) -> BTree
     seen
 }
 
+/// The table of ARCHITECTURE.md: folder, crate, crates that it names, responsibility.
+fn rows() -> Vec<[String; 4]> {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let rows = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| folder"));
+    let cells = |line: &str| line.split('|').skip(1).take(4).map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    rows.map(|line| cells(line).try_into().unwrap_or_else(|_| panic!("a row of four cells: {line}"))).collect()
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
 #[test]
-fn dependencies_point_down_only() {
+fn every_crate_names_what_the_architecture_page_says() {
     let edges = dependencies();
-    let models: Vec<&String> = edges
-        .keys()
-        .filter(|name| name.starts_with("toolroom-") && !name.ends_with("sim") && !name.ends_with("analysis"))
-        .collect();
-    assert!(models.len() >= 5, "models found: {models:?}");
-    for model in models {
-        let needs = reachable(&edges, model);
-        for above in ["toolroom-sim", "toolroom-analysis", "toolroom", "polars"] {
-            assert!(!needs.contains(above), "{model} reaches {above}");
+    let rows = rows();
+    for [folder, name, names, _] in &rows {
+        assert!(root().join(folder).is_dir(), "folder {folder} does not exist");
+        if name == "–" || name == "toolroom" {
+            continue;
         }
-    }
-    let own = |name: &String| name.starts_with("toolroom");
-    assert!(!edges["toolroom-process"].iter().any(own), "process stands on nothing of toolroom");
-    for leaf in ["toolroom-wear", "toolroom-effects"] {
-        assert_eq!(edges[leaf].iter().filter(|name| own(name)).collect::<Vec<_>>(), ["toolroom-process"], "{leaf}");
-    }
-    assert!(!edges["toolroom-truth"].iter().any(own), "the truth of the blind benchmark knows no model");
-    assert!(!reachable(&edges, "toolroom-analysis").contains("toolroom-truth"), "the diagnosis knows no truth");
-    let sim = reachable(&edges, "toolroom-sim");
-    assert!(!sim.contains("polars") && !sim.contains("toolroom-analysis"), "sim stays below analysis and polars");
-}
-
-#[test]
-fn only_analysis_names_polars() {
-    let named: Vec<String> = dependencies()
-        .into_iter()
-        .filter(|(name, needs)| name.starts_with("toolroom") && needs.contains("polars"))
-        .map(|(name, _)| name)
-        .collect();
-    assert_eq!(named, ["toolroom-analysis"]);
-}
-
-#[test]
-fn every_folder_and_crate_of_the_architecture_page_exists() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
-    let edges = dependencies();
-    let rows: Vec<Vec<&str>> = page
-        .lines()
-        .filter(|line| line.starts_with("| ") && !line.starts_with("| folder"))
-        .map(|line| line.split('|').map(str::trim).collect())
-        .collect();
-    assert!(rows.len() >= 10, "table of ARCHITECTURE.md: {rows:?}");
-    for row in &rows {
-        assert!(root.join(row[1]).is_dir(), "folder {} does not exist", row[1]);
-        assert!(row[2] == "–" || edges.contains_key(row[2]), "crate {} does not exist", row[2]);
+        let needs = edges.get(name).unwrap_or_else(|| panic!("crate {name} does not exist"));
+        let needs: BTreeSet<&str> = needs.iter().filter_map(|need| need.strip_prefix("toolroom-")).collect();
+        let said: BTreeSet<&str> = names.split(", ").filter(|name| *name != "–").collect();
+        assert_eq!(needs, said, "{name}: what it names, and what ARCHITECTURE.md says");
     }
     for name in edges.keys().filter(|name| name.starts_with("toolroom")) {
-        assert!(rows.iter().any(|row| row[2] == name), "{name} is missing in ARCHITECTURE.md");
+        assert!(rows.iter().any(|[_, row, ..]| row == name), "{name} is missing in ARCHITECTURE.md");
+    }
+}
+
+#[test]
+fn only_parquet_knows_polars_and_the_rest_compiles_beside_it() {
+    let edges = dependencies();
+    let named = edges.iter().filter(|(name, needs)| name.starts_with("toolroom") && needs.contains("polars"));
+    assert_eq!(named.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["toolroom-parquet"]);
+    for free in ["toolroom-chart", "toolroom-life", "toolroom-gap", "toolroom-sim", "toolroom-fmu"] {
+        assert!(!reachable(&edges, free).contains("polars"), "{free} waits for polars");
+    }
+}
+
+#[test]
+fn the_diagnosis_knows_no_truth_and_the_truth_no_model() {
+    let edges = dependencies();
+    assert!(!reachable(&edges, "toolroom-gap").contains("toolroom-truth"), "the diagnosis knows no truth");
+    let models = reachable(&edges, "toolroom-truth").into_iter().filter(|name| name.starts_with("toolroom"));
+    assert_eq!(models.count(), 0, "the truth knows no model");
+}
+
+/// Lines of Rust below a folder.
+fn lines(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let count = |path: PathBuf| {
+        if path.is_dir() {
+            lines(&path)
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            std::fs::read_to_string(&path).expect("text").lines().count()
+        } else {
+            0
+        }
+    };
+    entries.map(count).sum()
+}
+
+#[test]
+fn no_crate_outgrows_what_one_reader_can_hold() {
+    for [folder, name, ..] in rows().iter().filter(|[_, name, ..]| name != "–") {
+        let source = root().join(folder).join(if name == "toolroom" { "" } else { "src" });
+        assert!(lines(&source) <= 12_000, "{name} has {} lines", lines(&source));
     }
 }

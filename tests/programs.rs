@@ -4,8 +4,8 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
-use toolroom_analysis::records::{RecordKind, parse_csv};
+use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
 fn toolroom(arguments: &[&str]) -> Output {

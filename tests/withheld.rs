@@ -1,7 +1,7 @@
 //! Diagnosis of shops whose hidden effect, equations and noise no model here knows.
 
-use toolroom_analysis::gap::{Diagnosis, GapVerdict, Identifiable, NominalModel, diagnose, identifiability};
-use toolroom_analysis::records::{RecordKind, parse_csv};
+use toolroom_gap::{Diagnosis, GapVerdict, Identifiable, NominalModel, diagnose, identifiability};
+use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
 /// What the records of `case` answer, and what their design promised.

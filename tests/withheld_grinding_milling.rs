@@ -1,8 +1,8 @@
 //! Diagnosis of grinding and milling shops whose hidden effect, equations and noise no model here
 //! knows, and of records that lack what one would want.
 
-use toolroom_analysis::gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
-use toolroom_analysis::records::{RecordKind, parse_csv};
+use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
+use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
 
 fn diagnosed(process: &str, csv: &str) -> (Diagnosis, Vec<String>) {

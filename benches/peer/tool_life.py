@@ -1,4 +1,4 @@
-"""The constant-speed study of `cargo bench -p toolroom-analysis --bench life`, vectorised in NumPy.
+"""The constant-speed study of `cargo bench -p toolroom-life --bench life`, vectorised in NumPy.
 
     python benches/peer/tool_life.py [LIVES]
 

@@ -3,7 +3,7 @@
 use super::compute::{OBJECTIVES, PassStudy, Scattered};
 use super::conditions::{Gain, REPORTED_COST, REPORTED_PRODUCTIVITY};
 use std::ops::Range;
-use toolroom_analysis::chart::{Axis, Colour, Dash, Estimate, Hatch, Intervals, Marker, Plot, Style};
+use toolroom_chart::{Axis, Colour, Dash, Estimate, Hatch, Intervals, Marker, Plot, Style};
 use toolroom_contour::{Constraint, Contour, Plan};
 
 const MM: f64 = 1e3;

@@ -5,8 +5,8 @@ use super::input::Task;
 use super::picture;
 use super::text::{percent, rpm};
 use crate::records::{input_table, push_record};
-use toolroom_analysis::chart::Table;
-use toolroom_analysis::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::Table;
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_contour::{Constraint, CornerPolicy, FormError, Milling, PathError, Plan};
 use toolroom_sim::scenario::file::significant;
 

@@ -12,8 +12,8 @@ use crate::records::cell;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
-use toolroom_analysis::results::fingerprint;
 use toolroom_contour::{Constraint, Plan, PlannedSection, Sensitivity};
+use toolroom_shards::fingerprint;
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;

@@ -12,8 +12,8 @@ use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use toolroom_analysis::gap::{NominalModel, NominalProcess};
 use toolroom_effects::Effect;
+use toolroom_gap::{NominalModel, NominalProcess};
 use toolroom_sim::scenario::Deviation;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {

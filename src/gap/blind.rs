@@ -22,8 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 use tally::{Ablation, Tally};
-use toolroom_analysis::gap::{Method, NominalModel};
-use toolroom_analysis::study::Progress;
+use toolroom_gap::{Method, NominalModel};
+use toolroom_study::study::Progress;
 use toolroom_truth::{Case, Extent, GENERATORS, Set, suite};
 
 /// Shipped nominal models, by process.

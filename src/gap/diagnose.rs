@@ -8,12 +8,12 @@ use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
-use toolroom_analysis::gap::plan::plan;
-use toolroom_analysis::gap::shop::{queues, visits};
-use toolroom_analysis::gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
-use toolroom_analysis::page::Provenance;
-use toolroom_analysis::records::Records;
-use toolroom_analysis::results::fingerprint;
+use toolroom_chart::page::Provenance;
+use toolroom_gap::plan::plan;
+use toolroom_gap::shop::{queues, visits};
+use toolroom_gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
+use toolroom_records::Records;
+use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
-use toolroom_analysis::gap::identifiability;
+use toolroom_gap::identifiability;
 
 pub fn run(args: &IdentifiabilityArgs, voice: &Voice) -> Result<(), Failure> {
     let model = nominal(&args.data)?;

@@ -6,9 +6,9 @@ use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use std::time::Instant;
-use toolroom_analysis::gap::plan::plan;
-use toolroom_analysis::gap::{Asked, diagnose_parts};
-use toolroom_analysis::records::write_csv;
+use toolroom_gap::plan::plan;
+use toolroom_gap::{Asked, diagnose_parts};
+use toolroom_records::write_csv;
 
 pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();

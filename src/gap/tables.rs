@@ -4,8 +4,8 @@ use super::{nominal_of, recorded};
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
-use toolroom_analysis::gap::NominalModel;
-use toolroom_analysis::records::{self, RecordKind, Records};
+use toolroom_gap::NominalModel;
+use toolroom_records::{RecordKind, Records};
 
 /// A nominal model with the records of its table.
 pub struct Table {
@@ -32,7 +32,7 @@ pub fn tables(paths: &[PathBuf], set: &[String], data: &Path, voice: &Voice) -> 
         }
     }
     if data.is_dir() {
-        let found = records::tables(data);
+        let found = toolroom_records::tables(data);
         let words = |kinds: &[RecordKind]| {
             let word = |kind: &RecordKind| format!("{} ({})", kind.file_stem(), kind.name());
             kinds.iter().map(word).collect::<Vec<_>>().join(", ")

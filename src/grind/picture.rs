@@ -3,8 +3,8 @@
 use super::Design;
 use super::text::phase_names;
 use crate::records::{input_table, push_record};
-use toolroom_analysis::chart::{Axis, Colour, Dash, Plot, Style, Table};
-use toolroom_analysis::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::{Axis, Colour, Dash, Plot, Style, Table};
 use toolroom_infeed::CyclePoint;
 
 const UM: f64 = 1e6;

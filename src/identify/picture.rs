@@ -1,8 +1,8 @@
 //! The lag, stock and force in pictures, and the report around them.
 
 use super::Study;
-use toolroom_analysis::chart::{Axis, Colour, Dash, Estimate, Intervals, Marker, Plot, Style, Table};
-use toolroom_analysis::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::{Axis, Colour, Dash, Estimate, Intervals, Marker, Plot, Style, Table};
 use toolroom_infeed::{Trial, fit_force_trace, lag_sd, stock_after};
 
 const UM: f64 = 1e6;

@@ -28,7 +28,7 @@ pub fn write(out: &OutputDir, args: &IdentifyArgs, study: &Study, wall: Duration
     let mut provenance = provenance("identify", &inputs[..1], arguments, Some(args.seed));
     provenance
         .inputs
-        .extend(inputs[1..].iter().map(|(name, bytes)| (name.clone(), toolroom_analysis::results::fingerprint(bytes))));
+        .extend(inputs[1..].iter().map(|(name, bytes)| (name.clone(), toolroom_shards::fingerprint(bytes))));
     out.put("trials.csv", &table(study))?;
     out.put_json("identify.json", &summary(study))?;
     out.put("report.html", &report(study, provenance.clone()).html())?;

@@ -6,8 +6,8 @@ use crate::failure::Failure;
 use crate::output::provenance;
 use crate::speak::Voice;
 use std::time::Instant;
-use toolroom_analysis::records::RecordError;
-use toolroom_analysis::records::import::{ImportError, Mapping, import};
+use toolroom_records::RecordError;
+use toolroom_records::import::{ImportError, Mapping, import};
 
 /// The mapping of the NASA milling table, shipped as an example too.
 const NASA_MILL: &str = include_str!("../../scenarios/gap/map-nasa-mill.toml");
@@ -32,7 +32,7 @@ fn perform(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let began = Instant::now();
-    let (records, report) = import(&args.file, mapping).map_err(refused)?;
+    let (records, report) = import(&args.file, mapping, &toolroom_parquet::read_cells).map_err(refused)?;
     let bytes = std::fs::read(&args.file)
         .map_err(|error| Failure::argument(format!("{}: {error}", args.file.display()), "check the path"))?;
     let provenance = provenance(verb, &[(args.file.display().to_string(), &bytes)], arguments, None);

@@ -9,12 +9,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_analysis::mtconnect::{
-    Lines, Passed, Role, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, whole,
-};
-use toolroom_analysis::records::{Records, write_csv};
 use toolroom_contour::{Drives, Program};
 use toolroom_process::unit;
+use toolroom_records::mtconnect::{
+    Lines, Passed, Role, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, whole,
+};
+use toolroom_records::{Records, write_csv};
 
 pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();

@@ -6,8 +6,8 @@ use crate::output::provenance;
 use crate::speak::Voice;
 use std::fs;
 use std::time::Instant;
-use toolroom_analysis::mtconnect::run_table;
-use toolroom_analysis::records::ReadReport;
+use toolroom_records::ReadReport;
+use toolroom_records::mtconnect::run_table;
 
 pub fn run(args: &NistRunsArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();

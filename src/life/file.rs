@@ -2,13 +2,13 @@
 
 use super::keys::STUDY;
 use std::path::Path;
-use toolroom_analysis::life::measured::numbers;
-use toolroom_analysis::life::replacement::Costs;
-use toolroom_analysis::life::study::edge::COORDINATES;
-use toolroom_analysis::life::study::points::Sampling;
-use toolroom_analysis::life::study::policy::{Knows, Reading, Rule};
-use toolroom_analysis::life::study::spread::{Copula, Spread};
-use toolroom_analysis::life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
+use toolroom_life::measured::numbers;
+use toolroom_life::replacement::Costs;
+use toolroom_life::study::edge::COORDINATES;
+use toolroom_life::study::points::Sampling;
+use toolroom_life::study::policy::{Knows, Reading, Rule};
+use toolroom_life::study::spread::{Copula, Spread};
+use toolroom_life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use toolroom_process::{Record, unit};
 use toolroom_sim::scenario::file::{
     Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,

@@ -10,15 +10,15 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_analysis::chart::Table;
-use toolroom_analysis::life::analysis::{Analysis, Request, analyse};
-use toolroom_analysis::life::measured::{Layout, Measured, MeasuredLife, read};
-use toolroom_analysis::life::page::{self, Words};
-use toolroom_analysis::life::picture;
-use toolroom_analysis::life::regression::{Regression, regress};
-use toolroom_analysis::life::sample::Sample;
-use toolroom_analysis::page::{Provenance, Report, Section};
-use toolroom_analysis::results::fingerprint;
+use toolroom_chart::Table;
+use toolroom_chart::page::{Provenance, Report, Section};
+use toolroom_life::analysis::{Analysis, Request, analyse};
+use toolroom_life::measured::{Layout, Measured, MeasuredLife, read};
+use toolroom_life::page::{self, Words};
+use toolroom_life::picture;
+use toolroom_life::regression::{Regression, regress};
+use toolroom_life::sample::Sample;
+use toolroom_shards::fingerprint;
 use toolroom_sim::scenario::file::significant;
 
 /// Lives that belong together.
@@ -172,7 +172,7 @@ fn regression_json(regression: &Regression) -> Value {
 
 /// The bits of the lives in their order.
 fn digested(measured: &Measured) -> Vec<u8> {
-    use toolroom_analysis::life::sample::Observation::{Between, Censored, Failed};
+    use toolroom_life::sample::Observation::{Between, Censored, Failed};
     let words = measured.lives.iter().flat_map(|life| match life.life {
         Failed(age) => [1.0, age, age],
         Censored(age) => [2.0, age, age],
@@ -223,7 +223,7 @@ fn report(file: &str, groups: &[Group], regression: Option<&Regression>, words: 
 fn lead(analysis: &Analysis, words: &Words) -> String {
     let best = &analysis.fits[0];
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
-    let n = |value: f64| toolroom_analysis::chart::number(value, 3);
+    let n = |value: f64| toolroom_chart::number(value, 3);
     format!(
         "The most credible law is {}: mean life {}{unit}, one edge in ten is spent at {}{unit}.",
         picture::label(best.fit.law.family()),
@@ -234,8 +234,7 @@ fn lead(analysis: &Analysis, words: &Words) -> String {
 
 fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, request: &Request) -> String {
     let mut text = String::new();
-    let n =
-        |value: f64| if value == f64::INFINITY { "∞".to_owned() } else { toolroom_analysis::chart::number(value, 4) };
+    let n = |value: f64| if value == f64::INFINITY { "∞".to_owned() } else { toolroom_chart::number(value, 4) };
     for group in groups {
         let name = if group.name.is_empty() { "all lives" } else { &group.name };
         let Ok(analysis) = &group.analysis else {
@@ -276,9 +275,8 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
         if analysis.fits.iter().any(|fitted| !fitted.fit.regular()) {
             let _ = writeln!(text, "  * not regular: it follows single lives and predicts little");
         }
-        let banded = |at: &toolroom_analysis::life::analysis::Interval| {
-            format!("{} ({} … {})", n(at.value), n(at.low), n(at.high))
-        };
+        let banded =
+            |at: &toolroom_life::analysis::Interval| format!("{} ({} … {})", n(at.value), n(at.low), n(at.high));
         let _ = writeln!(text, "  B10 {}   mean life {}", banded(&analysis.b10), banded(&analysis.mean));
         let best = &analysis.by_age;
         if best.age.is_finite() {

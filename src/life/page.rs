@@ -6,21 +6,21 @@ use crate::failure::Failure;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use toolroom_analysis::chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table, number};
-use toolroom_analysis::life::analysis::{Analysis, Request, analyse};
-use toolroom_analysis::life::page::{self, Words};
-use toolroom_analysis::life::regression::{Regression, regress};
-use toolroom_analysis::life::replacement::{Costs, Cycles};
-use toolroom_analysis::life::sample::{Observation, Sample};
-use toolroom_analysis::life::study::edge::{Draws, LEVELS, level_share};
-use toolroom_analysis::life::study::run::{Tally, lives};
-use toolroom_analysis::life::study::sensitivity::{SobolIndex, morris, sobol};
-use toolroom_analysis::life::study::shard::{Merged, sample};
-use toolroom_analysis::life::study::tally::ERROR;
-use toolroom_analysis::life::study::{Cell, End, Study};
-use toolroom_analysis::page::{Figure, Provenance, Report, Section};
-use toolroom_analysis::results::fingerprint;
-use toolroom_analysis::shards::Plan;
+use toolroom_chart::page::{Figure, Provenance, Report, Section};
+use toolroom_chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table, number};
+use toolroom_life::analysis::{Analysis, Request, analyse};
+use toolroom_life::page::{self, Words};
+use toolroom_life::regression::{Regression, regress};
+use toolroom_life::replacement::{Costs, Cycles};
+use toolroom_life::sample::{Observation, Sample};
+use toolroom_life::study::edge::{Draws, LEVELS, level_share};
+use toolroom_life::study::run::{Tally, lives};
+use toolroom_life::study::sensitivity::{SobolIndex, morris, sobol};
+use toolroom_life::study::shard::{Merged, sample};
+use toolroom_life::study::tally::ERROR;
+use toolroom_life::study::{Cell, End, Study};
+use toolroom_shards::Plan;
+use toolroom_shards::fingerprint;
 use toolroom_sim::scenario::file::{FormFile, significant};
 
 /// What a result is made of.
@@ -154,7 +154,7 @@ fn overview(worked: &[Worked<'_>]) -> Table {
 }
 
 fn csv(table: &Table) -> String {
-    use toolroom_analysis::chart::Cell::{Number, Text};
+    use toolroom_chart::Cell::{Number, Text};
     let mut text = table.columns().join(",") + "\n";
     for row in table.rows() {
         let cells = row.iter().map(|cell| match cell {
@@ -205,7 +205,7 @@ fn regression(study: &Study) -> Option<(Regression, Vec<(f64, f64)>)> {
 /// Sobol indices, Morris effects and swings of the life under the first cell, min.
 struct Sensitivity {
     indices: Vec<SobolIndex>,
-    effects: Vec<toolroom_analysis::life::study::sensitivity::Effect>,
+    effects: Vec<toolroom_life::study::sensitivity::Effect>,
     /// Life at the median of every input, and with one input at its 10 and 90 % quantile.
     middle: f64,
     swings: Vec<(f64, f64)>,
@@ -213,7 +213,7 @@ struct Sensitivity {
 
 fn sensitivity(study: &Study, samples: u64, paths: u64) -> Sensitivity {
     // Inputs are varied one by one: correlation and tilt would mix them.
-    let study = Study { copula: None, tilt: toolroom_analysis::life::study::Tilt::default(), ..study.clone() };
+    let study = Study { copula: None, tilt: toolroom_life::study::Tilt::default(), ..study.clone() };
     let cell = &study.cells[0];
     let life = |point: &[f64], row: u64| study.live(cell, point, &mut Draws::of(study.seed, row)).life / 60.0;
     let dimensions = study.dimensions();
@@ -498,7 +498,7 @@ fn taylor(study: &Study, regression: &Regression, points: &[(f64, f64)], confide
         regression.predict(&covariates.collect::<Vec<_>>(), confidence)
     };
     let speeds: Vec<f64> = (0..=40).map(|i| low * (high / low).powf(f64::from(i) / 40.0)).collect();
-    let band = |of: fn(&toolroom_analysis::life::regression::Prediction) -> (f64, f64)| {
+    let band = |of: fn(&toolroom_life::regression::Prediction) -> (f64, f64)| {
         speeds.iter().map(move |speed| {
             let (low, high) = of(&at(*speed));
             (*speed, low, high)

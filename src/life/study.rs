@@ -15,11 +15,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-use toolroom_analysis::life::study::run::lives;
-use toolroom_analysis::life::study::shard;
-use toolroom_analysis::shards::{Plan, read_plan, write_plan};
-use toolroom_analysis::study::Progress;
+use toolroom_life::study::run::lives;
+use toolroom_life::study::shard;
+use toolroom_records::table::NewTable;
+use toolroom_shards::{Plan, read_plan, write_plan};
 use toolroom_sim::scenario::file::FormFile;
+use toolroom_study::study::Progress;
 
 /// Lives of a shard when nobody says how many shards there are.
 const SHARD: u64 = 500_000;
@@ -93,7 +94,9 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
             );
             return Err(Failure::Work { message });
         }
-        threads.install(|| shard::run(study, &plan, number, &parts, parsed.content.write_lives)).map_err(refused)?;
+        threads
+            .install(|| shard::run(study, &plan, number, &parts, rows(parsed.content.write_lives)))
+            .map_err(refused)?;
         bar.at(Progress { done: number as u32 + 1, total: shards as u32 });
     }
     bar.finish();
@@ -109,7 +112,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
 /// One shard of a planned study.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let content = study_of(plan)?.content;
-    shard::run(&content.study, plan, number, out, content.write_lives).map_err(refused)
+    shard::run(&content.study, plan, number, out, rows(content.write_lives)).map_err(refused)
 }
 
 /// Merges the parts of a planned study.
@@ -172,7 +175,7 @@ fn finish(
     parsed: &FormFile<StudyFile>,
     parts: &Path,
     out: &Path,
-    request: &toolroom_analysis::life::analysis::Request,
+    request: &toolroom_life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let merged = shard::merge(plan, parts).map_err(refused)?;
@@ -193,4 +196,9 @@ fn finish(
     }
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
+}
+
+/// The table that lives are written to, where they are wanted.
+fn rows(write_lives: bool) -> Option<NewTable<'static>> {
+    write_lives.then_some(&toolroom_parquet::create)
 }

@@ -9,8 +9,8 @@ use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
-use toolroom_analysis::chart::png;
-use toolroom_analysis::results::fingerprint;
+use toolroom_chart::png;
+use toolroom_shards::fingerprint;
 use toolroom_sim::scenario::file::FormFile;
 
 /// Width of the PNG: sharp over a column of print.

@@ -12,9 +12,9 @@ use crate::study::default_out;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_analysis::results::fingerprint;
-use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
 use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
+use toolroom_shards::fingerprint;
+use toolroom_shards::{Computed, Plan, ShardError, write_plan};
 use toolroom_sim::scenario::file::FormFile;
 
 /// `--plan FILE`: the columns of the grid cut into shards.
@@ -63,7 +63,7 @@ fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let file = chart_of(plan)?;
     let mut refusal = None;
-    let ran = shards::run(plan, number, out, |(from, to), _| {
+    let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
         let LobesFile { cut, chart, .. } = &file.content;
         let content = match cut.lobes(chart, from as usize..to as usize) {
             Ok(lobes) => Some(lobes.verdicts),
@@ -89,7 +89,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let file = chart_of(plan)?;
     let chart = &file.content.chart;
     let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
-        shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
+        toolroom_shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
     let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
     let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
     let grid = verdicts.map(|verdicts| Lobes { speed, depth, verdicts: verdicts.concat() });

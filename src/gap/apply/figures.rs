@@ -6,10 +6,11 @@ use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use toolroom_analysis::gap::shop::{Shop, ShopKpi, mix, visits};
-use toolroom_analysis::gap::{NominalModel, NominalProcess, Settings};
-use toolroom_analysis::records::{RecordKind, simulated};
+use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
+use toolroom_gap::{NominalModel, NominalProcess, Settings};
+use toolroom_records::RecordKind;
 use toolroom_sim::scenario::file::read;
+use toolroom_study::simulate::simulated;
 
 /// One key figure.
 pub struct Figure {

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use serde_json::Value;
-use toolroom_analysis::gap::program::{ProgramModel, effects_section};
+use toolroom_gap::program::{ProgramModel, effects_section};
 use toolroom_process::{Record, unit};
 use toolroom_sim::effects::ShopDeviations;
 
@@ -54,7 +54,7 @@ pub fn applied(text: &str, model: &ProgramModel, named: &[Value]) -> Result<Stri
 mod tests {
     use super::applied;
     use serde_json::json;
-    use toolroom_analysis::gap::program::ProgramModel;
+    use toolroom_gap::program::ProgramModel;
     use toolroom_sim::effects::ShopDeviations;
 
     #[test]

@@ -3,8 +3,8 @@
 use super::row::{Mark, Row};
 use super::shrunk::Shrunk;
 use crate::failure::Failure;
-use toolroom_analysis::gap::{Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
-use toolroom_analysis::records::{Records, parse_csv};
+use toolroom_gap::{Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
+use toolroom_records::{Records, parse_csv};
 use toolroom_truth::{Case, Hidden};
 
 /// Seed of every diagnosis; what is random about a case is the case.

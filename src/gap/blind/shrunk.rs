@@ -1,9 +1,9 @@
 //! How far the gap shrinks, as the diagnosis said and on new edges of the same shop.
 
 use crate::gap::joined::joined;
-use toolroom_analysis::gap::{Diagnosis, NamedEffect, NominalModel, Outside, report_units};
-use toolroom_analysis::records::Records;
 use toolroom_effects::Effect;
+use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, report_units};
+use toolroom_records::Records;
 use toolroom_sim::effects::SHOP_EFFECTS;
 
 /// Seed of intervals that nobody looks at.

@@ -4,7 +4,7 @@ use super::row::{Mark, Row};
 use super::{PARTS, WHOLE};
 use serde_json::{Value, json};
 use std::fmt;
-use toolroom_analysis::statistics::clopper_pearson;
+use toolroom_statistics::clopper_pearson;
 use toolroom_truth::{GENERATORS, Set};
 
 /// Promised score from which an effect has to be found.

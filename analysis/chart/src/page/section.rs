@@ -1,0 +1,201 @@
+//! Sections of a report and what they hold.
+
+use crate::{Cell, Chart, Table, escape};
+use std::fmt::Write;
+
+/// Rows of a chart's data that the report holds; the rest is in the files of the run.
+const ROWS: usize = 200;
+
+/// A chart with its caption and the data under it.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    svg: String,
+    caption: String,
+    data: Table,
+    file: Option<String>,
+}
+
+impl Figure {
+    /// A chart with a caption: what to see in it.
+    #[must_use]
+    pub fn new(chart: &dyn Chart, caption: impl Into<String>) -> Self {
+        Self { svg: chart.svg(), caption: caption.into(), data: chart.data(), file: None }
+    }
+
+    /// Names the file that holds all data, for the note under a shortened table.
+    #[must_use]
+    pub fn data_in(mut self, file: impl Into<String>) -> Self {
+        self.file = Some(file.into());
+        self
+    }
+
+    fn write(&self, out: &mut String, number: usize) {
+        let _ = write!(
+            out,
+            "<figure id=\"figure-{number}\"><div class=\"chart\">{}</div><figcaption><b>Figure {number}.</b> {}</figcaption>",
+            self.svg,
+            escape(&self.caption)
+        );
+        let total = self.data.rows().len();
+        if total > 0 {
+            out.push_str("<details><summary>Data</summary>");
+            write_table(out, &self.data, None, ROWS, plain);
+            if total > ROWS {
+                let rest = self.file.as_ref().map_or_else(
+                    || "the others are in the result files of the run".to_owned(),
+                    |f| format!("all of them are in {}", escape(f)),
+                );
+                let _ = write!(out, "<p>The first {ROWS} of {total} rows; {rest}.</p>");
+            }
+            out.push_str("</details>");
+        }
+        out.push_str("</figure>\n");
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Item {
+    Paragraph(String),
+    List(Vec<String>),
+    Note(String),
+    Warning(String),
+    Table(String, Table),
+    Figure(Figure),
+}
+
+/// A heading with paragraphs, tables, figures, notes and warnings below, in the order of the calls.
+#[derive(Clone, Debug)]
+pub struct Section {
+    heading: String,
+    items: Vec<Item>,
+}
+
+impl Section {
+    /// A section with nothing but a heading.
+    #[must_use]
+    pub fn new(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), items: Vec::new() }
+    }
+
+    fn with(mut self, item: Item) -> Self {
+        self.items.push(item);
+        self
+    }
+
+    /// Adds a paragraph.
+    #[must_use]
+    pub fn paragraph(self, text: impl Into<String>) -> Self {
+        self.with(Item::Paragraph(text.into()))
+    }
+
+    /// Adds a list.
+    #[must_use]
+    pub fn list<S: Into<String>>(self, items: impl IntoIterator<Item = S>) -> Self {
+        self.with(Item::List(items.into_iter().map(Into::into).collect()))
+    }
+
+    /// Adds a remark that the reader should not miss.
+    #[must_use]
+    pub fn note(self, text: impl Into<String>) -> Self {
+        self.with(Item::Note(text.into()))
+    }
+
+    /// Adds a warning: a reason to doubt what stands around it.
+    #[must_use]
+    pub fn warning(self, text: impl Into<String>) -> Self {
+        self.with(Item::Warning(text.into()))
+    }
+
+    /// Adds a table with all its rows.
+    #[must_use]
+    pub fn table(self, caption: impl Into<String>, table: Table) -> Self {
+        self.with(Item::Table(caption.into(), table))
+    }
+
+    /// Adds a figure; figures are numbered through the report.
+    #[must_use]
+    pub fn figure(self, figure: Figure) -> Self {
+        self.with(Item::Figure(figure))
+    }
+
+    pub(super) fn heading(&self) -> &str {
+        &self.heading
+    }
+
+    pub(super) fn write(&self, out: &mut String, number: usize, figures: &mut usize) {
+        let _ = write!(
+            out,
+            "<section id=\"section-{number}\"><h2><span class=\"n\">{number}</span>{}</h2>",
+            escape(&self.heading)
+        );
+        for item in &self.items {
+            match item {
+                Item::Paragraph(text) => {
+                    let _ = write!(out, "<p>{}</p>", escape(text));
+                }
+                Item::List(entries) if !entries.is_empty() => {
+                    out.push_str("<ul>");
+                    for entry in entries {
+                        let _ = write!(out, "<li>{}</li>", escape(entry));
+                    }
+                    out.push_str("</ul>");
+                }
+                Item::List(_) => {}
+                Item::Note(text) => {
+                    let _ = write!(out, "<p class=\"remark\"><b>Note.</b> {}</p>", escape(text));
+                }
+                Item::Warning(text) => {
+                    let _ = write!(out, "<p class=\"remark warning\"><b>Warning.</b> {}</p>", escape(text));
+                }
+                Item::Table(caption, table) => write_table(out, table, Some(caption), usize::MAX, readable),
+                Item::Figure(figure) => {
+                    *figures += 1;
+                    figure.write(out, *figures);
+                }
+            }
+        }
+        out.push_str("</section>\n");
+    }
+}
+
+fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usize, print: impl Fn(f64) -> String) {
+    // A column is aligned like its first number.
+    let numeric: Vec<bool> =
+        (0..table.columns().len()).map(|i| table.rows().iter().any(|row| matches!(row[i], Cell::Number(_)))).collect();
+    let class = |i: usize| if numeric[i] { " class=\"num\"" } else { "" };
+    out.push_str("<div class=\"scroll\"><table>");
+    if let Some(caption) = caption.filter(|c| !c.is_empty()) {
+        let _ = write!(out, "<caption>{}</caption>", escape(caption));
+    }
+    out.push_str("<thead><tr>");
+    for (i, column) in table.columns().iter().enumerate() {
+        let _ = write!(out, "<th scope=\"col\"{}>{}</th>", class(i), escape(column));
+    }
+    out.push_str("</tr></thead><tbody>");
+    for row in table.rows().iter().take(rows) {
+        out.push_str("<tr>");
+        for (i, cell) in row.iter().enumerate() {
+            let text = match cell {
+                Cell::Text(text) => escape(text),
+                Cell::Number(value) => print(*value),
+            };
+            let _ = write!(out, "<td{}>{text}</td>", class(i));
+        }
+        out.push_str("</tr>");
+    }
+    out.push_str("</tbody></table></div>");
+}
+
+/// A number in a table of results: six significant digits, the typographic minus.
+fn readable(value: f64) -> String {
+    crate::number(value, 6)
+}
+
+/// A number that a spreadsheet understands when the table is copied: six significant digits.
+fn plain(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    let short: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    if short == 0.0 || (1e-4..1e15).contains(&short.abs()) { format!("{}", short + 0.0) } else { format!("{short:e}") }
+}

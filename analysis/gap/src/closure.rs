@@ -1,0 +1,279 @@
+//! How far the gap shrinks on groups that the fit did not see.
+
+use super::diagnose::{entry, settled};
+use super::left_out::LeftOut;
+use super::noise::HUBER;
+use super::trial::Trial;
+use super::{Basis, Closure, Diagnosed, Direction, Forward, Frame, Measured, Method, Point};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Resamples of groups for an interval.
+const RESAMPLES: usize = 400;
+
+/// Closure on groups that were kept out of the fit, of any effects that one asks about: by how much
+/// an effect that is known to be there would close the gap.
+pub struct Outside<'a> {
+    model: &'a dyn Forward,
+    basis: Basis,
+    base: Trial,
+    left: LeftOut,
+    groups: Vec<usize>,
+}
+
+impl<'a> Outside<'a> {
+    /// Fits the nominal model to the groups that are to be fitted; `None` where none is kept out.
+    pub fn new(model: &'a dyn Forward) -> Option<Self> {
+        let measured = &model.frame().measured;
+        let kept_out = |group: &usize| !measured.fitted[*group] && !measured.spans[*group].is_empty();
+        let groups: Vec<usize> = (0..measured.groups.len()).filter(kept_out).collect();
+        if groups.is_empty() {
+            return None;
+        }
+        let (basis, fit) = settled(model, Method::default());
+        let base = Trial::of(model, &basis, &[], fit);
+        let left = LeftOut::of(model, &basis, &base, &[]);
+        Some(Self { model, basis, base, left, groups })
+    }
+
+    /// Closure of the candidates `active` over the channels `touched`, and what their fit costs.
+    pub fn closure(&self, active: &[usize], touched: &[&str], seed: u64) -> (Closure, f64) {
+        let trial = Trial::new(self.model, &self.basis, &[], &self.base.fit, active);
+        let chosen = LeftOut::of(self.model, &self.basis, &trial, &[]);
+        let (total, _) = closures(self.model, &self.basis, &self.left, &chosen, &self.groups, touched, seed);
+        (total, trial.fit.cost)
+    }
+
+    /// Size (SI) of the candidate `index` that the groups kept out ask for by themselves.
+    pub fn size(&self, index: usize) -> f64 {
+        let mut frame = self.model.frame().clone();
+        frame.measured.fitted.iter_mut().for_each(|fitted| *fitted = !*fitted);
+        let turned = Turned { model: self.model, frame };
+        let trial = Trial::new(&turned, &self.basis, &[], &self.base.fit, &[index]);
+        trial.fit.linear.point.effects[index]
+    }
+}
+
+/// A model with fitted groups and those kept out exchanged.
+struct Turned<'a> {
+    model: &'a dyn Forward,
+    frame: Frame,
+}
+
+impl Forward for Turned<'_> {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        self.model.simulate(at)
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        self.model.slopes(at, raw, along)
+    }
+}
+
+/// Sums of squares of the groups on which a closure is scored.
+struct Sums {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    floor: Vec<f64>,
+    count: Vec<f64>,
+}
+
+/// Fits to other groups that an interval allows for.
+const FITS: usize = 100;
+
+/// Closure by channel and over those that are `touched` (all, if none is named); the total is in
+/// units of noise.
+pub fn closures(
+    model: &dyn Forward,
+    basis: &Basis,
+    base: &LeftOut,
+    chosen: &LeftOut,
+    scored: &[usize],
+    touched: &[&str],
+    seed: u64,
+) -> (Closure, Vec<(&'static str, Closure)>) {
+    let measured = &model.frame().measured;
+    let among = counted(measured, touched);
+    let channels = measured.channels.len();
+    let sums = |[base, chosen]: [&[f64]; 2]| -> Vec<Sums> {
+        let of = |channel: usize| {
+            let counts = |i: usize| match measured.observations[i].channel {
+                own if channel < channels => own == channel,
+                own => among[own],
+            };
+            let mut sums = Sums { before: Vec::new(), after: Vec::new(), floor: Vec::new(), count: Vec::new() };
+            for group in scored {
+                let inside = measured.spans[*group].clone();
+                let (mut before, mut after, mut floor, mut count) = (0.0, 0.0, 0.0, 0.0);
+                for i in inside.filter(|i| counts(*i)) {
+                    let unit = basis.noise.deviation(measured, i);
+                    let square = if channel < channels { unit * unit } else { 1.0 };
+                    before += huber(base[i] / unit) * square;
+                    after += huber(chosen[i] / unit) * square;
+                    floor += square;
+                    count += 1.0;
+                }
+                sums.before.push(before);
+                sums.after.push(after);
+                sums.floor.push(floor);
+                sums.count.push(count);
+            }
+            sums
+        };
+        (0..=channels).map(of).collect()
+    };
+    let values = sums([&base.residual, &chosen.residual]);
+    let fits: Vec<Vec<Sums>> = if base.moves() && chosen.moves() {
+        (0..FITS).into_par_iter().map(|draw| sums([&base.drawn(seed, draw), &chosen.drawn(seed, draw)])).collect()
+    } else {
+        Vec::new()
+    };
+    let one = |place: usize| {
+        let fits: Vec<&Sums> = fits.iter().map(|fit| &fit[place]).collect();
+        closure(&values[place], &fits, seed)
+    };
+    let by_channel = measured.channels.iter().enumerate().map(|(index, channel)| (channel.name, one(index))).collect();
+    (one(channels), by_channel)
+}
+
+/// Closure over several models, in units of noise; those of one process share groups of one name.
+/// Where an effect is named only the channels count that it touches.
+pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure {
+    let sums = |draw: Option<usize>| {
+        let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
+        for (process, model, diagnosed) in parts {
+            let measured = &model.frame().measured;
+            let of = |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
+            let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(of);
+            let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
+            let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
+            let counts = counted(measured, &touched);
+            for group in scored(measured) {
+                let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
+                for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
+                    let unit = diagnosed.basis.noise.deviation(measured, i);
+                    let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
+                    own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
+                }
+            }
+        }
+        let column = |at: usize| sums.values().map(|own| own[at]).collect();
+        Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }
+    };
+    let fits: Vec<Sums> = (0..FITS).into_par_iter().map(|draw| sums(Some(draw))).collect();
+    closure(&sums(None), &fits.iter().collect::<Vec<_>>(), seed)
+}
+
+/// Whether each channel counts for effects that touch some: all, if none of them is measured.
+fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
+    let own: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
+    // An effect may act where the catalogue does not list it: then everything counts.
+    if own.iter().any(|counts| *counts) { own } else { vec![true; own.len()] }
+}
+
+/// Channels that the effects of a trial touch.
+pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
+    let rows = trial.fit.active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
+    rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
+}
+
+/// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
+/// the others; what is kept out of the fit altogether has no part in a decision.
+pub fn crossed(
+    model: &dyn Forward,
+    basis: &Basis,
+    folds: &[Vec<usize>],
+    base: &Trial,
+    trial: &Trial,
+    seed: u64,
+) -> Closure {
+    let left = |trial: &Trial| LeftOut::of(model, basis, trial, folds);
+    let (before, after) = rayon::join(|| left(base), || left(trial));
+    let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
+    closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
+}
+
+/// Groups on which a closure is scored: those outside the fit, or all.
+pub fn scored(measured: &Measured) -> Vec<usize> {
+    let outside: Vec<usize> = (0..measured.groups.len())
+        .filter(|group| !measured.fitted[*group] && !measured.spans[*group].is_empty())
+        .collect();
+    if outside.is_empty() { measured.fitted_groups().collect() } else { outside }
+}
+
+/// Square up to far outliers, then linear: a single reading does not decide about a gap.
+fn huber(standard: f64) -> f64 {
+    let far = 4.0 * HUBER;
+    if standard.abs() <= far { standard * standard } else { far * (2.0 * standard.abs() - far) }
+}
+
+/// `fits` are sums with fits to other groups; none where the fit counts as it is.
+fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
+    let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
+    // Every group counts alike: else the one with the most readings would decide.
+    let root = |values: &[f64], groups: &[usize]| {
+        (groups.iter().map(|i| values[*i] / sums.count[*i]).sum::<f64>() / groups.len() as f64).sqrt()
+    };
+    let closed = |sums: &Sums, groups: &[usize]| 1.0 - root(&sums.after, groups) / root(&sums.before, groups);
+    let (before, after, floor) = (root(&sums.before, &groups), root(&sums.after, &groups), root(&sums.floor, &groups));
+    let value = closed(sums, &groups);
+    let itself = [sums];
+    let fits = if fits.is_empty() { &itself[..] } else { fits };
+    // A fit to other groups is as far from the best as this one: on the whole it closes less.
+    let middle = fits.iter().map(|fit| closed(fit, &groups)).sum::<f64>() / fits.len() as f64;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draws: Vec<f64> = (0..RESAMPLES)
+        .map(|draw| {
+            let sample: Vec<usize> = groups.iter().map(|_| groups[random.random_range(0..groups.len())]).collect();
+            value + closed(fits[draw % fits.len()], &sample) - middle
+        })
+        .filter(|draw| draw.is_finite())
+        .collect();
+    draws.sort_by(f64::total_cmp);
+    let quantile = |share: f64| {
+        draws.get(((draws.len() as f64 * share) as usize).min(draws.len().saturating_sub(1))).copied().unwrap_or(value)
+    };
+    // Resampling few groups gives intervals that are too short: those of Student against those of
+    // the normal, with one degree of freedom less for the mean.
+    let count = groups.len() as f64;
+    let wider = toolroom_statistics::student(0.9, count - 1.0) / 1.645 * (count / (count - 1.0)).sqrt();
+    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { 3.0 }).min(1.0);
+    let closable = before * before - floor * floor;
+    Closure {
+        before,
+        after,
+        closed: value,
+        ci90: [stretch(quantile(0.05)), stretch(quantile(0.95))],
+        of_closable: if closable > 0.0 { (before * before - after * after) / closable } else { f64::NAN },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight groups of ten readings, of which `after` is left.
+    fn sums(after: [f64; 8]) -> Sums {
+        Sums { before: vec![40.0; 8], after: after.to_vec(), floor: vec![10.0; 8], count: vec![10.0; 8] }
+    }
+
+    #[test]
+    fn fits_to_other_groups_widen_an_interval_around_the_same_closure() {
+        let own = sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0]);
+        let others =
+            [0.5, 0.8, 1.1, 1.6].map(|factor| sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0].map(|x| factor * x)));
+        let (narrow, wide) = (closure(&own, &[], 1), closure(&own, &others.iter().collect::<Vec<_>>(), 1));
+        assert_eq!(narrow.closed, wide.closed);
+        assert!((narrow.closed - 0.5).abs() < 1e-12);
+        let width = |closure: &Closure| closure.ci90[1] - closure.ci90[0];
+        assert!(width(&wide) > 3.0 * width(&narrow), "{narrow:?} {wide:?}");
+        assert!(wide.ci90[0] < 0.5 && 0.5 < wide.ci90[1]);
+        assert_eq!(closure(&own, &[&own], 1).ci90, narrow.ci90, "a fit that does not move changes nothing");
+    }
+}

@@ -1,0 +1,254 @@
+//! Plunge grinding as a nominal model of recorded trials.
+//!
+//! ```text
+//!  Records ─► dressings (groups) ─► conditions of each trial
+//!                                        │ wheel from part to part: volume, wear
+//!                                        ▼
+//!                                   plunge ─► stock, forces, rise, spark-out
+//! ```
+
+mod catalogue;
+mod conditions;
+mod plunge;
+
+pub use conditions::dressings;
+
+use super::features;
+use super::settings::{MACHINE_GAIN, Settings};
+use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform};
+use catalogue::Action;
+use conditions::Conditions;
+use plunge::{Plunge, plunge};
+use rayon::prelude::*;
+use toolroom_effects::{Effect, Effects};
+use toolroom_infeed::{Infeed, Input};
+use toolroom_process::Process;
+use toolroom_records::{ColumnKind, Records};
+
+/// What a parameter of the fit does to the simulation.
+enum Change {
+    ProcessStiffness,
+    SystemStiffness,
+    /// System stiffness of the rows of one machine.
+    Machine(Vec<f64>),
+    /// Infeed against what is commanded.
+    Scale,
+    /// Exponent of force in depth, less one.
+    Exponent,
+    /// Share of a revolution's depth that mean stock lacks beside the half of even infeed.
+    Ramp,
+}
+
+/// A grinding process over the trials of [`Records`].
+pub struct Grinding {
+    process: Infeed,
+    frame: Frame,
+    conditions: Conditions,
+    /// Rows of each dressing in sequence.
+    rows: Vec<Vec<usize>>,
+    changes: Vec<Change>,
+    actions: Vec<Action>,
+}
+
+/// Mean radius lags behind the radius at the wheel by half a revolution's depth where infeed is
+/// even; its prior standard deviation is an assumption, the ramp at the start of infeed.
+const RAMP: [f64; 2] = [0.5, 0.15];
+/// Prior standard deviation of the infeed's scale: 0.01 um of 4.43 um per revolution (assumption).
+const SCALE: f64 = 0.002;
+/// Prior standard deviation of the exponent of force in depth (assumption).
+const EXPONENT: f64 = 0.03;
+/// Scale of the half-normal prior of the scatter of Cp from dressing to dressing (assumption;
+/// five trials of the ZB153U scatter by 2.8 %).
+const DRESSING: f64 = 0.06;
+
+impl Grinding {
+    /// The model over `records`, whose groups and their part in the fit are given.
+    pub fn new(
+        process: Infeed,
+        records: &Records,
+        groups: (Vec<String>, Vec<usize>, Vec<bool>),
+        settings: &Settings,
+    ) -> Self {
+        let (names, group_of_row, fitted) = groups;
+        let mut rows = vec![Vec::new(); names.len()];
+        group_of_row.iter().enumerate().for_each(|(row, group)| rows[*group].push(row));
+        let measured = Measured::new(channels(records, settings), names, group_of_row, fitted);
+        let (conditions, notes) = Conditions::new(records);
+        let frame = Frame {
+            locals: vec![Local {
+                name: "process stiffness of the dressing",
+                deviation: DRESSING,
+                estimated: true,
+                scatter: false,
+            }],
+            notes,
+            ..Frame::new(measured)
+        };
+        let mut model = Self { process, frame, conditions, rows, changes: Vec::new(), actions: Vec::new() };
+        model.calibration(records, settings);
+        model.allowance(records);
+        model.catalogue(records);
+        let groups = &model.frame.measured.group_of_row;
+        let conditions = ["infeed_per_rev", "revolutions", "work_rotation_speed"];
+        model.frame.covariates = features::covariates(records, groups, &conditions, None);
+        model
+    }
+
+    fn calibration(&mut self, records: &Records, settings: &Settings) {
+        let mut add = |name: String, deviation: f64, allowance: bool, change: Change| {
+            self.frame.parameters.push(Parameter { name, deviation, allowance });
+            self.changes.push(change);
+        };
+        add("process stiffness Cp".to_owned(), settings.stiffness, false, Change::ProcessStiffness);
+        add("system stiffness J".to_owned(), settings.stiffness, false, Change::SystemStiffness);
+        add("infeed scale".to_owned(), SCALE, false, Change::Scale);
+        for (_, machine, rows) in features::indicators(records, &["machine"]) {
+            add(format!("system stiffness, machine {machine}"), MACHINE_GAIN, false, Change::Machine(rows));
+        }
+        add("exponent of force in depth".to_owned(), EXPONENT, true, Change::Exponent);
+        add("stock lost by continuous infeed".to_owned(), RAMP[1], true, Change::Ramp);
+    }
+
+    fn allowance(&mut self, records: &Records) {
+        let find = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
+        let mut surfaces = Vec::new();
+        let mut add = |name: String,
+                       channel: &str,
+                       feature: Option<Vec<f64>>,
+                       deviation: f64,
+                       allowance: bool,
+                       absolute: bool| {
+            if let (Some(channel), Some(feature)) = (find(channel), feature) {
+                surfaces.push(Surface { name, channels: vec![channel], feature, deviation, allowance, absolute });
+            }
+        };
+        let ones = || Some(vec![1.0; records.len()]);
+        add("friction".to_owned(), "tangential_force", ones(), 0.08, false, false);
+        add("start of the rise".to_owned(), "rise_revolutions", ones(), 1.0, true, true);
+        add("rise, level".to_owned(), "rise_revolutions", ones(), 0.05, true, false);
+        add("force after spark-out, level".to_owned(), "force_after_spark_out", ones(), 0.10, true, false);
+        for channel in ["normal_force", "tangential_force", "force_after_spark_out"] {
+            for condition in ["infeed_per_rev", "work_rotation_speed", "revolutions"] {
+                let feature = features::logarithm(records, condition);
+                add(format!("{channel}, ln {condition}"), channel, feature, 0.03, true, false);
+            }
+        }
+        let infeed = features::logarithm(records, "infeed_per_rev");
+        add("rise, ln infeed_per_rev".to_owned(), "rise_revolutions", infeed, 0.05, true, false);
+        self.frame.surfaces = surfaces;
+    }
+
+    /// Sum of the fitted changes that `of` finds in a kind of change, as a logarithm or share.
+    fn moved(&self, at: &Point, of: impl Fn(&Change) -> f64) -> f64 {
+        let moves = self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters);
+        moves.map(|((change, x), parameter)| of(change) * parameter.deviation * x).sum()
+    }
+
+    fn process_at(&self, at: &Point) -> Infeed {
+        let mut process = self.process.clone();
+        let stiffness = self.moved(at, |change| f64::from(u8::from(matches!(change, Change::ProcessStiffness))));
+        let system = self.moved(at, |change| f64::from(u8::from(matches!(change, Change::SystemStiffness))));
+        process.parameters.process_stiffness *= stiffness.exp();
+        process.parameters.system_stiffness *= system.exp();
+        let mut effects: Vec<Effect> = self.process.effects.iter().copied().collect();
+        for (action, size) in self.actions.iter().zip(&at.effects) {
+            if let Action::Effect { effect, .. } = action
+                && *size != 0.0
+                && effects.iter().all(|own| own.entry().id != effect.entry().id)
+            {
+                effects.push(effect.with_size(*size));
+            }
+        }
+        if let Ok(effects) = Effects::new(effects) {
+            process.effects = effects;
+        }
+        process
+    }
+
+    /// Readings of all trials after one dressing.
+    fn dressing(&self, process: &Infeed, at: &Point, group: usize) -> Vec<Plunge> {
+        let c = &self.conditions;
+        let mut process = process.clone();
+        if let Some(row) = self.rows[group].first() {
+            let machine = self.moved(at, |change| if let Change::Machine(rows) = change { rows[*row] } else { 0.0 });
+            process.parameters.system_stiffness *= machine.exp();
+        }
+        let share = |kind: fn(&Change) -> bool| self.moved(at, |change| f64::from(u8::from(kind(change))));
+        let scale = share(|change| matches!(change, Change::Scale)).exp();
+        let exponent = share(|change| matches!(change, Change::Exponent));
+        let ramp = RAMP[0] + share(|change| matches!(change, Change::Ramp));
+        let factor = (self.frame.locals[0].deviation * at.locals[0][group]).exp();
+        let by_command =
+            self.actions.iter().zip(&at.effects).any(|(action, size)| *size != 0.0 && action.is_by_command());
+        let p = &process.parameters;
+        let worn = process.effects.iter().filter(|effect| effect.entry().id == "wheel_wear").map(Effect::size);
+        let wear = (p.wheel_wear_ratio + worn.sum::<f64>()) * p.work_diameter / p.wheel_diameter;
+        let mut wheel = process.initial();
+        let mut readings = Vec::with_capacity(self.rows[group].len());
+        for row in &self.rows[group] {
+            // Parts that were ground between recorded ones took an ordinary stock.
+            let stock = c.between[*row] * c.ordinary_stock;
+            wheel.removed_volume += p.work_diameter * stock * std::f64::consts::PI;
+            wheel.wheel_wear += wear * stock;
+            let changed: f64 = self
+                .actions
+                .iter()
+                .zip(&at.effects)
+                .map(|(action, size)| if let Action::Coolant(rows) = action { size * rows[*row] } else { 0.0 })
+                .sum();
+            let u = Input {
+                infeed_per_rev: c.inputs[*row].infeed_per_rev * scale,
+                process_stiffness_factor: factor,
+                coolant_factor: 1.0 - changed,
+                ..c.inputs[*row]
+            };
+            let mut part = process.new_part(&wheel);
+            if !by_command {
+                // Each trial finds its own contact: what the wheel has worn is not missing.
+                part.commanded_infeed = part.wheel_wear;
+            }
+            let (read, end) = plunge(&process, part, &u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
+            wheel = end;
+            readings.push(read);
+        }
+        readings
+    }
+}
+
+fn channels(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
+    let columns = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    let with_values = columns.filter_map(|column| {
+        let values = records.numbers(column.name)?.to_vec();
+        values.iter().any(|value| value.is_finite()).then_some((column, values))
+    });
+    with_values
+        .map(|(column, values)| {
+            let steady = matches!(column.name, "normal_force" | "tangential_force");
+            let transform = if steady { Transform::Log } else { Transform::Linear };
+            let sensor = settings.sensor(column.name);
+            (Channel { name: column.name, display: column.display, unit: column.unit, transform, sensor }, values)
+        })
+        .collect()
+}
+
+impl Forward for Grinding {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        let process = self.process_at(at);
+        let measured = &self.frame.measured;
+        let of_group = |group: usize| {
+            let readings = self.dressing(&process, at, group);
+            let place: std::collections::BTreeMap<usize, usize> =
+                self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
+            let span = &measured.observations[measured.spans[group].clone()];
+            let value = |observation: &super::Observation| {
+                readings[place[&observation.row]].channel(measured.channels[observation.channel].name)
+            };
+            span.iter().map(value).collect::<Vec<f64>>()
+        };
+        let parts: Vec<Vec<f64>> = (0..self.rows.len()).into_par_iter().map(of_group).collect();
+        parts.concat()
+    }
+}

@@ -1,0 +1,326 @@
+//! Nominal models from files, and the choice of groups.
+
+use super::cutting::Cutting;
+use super::empirical::{self, Empirical};
+use super::grinding::Grinding;
+use super::program::{self, ProgramModel, Stretches};
+use super::shop::{Shop, ShopModel};
+use super::{Asked, Forward, Settings};
+use std::path::Path;
+use toolroom_cutting::{Milling, Turning};
+use toolroom_infeed::Infeed;
+use toolroom_process::unit;
+use toolroom_records::Sensor;
+use toolroom_records::{RecordKind, Records};
+use toolroom_sim::Scenario;
+use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
+use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors};
+
+/// Stretches of part programs that are told by name.
+const PLACES: usize = 6;
+
+/// The process behind a nominal model.
+#[derive(Clone, Debug)]
+pub enum NominalProcess {
+    /// Turning.
+    Turning(Box<Turning>),
+    /// Milling.
+    Milling(Box<Milling>),
+    /// Plunge grinding.
+    Grinding(Box<Infeed>),
+    /// Power laws.
+    Empirical,
+    /// Part programs.
+    Program(Box<ProgramModel>),
+    /// The events of a shop.
+    Shop(Box<Shop>),
+}
+
+/// A nominal model with its priors and sensors.
+#[derive(Clone, Debug)]
+pub struct NominalModel {
+    /// The process.
+    pub process: NominalProcess,
+    /// Priors and sensors.
+    pub settings: Settings,
+}
+
+/// Why a nominal model cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// The file is at fault.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// No tool of the process.
+    #[error("{file}: no [[tool]] with process = \"{process}\"")]
+    NoTool {
+        /// The file.
+        file: String,
+        /// What was looked for.
+        process: String,
+    },
+    /// A sensor whose quantity does not fit its channel.
+    #[error("{file}: [[gap.sensor]] {channel}: {reason}")]
+    Sensor {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+static PLAIN: Form = Form {
+    title: "the nominal model",
+    doc: "An empirical nominal model",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("gap", Kind::Table(&GAP), "Priors and sensors"),
+    ],
+};
+
+impl NominalModel {
+    /// Reads a scenario with a section `[gap]`, or a file of nothing but that section.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path);
+        if text.as_ref().is_ok_and(|text| is_program(text)) {
+            let directory = path.parent().unwrap_or(Path::new("."));
+            let resolve = |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, directory));
+            let (section, model) = file::read_form(path, overrides, &program::FORM, resolve)?.content;
+            return Self::of_programs(&file, section, model);
+        }
+        if text.is_ok_and(|text| is_plain(&text)) {
+            let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
+            return Self::of(file, Some(read.content), None);
+        }
+        let read = file::read(path, overrides)?;
+        Self::of(file, read.gap, Some(&read.scenario))
+    }
+
+    /// [`NominalModel::read`] of a text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`NominalModel::read`].
+    pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ModelFileError> {
+        if is_program(text) {
+            let resolve =
+                |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, Path::new(".")));
+            let (section, model) = file::parse_form(file, text, overrides, &program::FORM, resolve)?.content;
+            return Self::of_programs(file, section, model);
+        }
+        if is_plain(text) {
+            let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
+            return Self::of(file.to_owned(), Some(read.content), None);
+        }
+        let read = file::parse(file, text, overrides)?;
+        Self::of(file.to_owned(), read.gap, Some(&read.scenario))
+    }
+
+    fn of(file: String, section: Option<GapSection>, scenario: Option<&Scenario>) -> Result<Self, ModelFileError> {
+        let tools = scenario.map_or(&[][..], |scenario| &scenario.tools);
+        let wanted = section.as_ref().and_then(|section| section.process.clone());
+        let wanted = wanted.or_else(|| tools.first().map(|tool| tool.process.name().to_owned()));
+        let wanted = wanted.unwrap_or_else(|| "empirical".to_owned());
+        let process = if wanted == "empirical" {
+            NominalProcess::Empirical
+        } else if let ("shop", Some(scenario)) = (wanted.as_str(), scenario) {
+            NominalProcess::Shop(Box::new(Shop::of(scenario)))
+        } else {
+            let tool = tools.iter().find(|tool| tool.process.name() == wanted);
+            match tool.map(|tool| &tool.process) {
+                Some(ProcessModel::Turning(turning)) => NominalProcess::Turning(Box::new((**turning).clone())),
+                Some(ProcessModel::Milling(milling)) => NominalProcess::Milling(Box::new((**milling).clone())),
+                Some(ProcessModel::Infeed(infeed)) => NominalProcess::Grinding(Box::new((**infeed).clone())),
+                _ => return Err(ModelFileError::NoTool { file, process: wanted }),
+            }
+        };
+        let mut model = Self { process, settings: Settings::default() };
+        if let Some(section) = section {
+            model.settings = settings(&file, &section, model.kind())?;
+        }
+        Ok(model)
+    }
+
+    fn of_programs(file: &str, section: Option<GapSection>, programs: ProgramModel) -> Result<Self, ModelFileError> {
+        let process = NominalProcess::Program(Box::new(programs));
+        let settings =
+            section.map_or_else(|| Ok(Settings::default()), |own| settings(file, &own, RecordKind::Program))?;
+        Ok(Self { process, settings })
+    }
+
+    /// The records that it can be held against.
+    pub fn kind(&self) -> RecordKind {
+        match self.process {
+            NominalProcess::Turning(_) => RecordKind::Turning,
+            NominalProcess::Milling(_) => RecordKind::Milling,
+            NominalProcess::Grinding(_) => RecordKind::Grinding,
+            NominalProcess::Empirical => RecordKind::Empirical,
+            NominalProcess::Program(_) => RecordKind::Program,
+            NominalProcess::Shop(_) => RecordKind::Shop,
+        }
+    }
+
+    /// The model over `records`, grouped by the column `group` (edges or dressing cycles, if
+    /// none); groups for which `held` is true are kept out of the fit. Channels that are impossible
+    /// multiples of the nominal model, as in a wrong unit, are left out; the notes say so. Of an
+    /// empirical model this is the first channel.
+    pub fn over(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: impl Fn(usize, &str) -> bool,
+    ) -> (Box<dyn Forward>, Vec<String>) {
+        let mut asked = self.asked(records, group, held);
+        (asked.parts.swap_remove(0), asked.notes)
+    }
+
+    /// The same in parts that know nothing of each other, at least one: the channels of an
+    /// empirical model, or the whole.
+    pub fn asked(&self, records: &Records, group: Option<&str>, held: impl Fn(usize, &str) -> bool) -> Asked {
+        let asked = |parts, notes| Asked { process: self.kind().name(), parts, notes, impossible: 0 };
+        if let NominalProcess::Program(model) = &self.process {
+            let groups = self.groups(records, group, &held);
+            let stretches = Stretches::new((**model).clone(), records, groups, &self.settings);
+            let notes = [stretches.totals(), stretches.places(PLACES)].concat();
+            return asked(vec![Box::new(stretches)], notes);
+        }
+        if let NominalProcess::Shop(shop) = &self.process {
+            let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings);
+            return asked(vec![Box::new(model)], notes);
+        }
+        let all = self.parts_of_all(records, group, &held);
+        let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
+        if matches!(self.process, NominalProcess::Empirical) {
+            suspicious = super::plausible::suspicious(records);
+        }
+        let mut possible = records.clone();
+        suspicious.iter().for_each(|(channel, _)| possible.remove(channel));
+        let parts = if suspicious.is_empty() { all } else { self.parts_of_all(&possible, group, &held) };
+        let impossible = suspicious.len();
+        let assumed = parts.iter().flat_map(|part| part.frame().notes.clone());
+        let notes = suspicious.into_iter().map(|(_, note)| note).chain(assumed).collect();
+        Asked { impossible, ..asked(parts, notes) }
+    }
+
+    /// Names of the groups, that of each row, and which of them are fitted.
+    fn groups(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: &dyn Fn(usize, &str) -> bool,
+    ) -> (Vec<String>, Vec<usize>, Vec<bool>) {
+        let asked = group.and_then(|column| records.levels(column));
+        let whole = || (vec!["all".to_owned()], vec![0; records.len()]);
+        let (names, of_row) = asked.unwrap_or_else(|| match self.process {
+            NominalProcess::Grinding(_) => super::grinding::dressings(records),
+            NominalProcess::Program(_) => {
+                records.levels("section").or_else(|| records.levels("operation_id")).unwrap_or_else(whole)
+            }
+            _ => records.levels("tool_id").unwrap_or_else(whole),
+        });
+        let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
+        (names, of_row, fitted)
+    }
+
+    fn parts_of_all(
+        &self,
+        records: &Records,
+        group: Option<&str>,
+        held: &dyn Fn(usize, &str) -> bool,
+    ) -> Vec<Box<dyn Forward>> {
+        let groups = self.groups(records, group, held);
+        let settings = &self.settings;
+        match &self.process {
+            NominalProcess::Turning(turning) => {
+                vec![Box::new(Cutting::new((**turning).clone(), records, groups, settings))]
+            }
+            NominalProcess::Milling(milling) => {
+                vec![Box::new(Cutting::new((**milling).clone(), records, groups, settings))]
+            }
+            NominalProcess::Grinding(infeed) => {
+                vec![Box::new(Grinding::new((**infeed).clone(), records, groups, settings))]
+            }
+            NominalProcess::Empirical => {
+                let part = |column| -> Box<dyn Forward> {
+                    Box::new(Empirical::new(records, column, groups.clone(), settings))
+                };
+                empirical::channels(records, settings).into_iter().map(part).collect()
+            }
+            NominalProcess::Program(model) => {
+                vec![Box::new(Stretches::new((**model).clone(), records, groups, settings))]
+            }
+            NominalProcess::Shop(shop) => {
+                vec![Box::new(ShopModel::new(shop, records, group, held, settings).0)]
+            }
+        }
+    }
+}
+
+/// Whether a file describes part programs.
+fn is_program(text: &str) -> bool {
+    text.lines().any(|line| line.replace(' ', "").starts_with("process=\"program\""))
+}
+
+fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path) -> (Option<GapSection>, ProgramModel) {
+    (file::gap_section(walk, root), program::section(walk, root, directory))
+}
+
+/// Whether a file has no shop: nothing but priors and sensors of an empirical model.
+fn is_plain(text: &str) -> bool {
+    !text.lines().any(|line| line.trim() == "[shop]")
+}
+
+fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {
+    let mut settings = Settings {
+        force: section.force,
+        temperature: section.temperature,
+        wear_level: section.wear_level,
+        stiffness: section.stiffness,
+        conditions: section.conditions.clone(),
+        channels: section.channels.clone(),
+        constant_rate: section.constant_rate,
+        edge_wear: section.edge_wear,
+        edge_force: section.edge_force,
+        ..Settings::default()
+    };
+    for sensor in &section.sensors {
+        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
+    }
+    Ok(settings)
+}
+
+/// The sensor sheet of `kind` where records are made rather than read: entries of other kinds are
+/// passed over.
+///
+/// # Errors
+/// [`ModelFileError::Sensor`]: a quantity that does not fit its channel.
+pub fn sensor_sheet(file: &str, section: Option<&GapSection>, kind: RecordKind) -> Result<Settings, ModelFileError> {
+    let mut settings = Settings::default();
+    let sensors = section.into_iter().flat_map(|section| &section.sensors);
+    for sensor in sensors.filter(|sensor| kind.column(&sensor.channel).is_some()) {
+        settings.sensors.push((sensor.channel.clone(), errors(file, sensor, kind)?));
+    }
+    Ok(settings)
+}
+
+fn errors(file: &str, sensor: &SensorErrors, kind: RecordKind) -> Result<Sensor, ModelFileError> {
+    let fault =
+        |reason: String| ModelFileError::Sensor { file: file.to_owned(), channel: sensor.channel.clone(), reason };
+    let column = kind.column(&sensor.channel);
+    let column = column.ok_or_else(|| fault("no such channel".to_owned()))?;
+    let quantity = |text: &Option<String>| match text {
+        None => Ok(0.0),
+        Some(text) => unit::quantity(text, column.unit).map_err(|reason| fault(reason.to_string())),
+    };
+    Ok(Sensor {
+        relative: sensor.relative,
+        absolute: quantity(&sensor.absolute)?,
+        resolution: quantity(&sensor.resolution)?,
+    })
+}

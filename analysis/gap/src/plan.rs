@@ -1,0 +1,252 @@
+//! The next experiment: which runs would tell apart what the records so far cannot.
+//!
+//! Every block of a menu is added to the records; the score that each suspect would reach, `z`, and
+//! the cosine of each pair follow from the model alone, since the statistics of a linear model do not
+//! ask for the values to be measured. Of a pair, `T_ab = z_a² (1 − cos²)` is what would separate it
+//! (Atkinson & Fedorov 1975, T-optimality); it counts up to the score that an effect needs to be
+//! named. The block that adds most per minute of machine time wins.
+
+use super::diagnose::{DETECTABLE, entry};
+use super::{Basis, Diagnosis, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use toolroom_records::Records;
+
+mod menu;
+
+/// Edges of a block: groups have to agree on an effect, so one edge names nothing.
+pub const REPLICATES: usize = 3;
+/// Suspects that a plan looks at, worst seen first.
+const SUSPECTS: usize = 8;
+
+/// What a pair would reach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Separated {
+    /// The suspect.
+    pub a: String,
+    /// What it is mistaken for: another suspect, or what calibration and scatter take up.
+    pub b: String,
+    /// Score that separates them in the records so far.
+    pub before: f64,
+    /// Score with the block.
+    pub after: f64,
+}
+
+/// One block of the menu with what it would do.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// What to run.
+    pub design: String,
+    /// Operations.
+    pub operations: usize,
+    /// Machine time, min.
+    pub minutes: f64,
+    /// Pairs of the plan.
+    pub pairs: Vec<Separated>,
+    /// Gain in separation per minute.
+    pub worth: f64,
+    /// The runs, channels left to be measured.
+    pub runs: Records,
+}
+
+/// Blocks by falling worth.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// All of the menu that these records allow.
+    pub blocks: Vec<Block>,
+}
+
+/// Plans the next experiment after `records`, of which `diagnosis` says what is open.
+pub fn plan(model: &NominalModel, records: &Records, group: Option<&str>, diagnosis: &Diagnosis) -> Plan {
+    let before = seen(model, records, group, None);
+    let open = open(diagnosis, &before);
+    if open.is_empty() {
+        return Plan { blocks: Vec::new() };
+    }
+    let asked: Vec<&str> = open.iter().flat_map(|(a, b)| std::iter::once(a.as_str()).chain(b.as_deref())).collect();
+    let block = |offered: menu::Offered| {
+        let mut after = seen(model, &records.followed_by(&offered.runs), group, Some(&asked));
+        after.at_sizes_of(&before);
+        let pairs: Vec<Separated> = open
+            .iter()
+            .map(|(a, b)| Separated {
+                a: a.clone(),
+                b: b.clone().unwrap_or_else(|| "calibration and scatter".to_owned()),
+                before: separation(&before, a, b.as_deref()),
+                after: separation(&after, a, b.as_deref()),
+            })
+            .collect();
+        let capped = |z: f64| z.min(DETECTABLE).powi(2);
+        let gained: f64 = pairs.iter().map(|pair| (capped(pair.after) - capped(pair.before)).max(0.0)).sum();
+        let mut runs = offered.runs;
+        let channels: Vec<&str> = menu::channels(&runs);
+        channels.iter().for_each(|channel| runs.remove(channel));
+        Block {
+            design: offered.design,
+            operations: runs.len(),
+            minutes: offered.minutes,
+            pairs,
+            worth: gained / offered.minutes,
+            runs,
+        }
+    };
+    let mut blocks: Vec<Block> = menu::blocks(records).into_par_iter().map(block).collect();
+    blocks.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+    Plan { blocks }
+}
+
+impl SeenEffects {
+    /// Scores at the ordinary sizes of `other`: more runs may call another size ordinary.
+    fn at_sizes_of(&mut self, other: &Self) {
+        for (id, typical) in other.ids.iter().zip(&other.typical) {
+            if let Some(place) = self.ids.iter().position(|known| known == id) {
+                self.scores[place] *= typical / self.typical[place];
+                self.typical[place] = *typical;
+            }
+        }
+    }
+}
+
+/// Score at ordinary size of every suspect and the cosines among them, by the best shape.
+struct SeenEffects {
+    ids: Vec<&'static str>,
+    scores: Vec<f64>,
+    /// Ordinary size of each, SI.
+    typical: Vec<f64>,
+    cosines: Vec<Vec<f64>>,
+}
+
+/// What records like these would show of the effects `asked` for, of all if `None`.
+fn seen(model: &NominalModel, records: &Records, group: Option<&str>, asked: Option<&[&str]>) -> SeenEffects {
+    let parts = model.asked(records, group, |_, _| false).parts;
+    let mut all: Vec<SeenEffects> = parts.iter().map(|part| part_seen(part.as_ref(), asked)).collect();
+    let mut seen = all.swap_remove(0);
+    for other in all {
+        // Channels that know nothing of each other add up, and tell no pair apart by their signature.
+        seen.cosines.clear();
+        for ((id, score), typical) in other.ids.into_iter().zip(other.scores).zip(other.typical) {
+            match seen.ids.iter().position(|known| *known == id) {
+                Some(place) => seen.scores[place] = seen.scores[place].hypot(score * seen.typical[place] / typical),
+                None => {
+                    seen.ids.push(id);
+                    seen.scores.push(score);
+                    seen.typical.push(typical);
+                }
+            }
+        }
+    }
+    seen
+}
+
+/// Ids, scores and cosines of the best shape of each candidate of one model; nought for those not `asked` for.
+fn part_seen(model: &dyn Forward, asked: Option<&[&str]>) -> SeenEffects {
+    let candidates = model.frame().candidates.iter().enumerate();
+    let asked = candidates.filter(|(_, own)| asked.is_none_or(|asked| asked.contains(&own.id)));
+    let asked: Vec<usize> = asked.map(|(i, _)| i).collect();
+    let linear = Linear::with(model, Point::nominal(model), &asked);
+    let basis = Basis::unmeasured(model, Method::default(), linear.clone());
+    let trial = Trial::of(model, &basis, &[], Fit::at(linear, 0.0));
+    let scores = trial.scores();
+    let mut best: Vec<usize> = Vec::new();
+    for (i, candidate) in model.frame().candidates.iter().enumerate() {
+        match best.iter_mut().find(|other| model.frame().candidates[**other].id == candidate.id) {
+            Some(other) if scores.length[i] > scores.length[*other] => *other = i,
+            Some(_) => {}
+            None => best.push(i),
+        }
+    }
+    let ids = best.iter().map(|i| model.frame().candidates[*i].id).collect();
+    let cosines = best.iter().map(|a| best.iter().map(|b| scores.cosine[(*a, *b)]).collect()).collect();
+    let typical = best.iter().map(|i| model.frame().candidates[*i].typical).collect();
+    SeenEffects { ids, typical, scores: best.iter().map(|i| scores.length[*i]).collect(), cosines }
+}
+
+/// `√T_ab`, or the score of `a` alone.
+fn separation(seen: &SeenEffects, a: &str, b: Option<&str>) -> f64 {
+    let place = |id: &str| seen.ids.iter().position(|known| *known == id);
+    let Some(i) = place(a) else { return 0.0 };
+    let cosine = b.and_then(place).and_then(|j| seen.cosines.get(i)?.get(j).copied()).unwrap_or(0.0);
+    seen.scores[i] * (1.0 - cosine * cosine).max(0.0).sqrt()
+}
+
+/// What is open: the class of a named effect; else every effect that the records could hardly show,
+/// and pairs of those that they could.
+fn open(diagnosis: &Diagnosis, seen: &SeenEffects) -> Vec<(String, Option<String>)> {
+    let mut open: Vec<(String, Option<String>)> = Vec::new();
+    for effect in &diagnosis.effects {
+        let others = effect.class.iter().filter(|other| **other != effect.id);
+        open.extend(others.map(|other| (effect.id.to_owned(), Some((*other).to_owned()))));
+    }
+    if !open.is_empty() {
+        return open;
+    }
+    let mut order: Vec<usize> = (0..seen.ids.len()).collect();
+    order.sort_by(|a, b| seen.scores[*a].total_cmp(&seen.scores[*b]));
+    if diagnosis.verdict == GapVerdict::Unknown {
+        for (a, b) in pairs(seen) {
+            open.push((seen.ids[a].to_owned(), Some(seen.ids[b].to_owned())));
+        }
+    }
+    let hidden = order.iter().filter(|i| seen.scores[**i] < DETECTABLE);
+    open.extend(hidden.map(|i| (seen.ids[*i].to_owned(), None)));
+    open.truncate(SUSPECTS);
+    open
+}
+
+/// Pairs with nearly the same signature.
+fn pairs(seen: &SeenEffects) -> Vec<(usize, usize)> {
+    let count = seen.ids.len();
+    let close = |a: usize, b: usize| seen.cosines.get(a).and_then(|row| row.get(b)).is_some_and(|cosine| *cosine > 0.9);
+    (0..count).flat_map(|a| (a + 1..count).filter(move |b| close(a, *b)).map(move |b| (a, b))).collect()
+}
+
+impl Plan {
+    /// The best block as the next experiment of a diagnosis.
+    pub fn best(&self) -> Option<&Block> {
+        self.blocks.first().filter(|block| block.worth > 0.0)
+    }
+
+    /// For programs.
+    pub fn json(&self) -> Value {
+        let pair =
+            |pair: &Separated| json!({ "a": pair.a, "b": pair.b, "z_before": pair.before, "z_after": pair.after });
+        let block = |block: &Block| {
+            json!({
+                "design": block.design, "edges": REPLICATES, "operations": block.operations,
+                "minutes": block.minutes, "worth": block.worth,
+                "separates": block.separates(), "pairs": block.pairs.iter().map(pair).collect::<Vec<_>>(),
+            })
+        };
+        json!({ "schema": 1, "next": self.best().map(block), "menu": self.blocks.iter().map(block).collect::<Vec<_>>() })
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let Some(best) = self.best() else {
+            return "no experiment of the menu would show more than these records do".to_owned();
+        };
+        let mut text = format!("next     {}\n", best.design);
+        let _ = writeln!(text, "         {} operations, {:.0} min of machine time", best.operations, best.minutes);
+        for pair in best.pairs.iter().filter(|pair| pair.after > pair.before + 0.1) {
+            let _ = writeln!(text, "  {:22} from {:24} score {:5.1} → {:5.1}", pair.a, pair.b, pair.before, pair.after);
+            if let (true, Some(entry)) = (pair.after < DETECTABLE, entry(&pair.a)) {
+                let _ = writeln!(text, "    not enough yet: {}", entry.separating_test);
+            }
+        }
+        let _ = writeln!(text, "else");
+        for block in self.blocks.iter().skip(1) {
+            let shown = block.separates().len();
+            let _ = writeln!(text, "  {:62} {:4.0} min, shows {shown} more", block.design, block.minutes);
+        }
+        text.trim_end().to_owned()
+    }
+}
+
+impl Block {
+    /// Pairs that it would bring over the score that an effect needs.
+    pub fn separates(&self) -> Vec<[String; 2]> {
+        let brought = self.pairs.iter().filter(|pair| pair.before < DETECTABLE && pair.after >= DETECTABLE);
+        brought.map(|pair| [pair.a.clone(), pair.b.clone()]).collect()
+    }
+}

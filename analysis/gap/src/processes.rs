@@ -1,0 +1,279 @@
+//! Several processes of one data set: each is diagnosed with its own model, and all are answered
+//! for together.
+//!
+//! Nothing is shared between the models: what a machine's gain is in one table it need not be in
+//! another, since other sensors read there. A name pays for having been chosen among all of
+//! them: beside the logarithm of the size of its catalogue its gain has to cover that of the number
+//! of processes, and the null of the localisation map is taken at the level divided by it, so that
+//! something is named without cause in the whole data set as seldom as in a single table
+//! (Bonferroni).
+
+use super::channels::{diagnose_among, mean_budget};
+use super::closure::pooled;
+use super::diagnose::Diagnosed;
+use super::summary::{named, percent, rounded, verdict, with_unit};
+use super::{Closure, Diagnosis, Forward, GapVerdict};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::{Axis, Estimate, Intervals, Table};
+
+/// Lines of the terminal's summary.
+const LINES: usize = 10;
+/// Lists of a diagnosis whose entries say of which process they are.
+const LISTS: [&str; 6] = ["effects", "where", "masked", "calibration", "ranking", "tried"];
+
+/// A process of a data set with its nominal model over its table.
+pub struct Asked {
+    /// `turning`, `grinding` …
+    pub process: &'static str,
+    /// The model, in parts that know nothing of each other; at least one.
+    pub parts: Vec<Box<dyn Forward>>,
+    /// What is said of the records whatever is found.
+    pub notes: Vec<String>,
+    /// Channels that were left out because no cut gives their numbers.
+    pub impossible: usize,
+}
+
+/// What is said of every process of a data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answers {
+    /// Processes and what is said of each, in the order in which they were asked.
+    pub processes: Vec<(&'static str, Diagnosis)>,
+    /// Closure over all of them, in units of noise: of a process with a name the channels that its
+    /// effects touch, of another all.
+    pub total: Closure,
+}
+
+/// Diagnoses every process of a data set; one alone is diagnosed as by
+/// [`diagnose_parts`](super::diagnose_parts()).
+///
+/// # Panics
+/// Without processes, or of one without parts.
+pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
+    let all: Vec<(Diagnosis, Vec<Diagnosed>)> = asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
+    let total = match &all[..] {
+        [(only, _)] => only.total.clone(),
+        _ => {
+            let mut pool: Vec<(usize, &dyn Forward, &Diagnosed)> = Vec::new();
+            for (process, (own, (_, diagnosed))) in asked.iter().zip(&all).enumerate() {
+                pool.extend(own.parts.iter().zip(diagnosed).map(|(part, each)| (process, part.as_ref(), each)));
+            }
+            pooled(&pool, seed)
+        }
+    };
+    let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
+    Answers { processes, total }
+}
+
+fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+    let (mut diagnosis, mut diagnosed) = diagnose_among(&asked.parts, processes, seed);
+    // A condition in a wrong unit bends every channel; those that still look possible prove nothing.
+    if asked.impossible > 1 && !diagnosis.effects.is_empty() {
+        for own in diagnosed.iter_mut().map(|each| &mut each.diagnosis).chain([&mut diagnosis]) {
+            own.effects.clear();
+            own.verdict = GapVerdict::Unknown;
+        }
+        diagnosis.notes.push("several channels are impossible at once: no effect is named".to_owned());
+    }
+    diagnosis.notes.extend(asked.notes.iter().cloned());
+    (diagnosis, diagnosed)
+}
+
+impl Answers {
+    /// The answer in one word: that of the process where most is found.
+    pub fn verdict(&self) -> GapVerdict {
+        let order = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked];
+        let any = |verdict: &GapVerdict| self.processes.iter().any(|(_, own)| own.verdict == *verdict);
+        order.into_iter().find(any).unwrap_or(GapVerdict::NoGap)
+    }
+
+    /// The document `diagnosis.json`: that of a single process, with the key `process` in every entry
+    /// of a list. Several processes are put together in it, and `processes` holds the whole document
+    /// of each.
+    pub fn json(&self) -> Value {
+        let own: Vec<(&str, Value)> = self.processes.iter().map(|(process, own)| (*process, own.json())).collect();
+        if let [(process, document)] = &own[..] {
+            let mut document = document.clone();
+            LISTS.iter().for_each(|list| document[*list] = tagged(&document, list, process).into());
+            return document;
+        }
+        let list = |name: &str| -> Vec<Value> {
+            own.iter().flat_map(|(process, document)| tagged(document, name, process)).collect()
+        };
+        let mut places = list("where");
+        let score = |place: &Value| place["score"].as_f64().unwrap_or(0.0).abs();
+        places.sort_by(|a, b| score(b).total_cmp(&score(a)));
+        let mut total = self.total.json(None);
+        let groups = self
+            .processes
+            .iter()
+            .flat_map(|(process, own)| own.held_out.iter().map(move |group| format!("{process}: {group}")));
+        total["heldout_groups"] = groups.collect::<Vec<_>>().into();
+        let budget = mean_budget(self.processes.iter().map(|(_, own)| own));
+        let notes: Vec<String> = self.notes().collect();
+        let mut next = json!({ "design": "", "minutes": 0.0, "separates": [] });
+        if let Some((process, document)) = own.iter().find(|(_, own)| own["next_experiment"]["design"] != "") {
+            next = document["next_experiment"].clone();
+            next["process"] = (*process).into();
+        }
+        json!({
+            "schema": 1, "verdict": self.verdict().name(), "effects": list("effects"), "where": places,
+            "closure": { "total": total, "channels": self.channels() },
+            "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
+            "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
+            "notes": notes,
+            "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
+        })
+    }
+
+    /// Closures by channel: `process.channel` where two processes have a channel of one name.
+    fn channels(&self) -> Map<String, Value> {
+        let mut times: BTreeMap<&str, usize> = BTreeMap::new();
+        for (name, _) in self.processes.iter().flat_map(|(_, own)| &own.channels) {
+            *times.entry(name).or_default() += 1;
+        }
+        let mut channels = Map::new();
+        for (process, own) in &self.processes {
+            for (name, closure) in &own.channels {
+                let key = if times[name] > 1 { format!("{process}.{name}") } else { (*name).to_owned() };
+                channels.insert(key, closure.json(None));
+            }
+        }
+        channels
+    }
+
+    fn notes(&self) -> impl Iterator<Item = String> {
+        self.processes.iter().flat_map(|(process, own)| own.notes.iter().map(move |note| format!("{process}: {note}")))
+    }
+
+    /// About ten lines that say what was found and what to do.
+    pub fn terminal(&self) -> String {
+        if let [(_, only)] = &self.processes[..] {
+            return only.terminal();
+        }
+        let mut text = String::new();
+        for (process, own) in &self.processes {
+            let _ = writeln!(text, "{process:8} {}", verdict(own));
+            for effect in &own.effects {
+                let _ = writeln!(
+                    text,
+                    "  {}  {} (90 %: {} … {}), probability {:.2}{}",
+                    named(effect.id, &effect.shape),
+                    with_unit(effect.size, effect.unit),
+                    rounded(effect.ci90[0]),
+                    rounded(effect.ci90[1]),
+                    effect.probability,
+                    match &effect.class[1..] {
+                        [] => String::new(),
+                        others => format!(", cannot be told from {}", others.join(", ")),
+                    }
+                );
+            }
+        }
+        let cells = self.processes.iter().flat_map(|(process, own)| own.cells.iter().map(move |cell| (process, cell)));
+        if let Some((process, cell)) = cells.max_by(|a, b| a.1.score.abs().total_cmp(&b.1.score.abs())) {
+            let place = if cell.group == "all" { &cell.regime } else { &cell.group };
+            let _ = writeln!(text, "where    {process}: {} follows {place} (score {:.1})", cell.channel, cell.score);
+        }
+        if self.verdict() == GapVerdict::Effect {
+            let of = |name: &str, closure: &Closure| {
+                let [low, high] = closure.ci90.map(percent);
+                format!("{name} {} (90 %: {low} … {high})", percent(closure.closed))
+            };
+            let found = self.processes.iter().filter(|(_, own)| !own.effects.is_empty());
+            let each: Vec<String> = found.map(|(process, own)| of(process, &own.total)).collect();
+            let _ = writeln!(text, "closed   on groups left out: {}; {}", each.join(", "), of("in all", &self.total));
+        }
+        let budget = |(process, own): &(&str, Diagnosis)| {
+            format!(
+                "{process} {} effects, {} unexplained",
+                percent(own.budget.effects),
+                percent(own.budget.unexplained)
+            )
+        };
+        let _ = writeln!(text, "budget   {}", self.processes.iter().map(budget).collect::<Vec<_>>().join("; "));
+        let hidden = self.processes.iter().flat_map(|(process, own)| {
+            let seen = own.masked.iter().filter(|masked| masked.minimal_detectable.is_finite());
+            seen.take(2).map(move |masked| {
+                format!("{process} {} below {}", masked.id, with_unit(masked.minimal_detectable, masked.unit))
+            })
+        });
+        let hidden: Vec<String> = hidden.collect();
+        if !hidden.is_empty() {
+            let _ = writeln!(text, "hidden   {}", hidden.join(", "));
+        }
+        if let Some((process, own)) = self.processes.iter().find(|(_, own)| !own.next.design.is_empty()) {
+            let _ = writeln!(text, "next     {process}: {}", own.next.design);
+        }
+        let notes: Vec<String> = self.notes().collect();
+        let room = LINES.saturating_sub(text.lines().count() + 1);
+        for note in notes.iter().take(room) {
+            let _ = writeln!(text, "note     {note}");
+        }
+        if notes.len() > room {
+            let _ = writeln!(text, "note     {} more in diagnosis.json", notes.len() - room);
+        }
+        text.trim_end().to_owned()
+    }
+
+    /// The report: all processes beside each other, then each by itself.
+    pub fn report(&self, provenance: Provenance) -> Report {
+        if let [(_, only)] = &self.processes[..] {
+            return only.report(provenance);
+        }
+        let words = |(process, own): &(&str, Diagnosis)| format!("{process}: {}", verdict(own));
+        let mut report = Report::new("Where the shop and its models differ")
+            .lead(format!("{}.", self.processes.iter().map(words).collect::<Vec<_>>().join("; ")));
+        for (process, own) in &self.processes {
+            report = report.tile(Tile::new(*process, own.verdict.name(), verdict(own)));
+        }
+        let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
+        report = report
+            .tile(Tile::new("gap closed in all, on groups left out", percent(self.total.closed), interval))
+            .section(self.overview());
+        for (process, own) in &self.processes {
+            report = own.sections(process).into_iter().fold(report, Report::section);
+        }
+        report.provenance(provenance)
+    }
+
+    fn overview(&self) -> Section {
+        let mut chart = Intervals::new("How far the gap shrinks", Axis::linear("Closed on groups left out", "%"))
+            .describe("Share of the root mean square gap that the named effects close, with its 90 % interval.")
+            .reference(0.0, "nothing");
+        let mut table = Table::new(["process", "verdict", "effects", "closed, %", "90 % from", "to", "groups scored"]);
+        let all = self.processes.iter().map(|(process, own)| (*process, Some(own), &own.total));
+        for (process, own, closure) in all.chain([("in all", None, &self.total)]) {
+            let [closed, low, high] = [closure.closed, closure.ci90[0], closure.ci90[1]].map(|share| 100.0 * share);
+            chart = chart.row(process, Estimate::new(closed, low, high));
+            let effects = |own: &Diagnosis| {
+                own.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect::<Vec<_>>().join(", ")
+            };
+            table.push([
+                process.into(),
+                own.map_or_else(|| self.verdict(), |own| own.verdict).name().into(),
+                own.map_or_else(String::new, effects).into(),
+                closed.into(),
+                low.into(),
+                high.into(),
+                own.map_or_else(String::new, |own| own.held_out.len().to_string()).into(),
+            ]);
+        }
+        Section::new("All processes")
+            .paragraph(
+                "Every process is held against its own model; nothing is shared between them. A name has to pay \
+                 for the choice among all of them.",
+            )
+            .figure(Figure::new(&chart, "Process by process, and over all of them in units of noise."))
+            .table("What was found", table)
+    }
+}
+
+/// The entries of a list, each with its process.
+fn tagged(document: &Value, list: &str, process: &str) -> Vec<Value> {
+    let mut entries = document[list].as_array().cloned().unwrap_or_default();
+    entries.iter_mut().for_each(|entry| entry["process"] = process.into());
+    entries
+}

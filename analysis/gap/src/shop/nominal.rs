@@ -1,0 +1,142 @@
+//! What the planner believes of the shop: a scenario seen by machines and programs.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+use toolroom_sim::runlog::{ChangeReason, MachineState};
+use toolroom_sim::scenario::{Cut, Distribution, FailureClock, ProcessModel, ShiftCalendar, Work};
+use toolroom_sim::shop::programmed_cutting_times;
+use toolroom_sim::{RunLog, Scenario};
+use toolroom_statistics::median;
+
+/// Replications of a handling time behind its normal scores.
+const REPLICATIONS: usize = 1000;
+/// Longest stretch that is simulated for the lives of edges, s.
+const STRETCH: f64 = 5.0 * 86400.0;
+
+/// A program of the nominal shop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    /// Programmed time in cut, s.
+    pub time: f64,
+    /// Sum of feed speeds over its passes, m/s: what the inverse of an acceleration costs.
+    pub feed_speeds: f64,
+}
+
+/// A machine of the nominal shop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Name.
+    pub name: String,
+    /// Replicated handling times of one operation, ascending, s.
+    pub handling: Vec<f64>,
+    /// Changing an edge, s.
+    pub tool_change: f64,
+    /// Its working time, where that has shifts.
+    pub calendar: Option<ShiftCalendar>,
+    /// Mean time in use between breakdowns, s, and Weibull shape.
+    pub failure: Option<(f64, f64)>,
+    /// Logarithm of the time in cut of an edge, s: mean; and its growth with the wear limit, 1/m.
+    pub edge_life: Option<(f64, f64)>,
+}
+
+/// The nominal shop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shop {
+    /// Machines.
+    pub stations: Vec<Station>,
+    /// Programs by `part/operation`.
+    pub programs: BTreeMap<String, Program>,
+}
+
+impl Shop {
+    /// The shop of a scenario. The lives of edges come from a simulation of its first policy.
+    pub fn of(scenario: &Scenario) -> Self {
+        let times = programmed_cutting_times(scenario);
+        let mut programs = BTreeMap::new();
+        for (part, times) in scenario.parts.iter().zip(&times) {
+            for (operation, time) in part.operations.iter().zip(times) {
+                let feed_speeds = match &operation.work {
+                    Work::Cutting(cuts) => {
+                        let process = &scenario.tools[operation.tool].process;
+                        cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum()
+                    }
+                    _ => 0.0,
+                };
+                programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
+            }
+        }
+        let stretch = Scenario { horizon: scenario.horizon.min(STRETCH), ..scenario.clone() };
+        let log = toolroom_sim::shop::run(&stretch, 0, 0).unwrap_or_default();
+        let station = |index: usize| station(scenario, index, &log);
+        Self { stations: (0..scenario.machines.len()).map(station).collect(), programs }
+    }
+
+    /// The station of a machine's name.
+    pub fn station(&self, name: &str) -> Option<&Station> {
+        self.stations.iter().find(|station| station.name == name)
+    }
+
+    /// Name of the shift that holds a time: of the machine's calendar, or thirds of the day.
+    pub fn shift(&self, machine: &str, time: f64) -> String {
+        let calendar = self.station(machine).and_then(|station| station.calendar.as_ref());
+        let third = || format!("S{}", ((time - 6.0 * 3600.0).rem_euclid(86400.0) / (8.0 * 3600.0)) as usize + 1);
+        calendar.and_then(|calendar| calendar.shift_at(time)).unwrap_or_else(third)
+    }
+}
+
+/// Speed of the feed in a pass, m/s.
+fn feed_speed(cut: &Cut, duration: f64, process: &ProcessModel) -> f64 {
+    match process {
+        ProcessModel::Milling(_) => cut.path_length / duration,
+        _ if cut.diameter > 0.0 => cut.cutting_speed / (std::f64::consts::PI * cut.diameter) * cut.feed,
+        _ => 0.0,
+    }
+}
+
+fn station(scenario: &Scenario, index: usize, log: &RunLog) -> Station {
+    let machine = &scenario.machines[index];
+    let mut random = ChaCha8Rng::seed_from_u64(index as u64);
+    let mut draw = || machine.load_time.quantile(random.random()) + machine.unload_time.quantile(random.random());
+    let mut handling: Vec<f64> = (0..REPLICATIONS).map(|_| draw()).collect();
+    handling.sort_by(f64::total_cmp);
+    let failures = scenario.failures.iter().filter(|mode| mode.machine == index && mode.clock == FailureClock::Busy);
+    let modes: Vec<_> = failures.collect();
+    let shape = |distribution: &Distribution| match distribution {
+        Distribution::Exponential { .. } => Some(1.0),
+        Distribution::Weibull { shape, .. } => Some(*shape),
+        _ => None,
+    };
+    let failure = match modes[..] {
+        [mode] => shape(&mode.time_between).map(|shape| (mode.time_between.mean(), shape)),
+        _ => None,
+    };
+    Station {
+        name: machine.name.clone(),
+        handling,
+        tool_change: machine.tool_change_time,
+        calendar: machine.calendar.map(|at| scenario.calendars[at].clone()),
+        failure,
+        edge_life: edge_life(log, index),
+    }
+}
+
+/// Mean logarithm of the time that edges cut on a machine, and its growth with the wear limit.
+fn edge_life(log: &RunLog, machine: usize) -> Option<(f64, f64)> {
+    // Machines of the log cut what they are given; edges still in them are not finished.
+    let ended = |reason: ChangeReason| reason != ChangeReason::EndOfRun && reason != ChangeReason::Dressing;
+    let edges = log.edges.iter().enumerate().filter(|(_, edge)| edge.machine == machine as u32 && ended(edge.reason));
+    let logarithms: Vec<(usize, f64)> = edges.map(|(at, edge)| (at, edge.cutting_time.ln())).collect();
+    let busy = log.states.iter().any(|row| row.machine == machine as u32 && row.state == MachineState::Cutting);
+    if logarithms.len() < 3 || !busy {
+        return None;
+    }
+    let mean = logarithms.iter().map(|(_, life)| life).sum::<f64>() / logarithms.len() as f64;
+    let slope = |(edge, life): &(usize, f64)| {
+        let last = log.passes.iter().rev().find(|pass| pass.edge == *edge as u32)?;
+        let rate = (last.flank_wear_end - last.flank_wear_start) / last.cutting_time;
+        (rate > 0.0).then(|| 1.0 / (rate * life.exp()))
+    };
+    let mut slopes: Vec<f64> = logarithms.iter().filter_map(slope).collect();
+    Some((mean, median(&mut slopes)))
+}

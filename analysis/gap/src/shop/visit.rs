@@ -1,0 +1,310 @@
+//! From events to operations on machines.
+
+use super::state::State;
+use std::collections::{BTreeMap, BTreeSet};
+use toolroom_records::Records;
+use toolroom_statistics::median;
+
+/// Stops up to this long are short stops, longer ones breakdowns, s (Nakajima 1988 counts minor
+/// stoppages up to a few minutes).
+pub const SHORT_STOP: f64 = 300.0;
+/// A stay in one state of this length or more, s, is no stay but a gap in the log (assumption).
+const GAP: f64 = 12.0 * 3600.0;
+
+/// One operation on one machine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Visit {
+    /// Machine, by index of [`Visits::machines`].
+    pub machine: usize,
+    /// Program, by index of [`Visits::programs`].
+    pub program: usize,
+    /// The job, where the operation is called `job/operation`; else the operation.
+    pub job: String,
+    /// From, s.
+    pub start: f64,
+    /// To, s.
+    pub end: f64,
+    /// Program running, s.
+    pub cutting: f64,
+    /// Loading and unloading, s.
+    pub handling: f64,
+    /// Edge changes, s each.
+    pub changes: Vec<f64>,
+    /// Changing over, s.
+    pub setup: f64,
+    /// Feed holds, s each.
+    pub holds: Vec<f64>,
+    /// Short stops, s each.
+    pub stops: Vec<f64>,
+    /// Mean of programmed over actual feed, less one, while the program ran; 0 where not recorded.
+    pub override_excess: f64,
+    /// Whether it began with an edge that the machine had not used before.
+    pub new_edge: bool,
+}
+
+/// What an event log holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Visits {
+    /// Names of machines.
+    pub machines: Vec<String>,
+    /// Names of programs.
+    pub programs: Vec<String>,
+    /// Complete operations, by machine and time.
+    pub list: Vec<Visit>,
+    /// Time in use between two breakdowns, with the machine and the time of the later one, s.
+    pub failure_gaps: Vec<(usize, f64, f64)>,
+    /// Time in cut of edges that were followed from first to last, with machine and end, s.
+    pub edge_lives: Vec<(usize, f64, f64)>,
+    /// Breakdowns, nights and what is not known, by machine: from and to, s.
+    pub away: Vec<Vec<(f64, f64)>>,
+    /// Whether feed overrides are recorded.
+    pub overridden: bool,
+    /// What the reader found worth saying.
+    pub notes: Vec<String>,
+}
+
+/// A stay of a machine in a state.
+struct Stay<'a> {
+    state: State,
+    start: f64,
+    end: f64,
+    program: &'a str,
+    operation: String,
+    tool: &'a str,
+    feed: f64,
+}
+
+impl Visits {
+    /// The first time from `time` on at which a machine is there, s.
+    pub fn working(&self, machine: usize, time: f64) -> f64 {
+        let away = &self.away[machine];
+        let first = away.partition_point(|(_, to)| *to <= time);
+        // A night may follow a breakdown at once.
+        away[first..].iter().fold(time, |now, (from, to)| if *from <= now { to.max(now) } else { now })
+    }
+
+    /// When a machine has worked for `duration` from `start` on, s.
+    pub fn worked(&self, machine: usize, start: f64, duration: f64) -> f64 {
+        let away = &self.away[machine];
+        let (mut now, mut left) = (start, duration);
+        for (from, to) in &away[away.partition_point(|(_, to)| *to <= start)..] {
+            if now + left <= *from {
+                break;
+            }
+            left -= (from - now).max(0.0);
+            now = to.max(now);
+        }
+        now + left
+    }
+}
+
+/// Gathers operations from events.
+pub fn visits(events: &Records) -> Visits {
+    let mut all = Visits::default();
+    let empty = vec![String::new(); events.len()];
+    let text = |name: &str| events.texts(name).unwrap_or(&empty);
+    let (machines, programs) = (text("machine"), text("program"));
+    let names = |texts: &[String]| -> Vec<String> {
+        let distinct: BTreeSet<&String> = texts.iter().filter(|text| !text.is_empty()).collect();
+        distinct.into_iter().cloned().collect()
+    };
+    (all.machines, all.programs) = (names(machines), names(programs));
+    let nan = vec![f64::NAN; events.len()];
+    let feeds = events.numbers("feed_override").unwrap_or(&nan);
+    all.overridden = feeds.iter().any(|feed| *feed > 0.0 && (feed - 1.0).abs() > 1e-3);
+    let Some(times) = events.numbers("time") else { return all };
+    let mut words: BTreeMap<&str, usize> = BTreeMap::new();
+    for word in text("state").iter().filter(|word| State::of(word) == State::Unknown) {
+        *words.entry(word).or_default() += 1;
+    }
+    for (word, count) in words.iter().filter(|(word, _)| !word.is_empty() && !word.eq_ignore_ascii_case("unavailable"))
+    {
+        all.notes.push(format!("state `{word}` is not known ({count} events): taken as unavailable"));
+    }
+    let (mut gaps, mut cut_off) = (0usize, 0usize);
+    for machine in 0..all.machines.len() {
+        let rows: Vec<usize> = (0..events.len()).filter(|row| machines[*row] == all.machines[machine]).collect();
+        let named = rows.iter().any(|row| !text("operation_id")[*row].is_empty());
+        let (mut stays, mut count) = (Vec::with_capacity(rows.len()), 0);
+        for pair in rows.windows(2) {
+            let (row, next) = (pair[0], pair[1]);
+            let mut state = State::of(&text("state")[row]);
+            if times[next] - times[row] >= GAP && !matches!(state, State::OffShift | State::Idle) {
+                state = State::Unknown;
+                gaps += 1;
+            }
+            // Without names an operation goes on until the machine is idle or changes its program.
+            let resting = matches!(state, State::Idle | State::OffShift | State::Unknown);
+            let before = stays.last().is_some_and(|last: &Stay<'_>| last.program == programs[row].as_str());
+            if !named && (resting || !before) {
+                count += 1;
+            }
+            let own = || if resting { String::new() } else { format!("{}#{count}", programs[row]) };
+            let operation = if named { text("operation_id")[row].clone() } else { own() };
+            let (start, end) = (times[row], times[next]);
+            let (program, tool, feed) = (programs[row].as_str(), text("tool_id")[row].as_str(), feeds[row]);
+            stays.push(Stay { state, start, end, program, operation, tool, feed });
+        }
+        adopt(&mut stays);
+        let gone = |stay: &&Stay<'_>| match stay.state {
+            State::Stopped => stay.end - stay.start > SHORT_STOP,
+            State::OffShift | State::Unknown => true,
+            _ => false,
+        };
+        all.away.push(stays.iter().filter(gone).map(|stay| (stay.start, stay.end)).collect());
+        cut_off += of_machine(&mut all, machine, &stays);
+        breakdowns(&mut all, machine, &stays);
+    }
+    if gaps > 0 {
+        all.notes.push(format!("{gaps} stays of half a day and more are taken as gaps of the log"));
+    }
+    let early = drop_aborted(&mut all);
+    if early > 0 {
+        all.notes.push(format!("{early} operations are left out: their program ended early"));
+    }
+    if cut_off > 0 {
+        all.notes.push(format!("{cut_off} operations are left out: not seen from beginning to end"));
+    }
+    all
+}
+
+/// Gives loading and unloading that bear no name to the operations around them: of several stays the
+/// first is the unloading of the operation before; one alone belongs to what follows at once.
+fn adopt(stays: &mut [Stay<'_>]) {
+    let mut at = 0;
+    while at < stays.len() {
+        let nameless = |stay: &Stay<'_>| stay.state == State::Handling && stay.operation.is_empty();
+        let count = stays[at..].iter().take_while(|stay| nameless(stay)).count();
+        let end = at + count;
+        if count > 0 {
+            let before = at.checked_sub(1).map_or_else(String::new, |before| stays[before].operation.clone());
+            let after = stays.get(end).map_or_else(String::new, |after| after.operation.clone());
+            let unloaded = if after.is_empty() { count } else { (count - 1).min(1) };
+            for (place, stay) in stays[at..end].iter_mut().enumerate() {
+                stay.operation.clone_from(if place < unloaded { &before } else { &after });
+            }
+        }
+        at = end.max(at + 1);
+    }
+}
+
+/// Time in cut over that of the same program on the same machine below which a program did not come to
+/// its end (assumption).
+const ENDED_EARLY: f64 = 0.8;
+
+/// Drops operations whose program was broken off; how many. Times at full feed count.
+fn drop_aborted(all: &mut Visits) -> usize {
+    let time = |visit: &Visit| visit.cutting / (1.0 + visit.override_excess);
+    let mut times: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+    for visit in &all.list {
+        times.entry((visit.machine, visit.program)).or_default().push(time(visit));
+    }
+    let usual: BTreeMap<(usize, usize), f64> =
+        times.into_iter().map(|(key, mut times)| (key, median(&mut times))).collect();
+    let before = all.list.len();
+    all.list.retain(|visit| time(visit) >= ENDED_EARLY * usual[&(visit.machine, visit.program)]);
+    before - all.list.len()
+}
+
+/// Adds the operations of a machine; how many were left out.
+fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
+    let mut left_out = 0;
+    let mut seen: BTreeSet<&str> = BTreeSet::new();
+    let mut life: BTreeMap<&str, (f64, bool)> = BTreeMap::new();
+    let mut last_tool = "";
+    let mut at = 0;
+    while at < stays.len() {
+        if stays[at].operation.is_empty() {
+            at += 1;
+            continue;
+        }
+        // Breaks without a name between two stays of one operation belong to it.
+        let id = &stays[at].operation;
+        let mut end = at + 1;
+        let mut next = end;
+        while next < stays.len() && (stays[next].operation.is_empty() || stays[next].operation == *id) {
+            next += 1;
+            if stays[next - 1].operation == *id {
+                end = next;
+            }
+        }
+        let own = &stays[at..end];
+        let known = |stay: &Stay<'_>| stay.state != State::Unknown;
+        let program = own.iter().find(|stay| !stay.program.is_empty()).map_or("", |stay| stay.program);
+        let mut visit = Visit {
+            machine,
+            program: all.programs.binary_search_by(|name| name.as_str().cmp(program)).unwrap_or(usize::MAX),
+            job: id.split_once('/').map_or(id.as_str(), |(job, _)| job).to_owned(),
+            start: own[0].start,
+            end: own[own.len() - 1].end,
+            ..Visit::default()
+        };
+        let mut slowed = 0.0;
+        for stay in own {
+            let time = stay.end - stay.start;
+            match stay.state {
+                State::Cutting => {
+                    visit.cutting += time;
+                    if stay.feed > 0.0 {
+                        slowed += time * (1.0 - stay.feed);
+                    }
+                }
+                State::Handling => visit.handling += time,
+                State::ToolChange => visit.changes.push(time),
+                State::Setup => visit.setup += time,
+                State::Hold => visit.holds.push(time),
+                State::Stopped if time <= SHORT_STOP => visit.stops.push(time),
+                _ => {}
+            }
+            if stay.state == State::Cutting && !stay.tool.is_empty() {
+                visit.new_edge |= seen.insert(stay.tool);
+                // An edge that was in the machine before the log began was not followed.
+                let followed = !last_tool.is_empty();
+                let entry = life.entry(stay.tool).or_insert((0.0, followed));
+                entry.0 += time;
+                if stay.tool != last_tool
+                    && let Some((cut, true)) = life.get(last_tool).copied()
+                {
+                    all.edge_lives.push((machine, stay.start, cut));
+                }
+                last_tool = stay.tool;
+            }
+        }
+        // Time at feed f does f times the work of time at full feed.
+        visit.override_excess = if visit.cutting > slowed { slowed / (visit.cutting - slowed) } else { 0.0 };
+        let whole = at > 0 && end < stays.len() && own.iter().all(known) && visit.cutting > 0.0;
+        if whole && visit.program != usize::MAX {
+            all.list.push(visit)
+        } else {
+            left_out += 1
+        }
+        at = end;
+    }
+    left_out
+}
+
+/// Adds the times in use between breakdowns.
+fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
+    let mut used = f64::NAN;
+    let mut down = 0.0;
+    for stay in stays {
+        let time = stay.end - stay.start;
+        match stay.state {
+            State::Stopped => {
+                // A repair may be logged in pieces.
+                if down <= SHORT_STOP && down + time > SHORT_STOP {
+                    if used.is_finite() {
+                        all.failure_gaps.push((machine, stay.start, used));
+                    }
+                    used = 0.0;
+                }
+                down += time;
+                continue;
+            }
+            State::Unknown => used = f64::NAN,
+            State::Idle | State::OffShift => {}
+            _ => used += time,
+        }
+        down = 0.0;
+    }
+}

@@ -1,0 +1,243 @@
+//! A diagnosis in ten lines for the terminal, and as a report.
+
+use super::{Diagnosis, GapVerdict};
+use std::fmt::Write;
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
+
+/// Effects that cannot be seen which the terminal lists.
+const LISTED: usize = 4;
+
+pub(super) fn rounded(value: f64) -> String {
+    toolroom_sim::scenario::file::significant(value)
+}
+
+pub(super) fn percent(share: f64) -> String {
+    if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".to_owned() }
+}
+
+pub(super) fn named(id: &str, shape: &str) -> String {
+    if shape.is_empty() { id.to_owned() } else { format!("{id} ({shape})") }
+}
+
+pub(super) fn with_unit(value: f64, unit: &str) -> String {
+    if unit == "1" { rounded(value) } else { format!("{} {unit}", rounded(value)) }
+}
+
+/// The verdict as a sentence.
+pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
+    match diagnosis.verdict {
+        GapVerdict::Effect => {
+            let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
+            format!("missing effect: {}", names.join(" and "))
+        }
+        GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
+        GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
+        GapVerdict::NoGap => "no gap beyond calibration and noise".to_owned(),
+    }
+}
+
+impl Diagnosis {
+    /// About ten lines that say what was found and what to do.
+    pub fn terminal(&self) -> String {
+        let mut text = format!("verdict  {}\n", verdict(self));
+        for effect in &self.effects {
+            let _ = writeln!(
+                text,
+                "  {}  {} (90 %: {} … {}), probability {:.2}, score {:.1}",
+                named(effect.id, &effect.shape),
+                with_unit(effect.size, effect.unit),
+                rounded(effect.ci90[0]),
+                rounded(effect.ci90[1]),
+                effect.probability,
+                effect.z
+            );
+            if effect.class.len() > 1 {
+                let _ =
+                    writeln!(text, "    cannot be told from {}: {}", effect.class[1..].join(", "), effect.class_reason);
+            }
+        }
+        if let Some(cell) = self.cells.first() {
+            let place = if cell.group == "all" { &cell.regime } else { &cell.group };
+            let _ = writeln!(text, "where    {} follows {place} (score {:.1})", cell.channel, cell.score);
+        }
+        if !self.effects.is_empty() {
+            let _ = writeln!(
+                text,
+                "closed   {} of the gap on groups left out (90 %: {} … {}); {} of what can be closed",
+                percent(self.total.closed),
+                percent(self.total.ci90[0]),
+                percent(self.total.ci90[1]),
+                percent(self.total.of_closable)
+            );
+        }
+        let _ = writeln!(
+            text,
+            "budget   calibration {}, form {}, effects {}, unexplained {}, noise and scatter {}",
+            percent(self.budget.calibration),
+            percent(self.budget.form_allowance),
+            percent(self.budget.effects),
+            percent(self.budget.unexplained),
+            percent(self.budget.noise_floor)
+        );
+        let hidden: Vec<String> = self
+            .masked
+            .iter()
+            .filter(|masked| masked.minimal_detectable.is_finite())
+            .take(LISTED)
+            .map(|masked| format!("{} below {}", masked.id, with_unit(masked.minimal_detectable, masked.unit)))
+            .collect();
+        if !hidden.is_empty() {
+            let _ = writeln!(text, "hidden   {}", hidden.join(", "));
+        }
+        if !self.next.design.is_empty() {
+            let _ = writeln!(text, "next     {}", self.next.design);
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "note     {note}");
+        }
+        text.trim_end().to_owned()
+    }
+
+    /// The report.
+    pub fn report(&self, provenance: Provenance) -> Report {
+        let mut report = Report::new("Where the shop and its model differ")
+            .lead(format!("{}.", verdict(self)))
+            .tile(Tile::new("verdict", self.verdict.name(), verdict(self)));
+        if let Some(effect) = self.effects.first() {
+            let interval = format!("90 %: {} … {}", rounded(effect.ci90[0]), rounded(effect.ci90[1]));
+            report = report.tile(Tile::new(effect.id, with_unit(effect.size, effect.unit), interval));
+            let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
+            report = report.tile(Tile::new("gap closed on groups left out", percent(self.total.closed), interval));
+        }
+        self.sections("").into_iter().fold(report, Report::section).provenance(provenance)
+    }
+
+    /// The sections of the report; `of` goes before their headings.
+    pub(super) fn sections(&self, of: &str) -> Vec<Section> {
+        let heading = |text: &str| match (of, text.split_at(1)) {
+            ("", _) => text.to_owned(),
+            (of, (first, rest)) => format!("{of}: {}{rest}", first.to_lowercase()),
+        };
+        vec![
+            self.waterfall(heading("The gap and its causes")),
+            self.places(heading("Localisation")),
+            self.residuals(heading("Residuals of groups left out")),
+            self.candidates(heading("Ranking of effects")),
+            self.hidden(heading("What could not be told")),
+        ]
+    }
+
+    fn waterfall(&self, heading: String) -> Section {
+        let budget = &self.budget;
+        let total =
+            budget.calibration + budget.form_allowance + budget.effects + budget.unexplained + budget.noise_floor;
+        let chart = Waterfall::new("Where the gap goes", Axis::linear("Share of the gap", "%"))
+            .describe("Sum of squares of measurement less model, weighed by noise and scatter, stage by stage.")
+            .total("nominal model", 100.0 * total)
+            .change("calibration", -100.0 * budget.calibration)
+            .change("form allowance", -100.0 * budget.form_allowance)
+            .change("named effects", -100.0 * budget.effects)
+            .change("unexplained", -100.0 * budget.unexplained)
+            .total("noise and scatter of edges", 100.0 * budget.noise_floor);
+        Section::new(heading).figure(Figure::new(
+            &chart,
+            "Calibration moves constants within their priors; the form allowance is what the equations may be \
+             wrong by; named effects are terms of the catalogue.",
+        ))
+    }
+
+    fn places(&self, heading: String) -> Section {
+        let mut chart = Intervals::new("Where the gap lies", Axis::linear("Score", ""))
+            .describe("Score of each channel against each covariate; beyond 4 is no chance.")
+            .reference(0.0, "no gap");
+        for cell in &self.cells {
+            let place = if cell.group == "all" { &cell.regime } else { &cell.group };
+            chart = chart.row(
+                // Long labels are cut, and sets of channels are longer than what they follow.
+                format!("{place} × {}", cell.channel),
+                Estimate::new(cell.score, cell.score - 1.0, cell.score + 1.0),
+            );
+        }
+        let section = Section::new(heading);
+        if self.cells.is_empty() {
+            return section.paragraph("No channel follows any covariate beyond what calibration explains.");
+        }
+        section.figure(Figure::new(&chart, "What calibration and allowance leave, ± one standard deviation."))
+    }
+
+    fn residuals(&self, heading: String) -> Section {
+        let columns = ["channel", "before", "after", "closed, %", "90 % from", "to", "of closable, %"];
+        let mut table = Table::new(columns);
+        for (channel, closure) in &self.channels {
+            table.push([
+                (*channel).into(),
+                closure.before.into(),
+                closure.after.into(),
+                (100.0 * closure.closed).into(),
+                (100.0 * closure.ci90[0]).into(),
+                (100.0 * closure.ci90[1]).into(),
+                (100.0 * closure.of_closable).into(),
+            ]);
+        }
+        Section::new(heading)
+            .paragraph(format!(
+                "Every group is predicted by a fit that has not seen it: {}. Logarithmic channels are in relative \
+                 units, others in SI.",
+                self.held_out.join(", ")
+            ))
+            .table("Root mean square before and after the named effects", table)
+    }
+
+    fn candidates(&self, heading: String) -> Section {
+        let mut table = Table::new(["effect", "size", "unit", "score", "gain", "gain on groups left out", "± error"]);
+        for ranked in self.ranking.iter().take(20) {
+            table.push([
+                named(ranked.id, &ranked.shape).into(),
+                ranked.size.into(),
+                ranked.unit.into(),
+                ranked.z.into(),
+                ranked.gain.into(),
+                ranked.left_out[0].into(),
+                ranked.left_out[1].into(),
+            ]);
+        }
+        let mut section = Section::new(heading)
+            .paragraph(
+                "Gain in log evidence over the calibrated nominal model; an effect is named from 4 on, if \
+                        groups agree and no other structure is as strong.",
+            )
+            .table("Single effects", table);
+        for effect in self.effects.iter().filter(|effect| effect.class.len() > 1) {
+            section = section.warning(format!(
+                "{} cannot be told from {}: {}",
+                effect.id,
+                effect.class[1..].join(", "),
+                effect.class_reason
+            ));
+        }
+        section
+    }
+
+    fn hidden(&self, heading: String) -> Section {
+        let mut table =
+            Table::new(["effect", "masking", "least size seen", "unit", "test that would tell", "if left out"]);
+        for masked in &self.masked {
+            table.push([
+                named(masked.id, &masked.shape).into(),
+                masked.masking.into(),
+                masked.minimal_detectable.into(),
+                masked.unit.into(),
+                masked.separating_test.into(),
+                masked.bias.clone().into(),
+            ]);
+        }
+        let mut section = Section::new(heading)
+            .table("Effects that hide behind calibration in such data", table)
+            .list(self.notes.clone());
+        if !self.next.design.is_empty() {
+            section = section.note(format!("Next experiment: {}.", self.next.design));
+        }
+        section
+    }
+}

@@ -1,0 +1,179 @@
+//! Everything that a sample of lives says, in one go.
+
+use super::bootstrap::{self, Banded};
+use super::fit::{Estimated, Fit, fit};
+use super::goodness::{self, Goodness};
+use super::law::{Dimension, Family, Law};
+use super::replacement::{Costs, Replacement};
+use super::sample::{Sample, SampleError};
+use super::survival::{Step, kaplan_meier, turnbull};
+
+/// What is to be worked out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Families to fit.
+    pub families: Vec<Family>,
+    /// Confidence of every interval and band.
+    pub confidence: f64,
+    /// Resampled refits behind the bands.
+    pub bootstrap: u32,
+    /// Samples of the test of fit; 0 leaves the p out.
+    pub goodness: u32,
+    /// Costs of replacement.
+    pub costs: Costs,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for Request {
+    /// Every family, 90 % intervals, 500 refits, 199 samples, a failure costs five replacements.
+    fn default() -> Self {
+        Self {
+            families: Family::ALL.to_vec(),
+            confidence: 0.9,
+            bootstrap: 500,
+            goodness: 199,
+            costs: Costs { planned: 1.0, failure: 5.0 },
+            seed: 1,
+        }
+    }
+}
+
+/// A law fitted, with what is known of it.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The fit.
+    pub fit: Fit,
+    /// Parameters with profile-likelihood intervals.
+    pub parameters: Vec<(&'static str, Estimated, Dimension)>,
+    /// Distance from the lives and its p; none where no test was asked for.
+    pub goodness: Option<Goodness>,
+    /// Distance from the lives.
+    pub distance: f64,
+}
+
+/// A number with its bootstrap interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Of the fitted law.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// What a sample says.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// Laws, the most credible by AICc first; those that are not regular come last, see
+    /// [`Fit::regular`].
+    pub fits: Vec<Fitted>,
+    /// Families that the sample does not determine, and why.
+    pub refused: Vec<(Family, SampleError)>,
+    /// Reliability without a law: Kaplan–Meier, or Turnbull where ends lie between inspections.
+    pub empirical: Vec<Step>,
+    /// Laws of the resampled lives, of the family of the first fit.
+    pub resampled: Vec<Law>,
+    /// Reliability of the first fit.
+    pub reliability: Vec<Banded>,
+    /// Hazard of the first fit.
+    pub hazard: Vec<Banded>,
+    /// Mean residual life of the first fit.
+    pub residual_life: Vec<Banded>,
+    /// Age that 10 % of edges do not reach.
+    pub b10: Interval,
+    /// Mean life.
+    pub mean: Interval,
+    /// Replacement by age.
+    pub by_age: Replacement,
+    /// Interval of the best age.
+    pub best_age: (f64, f64),
+    /// Interval of its cost rate.
+    pub best_cost: (f64, f64),
+    /// Cost rate over the age of replacement.
+    pub cost: Vec<Banded>,
+    /// Replacement in blocks.
+    pub in_blocks: Replacement,
+}
+
+/// Ages of a curve.
+const POINTS: usize = 60;
+
+/// Analyses a sample.
+///
+/// # Errors
+/// [`SampleError`] where no family at all can be fitted.
+///
+/// # Examples
+/// ```
+/// use toolroom_life::analysis::{Request, analyse};
+/// use toolroom_life::sample::{Observation::Failed, Sample};
+/// let sample = Sample::new([11.0, 15.0, 18.0, 22.0, 25.0, 31.0].map(Failed))?;
+/// let request = Request { bootstrap: 50, goodness: 0, ..Request::default() };
+/// let analysis = analyse(&sample, &request)?;
+/// assert!(analysis.b10.low < analysis.b10.value && analysis.b10.value < analysis.b10.high);
+/// # Ok::<(), toolroom_life::sample::SampleError>(())
+/// ```
+pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleError> {
+    let (mut fits, mut refused) = (Vec::new(), Vec::new());
+    for family in &request.families {
+        match fit(sample, *family) {
+            Ok(fitted) => fits.push(fitted),
+            Err(error) => refused.push((*family, error)),
+        }
+    }
+    if fits.is_empty() {
+        // What not even the simplest law finds in them.
+        let simplest = refused.into_iter().min_by_key(|(family, _)| family.parameters());
+        return Err(simplest.map_or(SampleError::Empty, |(_, error)| error));
+    }
+    // Regular fits first; of equally credible laws the one with fewer parameters.
+    fits.sort_by(|a, b| {
+        let parameters = |fit: &Fit| fit.law.family().parameters();
+        let credible = a.aicc().total_cmp(&b.aicc()).then(parameters(a).cmp(&parameters(b)));
+        b.regular().cmp(&a.regular()).then(credible)
+    });
+    let best = fits[0].clone();
+    let law = best.law;
+    let resampled = bootstrap::laws(sample, &best, request.bootstrap, request.seed);
+    let fits = fits
+        .into_iter()
+        .map(|fit| Fitted {
+            parameters: fit.parameters(sample, request.confidence),
+            goodness: (request.goodness > 0).then(|| goodness::test(sample, &fit, request.goodness, request.seed)),
+            distance: goodness::anderson_darling(sample, &fit.law),
+            fit,
+        })
+        .collect();
+    let interval = |of: &dyn Fn(&Law) -> f64| {
+        let (low, high) = bootstrap::interval(&resampled, request.confidence, of);
+        Interval { value: of(&law), low, high }
+    };
+    let end = law.quantile(0.995).max(sample.range().1);
+    let ages: Vec<f64> = (1..=POINTS).map(|i| end * i as f64 / POINTS as f64).collect();
+    let band = |of: fn(&Law, f64) -> f64| bootstrap::band(&law, &resampled, &ages, request.confidence, of);
+    let costs = request.costs;
+    let best_of: Vec<Replacement> = {
+        use rayon::prelude::*;
+        resampled.par_iter().map(|law| costs.best_age(law)).collect()
+    };
+    let spread =
+        |of: fn(&Replacement) -> f64| bootstrap::quantiles(best_of.iter().map(of).collect(), request.confidence);
+    Ok(Analysis {
+        refused,
+        empirical: if sample.inspected() { turnbull(sample) } else { kaplan_meier(sample, request.confidence) },
+        reliability: band(Law::survival),
+        hazard: band(Law::hazard),
+        residual_life: band(Law::mean_residual_life),
+        b10: interval(&|law| law.quantile(0.1)),
+        mean: interval(&Law::mean),
+        by_age: costs.best_age(&law),
+        best_age: spread(|best| best.age),
+        best_cost: spread(|best| best.cost_rate),
+        cost: bootstrap::band(&law, &resampled, &ages, request.confidence, |law, age| costs.at_age(law, age)),
+        in_blocks: costs.best_blocks(&law),
+        fits,
+        resampled,
+    })
+}

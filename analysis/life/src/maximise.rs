@@ -1,0 +1,207 @@
+//! Newton's method for log-likelihoods of a few parameters.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Step of the central differences; parameters are of the order of one.
+const STEP: f64 = 1e-4;
+/// Gain of the log-likelihood below which the search ends.
+const SETTLED: f64 = 1e-9;
+/// Steps after which a search without result ends.
+const STEPS: usize = 200;
+
+/// Distance at which an end of a profile is given up: parameters are logarithms.
+const FARTHEST: f64 = 60.0;
+
+/// Where a search ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maximum {
+    /// Parameters.
+    pub at: Vec<f64>,
+    /// Value there.
+    pub value: f64,
+    /// Negative second derivatives, the observed information.
+    pub information: DMatrix<f64>,
+}
+
+impl Maximum {
+    /// Inverse of the information, the approximate covariance; `None` where it is singular.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        self.information.clone().cholesky().map(|factor| factor.inverse())
+    }
+
+    /// Approximate standard error of a parameter; infinite where the information is singular.
+    pub fn standard_error(&self, parameter: usize) -> f64 {
+        self.covariance().map_or(f64::INFINITY, |covariance| covariance[(parameter, parameter)].sqrt())
+    }
+}
+
+/// Maximises `f` from `start` by Newton steps with Levenberg's damping, derivatives by central
+/// differences. Values that are not finite count as infinitely bad. `None` where the start is
+/// such a point.
+///
+/// # Source
+/// K. Levenberg, Quarterly of Applied Mathematics 2 (1944) 164; step and tolerance assumptions.
+///
+/// # Examples
+/// ```
+/// let peak = toolroom_life::maximise::maximise(&|x| -(x[0] - 2.0).powi(2), &[0.0]).unwrap();
+/// assert!((peak.at[0] - 2.0).abs() < 1e-6 && (peak.standard_error(0) - 0.5f64.sqrt()).abs() < 1e-6);
+/// ```
+pub fn maximise(f: &dyn Fn(&[f64]) -> f64, start: &[f64]) -> Option<Maximum> {
+    let finite = |x: &[f64]| Some(f(x)).filter(|value| value.is_finite());
+    let mut at = start.to_vec();
+    let mut value = finite(&at)?;
+    let mut damping = 0.0;
+    for _ in 0..STEPS {
+        let (gradient, information) = derivatives(f, &at, value);
+        if !gradient.iter().chain(information.iter()).all(|entry| entry.is_finite()) {
+            return Some(Maximum { at, value, information });
+        }
+        let settled = SETTLED + 1e-13 * value.abs();
+        let mut moved = false;
+        // Damping grows until the step climbs; it ends at steps below rounding.
+        for _ in 0..40 {
+            let mut damped = information.clone();
+            for i in 0..at.len() {
+                damped[(i, i)] += damping * information[(i, i)].abs().max(1e-6);
+            }
+            if let Some(factor) = damped.cholesky() {
+                let mut step = factor.solve(&gradient);
+                let gain = 0.5 * gradient.dot(&step);
+                if gain < settled {
+                    return Some(Maximum { at, value, information });
+                }
+                // A parameter is a logarithm or a ratio: two units are far.
+                let longest = step.amax();
+                if longest > 2.0 {
+                    step *= 2.0 / longest;
+                }
+                let trial: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x + dx).collect();
+                if let Some(better) = finite(&trial).filter(|better| *better > value) {
+                    (at, value, moved) = (trial, better, true);
+                    damping = if damping < 1e-6 { 0.0 } else { damping / 10.0 };
+                    break;
+                }
+            }
+            damping = if damping == 0.0 { 1e-3 } else { 4.0 * damping };
+        }
+        if !moved {
+            return Some(Maximum { at, value, information });
+        }
+    }
+    let information = derivatives(f, &at, value).1;
+    Some(Maximum { at, value, information })
+}
+
+/// Gradient and negative second derivatives.
+fn derivatives(f: &dyn Fn(&[f64]) -> f64, at: &[f64], value: f64) -> (DVector<f64>, DMatrix<f64>) {
+    let n = at.len();
+    let moved = |moves: &[(usize, f64)]| {
+        let mut x = at.to_vec();
+        for (i, dx) in moves {
+            x[*i] += dx;
+        }
+        f(&x)
+    };
+    let sides: Vec<(f64, f64)> = (0..n).map(|i| (moved(&[(i, -STEP)]), moved(&[(i, STEP)]))).collect();
+    let gradient = DVector::from_fn(n, |i, _| (sides[i].1 - sides[i].0) / (2.0 * STEP));
+    let mut information = DMatrix::zeros(n, n);
+    for i in 0..n {
+        information[(i, i)] = (2.0 * value - sides[i].0 - sides[i].1) / (STEP * STEP);
+        for j in 0..i {
+            let corner = |a: f64, b: f64| moved(&[(i, a * STEP), (j, b * STEP)]);
+            let mixed =
+                (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0)) / (4.0 * STEP * STEP);
+            (information[(i, j)], information[(j, i)]) = (-mixed, -mixed);
+        }
+    }
+    (gradient, information)
+}
+
+/// The range of a parameter in which the greatest value over the others stays within `drop` of
+/// the maximum: a profile-likelihood interval, where `drop` is half a quantile of chi square.
+/// Infinite on a side where the profile never falls so far within 60 units.
+///
+/// # Source
+/// D. J. Venzon, S. H. Moolgavkar, Applied Statistics 37 (1988) 87 (intervals; the search is
+/// plain bisection).
+pub fn profile(f: &dyn Fn(&[f64]) -> f64, peak: &Maximum, parameter: usize, drop: f64) -> (f64, f64) {
+    let others: Vec<f64> = peak.at.iter().enumerate().filter(|(i, _)| *i != parameter).map(|(_, x)| *x).collect();
+    let side = |sign: f64| {
+        let mut nuisance = others.clone();
+        let mut excess = |value: f64| {
+            let inner = |x: &[f64]| {
+                let mut all = x.to_vec();
+                all.insert(parameter, value);
+                f(&all)
+            };
+            let best = match maximise(&inner, &nuisance) {
+                Some(best) if !nuisance.is_empty() => {
+                    nuisance = best.at;
+                    best.value
+                }
+                _ => inner(&nuisance),
+            };
+            if best.is_finite() { best - (peak.value - drop) } else { -drop }
+        };
+        let width = (2.0 * drop).sqrt() * peak.standard_error(parameter);
+        let centre = peak.at[parameter];
+        let (mut near, mut near_excess) = (0.0, drop);
+        let mut far = if width.is_finite() { width.clamp(1e-9, 5.0) } else { 0.5 };
+        let mut far_excess = excess(centre + sign * far);
+        while far_excess > 0.0 {
+            (near, near_excess) = (far, far_excess);
+            far *= 1.5;
+            if far > FARTHEST {
+                return sign * f64::INFINITY;
+            }
+            far_excess = excess(centre + sign * far);
+        }
+        // Illinois variant of false position: brackets like bisection, converges like the secant.
+        for _ in 0..60 {
+            if far - near < 1e-7 * far {
+                break;
+            }
+            let middle = (near * far_excess - far * near_excess) / (far_excess - near_excess);
+            let middle_excess = excess(centre + sign * middle);
+            if middle_excess.abs() < 1e-7 {
+                (near, far) = (middle, middle);
+            } else if middle_excess > 0.0 {
+                (near, near_excess) = (middle, middle_excess);
+                far_excess *= 0.5;
+            } else {
+                (far, far_excess) = (middle, middle_excess);
+                near_excess *= 0.5;
+            }
+        }
+        centre + sign * 0.5 * (near + far)
+    };
+    (side(-1.0), side(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curved_ridge_is_climbed_from_afar() {
+        // Rosenbrock's valley upside down.
+        let f = |x: &[f64]| -(1.0 - x[0]).powi(2) - 100.0 * (x[1] - x[0] * x[0]).powi(2);
+        let peak = maximise(&f, &[-1.2, 1.0]).unwrap();
+        assert!((peak.at[0] - 1.0).abs() < 1e-4 && (peak.at[1] - 1.0).abs() < 1e-4, "{peak:?}");
+    }
+
+    #[test]
+    fn the_profile_of_a_quadratic_is_its_normal_interval() {
+        // Correlation 0.6: the profile sees the marginal deviation 1, not the conditional 0.8.
+        let f = |x: &[f64]| -0.5 * (x[0] * x[0] - 1.2 * x[0] * x[1] + x[1] * x[1]) / (1.0 - 0.36);
+        let peak = maximise(&f, &[0.3, -0.2]).unwrap();
+        let (low, high) = profile(&f, &peak, 0, 0.5);
+        assert!((low + 1.0).abs() < 1e-5 && (high - 1.0).abs() < 1e-5, "{low} {high}");
+    }
+
+    #[test]
+    fn a_start_without_a_value_is_refused() {
+        assert_eq!(maximise(&|_| f64::NAN, &[0.0]), None);
+    }
+}

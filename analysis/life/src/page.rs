@@ -1,0 +1,225 @@
+//! Lives as sections of a report and as JSON.
+
+use super::analysis::{Analysis, Interval};
+use super::law::{Dimension, Law};
+use super::picture;
+use super::sample::Sample;
+use serde_json::{Map, Value, json};
+use toolroom_chart::page::{Figure, Section, Tile};
+use toolroom_chart::{Axis, Table};
+
+/// How numbers of lives are named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Words {
+    /// Unit of lives, empty where it is not known.
+    pub unit: String,
+    /// Unit of costs, `EUR` or empty.
+    pub money: String,
+}
+
+impl Words {
+    /// `name [unit]`.
+    pub fn key(&self, name: &str) -> String {
+        if self.unit.is_empty() { name.to_owned() } else { format!("{name} [{}]", self.unit) }
+    }
+}
+
+/// Mean and coefficient of variation: of the lives where all of them ended, of the best law
+/// otherwise.
+pub fn moments(sample: &Sample, law: &Law) -> (f64, f64) {
+    let (size, ended) = (sample.size(), sample.ended());
+    if ended < size {
+        return (law.mean(), law.variation());
+    }
+    let mean = sample.lives().iter().map(|(life, weight)| weight * life.age()).sum::<f64>() / size;
+    let squares = sample.lives().iter().map(|(life, weight)| weight * (life.age() - mean).powi(2)).sum::<f64>();
+    (mean, (squares / (size - 1.0)).sqrt() / mean)
+}
+
+/// The result for programs.
+pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, Value> {
+    let law = analysis.fits[0].fit.law;
+    let (mean, cv) = moments(sample, &law);
+    let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+    let pair = |low: f64, high: f64| json!([finite(low), finite(high)]);
+    let quantiles: Map<String, Value> = [("b1", 0.01), ("b10", 0.1), ("b50", 0.5), ("b90", 0.9)]
+        .into_iter()
+        .map(|(name, share)| (words.key(name), json!(law.quantile(share))))
+        .collect();
+    let fits: Vec<Value> = analysis
+        .fits
+        .iter()
+        .map(|fitted| {
+            let mut parameters = Map::new();
+            let mut intervals = Map::new();
+            for (name, estimated, dimension) in &fitted.parameters {
+                let key = if *dimension == Dimension::Life { words.key(name) } else { (*name).to_owned() };
+                parameters.insert(key.clone(), json!(estimated.value));
+                intervals.insert(key, pair(estimated.low, estimated.high));
+            }
+            json!({
+                "distribution": fitted.fit.law.family().name(),
+                "parameters": parameters,
+                "intervals": intervals,
+                "log_likelihood": fitted.fit.log_likelihood,
+                "aicc": finite(fitted.fit.aicc()),
+                "anderson_darling": finite(fitted.distance),
+                "p": fitted.goodness.map(|test| test.p),
+            })
+        })
+        .collect();
+    let refused: Vec<Value> = analysis
+        .refused
+        .iter()
+        .map(|(family, error)| json!({ "distribution": family.name(), "reason": error.to_string() }))
+        .collect();
+    let best = &analysis.by_age;
+    let mut replacement = Map::new();
+    replacement.insert(words.key("age"), finite(best.age));
+    replacement.insert("cost_rate".to_owned(), json!(best.cost_rate));
+    replacement.insert("saving".to_owned(), json!(best.saving()));
+    replacement.insert("run_to_failure".to_owned(), json!(best.run_to_failure));
+    replacement.insert("age_interval".to_owned(), pair(analysis.best_age.0, analysis.best_age.1));
+    replacement.insert("cost_rate_interval".to_owned(), pair(analysis.best_cost.0, analysis.best_cost.1));
+    let block = json!({ "interval": finite(analysis.in_blocks.age), "cost_rate": analysis.in_blocks.cost_rate });
+    replacement.insert("blocks".to_owned(), block);
+    let banded = |at: &Interval| json!({ "value": at.value, "interval": pair(at.low, at.high) });
+    let mut object = Map::new();
+    object.insert("n".to_owned(), json!(sample.size()));
+    object.insert("ended".to_owned(), json!(sample.ended()));
+    object.insert(words.key("mean"), json!(mean));
+    object.insert("cv".to_owned(), json!(cv));
+    object.insert("quantiles".to_owned(), Value::Object(quantiles));
+    object.insert(words.key("b10"), banded(&analysis.b10));
+    object.insert(words.key("mean_life"), banded(&analysis.mean));
+    object.insert("fits".to_owned(), Value::Array(fits));
+    object.insert("refused".to_owned(), Value::Array(refused));
+    object.insert("replacement".to_owned(), Value::Object(replacement));
+    object
+}
+
+/// The fits as a table.
+pub fn fits(analysis: &Analysis, words: &Words) -> Table {
+    let mut table = Table::new(["law", "parameters (interval)", "log-likelihood", "AICc", "A²", "p"]);
+    for fitted in &analysis.fits {
+        let parameter = |(name, at, dimension): &(&str, super::fit::Estimated, Dimension)| {
+            let unit = if *dimension == Dimension::Life && !words.unit.is_empty() {
+                format!(" {}", words.unit)
+            } else {
+                String::new()
+            };
+            let n = |value: f64| if value.is_finite() { toolroom_chart::number(value, 4) } else { "∞".to_owned() };
+            format!("{name} {}{unit} ({} … {})", n(at.value), n(at.low), n(at.high))
+        };
+        table.push([
+            picture::label(fitted.fit.law.family()).into(),
+            fitted.parameters.iter().map(parameter).collect::<Vec<_>>().join(", ").into(),
+            fitted.fit.log_likelihood.into(),
+            fitted.fit.aicc().into(),
+            fitted.distance.into(),
+            fitted.goodness.map_or(f64::NAN, |test| test.p).into(),
+        ]);
+    }
+    table
+}
+
+/// Key figures of a sample.
+pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f64) -> Vec<Tile> {
+    let n = |value: f64| toolroom_chart::number(value, 4);
+    let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
+    let percent = 100.0 * confidence;
+    let banded = |label: &str, at: &Interval| {
+        Tile::new(
+            label,
+            format!("{}{unit}", n(at.value)),
+            format!("{percent} % interval {} … {}", n(at.low), n(at.high)),
+        )
+    };
+    let best = &analysis.by_age;
+    let replaced = if best.age.is_finite() {
+        let note = format!(
+            "saves {:.1} % against running to failure; {} … {}",
+            100.0 * best.saving(),
+            n(analysis.best_age.0),
+            n(analysis.best_age.1)
+        );
+        Tile::new("replace at", format!("{}{unit}", n(best.age)), note)
+    } else {
+        Tile::new("replace at", "failure", "edges do not age enough for anything else to pay")
+    };
+    let size = format!("{} of them ended", n(sample.ended()));
+    vec![
+        Tile::new("lives", n(sample.size()), size),
+        banded("mean life", &analysis.mean),
+        banded("B10", &analysis.b10),
+        replaced,
+    ]
+}
+
+/// The sections about one sample; `name` is that of its group.
+pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words, confidence: f64) -> Vec<Section> {
+    let unit = words.unit.as_str();
+    let of = if name.is_empty() { String::new() } else { format!(", {name}") };
+    let bands = format!(
+        "Bands are pointwise {} % intervals of {} resampled refits.",
+        100.0 * confidence,
+        analysis.resampled.len()
+    );
+    let mut laws = Section::new(format!("Laws{of}")).table(
+        "Fits by maximum likelihood, profile-likelihood intervals, most credible first; A² is the Anderson–Darling \
+         distance, p the share of samples of the law that are farther from their own fit",
+        fits(analysis, words),
+    );
+    for fitted in analysis.fits.iter().filter(|fitted| !fitted.fit.regular()) {
+        let name = picture::label(fitted.fit.law.family());
+        laws = laws.note(format!(
+            "The {name} law stands last whatever its AICc: its likelihood is not regular here, and it predicts little."
+        ));
+    }
+    for (family, reason) in &analysis.refused {
+        laws = laws.note(format!("No {} law: {reason}.", picture::label(*family)));
+    }
+    let laws = laws
+        .figure(Figure::new(
+            &picture::histogram(sample, analysis, unit),
+            "Lives that ended, with the densities of the most credible laws.",
+        ))
+        .figure(Figure::new(
+            &picture::probability(analysis, unit),
+            format!("On this paper the best law is straight, or nearly. {bands}"),
+        ));
+    let hazard = Axis::linear("Hazard", picture::per(unit)).include(0.0);
+    let residual = Axis::linear("Mean residual life", unit).include(0.0);
+    let reliability = Section::new(format!("Reliability{of}"))
+        .figure(Figure::new(&picture::reliability(analysis, unit), bands))
+        .figure(Figure::new(
+            &picture::banded("Hazard", hazard, &analysis.hazard, unit, "Rate at which edges of an age end."),
+            "A hazard that rises says that edges wear out; one that falls, that weak edges go first.",
+        ))
+        .figure(Figure::new(
+            &picture::banded(
+                "Mean residual life",
+                residual,
+                &analysis.residual_life,
+                unit,
+                "Mean time that an edge still lives.",
+            ),
+            "How long an edge of an age will still last on average.",
+        ));
+    let blocks = &analysis.in_blocks;
+    let costs = if blocks.age.is_finite() {
+        format!(
+            "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {} against {} by age.",
+            toolroom_chart::number(blocks.age, 4),
+            toolroom_chart::number(blocks.cost_rate, 4),
+            toolroom_chart::number(analysis.by_age.cost_rate, 4)
+        )
+    } else {
+        "Replacing all edges at fixed intervals does not pay.".to_owned()
+    };
+    let replacement = Section::new(format!("Replacement{of}")).paragraph(costs).figure(Figure::new(
+        &picture::cost(analysis, unit, &words.money),
+        "Too early wastes life, too late pays for failures in the cut.",
+    ));
+    vec![laws, reliability, replacement]
+}

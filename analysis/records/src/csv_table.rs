@@ -1,0 +1,103 @@
+//! Delimited text of any encoding to a table of cells.
+
+use crate::RecordError;
+use std::path::Path;
+use toolroom_process::unit;
+
+/// Cells as they stand in a file.
+#[derive(Debug, Default)]
+pub struct RawTable {
+    /// Headers.
+    pub header: Vec<String>,
+    /// Line of the file and its cells.
+    pub rows: Vec<(usize, Vec<String>)>,
+    /// What was done to read the file, for people.
+    pub notes: Vec<String>,
+}
+
+/// Reads a table that is no delimited text, from a file with another extension than `csv`.
+pub type OtherTable<'a> = &'a dyn Fn(&Path) -> Result<RawTable, RecordError>;
+
+/// Reads comma, semicolon or tab separated text; lines that start with `#` are comments.
+pub(super) fn parse(bytes: &[u8]) -> RawTable {
+    let (text, encoding) = decode(bytes);
+    let mut table = RawTable::default();
+    if let Some(encoding) = encoding {
+        table.notes.push(format!("read as {encoding}"));
+    }
+    let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
+    let count = |sign: char| head.matches(sign).count();
+    let delimiter = [b';', b'\t', b','].into_iter().max_by_key(|sign| count(char::from(*sign))).unwrap_or(b',');
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    for record in reader.records().filter_map(Result::ok) {
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        let line = record.position().map_or(1, |position| usize::try_from(position.line()).unwrap_or(usize::MAX));
+        let cells: Vec<String> = record.iter().map(str::to_owned).collect();
+        if table.header.is_empty() {
+            table.header = cells;
+        } else {
+            table.rows.push((line, cells));
+        }
+    }
+    if delimiter != b',' && decimal_comma(&table) {
+        table.notes.push("numbers have a decimal comma".to_owned());
+        for (_, cells) in &mut table.rows {
+            for cell in cells.iter_mut().filter(|cell| is_comma_number(cell)) {
+                *cell = cell.replacen(',', ".", 1);
+            }
+        }
+    }
+    table
+}
+
+/// Text, and what it was read as unless UTF-8.
+fn decode(bytes: &[u8]) -> (String, Option<&'static str>) {
+    let wide = |body: &[u8], join: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = body.chunks_exact(2).map(|pair| join([pair[0], pair[1]])).collect();
+        String::from_utf16_lossy(&units)
+    };
+    match bytes {
+        [0xFF, 0xFE, body @ ..] => (wide(body, u16::from_le_bytes), Some("UTF-16")),
+        [0xFE, 0xFF, body @ ..] => (wide(body, u16::from_be_bytes), Some("UTF-16")),
+        [0xEF, 0xBB, 0xBF, body @ ..] => (String::from_utf8_lossy(body).into_owned(), None),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => (text.to_owned(), None),
+            // Names may suffer; numbers and units are ASCII but for the micro sign.
+            Err(_) => (bytes.iter().map(|byte| char::from(*byte)).collect(), Some("Latin-1")),
+        },
+    }
+}
+
+fn is_comma_number(cell: &str) -> bool {
+    cell.matches(',').count() == 1 && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
+}
+
+/// Whether commas are decimal signs: some number has one, none has a point.
+fn decimal_comma(table: &RawTable) -> bool {
+    let cells = || table.rows.iter().flat_map(|(_, cells)| cells);
+    let with_point = cells().any(|cell| cell.contains('.') && cell.parse::<f64>().is_ok());
+    !with_point && cells().any(|cell| is_comma_number(cell))
+}
+
+/// `name [unit]` or `name (unit)` in two.
+pub(super) fn name_and_unit(title: &str) -> (&str, &str) {
+    match title.find(['[', '(']) {
+        Some(open) => (title[..open].trim(), title[open + 1..].trim_end_matches([']', ')']).trim()),
+        None => (title.trim(), ""),
+    }
+}
+
+/// Factor and offset from `read` to `si`; `None` where they do not fit.
+pub(super) fn scale(read: &str, si: &str) -> Option<(f64, f64)> {
+    let (from, to) = (unit::parse(read).ok()?, unit::parse(si).ok()?);
+    // Frequencies may be given per second or in hertz, rotations per minute.
+    unit::compatible(from.dimension, to.dimension).then(|| (from.factor / to.factor, from.offset / to.factor))
+}

@@ -1,0 +1,348 @@
+//! From tables of cells to records in SI.
+
+use super::columns::{ColumnKind, RecordColumn};
+use super::csv_table::{self, OtherTable, RawTable, name_and_unit, scale};
+use super::table::TableError;
+use super::{ReadReport, RecordKind, Records};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Why records were not read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// The file cannot be opened.
+    #[error("cannot read {path}: {source}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the file system said.
+        source: std::io::Error,
+    },
+    /// A table that is no delimited text cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What its format said.
+        source: TableError,
+    },
+    /// A directory without records of the kind.
+    #[error("{path} holds no {stem}.csv or {stem}.parquet")]
+    NoFile {
+        /// The directory.
+        path: PathBuf,
+        /// Name of the file that was looked for.
+        stem: &'static str,
+    },
+    /// A column that must be there.
+    #[error("{file}: the column `{column}` is missing; expected `{example}`{}", .nearest.as_ref().map(|near| format!(", is it `{near}`?")).unwrap_or_default())]
+    MissingColumn {
+        /// The file.
+        file: String,
+        /// Its name.
+        column: &'static str,
+        /// A header that would do.
+        example: String,
+        /// The header that is most alike.
+        nearest: Option<String>,
+    },
+    /// A unit that does not fit its column.
+    #[error("{file}: column `{column}` has the unit `{read}`; accepted: {accepted}")]
+    Unit {
+        /// The file.
+        file: String,
+        /// Its name.
+        column: &'static str,
+        /// What was read.
+        read: String,
+        /// Units that fit.
+        accepted: String,
+    },
+    /// No row can be used.
+    #[error("{file}: none of {rows} rows can be used{}", .first.as_ref().map(|first| format!("; the first: {first}")).unwrap_or_default())]
+    NoRows {
+        /// The file.
+        file: String,
+        /// Rows under the header.
+        rows: usize,
+        /// Why the first was left out.
+        first: Option<String>,
+    },
+}
+
+/// Reads records from a file, or from the file of `kind` in a directory; `parquet` reads files of that
+/// extension.
+///
+/// # Errors
+/// [`RecordError`]: a file that cannot be read, a missing column, a unit that does not fit.
+pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(Records, ReadReport), RecordError> {
+    if path.is_dir() && find(path, kind).is_err() {
+        let parts = folders(path, kind);
+        if !parts.is_empty() {
+            return joined(&parts, kind, parquet);
+        }
+    }
+    let path = if path.is_dir() { find(path, kind)? } else { path.to_owned() };
+    let file = path.display().to_string();
+    let table = if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+        parquet(&path)?
+    } else {
+        let bytes = std::fs::read(&path).map_err(|source| RecordError::Unreadable { path: path.clone(), source })?;
+        csv_table::parse(&bytes)
+    };
+    understand(&file, &table, kind)
+}
+
+/// Reads records from delimited text; `file` is its name in messages.
+///
+/// # Errors
+/// As [`read`].
+///
+/// ```
+/// use toolroom_records::{RecordKind, parse_csv};
+/// let csv = "operation_id;machine;tool_id;sequence;cutting_speed [m/min];feed_per_rev [mm];\
+///     depth_of_cut [mm];cutting_time [min];cutting_force [kN]\n1;L1;T1;1;180;0,3;1,5;2;0,9\n";
+/// let (records, report) = parse_csv("operations.csv", csv.as_bytes(), RecordKind::Turning).unwrap();
+/// assert_eq!(records.numbers("cutting_force"), Some(&[900.0][..]));
+/// assert_eq!(report.notes, ["numbers have a decimal comma"]);
+/// ```
+pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+    understand(file, &csv_table::parse(bytes), kind)
+}
+
+/// Kinds of which a directory holds a table, by itself or in its folders. Of tables that two kinds
+/// share, `operations`, the first counts.
+pub fn tables(dir: &Path) -> Vec<RecordKind> {
+    let kinds = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Program];
+    kinds.into_iter().filter(|kind| find(dir, *kind).is_ok() || !folders(dir, *kind).is_empty()).collect()
+}
+
+/// Folders of a directory that hold a file of the kind, by name.
+fn folders(dir: &Path, kind: RecordKind) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().filter_map(Result::ok);
+    let mut list: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+    list.retain(|path| find(path, kind).is_ok());
+    list.sort();
+    list
+}
+
+/// The records of several folders, one after the other.
+fn joined(parts: &[PathBuf], kind: RecordKind, parquet: OtherTable<'_>) -> Result<(Records, ReadReport), RecordError> {
+    let (mut records, mut report) = read(&parts[0], kind, parquet)?;
+    for part in &parts[1..] {
+        let (more, read) = read(part, kind, parquet)?;
+        records = records.followed_by(&more);
+        report.file = format!("{}, {}", report.file, read.file);
+        report.rows += read.rows;
+        report
+            .columns
+            .extend(read.columns.into_iter().filter(|column| !report.columns.contains(column)).collect::<Vec<_>>());
+        report.notes.extend(read.notes);
+        report.dropped.extend(read.dropped);
+        report.unreadable.extend(read.unreadable);
+    }
+    Ok((records, report))
+}
+
+fn find(dir: &Path, kind: RecordKind) -> Result<PathBuf, RecordError> {
+    let stem = kind.file_stem();
+    let candidates = ["csv", "parquet"].map(|extension| dir.join(format!("{stem}.{extension}")));
+    let found = candidates.into_iter().find(|path| path.is_file());
+    found.ok_or(RecordError::NoFile { path: dir.to_owned(), stem })
+}
+
+/// A column of the file that is used.
+struct Used {
+    at: usize,
+    name: String,
+    column: Option<&'static RecordColumn>,
+    factor: f64,
+    offset: f64,
+}
+
+fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+    let mut report = ReadReport { file: file.to_owned(), notes: table.notes.clone(), ..ReadReport::default() };
+    let used = header(file, table, kind, &mut report)?;
+    for column in kind.columns().iter().filter(|column| column.required) {
+        if used.iter().all(|each| each.name != column.name) {
+            let likeness = |title: &&String| strsim::jaro_winkler(column.name, &title.to_ascii_lowercase());
+            let nearest = table.header.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+            let nearest = nearest.filter(|title| likeness(title) > 0.8).cloned();
+            return Err(RecordError::MissingColumn {
+                file: file.to_owned(),
+                column: column.name,
+                example: column.header(),
+                nearest,
+            });
+        }
+    }
+    let rows = rows(table, &used, kind, &mut report);
+    if rows.is_empty() {
+        let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
+        return Err(RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first });
+    }
+    let mut records = Records::new(kind, rows.len());
+    for (index, each) in used.iter().enumerate() {
+        if each.column.is_some_and(|column| column.kind == ColumnKind::Text) {
+            let texts = rows.iter().map(|row| table.rows[row.at].1.get(each.at).cloned().unwrap_or_default());
+            records.set_texts(&each.name, texts.collect());
+        } else {
+            records.set_numbers(&each.name, rows.iter().map(|row| row.numbers[index]).collect());
+        }
+    }
+    report.rows = records.len();
+    Ok((ordered(records, &mut report), report))
+}
+
+fn header(file: &str, table: &RawTable, kind: RecordKind, report: &mut ReadReport) -> Result<Vec<Used>, RecordError> {
+    let mut used: Vec<Used> = Vec::new();
+    for (at, title) in table.header.iter().enumerate() {
+        let (name, read) = name_and_unit(title);
+        let name = name.to_ascii_lowercase().replace([' ', '-'], "_");
+        let known = kind.column(&name);
+        if used.iter().any(|each| each.name == name) {
+            report.notes.push(format!("column `{title}` stands twice; the first is used"));
+            continue;
+        }
+        let (factor, offset) = match known {
+            Some(column) if column.kind == ColumnKind::Text => (1.0, 0.0),
+            Some(column) => {
+                let unit = if read.is_empty() { column.display } else { read };
+                if read.is_empty() && column.display != "1" {
+                    report.notes.push(format!("column `{name}` has no unit; taken as {}", column.display));
+                }
+                // A bare count or a ratio written as such.
+                let unit = if column.unit == "1" && matches!(unit, "rev" | "-") { "1" } else { unit };
+                scale(unit, column.unit).ok_or_else(|| RecordError::Unit {
+                    file: file.to_owned(),
+                    column: column.name,
+                    read: read.to_owned(),
+                    accepted: toolroom_process::unit::accepted(column.unit),
+                })?
+            }
+            None => {
+                report.unused.push(title.clone());
+                continue;
+            }
+        };
+        report.columns.push(title.clone());
+        used.push(Used { at, name, column: known, factor, offset });
+    }
+    Ok(used)
+}
+
+/// Columns that tell one record from another.
+const IDENTITY: [&str; 7] =
+    ["operation_id", "trial_id", "tool_id", "wheel_id", "dressing_cycle", "sequence", "part_in_cycle"];
+
+/// A row that is used: its place in the table and its numbers, SI.
+struct Kept {
+    at: usize,
+    numbers: Vec<f64>,
+}
+
+fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadReport) -> Vec<Kept> {
+    let mut kept = Vec::with_capacity(table.rows.len());
+    let mut first_of: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
+    // Ids may start anew with each edge: a record is the same only on the same edge.
+    let identity: Vec<usize> = match kind {
+        RecordKind::Shop => Vec::new(),
+        _ => used.iter().filter(|each| IDENTITY.contains(&each.name.as_str())).map(|each| each.at).collect(),
+    };
+    let mut beyond: BTreeMap<usize, (Vec<usize>, usize, String)> = BTreeMap::new();
+    'rows: for (at, (line, cells)) in table.rows.iter().enumerate() {
+        let mut numbers = Vec::with_capacity(used.len());
+        for each in used {
+            let read = cells.get(each.at).map_or("", String::as_str);
+            let missing = is_missing(read);
+            let column = each.column;
+            let must = column.is_some_and(|column| column.required);
+            if column.is_some_and(|column| column.kind == ColumnKind::Text) {
+                if must && missing {
+                    report.dropped.push((*line, format!("{} is empty", each.name)));
+                    continue 'rows;
+                }
+                numbers.push(f64::NAN);
+                continue;
+            }
+            let number = number(read);
+            if let (Some(value), Some(column)) = (number, column)
+                && (value * each.factor + each.offset).abs() > column.greatest * column.scale()
+            {
+                let reason =
+                    format!("{} is {read}, beyond {} {}: check its unit", each.name, column.greatest, column.display);
+                if must {
+                    report.dropped.push((*line, reason));
+                    continue 'rows;
+                }
+                beyond.entry(numbers.len()).or_insert_with(|| (Vec::new(), *line, reason)).0.push(at);
+            }
+            if number.is_none() && !missing {
+                report.unreadable.push((*line, each.name.clone(), read.to_owned()));
+            }
+            if must && number.is_none() {
+                report.dropped.push((*line, format!("{} is {}", each.name, if missing { "empty" } else { read })));
+                continue 'rows;
+            }
+            numbers.push(number.map_or(f64::NAN, |number| number * each.factor + each.offset));
+        }
+        let cell = |at: usize| cells.get(at).map_or("", String::as_str);
+        let key: Vec<&str> = identity.iter().map(|at| cell(*at)).collect();
+        if !key.is_empty() {
+            if let Some(first) = first_of.get(&key) {
+                report.dropped.push((*line, format!("`{}` stands in line {first} already", key.join(" "))));
+                continue;
+            }
+            first_of.insert(key, *line);
+        }
+        kept.push(Kept { at, numbers });
+    }
+    for (column, (places, line, reason)) in beyond {
+        // A few slips are no values; a whole channel in another unit is for the diagnosis to say.
+        let few = 2 * places.len() < kept.len();
+        let what = if few { format!("; {} such values are taken as missing", places.len()) } else { String::new() };
+        report.notes.push(format!("line {line}: {reason}{what}"));
+        for row in kept.iter_mut().filter(|row| few && places.binary_search(&row.at).is_ok()) {
+            row.numbers[column] = f64::NAN;
+        }
+    }
+    kept
+}
+
+/// A finite number.
+pub(super) fn number(read: &str) -> Option<f64> {
+    read.parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
+/// What stands for nothing in real files.
+pub(super) fn is_missing(read: &str) -> bool {
+    matches!(read.to_ascii_lowercase().as_str(), "" | "nan" | "na" | "n/a" | "null" | "none" | "-" | "unavailable")
+}
+
+/// Rows in the order of their edge and sequence, so that files may come in any order. Dressings
+/// that are not named follow from the order of the file, which is then kept.
+fn ordered(records: Records, report: &mut ReadReport) -> Records {
+    let (group, order) = records.kind.sequence();
+    let groups: &[&str] = match records.kind {
+        RecordKind::Grinding if records.texts(group).is_none() => return records,
+        RecordKind::Grinding => &["machine", "wheel_id", "dressing_cycle"],
+        _ => &[group],
+    };
+    let Some(sequence) = records.numbers(order) else { return records };
+    let mut rows: Vec<usize> = (0..records.len()).collect();
+    let texts: Vec<&[String]> = groups.iter().filter_map(|group| records.texts(group)).collect();
+    let keys: Vec<Vec<(&str, u64)>> =
+        rows.iter().map(|row| texts.iter().map(|texts| numbered(&texts[*row])).collect()).collect();
+    rows.sort_by(|a, b| keys[*a].cmp(&keys[*b]).then(sequence[*a].total_cmp(&sequence[*b])));
+    if rows.windows(2).any(|pair| pair[0] > pair[1]) {
+        report.notes.push(format!("rows put into the order of {} and {order}", groups.join(", ")));
+    }
+    records.select(&rows)
+}
+
+/// A name and the number that it ends in: T2 comes before T10.
+fn numbered(text: &str) -> (&str, u64) {
+    let name = text.trim_end_matches(|c: char| c.is_ascii_digit());
+    (name, text[name.len()..].parse().unwrap_or(0))
+}

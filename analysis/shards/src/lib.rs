@@ -1,0 +1,418 @@
+//! Work in parts: a plan is cut into shards, each leaves a part with a sidecar, parts are merged.
+//!
+//! ```text
+//!  Plan ─► shard k of N ─► part-K.parquet (rows, where there are some)
+//!                     └──► part-K.json: hash of the plan, range, hash of the rows, content ─► merge
+//! ```
+//!
+//! A part is written under another name and renamed when it is whole, its sidecar last: what has
+//! a sidecar is complete. Running a shard again changes nothing.
+
+mod fingerprint;
+
+pub use fingerprint::{FNV_OFFSET, fingerprint, fnv};
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// What is to be run, cut into shards.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Version of the format, 1.
+    pub schema: u32,
+    /// Kind of work: `life`, `compare`, `lobes`.
+    pub kind: String,
+    /// Version of the program.
+    pub version: String,
+    /// Name of the study or scenario.
+    pub name: String,
+    /// Name of its file.
+    pub file: String,
+    /// Folder of the file, against which its paths are read.
+    pub directory: String,
+    /// Text of the file.
+    pub text: String,
+    /// Files that the text names, each with the fingerprint of its content.
+    pub files: Vec<(String, String)>,
+    /// Changes to it, `path=value`.
+    pub overrides: Vec<String>,
+    /// Seed.
+    pub seed: u64,
+    /// Names of the policies of a comparison, none for all of them.
+    pub policies: Vec<String>,
+    /// Pieces of work: lives of each cell, replications of each policy, columns of a chart.
+    pub pieces: u64,
+    /// Number of shards.
+    pub shards: u64,
+}
+
+impl Plan {
+    /// Hash of everything in the plan but its place: parts of other plans are told by it.
+    pub fn hash(&self) -> String {
+        let Self {
+            schema,
+            kind,
+            version,
+            name,
+            file: _,
+            directory: _,
+            text,
+            files,
+            overrides,
+            policies,
+            seed,
+            pieces,
+            shards,
+        } = self;
+        let contents: Vec<&str> = files.iter().map(|(_, fingerprint)| fingerprint.as_str()).collect();
+        let words = [kind, version, name, text, &contents.join("\n"), &overrides.join("\n"), &policies.join("\n")];
+        let hash = words.iter().fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
+        let numbers = [u64::from(*schema), *seed, *pieces, *shards];
+        let hash = numbers.iter().fold(hash, |hash, number| fnv(hash, &number.to_le_bytes()));
+        format!("{hash:016x}")
+    }
+
+    /// Files for [`Plan::files`].
+    ///
+    /// # Errors
+    /// [`ShardError`] for a file that cannot be read.
+    pub fn fingerprints(paths: &[PathBuf]) -> Result<Vec<(String, String)>, ShardError> {
+        paths.iter().map(|path| Ok((path.display().to_string(), hash_of(path)?))).collect()
+    }
+
+    /// Whether the files that the plan names are still those for which it was made.
+    ///
+    /// # Errors
+    /// [`ShardError`] for the first that is not, or cannot be read.
+    pub fn check_files(&self) -> Result<(), ShardError> {
+        self.files.iter().try_for_each(|(file, fingerprint)| {
+            let path = PathBuf::from(file);
+            if hash_of(&path)? == *fingerprint { Ok(()) } else { Err(ShardError::OtherFile { path }) }
+        })
+    }
+
+    /// Numbers of the pieces of a shard, from and to.
+    pub fn range(&self, shard: u64) -> (u64, u64) {
+        let bound = |k: u64| (u128::from(k) * u128::from(self.pieces) / u128::from(self.shards)) as u64;
+        (bound(shard), bound(shard + 1))
+    }
+}
+
+/// What stands beside a part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sidecar<C> {
+    /// Version of the format, 1.
+    pub schema: u32,
+    /// Hash of the plan.
+    pub plan: String,
+    /// Version of the program.
+    pub version: String,
+    /// Number of the shard, from 0.
+    pub shard: u64,
+    /// Number of shards of the plan.
+    pub shards: u64,
+    /// Numbers of its pieces, from and to.
+    pub range: (u64, u64),
+    /// Seed.
+    pub seed: u64,
+    /// Hash of the Parquet file; empty where no rows are written.
+    pub file_hash: String,
+    /// Digest of what was computed.
+    pub digest: String,
+    /// What was computed.
+    pub content: C,
+}
+
+/// Why a shard was not run or parts were not merged.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShardError {
+    /// The file system refused.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The rows of a part cannot be written.
+    #[error("cannot write {path}: {source}")]
+    Rows {
+        /// The file.
+        path: PathBuf,
+        /// What the format of the table said.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A sidecar or plan that is no JSON of this kind.
+    #[error("{path} is not readable: {source}; remove it and run its shard again")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What serde said.
+        source: serde_json::Error,
+    },
+    /// A file in the place of a plan that is none.
+    #[error("{path} is there and is no plan: nothing was changed")]
+    NoPlan {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A shard that the plan does not have.
+    #[error("shard {shard} does not exist: the plan has {shards}, numbered from 0")]
+    NoSuchShard {
+        /// What was asked for.
+        shard: u64,
+        /// How many there are.
+        shards: u64,
+    },
+    /// A part of another plan.
+    #[error("{path} belongs to another plan ({found}, not {expected}): parts of two studies are not merged")]
+    OtherPlan {
+        /// The sidecar.
+        path: PathBuf,
+        /// Hash of its plan.
+        found: String,
+        /// Hash of this plan.
+        expected: String,
+    },
+    /// A file that the plan names, with another content than then.
+    #[error("{path} has changed since the plan was made: parts of two studies are not merged")]
+    OtherFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Parts that are not there.
+    #[error("{} of {shards} shards are missing: {}", .missing.len(), list(.missing))]
+    Missing {
+        /// Their numbers.
+        missing: Vec<u64>,
+        /// How many there should be.
+        shards: u64,
+    },
+    /// Two parts of one shard.
+    #[error("shard {shard} is there twice: {first} and {second}")]
+    Duplicate {
+        /// The shard.
+        shard: u64,
+        /// One sidecar.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// A Parquet file that is not the one that was written.
+    #[error("{path} is not the file that its sidecar describes; run shard {shard} again")]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// The shard.
+        shard: u64,
+    },
+    /// No sidecar at all.
+    #[error("{path} holds no part of a study")]
+    NoParts {
+        /// The directory.
+        path: PathBuf,
+    },
+}
+
+fn list(numbers: &[u64]) -> String {
+    let shown: Vec<String> = numbers.iter().take(10).map(u64::to_string).collect();
+    if numbers.len() > 10 { format!("{}, …", shown.join(", ")) } else { shown.join(", ") }
+}
+
+/// The failure of the file system at a path, for `map_err`.
+pub fn at(path: &Path) -> impl FnOnce(io::Error) -> ShardError {
+    let path = path.to_owned();
+    move |source| ShardError::File { path, source }
+}
+
+fn part(directory: &Path, shard: u64, extension: &str) -> PathBuf {
+    directory.join(format!("part-{shard:06}.{extension}"))
+}
+
+/// Writes a file under another name and renames it when it is whole.
+fn atomically(path: &Path, bytes: &[u8]) -> Result<(), ShardError> {
+    let draft = path.with_extension(format!("partial-{}", std::process::id()));
+    let written = File::create(&draft).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    written.and_then(|()| fs::rename(&draft, path)).map_err(|source| {
+        // Why it failed matters more than whether the remains could be removed.
+        let _ = fs::remove_file(&draft);
+        ShardError::File { path: path.to_owned(), source }
+    })
+}
+
+/// Writes the plan; another one in its place is replaced. What is no file, such as `/dev/stdout`, is
+/// written into and stays what it is.
+///
+/// # Errors
+/// [`ShardError`], [`ShardError::NoPlan`] where a file that is no plan has the name: it stays as it is.
+pub fn write_plan(path: &Path, plan: &Plan) -> Result<(), ShardError> {
+    let text =
+        serde_json::to_string_pretty(plan).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })?;
+    let Ok(there) = fs::metadata(path) else { return atomically(path, text.as_bytes()) };
+    if !there.is_file() {
+        return fs::write(path, text).map_err(at(path));
+    }
+    let there = fs::read(path).map_err(at(path))?;
+    if there == text.as_bytes() {
+        return Ok(());
+    }
+    if !there.is_empty() && serde_json::from_slice::<Plan>(&there).is_err() {
+        return Err(ShardError::NoPlan { path: path.to_owned() });
+    }
+    atomically(path, text.as_bytes())
+}
+
+/// Reads a plan.
+///
+/// # Errors
+/// [`ShardError`].
+pub fn read_plan(path: &Path) -> Result<Plan, ShardError> {
+    let text = fs::read_to_string(path).map_err(at(path))?;
+    serde_json::from_str(&text).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
+}
+
+/// Whether the part of a shard is there, whole and of this plan.
+pub fn is_done<C: DeserializeOwned>(plan: &Plan, shard: u64, directory: &Path) -> bool {
+    let Ok(sidecar) = read_sidecar::<C>(&part(directory, shard, "json")) else { return false };
+    sidecar.plan == plan.hash()
+        && (sidecar.file_hash.is_empty()
+            || hash_of(&part(directory, shard, "parquet")).is_ok_and(|hash| hash == sidecar.file_hash))
+}
+
+fn read_sidecar<C: DeserializeOwned>(path: &Path) -> Result<Sidecar<C>, ShardError> {
+    let text = fs::read_to_string(path).map_err(at(path))?;
+    serde_json::from_str(&text).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
+}
+
+/// What a shard computes: its content, the digest of it, and whether it wrote rows to the file
+/// that it was given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Computed<C> {
+    /// For the sidecar.
+    pub content: C,
+    /// For people.
+    pub digest: u64,
+    /// Whether there is a Parquet file.
+    pub rows: bool,
+}
+
+/// Runs a shard into a directory; nothing happens where its part is there already. `compute` gets
+/// the range of its pieces and the draft of its Parquet file.
+///
+/// # Errors
+/// [`ShardError`]; what was complete stays.
+pub fn run<C: Serialize + DeserializeOwned>(
+    plan: &Plan,
+    shard: u64,
+    directory: &Path,
+    compute: impl FnOnce((u64, u64), &Path) -> Result<Computed<C>, ShardError>,
+) -> Result<(), ShardError> {
+    if shard >= plan.shards {
+        return Err(ShardError::NoSuchShard { shard, shards: plan.shards });
+    }
+    fs::create_dir_all(directory).map_err(at(directory))?;
+    let sidecar_path = part(directory, shard, "json");
+    if let Ok(there) = read_sidecar::<C>(&sidecar_path)
+        && there.plan != plan.hash()
+    {
+        return Err(ShardError::OtherPlan { path: sidecar_path, found: there.plan, expected: plan.hash() });
+    }
+    if is_done::<C>(plan, shard, directory) {
+        return Ok(());
+    }
+    let range = plan.range(shard);
+    let path = part(directory, shard, "parquet");
+    let draft = path.with_extension(format!("partial-{}", std::process::id()));
+    let computed = compute(range, &draft).inspect_err(|_| {
+        // Why it failed matters more than whether the remains could be removed.
+        let _ = fs::remove_file(&draft);
+    })?;
+    let mut file_hash = String::new();
+    if computed.rows {
+        file_hash = hash_of(&draft)?;
+        fs::rename(&draft, &path).map_err(at(&path))?;
+    }
+    let sidecar = Sidecar {
+        schema: 1,
+        plan: plan.hash(),
+        version: plan.version.clone(),
+        shard,
+        shards: plan.shards,
+        range,
+        seed: plan.seed,
+        file_hash,
+        digest: format!("{:016x}", computed.digest),
+        content: computed.content,
+    };
+    let text =
+        serde_json::to_string(&sidecar).map_err(|source| ShardError::Damaged { path: sidecar_path.clone(), source })?;
+    atomically(&sidecar_path, text.as_bytes())
+}
+
+/// Reads the content of every part of a plan, in the order of the shards.
+///
+/// # Errors
+/// [`ShardError`] for missing, doubled, foreign and changed parts.
+pub fn parts<C: DeserializeOwned>(plan: &Plan, directory: &Path) -> Result<Vec<C>, ShardError> {
+    let mut paths: Vec<PathBuf> = fs::read_dir(directory)
+        .map_err(at(directory))?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| {
+            let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            name.starts_with("part-") && name.ends_with(".json")
+        })
+        .collect();
+    paths.sort();
+    if paths.is_empty() {
+        return Err(ShardError::NoParts { path: directory.to_owned() });
+    }
+    let expected = plan.hash();
+    let mut found: Vec<Option<(PathBuf, C)>> = (0..plan.shards).map(|_| None).collect();
+    let mut files = Vec::new();
+    for path in paths {
+        let sidecar = read_sidecar::<C>(&path)?;
+        if sidecar.plan != expected {
+            return Err(ShardError::OtherPlan { path, found: sidecar.plan, expected });
+        }
+        let shard = sidecar.shard;
+        if !sidecar.file_hash.is_empty() {
+            files.push((path.with_extension("parquet"), shard, sidecar.file_hash));
+        }
+        match found.get_mut(shard as usize) {
+            None => return Err(ShardError::NoSuchShard { shard, shards: plan.shards }),
+            Some(Some((first, _))) => {
+                return Err(ShardError::Duplicate { shard, first: first.clone(), second: path });
+            }
+            Some(slot) => *slot = Some((path, sidecar.content)),
+        }
+    }
+    for (path, shard, hash) in files {
+        if hash_of(&path).ok() != Some(hash) {
+            return Err(ShardError::Changed { path, shard });
+        }
+    }
+    let missing: Vec<u64> = (0..plan.shards).filter(|shard| found[*shard as usize].is_none()).collect();
+    if !missing.is_empty() {
+        return Err(ShardError::Missing { missing, shards: plan.shards });
+    }
+    Ok(found.into_iter().flatten().map(|(_, content)| content).collect())
+}
+
+/// FNV-1a of a file, read in pieces.
+fn hash_of(path: &Path) -> Result<String, ShardError> {
+    let mut file = File::open(path).map_err(at(path))?;
+    let (mut hash, mut buffer) = (FNV_OFFSET, vec![0; 1 << 16]);
+    loop {
+        let read = file.read(&mut buffer).map_err(at(path))?;
+        if read == 0 {
+            return Ok(format!("{hash:016x}"));
+        }
+        hash = fnv(hash, &buffer[..read]);
+    }
+}

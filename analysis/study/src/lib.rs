@@ -1,0 +1,55 @@
+//! What simulated runs say: policies compared on common random numbers, with intervals, logs,
+//! pictures and a decision.
+//!
+//! ```text
+//!             study: every policy, many replications, in parallel
+//! Scenario ──►  RunLog ──► kpi ──► statistics ──► compare ──► terminal, summary.json
+//!                  │                                 │
+//!                  ├──► logs: Parquet, CSV           └──► report ──► chart, page: report.html
+//!                  ├──► simulate: records                    results: the whole directory
+//!                  └──► trace.json
+//! ```
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`kpi`] | key figures of one run, ISO 22400-2 time elements |
+//! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
+//! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
+//! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
+//! | [`simulate`] | a simulated run as if it had been measured: records for the gap diagnosis |
+//! | [`trace`] | machines as tracks for the Perfetto viewer |
+//! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
+//! | [`results`] | all files of a study |
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//! use toolroom_study::{compare::Comparison, study::{StudyOptions, run_study}};
+//! let path = std::path::Path::new("../../scenarios/demo.toml");
+//! let scenario = toolroom_sim::scenario::file::read(path, &[])?.scenario;
+//! let options = StudyOptions { policies: vec![0, 3], replications: 2, ..StudyOptions::of(&scenario) };
+//! let study = run_study(&scenario, &options, None, &|_| {}, &AtomicBool::new(false))?;
+//! let comparison = Comparison::new(&scenario, &study);
+//! assert_eq!((comparison.policies.len(), comparison.differences.len()), (2, 1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What is not modelled
+//! Steady state is not detected: the warm-up is what the scenario says. Intervals assume that the
+//! replications are independent and their means nearly normal; they are not corrected for comparing
+//! many policies at once, nor for stopping when an interval is narrow. The Amdahl limit knows mean
+//! loads, not queues. Money is not discounted, and the cost of good parts' material, of sensors and
+//! of programming is left out.
+
+pub mod compare;
+mod figure;
+#[cfg(test)]
+mod fixture;
+pub mod kpi;
+pub mod logs;
+pub mod report;
+pub mod results;
+pub mod simulate;
+pub mod study;
+pub mod summary;
+pub mod terminal;
+pub mod trace;

@@ -1,0 +1,129 @@
+//! What the machines did: Gantt charts, state times and OEE.
+
+use super::Source;
+use crate::figure::plain;
+use crate::trace::{last_machines, machine_of};
+use toolroom_chart::page::{Figure, Section};
+use toolroom_chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
+use toolroom_process::unit::convert;
+use toolroom_sim::runlog::MachineState;
+
+/// Words and style of each state, in the order of [`MachineState::ALL`]. What fills most of a shift
+/// is plain, so that the rest stands out.
+fn style(state: MachineState) -> (&'static str, Style) {
+    match state {
+        MachineState::Cutting => ("cutting", Style::nth(2).hatch(Hatch::Solid)),
+        MachineState::Handling => ("loading, unloading", Style::nth(5).hatch(Hatch::Horizontal)),
+        MachineState::Setup => ("setup", Style::nth(3)),
+        MachineState::ToolChange => ("tool change", Style::nth(4)),
+        MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Backslash)),
+        MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
+        MachineState::Idle => ("idle", Style::IDLE),
+        MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),
+    }
+}
+
+/// Marks and the events that they stand for.
+const MARKS: [(&str, &[&str], Marker); 4] = [
+    ("chatter sets in", &["chatter_onset"], Marker::Plus),
+    ("tool change", &["tool_change", "dressing"], Marker::Triangle),
+    ("edge lost", &["chipping", "thermal_collapse"], Marker::Cross),
+    ("part scrapped", &["scrap"], Marker::Diamond),
+];
+
+pub(super) fn schedule_section(source: &Source<'_>) -> Section {
+    let mut section = Section::new("What the machines did");
+    for position in source.pictured() {
+        if let Some(figure) = gantt(source, position) {
+            section = section.figure(figure);
+        }
+    }
+    section
+}
+
+/// One shift of the first replication, the first one that counts.
+fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
+    let log = source.log(position)?;
+    let scenario = source.scenario;
+    let from = scenario.warm_up;
+    let to = (from + scenario.shift_length).min(log.horizon);
+    let hours = |seconds: f64| convert(seconds, "s", "h");
+    let name = source.name(position);
+    let machines = scenario.machines.iter().map(|machine| machine.name.as_str());
+    let time = Axis::linear("Time", "h").range(hours(from), hours(to));
+    let mut chart = Gantt::new(format!("One shift: {name}"), time, machines)
+        .describe(format!("State of every machine over time under {name}, with tool changes and failures."));
+    // Idle time is the paper itself.
+    let drawn: Vec<MachineState> = MachineState::ALL
+        .into_iter()
+        .filter(|&state| state != MachineState::Idle && log.states.iter().any(|row| row.state == state))
+        .collect();
+    for &state in &drawn {
+        let (label, style) = style(state);
+        chart = chart.kind(label, style);
+    }
+    let marks: Vec<_> =
+        MARKS.into_iter().filter(|(_, events, _)| log.events.iter().any(|row| events.contains(&row.event))).collect();
+    for (label, _, marker) in &marks {
+        chart = chart.mark_kind(*label, Style::nth(0).colour(Colour::Ink).marker(*marker));
+    }
+    for row in log.states.iter().filter(|row| row.end > from && row.start < to) {
+        let Some(kind) = drawn.iter().position(|&state| state == row.state) else { continue };
+        let label = match (row.state, row.job) {
+            (MachineState::Cutting, Some(job)) => format!("job {job}"),
+            _ => String::new(),
+        };
+        chart = chart.interval(row.machine as usize, kind, hours(row.start.max(from)), hours(row.end.min(to)), label);
+    }
+    let last_machines = last_machines(log);
+    for row in log.events.iter().filter(|row| row.time >= from && row.time <= to) {
+        let kind = marks.iter().position(|(_, events, _)| events.contains(&row.event));
+        if let (Some(kind), Some(machine)) = (kind, machine_of(row, &last_machines)) {
+            chart = chart.mark(machine as usize, kind, hours(row.time));
+        }
+    }
+    let caption = format!("{name}, first replication, the first shift that counts. Empty stretches are idle.");
+    Some(Figure::new(&chart, caption).data_in("the states table"))
+}
+
+pub(super) fn oee_section(source: &Source<'_>) -> Section {
+    let mut section = Section::new("OEE and state times").paragraph(
+        "OEE = availability · effectiveness · quality ratio by ISO 22400-2: production time (cutting and handling) \
+         over time in shift; programmed time of the operations over production time; programmed time of the good over \
+         that of all operations. The programmed speeds are the yardstick under every policy, so the effectiveness of a \
+         faster one is above 1.",
+    );
+    let mut table =
+        Table::new(["policy", "machine", "OEE", "availability", "effectiveness", "quality ratio", "utilisation, %"]);
+    for position in source.pictured() {
+        let policy = &source.comparison.policies[position];
+        let mean = |machine: usize, id: &str| {
+            source.study.machine_index(machine, id).map_or(f64::NAN, |index| policy.kpis[index].mean)
+        };
+        let mut chart = StackedBars::new(
+            format!("State times: {}", policy.name),
+            Axis::linear("Share of all time", "%").range(0.0, 100.0),
+        )
+        .describe(format!("Mean share of time of each machine in each state under {}.", policy.name));
+        for state in MachineState::ALL {
+            let (label, style) = style(state);
+            chart = chart.kind(label, style);
+        }
+        for (machine, named) in source.scenario.machines.iter().enumerate() {
+            let shares = MachineState::ALL.map(|state| 100.0 * mean(machine, &format!("{}_time_share", state.name())));
+            chart = chart.row(named.name.as_str(), shares);
+            table.push([
+                policy.name.as_str().into(),
+                named.name.as_str().into(),
+                plain(mean(machine, "oee"), 3).into(),
+                plain(mean(machine, "availability"), 3).into(),
+                plain(mean(machine, "effectiveness"), 3).into(),
+                plain(mean(machine, "quality_ratio"), 3).into(),
+                plain(100.0 * mean(machine, "utilisation"), 1).into(),
+            ]);
+        }
+        let caption = format!("{}, mean over {} replications.", policy.name, source.study.replications);
+        section = section.figure(Figure::new(&chart, caption).data_in("kpi.csv"));
+    }
+    section.table("OEE of every machine", table)
+}

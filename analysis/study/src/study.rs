@@ -1,0 +1,475 @@
+//! Every policy on common random numbers, many times over.
+//!
+//! ```text
+//!  Scenario ──► simulate(policy, replication), in parallel ──► key figures ──► Study (fixed order)
+//!                                   └─ first replications ──► LogWriter, in order
+//! ```
+//! Replications run in chunks of fixed size, so that neither the results nor the decision to stop
+//! depend on the number of threads, and only the logs of one chunk are in memory. A study that was
+//! stopped goes on from its [`Finished`] part to the same result.
+
+mod finished;
+
+pub use finished::{Finished, FinishedError};
+
+mod stored;
+
+pub use stored::{KnownRuns, StoredRun, stored_runs};
+
+use crate::kpi::{self, Kpi};
+use crate::logs::{LogError, LogWriter};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use toolroom_shards::{FNV_OFFSET, fnv};
+use toolroom_sim::runlog::ChangeReason;
+use toolroom_sim::{ResolvedPolicy, RunLog, Scenario, Shop, ShopError};
+use toolroom_statistics::{CONFIDENCE, t_interval};
+
+/// Replications between two checks of the stop rule where logs are kept.
+const LOGGED_CHUNK: u32 = 4;
+
+/// The same without logs; a multiple of the former.
+const CHUNK: u32 = 16;
+
+/// What to run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudyOptions {
+    /// Policies by index; the first one is the baseline of every difference.
+    pub policies: Vec<usize>,
+    /// Replications of each; with [`until`](Self::until) the most that are run.
+    pub replications: u32,
+    /// Threads; 0 for one per processor.
+    pub threads: usize,
+    /// Stop when every policy is known this well.
+    pub until: Option<Precision>,
+    /// Replications whose full logs are written, from the first on.
+    pub logged: u32,
+    /// Runs made elsewhere, which are not made again unless their log is wanted.
+    pub known: Arc<KnownRuns>,
+    /// Stop after so many replications as if the user had stopped it.
+    pub stop_after: Option<u32>,
+    /// What an earlier, stopped run of the same study finished.
+    pub earlier: Option<Finished>,
+}
+
+impl StudyOptions {
+    /// All policies of a scenario with its number of replications and full logs of the first.
+    pub fn of(scenario: &Scenario) -> Self {
+        Self {
+            policies: (0..scenario.policies.len()).collect(),
+            replications: scenario.replications,
+            threads: 0,
+            until: None,
+            logged: 1,
+            known: Arc::default(),
+            stop_after: None,
+            earlier: None,
+        }
+    }
+}
+
+/// Stop rule: the half-width of the 95 % interval of parts per shift and of cost per part is at
+/// most this share of the mean, for every policy. Looked at after every fourth replication
+/// (sixteenth without logs), from the eighth on: looking early and often makes intervals that cover
+/// less than they say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Precision {
+    /// Half-width over mean, 1.
+    pub relative_half_width: f64,
+}
+
+impl Precision {
+    /// Figures that have to be known.
+    pub const WATCHED: [&'static str; 2] = ["parts_per_shift", "cost_per_part"];
+    /// Replications before the rule may stop a study.
+    pub const LEAST: u32 = 8;
+}
+
+/// How far a study is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Runs (a policy in a replication) that are done.
+    pub done: u32,
+    /// Runs in all.
+    pub total: u32,
+}
+
+/// Life of one cutting edge of a lathe that left the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeLife {
+    /// Time in cut, s.
+    pub cutting_time: f64,
+    /// Why it left.
+    pub reason: ChangeReason,
+}
+
+/// An edge's life in files: time in cut (s) and name of the reason.
+type NamedLife = (f64, String);
+
+impl EdgeLife {
+    fn named(&self) -> NamedLife {
+        (self.cutting_time, self.reason.name().to_owned())
+    }
+
+    fn of_named((cutting_time, name): &NamedLife) -> Option<Self> {
+        let reason = ChangeReason::ALL.into_iter().find(|reason| reason.name() == name)?;
+        Some(Self { cutting_time: *cutting_time, reason })
+    }
+}
+
+/// Key figures of every policy in every replication.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// Policies by index into the scenario, in the order of everything below.
+    pub policies: Vec<usize>,
+    /// What the values are.
+    pub kpis: Vec<Kpi>,
+    /// Replications that all policies finished.
+    pub replications: u32,
+    /// Whether everything asked for was run; false after a stop by the user.
+    pub complete: bool,
+    /// Digest of the digests of all runs, in order.
+    pub digest: u64,
+    /// Logs of the first replication, by policy.
+    pub first_logs: Vec<RunLog>,
+    /// Edges of the lathes over all replications, by policy.
+    pub edge_lives: Vec<Vec<EdgeLife>>,
+    /// By policy and replication.
+    values: Vec<Vec<Vec<f64>>>,
+}
+
+impl Study {
+    /// Position of a figure of the shop.
+    pub fn index(&self, id: &str) -> Option<usize> {
+        self.kpis.iter().position(|kpi| kpi.machine.is_none() && kpi.definition.id == id)
+    }
+
+    /// Position of a figure of a machine.
+    pub fn machine_index(&self, machine: usize, id: &str) -> Option<usize> {
+        self.kpis.iter().position(|kpi| kpi.machine == Some(machine) && kpi.definition.id == id)
+    }
+
+    /// Value of a figure in each replication, SI, NaN where it is not defined. `policy` counts
+    /// within [`policies`](Self::policies).
+    pub fn values(&self, policy: usize, kpi: usize) -> Vec<f64> {
+        self.values[policy].iter().map(|values| values[kpi]).collect()
+    }
+
+    /// Values of all figures in one replication.
+    pub fn replication(&self, policy: usize, replication: u32) -> &[f64] {
+        &self.values[policy][replication as usize]
+    }
+}
+
+/// Why a study has no result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// Nothing was asked for.
+    #[error("a study needs at least one replication")]
+    NoReplications,
+    /// Nothing to compare.
+    #[error("a study needs at least one policy")]
+    NoPolicies,
+    /// A policy that the scenario does not have.
+    #[error("there is no policy {policy}: the scenario has {count}")]
+    UnknownPolicy {
+        /// Index asked for.
+        policy: usize,
+        /// Policies of the scenario.
+        count: usize,
+    },
+    /// The threads cannot be started.
+    #[error("cannot start the threads: {source}")]
+    Threads {
+        /// What the thread pool said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// A shop stopped.
+    #[error(transparent)]
+    Shop(#[from] StoppedShop),
+    /// A log cannot be written.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The first replication does not come out as the finished part has it.
+    #[error(
+        "policy `{policy}` does not repeat its first replication: the program, the machine or a file that the \
+         scenario names is not what it was"
+    )]
+    NotRepeated {
+        /// Name of the policy.
+        policy: String,
+    },
+}
+
+/// Runs the policies of a scenario on common random numbers.
+///
+/// The logs of the first [`logged`](StudyOptions::logged) replications go to `logs` in the order
+/// of replications, then policies. `progress` is called from any thread. When `stop` is set, the
+/// runs in hand are finished and the replications complete for all policies are the result. After an
+/// [`earlier`](StudyOptions::earlier) part only the first of its replications is run again, for the
+/// logs and to see that it repeats; `logs` have its rows already.
+///
+/// # Errors
+/// See [`StudyError`]; of several shops that stopped, the first one in order is reported.
+pub fn run_study(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+) -> Result<Study, StudyError> {
+    whole(run_study_as_far(scenario, options, logs, progress, stop)?)
+}
+
+/// Like [`run_study`], but a shop that stops ends the study as an interruption does: the
+/// replications before it that are complete for all policies are the result, beside the reason.
+///
+/// # Errors
+/// See [`StudyError`], but for a shop that stopped.
+pub fn run_study_as_far(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+) -> Result<(Study, Option<StoppedShop>), StudyError> {
+    check(scenario, options)?;
+    let resolved = resolve(scenario, &options.policies)?;
+    let simulate = |policy: usize, replication| {
+        Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+    };
+    study_as_far(scenario, options, logs, progress, stop, &simulate)
+}
+
+/// A run whose shop stopped before its horizon.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("policy `{name}`, replication {replication}: {source}")]
+pub struct StoppedShop {
+    /// Index of the policy.
+    pub policy: usize,
+    /// Its name.
+    pub name: String,
+    /// Replication, from 0.
+    pub replication: u32,
+    /// What happened in the shop.
+    pub source: Box<ShopError>,
+}
+
+impl StoppedShop {
+    /// The run once more, up to where it stopped: its log, and the reason if it stopped again.
+    ///
+    /// # Errors
+    /// [`ShopError`] where the shop could not even be opened.
+    pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
+        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+    }
+}
+
+fn whole((study, stopped): (Study, Option<StoppedShop>)) -> Result<Study, StudyError> {
+    stopped.map_or(Ok(study), |stopped| Err(StudyError::Shop(stopped)))
+}
+
+/// The policies worked out.
+fn resolve(scenario: &Scenario, policies: &[usize]) -> Result<BTreeMap<usize, Arc<ResolvedPolicy>>, StudyError> {
+    let resolve = |&policy: &usize| {
+        let resolved = ResolvedPolicy::of(scenario, policy);
+        resolved
+            .map(|resolved| (policy, Arc::new(resolved)))
+            .map_err(|source| StudyError::Shop(stopped(scenario, policy, 0, source)))
+    };
+    policies.iter().map(resolve).collect()
+}
+
+fn stopped(scenario: &Scenario, policy: usize, replication: u32, source: ShopError) -> StoppedShop {
+    StoppedShop { policy, name: scenario.policies[policy].name.clone(), replication, source: Box::new(source) }
+}
+
+/// One finished run.
+struct Run {
+    values: Vec<f64>,
+    digest: u64,
+    lives: Vec<EdgeLife>,
+    log: Option<RunLog>,
+}
+
+#[cfg(test)]
+pub(crate) fn study_with<S>(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+    simulate: &S,
+) -> Result<Study, StudyError>
+where
+    S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
+{
+    whole(study_as_far(scenario, options, logs, progress, stop, simulate)?)
+}
+
+fn study_as_far<S>(
+    scenario: &Scenario,
+    options: &StudyOptions,
+    mut logs: Option<&mut LogWriter>,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+    simulate: &S,
+) -> Result<(Study, Option<StoppedShop>), StudyError>
+where
+    S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
+{
+    check(scenario, options)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|source| StudyError::Threads { source })?;
+    let count = options.policies.len();
+    let total = options.replications.saturating_mul(count as u32);
+    let before = options.earlier.as_ref().map_or(0, |earlier| earlier.replications);
+    let done = AtomicU32::new(before.saturating_mul(count as u32));
+    let lathes = kpi::cell(scenario);
+    let evaluated = |policy: usize, replication: u32| -> Result<Run, StoppedShop> {
+        let simulated = simulate(policy, replication).map(|log| Run {
+            values: kpi::evaluate(scenario, &log),
+            digest: log.digest,
+            lives: lives(&log, &lathes),
+            log: (replication == 0 || replication < options.logged).then_some(log),
+        });
+        simulated.map_err(|source| stopped(scenario, policy, replication, source))
+    };
+    // Replications after one that stopped are not wanted; those before it decide what is reported.
+    let last_wanted = AtomicU32::new(u32::MAX);
+    let run = |(replication, policy): (u32, usize)| -> Option<Result<Run, StoppedShop>> {
+        if stop.load(Ordering::Relaxed) || replication > last_wanted.load(Ordering::Relaxed) {
+            return None;
+        }
+        let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
+        let run = known.map_or_else(|| evaluated(policy, replication), |known| Ok(known.run()));
+        if run.is_err() {
+            last_wanted.fetch_min(replication, Ordering::Relaxed);
+        }
+        progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
+        Some(run)
+    };
+
+    let mut study = Study {
+        policies: options.policies.clone(),
+        kpis: kpi::kpis(scenario),
+        replications: 0,
+        complete: true,
+        digest: FNV_OFFSET,
+        first_logs: Vec::new(),
+        edge_lives: vec![Vec::new(); count],
+        values: vec![Vec::new(); count],
+    };
+    if let Some(earlier) = &options.earlier {
+        let first =
+            pool.install(|| options.policies.par_iter().map(|&policy| evaluated(policy, 0)).collect::<Vec<_>>());
+        earlier.restore(scenario, first.into_iter().collect::<Result<_, _>>()?, &mut study)?;
+    }
+    while study.replications < options.replications {
+        let first = study.replications;
+        let end = chunk_end(first, options.logged);
+        let last = options.replications.min(end).min(options.stop_after.unwrap_or(u32::MAX));
+        let tasks: Vec<(u32, usize)> = (first..last)
+            .flat_map(|replication| options.policies.iter().map(move |&policy| (replication, policy)))
+            .collect();
+        let mut runs = pool.install(|| tasks.par_iter().copied().map(run).collect::<Vec<_>>()).into_iter();
+        for replication in first..last {
+            let of_replication: Vec<_> = runs.by_ref().take(count).collect();
+            let mut finished = Vec::with_capacity(count);
+            for run in of_replication.into_iter().flatten() {
+                match run {
+                    Ok(run) => finished.push(run),
+                    Err(stopped) => {
+                        study.complete = false;
+                        return Ok((study, Some(stopped)));
+                    }
+                }
+            }
+            if finished.len() < count {
+                study.complete = false;
+                return Ok((study, None));
+            }
+            for (position, run) in finished.into_iter().enumerate() {
+                study.add(position, replication, run, logs.as_deref_mut().filter(|_| replication < options.logged))?;
+            }
+            study.replications = replication + 1;
+        }
+        if last == end && options.until.is_some_and(|precision| study.is_precise(precision)) {
+            break;
+        }
+        if last < options.replications && options.stop_after.is_some_and(|most| most <= last) {
+            study.complete = false;
+            break;
+        }
+    }
+    Ok((study, None))
+}
+
+/// End of the chunk in which a replication lies, wherever a study was stopped and goes on.
+fn chunk_end(replication: u32, logged: u32) -> u32 {
+    let chunk = if replication / LOGGED_CHUNK < logged.div_ceil(LOGGED_CHUNK) { LOGGED_CHUNK } else { CHUNK };
+    replication.saturating_add(chunk - replication % chunk)
+}
+
+fn check(scenario: &Scenario, options: &StudyOptions) -> Result<(), StudyError> {
+    if options.replications == 0 {
+        return Err(StudyError::NoReplications);
+    }
+    if options.policies.is_empty() {
+        return Err(StudyError::NoPolicies);
+    }
+    let count = scenario.policies.len();
+    match options.policies.iter().find(|&&policy| policy >= count) {
+        Some(&policy) => Err(StudyError::UnknownPolicy { policy, count }),
+        None => Ok(()),
+    }
+}
+
+impl Study {
+    fn add(
+        &mut self,
+        position: usize,
+        replication: u32,
+        run: Run,
+        logs: Option<&mut LogWriter>,
+    ) -> Result<(), StudyError> {
+        self.digest = fnv(self.digest, &run.digest.to_le_bytes());
+        self.values[position].push(run.values);
+        self.edge_lives[position].extend(run.lives);
+        if let Some(log) = run.log {
+            if let Some(writer) = logs {
+                writer.write(self.policies[position], replication, &log)?;
+            }
+            if replication == 0 {
+                self.first_logs.push(log);
+            }
+        }
+        Ok(())
+    }
+
+    fn is_precise(&self, precision: Precision) -> bool {
+        let known = |policy: usize, id: &str| {
+            self.index(id).is_some_and(|kpi| {
+                t_interval(&self.values(policy, kpi), CONFIDENCE).within(precision.relative_half_width)
+            })
+        };
+        self.replications >= Precision::LEAST
+            && (0..self.policies.len()).all(|policy| Precision::WATCHED.iter().all(|id| known(policy, id)))
+    }
+}
+
+fn lives(log: &RunLog, lathes: &[usize]) -> Vec<EdgeLife> {
+    log.edges
+        .iter()
+        .filter(|edge| edge.reason != ChangeReason::EndOfRun && lathes.contains(&(edge.machine as usize)))
+        .map(|edge| EdgeLife { cutting_time: edge.cutting_time, reason: edge.reason })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

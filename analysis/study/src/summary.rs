@@ -1,0 +1,178 @@
+//! `summary.json`: the comparison for programs.
+//!
+//! Keys of figures carry their unit (`tool_life [min]`); shares are shares, not per cent; what is
+//! not defined is null. Keys are never renamed, more may come.
+
+use crate::compare::{Comparison, Difference, PolicyResult};
+use crate::kpi::Kpi;
+use crate::study::Study;
+use serde_json::{Map, Value, json};
+use toolroom_sim::scenario::Scenario;
+use toolroom_statistics::{Interval, Paired};
+
+/// The summary as JSON, the same bytes for the same study.
+pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> Value {
+    let names = |machines: &[usize]| -> Vec<&str> {
+        machines.iter().map(|&machine| scenario.machines[machine].name.as_str()).collect()
+    };
+    let policies: Vec<Value> = comparison.policies.iter().map(|policy| policy_json(scenario, study, policy)).collect();
+    let differences: Vec<Value> =
+        comparison.differences.iter().map(|difference| difference_json(study, comparison, difference)).collect();
+    let headline = comparison.headline.map(|index| &comparison.differences[index]);
+    let name = |position: usize| comparison.policies[position].name.as_str();
+    let decision = &comparison.decision;
+    let stations: Vec<Value> = comparison
+        .stations
+        .iter()
+        .map(|station| {
+            json!({
+                "name": station.name,
+                "machines": names(&station.machines),
+                "load": station.load,
+                "cell_share": station.cell_share,
+                "cutting_share": station.cutting_share,
+            })
+        })
+        .collect();
+    json!({
+        "schema": 1,
+        "scenario": scenario.name,
+        "title": scenario.title,
+        "currency": scenario.currency,
+        "seed": scenario.seed,
+        "replications": study.replications,
+        "complete": study.complete,
+        "confidence": toolroom_statistics::CONFIDENCE,
+        "policies": policies,
+        "differences": differences,
+        "compared_policy": headline.map(|difference| name(difference.policy)),
+        "baseline": comparison.policies.first().map(|policy| policy.name.as_str()),
+        "cell_gain": headline.map(|difference| difference.cell_gain.mean),
+        "shop_gain": headline.map(|difference| difference.shop_gain.mean),
+        "amdahl_limit": headline.map(|difference| difference.amdahl_limit),
+        "cutting_share": cutting_share(study, comparison),
+        "bottleneck": comparison.bottleneck().map(|station| station.name.as_str()),
+        "stations": stations,
+        "decision": {
+            "outcome": decision.outcome.name(),
+            "adaptive": decision.adaptive.map(name),
+            "rival": decision.rival.map(name),
+            "difference": decision.difference.as_ref().map(|interval| interval_json(interval, 1.0)),
+            "line": decision.line,
+            "notes": decision.notes,
+        },
+        "digest": format!("{:016x}", study.digest),
+    })
+}
+
+/// Mean cutting share of the shop under the baseline.
+pub(crate) fn cutting_share(study: &Study, comparison: &Comparison) -> f64 {
+    let mean = |policy: &PolicyResult| study.index("cutting_share").map_or(f64::NAN, |kpi| policy.kpis[kpi].mean);
+    comparison.policies.first().map_or(f64::NAN, mean)
+}
+
+fn policy_json(scenario: &Scenario, study: &Study, policy: &PolicyResult) -> Value {
+    let figures = |machine| of_machine(study, machine, |index, kpi| interval_json(&policy.kpis[index], scale(kpi)));
+    let machines: Vec<Value> = scenario
+        .machines
+        .iter()
+        .enumerate()
+        .map(|(machine, named)| json!({ "name": named.name, "kpi": figures(Some(machine)) }))
+        .collect();
+    json!({
+        "name": policy.name,
+        "role": policy.role.describe(),
+        "kpi": figures(None),
+        "machines": machines,
+    })
+}
+
+fn difference_json(study: &Study, comparison: &Comparison, difference: &Difference) -> Value {
+    json!({
+        "policy": comparison.policies[difference.policy].name,
+        "baseline": comparison.policies[0].name,
+        "kpi": of_machine(study, None, |index, kpi| paired_json(&difference.kpis[index], scale(kpi))),
+        "cell_gain": interval_json(&difference.cell_gain, 1.0),
+        "shop_gain": interval_json(&difference.shop_gain, 1.0),
+        "amdahl_limit": difference.amdahl_limit,
+    })
+}
+
+fn scale(kpi: &Kpi) -> f64 {
+    kpi.definition.file_scale()
+}
+
+fn of_machine(study: &Study, machine: Option<usize>, value: impl Fn(usize, &Kpi) -> Value) -> Map<String, Value> {
+    let figures = study.kpis.iter().enumerate().filter(|(_, kpi)| kpi.machine == machine);
+    figures.map(|(index, kpi)| (kpi.key(), value(index, kpi))).collect()
+}
+
+fn interval_json(interval: &Interval, scale: f64) -> Value {
+    let interval = interval.scaled(scale);
+    json!({ "mean": interval.mean, "ci95": [interval.low(), interval.high()], "n": interval.count })
+}
+
+fn paired_json(pair: &Paired, scale: f64) -> Value {
+    let mut value = interval_json(&pair.difference, scale);
+    value["variance_reduction"] = json!(pair.variance_reduction);
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use crate::study::{StudyOptions, study_with};
+    use std::sync::atomic::AtomicBool;
+
+    fn example() -> Value {
+        let scenario = fixture::scenario();
+        let simulate = |policy: usize, replication: u32| {
+            let mut log = fixture::log();
+            log.edges[0].tool = 0;
+            log.jobs[0].finish += f64::from(replication) + 60.0 * policy as f64;
+            Ok(log)
+        };
+        let options = StudyOptions { replications: 3, ..StudyOptions::of(&scenario) };
+        let study =
+            study_with(&scenario, &options, None, &|_| {}, &AtomicBool::new(false), &simulate).expect("a study");
+        summary(&scenario, &study, &Comparison::new(&scenario, &study))
+    }
+
+    #[test]
+    fn the_contract_of_compare_holds() {
+        let json = example();
+        for key in ["seed", "replications", "cell_gain", "shop_gain", "cutting_share"] {
+            assert!(json[key].is_number(), "{key}: {}", json[key]);
+        }
+        assert_eq!((&json["schema"], &json["bottleneck"]), (&json!(1), &json!("L1 + L2")));
+        assert_eq!(json["digest"].as_str().map(str::len), Some(16));
+        for key in ["parts_per_shift", "cost_per_part", "edges_per_100_parts", "oee"] {
+            let figure = &json["policies"][1]["kpi"][key];
+            assert!(
+                figure["mean"].is_number() && figure["ci95"].as_array().is_some_and(|ends| ends.len() == 2),
+                "{key}"
+            );
+        }
+        let difference = &json["differences"][0];
+        assert_eq!((&difference["policy"], &difference["baseline"]), (&json!("adaptive"), &json!("constant")));
+    }
+
+    #[test]
+    fn quantities_are_in_the_unit_of_their_key() {
+        let json = example();
+        let lead = &json["policies"][0]["kpi"]["lead_time [min]"];
+        // 540, 541 and 542 s.
+        assert!((lead["mean"].as_f64().expect("a number") - 541.0 / 60.0).abs() < 1e-12);
+        let difference = &json["differences"][0]["kpi"]["lead_time [min]"];
+        assert!((difference["mean"].as_f64().expect("a number") - 1.0).abs() < 1e-12);
+        assert_eq!(json["policies"][0]["kpi"]["scrap_rate"]["mean"], json!(0.5), "a share, not per cent");
+    }
+
+    #[test]
+    fn what_is_not_defined_is_null() {
+        let json = example();
+        // No variance: the reduction is 0 / 0.
+        assert!(json["differences"][0]["kpi"]["oee"]["variance_reduction"].is_null());
+    }
+}

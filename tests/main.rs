@@ -1,0 +1,19 @@
+//! Every promise of the README that the program has to keep: one module a promise, one binary for all of them.
+
+mod architecture;
+mod blind;
+mod cli;
+mod determinism;
+mod fmu_files;
+mod fmu_import;
+mod gap_data;
+mod gap_processes;
+mod import;
+mod life;
+mod lobes;
+mod planned;
+mod planning;
+mod programs;
+mod report;
+mod withheld;
+mod withheld_grinding_milling;
