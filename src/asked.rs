@@ -6,7 +6,7 @@ use crate::study::{Request, chosen};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use toolroom_sim::scenario::file::{ScenarioFile, parse};
+use toolroom_scenario::file::{ScenarioFile, parse};
 use toolroom_study::logs::Format;
 use toolroom_study::results::RunInfo;
 use toolroom_study::study::{Finished, StudyOptions};

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
-use toolroom_sim::scenario::file::{Echo, ScenarioFile, read};
+use toolroom_scenario::file::{Echo, ScenarioFile, read};
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;

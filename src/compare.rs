@@ -8,8 +8,8 @@ use crate::study::{Request, chosen, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
+use toolroom_scenario::file::{ScenarioFile, parse, read};
 use toolroom_shards::{Computed, Plan, ShardError, write_plan};
-use toolroom_sim::scenario::file::{ScenarioFile, parse, read};
 use toolroom_study::study::{KnownRuns, StoredRun, stored_runs};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {

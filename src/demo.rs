@@ -4,7 +4,7 @@ use crate::args::DemoArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::{Request, chosen, default_out, perform};
-use toolroom_sim::scenario::file::parse;
+use toolroom_scenario::file::parse;
 
 /// Three lathes, two mills, a grinder, one shift.
 const SCENARIO: &str = include_str!("../scenarios/demo.toml");

@@ -7,7 +7,7 @@ use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use toolroom_sim::scenario::file::significant;
+use toolroom_scenario::file::significant;
 
 /// Mean and half-width of the interval of one figure of one policy.
 type Figures = BTreeMap<(String, String), (f64, f64)>;

@@ -6,7 +6,7 @@ use serde_json::json;
 use std::fmt::Write;
 use toolroom_effects::{CatalogueEntry, Effect, Sign, Touched};
 use toolroom_gap::EMPIRICAL_EFFECTS;
-use toolroom_sim::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::SHOP_EFFECTS;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {
     if voice.json {

@@ -5,7 +5,7 @@ use crate::codes::PLANNING;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
-use toolroom_sim::scenario::file::CODES;
+use toolroom_scenario::file::CODES;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
     let all = || CODES.iter().chain(PLANNING).copied();

@@ -7,7 +7,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use toolroom_sim::scenario::file::ReadError;
+use toolroom_scenario::file::ReadError;
 
 /// Why a command did not do its work.
 #[derive(Debug)]

@@ -16,7 +16,7 @@ use toolroom_infeed::{
     Basis, Identification, IdentifyError, IdentifyOptions, TableError, Trial, identify, read_force_traces, read_trials,
 };
 use toolroom_process::{AnyRecord, unit};
-use toolroom_sim::scenario::file::nearest;
+use toolroom_scenario::file::nearest;
 
 /// An input file as read.
 struct Input {

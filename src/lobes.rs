@@ -25,7 +25,7 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_process::unit;
-use toolroom_sim::scenario::file::{FormFile, significant};
+use toolroom_scenario::file::{FormFile, significant};
 
 pub use shards::{merge, shard};
 

@@ -2,7 +2,7 @@
 
 use toolroom_chart::Table;
 use toolroom_process::AnyRecord;
-use toolroom_sim::scenario::file::significant;
+use toolroom_scenario::file::significant;
 
 /// A table of inputs without rows yet.
 pub fn input_table() -> Table {

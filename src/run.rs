@@ -4,7 +4,7 @@ use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use crate::study::{Request, chosen, default_out, perform};
-use toolroom_sim::scenario::file::read;
+use toolroom_scenario::file::read;
 
 pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
     let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;

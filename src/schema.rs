@@ -4,8 +4,8 @@ use crate::args::{FileKind, SchemaArgs};
 use crate::failure::Failure;
 use crate::life::STUDY;
 use crate::speak::Voice;
-use toolroom_sim::scenario::file::{SCENARIO, schema};
-use toolroom_sim::scenario::lobes::LOBES;
+use toolroom_scenario::file::{SCENARIO, schema};
+use toolroom_scenario::lobes::LOBES;
 
 /// Of a file that is written, not read.
 const DIAGNOSIS: &str = include_str!("../scenarios/schema/diagnosis.schema.json");

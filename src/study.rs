@@ -17,8 +17,9 @@ use toolroom_study::logs::Format;
 use toolroom_study::results::{STOPPED, record};
 use toolroom_study::simulate::write_simulated;
 
-use toolroom_sim::scenario::file::{ScenarioFile, nearest};
-use toolroom_sim::{RunLog, Scenario};
+use toolroom_scenario::Scenario;
+use toolroom_scenario::file::{ScenarioFile, nearest};
+use toolroom_shop::RunLog;
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};

@@ -9,7 +9,7 @@ use crate::study::chosen;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::atomic::Ordering;
-use toolroom_sim::scenario::file::{read, significant};
+use toolroom_scenario::file::{read, significant};
 use toolroom_study::compare::Comparison;
 use toolroom_study::study::{Precision, StudyOptions, run_study};
 use toolroom_study::summary::summary;

@@ -5,7 +5,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
 use toolroom_process::Claim;
-use toolroom_sim::scenario::file::significant;
+use toolroom_scenario::file::significant;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {
     let mut claims: Vec<(&str, Claim)> = Vec::new();

@@ -4,7 +4,7 @@ use super::compute::OBJECTIVES;
 use rayon::prelude::*;
 use toolroom_contour::{ContourFile, FormError, Models, Objective, Parameters, Pass, PathError, Planner};
 use toolroom_process::Record;
-use toolroom_sim::scenario::file::significant;
+use toolroom_scenario::file::significant;
 
 /// Gains in productivity that the dissertation abstract reports for profile holes.
 ///

@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::{ArchiveError, LoadError, Unit, UnitProcess};
 use toolroom_process::MachineProcess;
-use toolroom_sim::scenario::{UnitRefusal, UnitRequest, set_importer};
+use toolroom_scenario::{UnitRefusal, UnitRequest, set_importer};
 
 /// Makes `fmu = "…"` in scenarios work.
 pub fn register() {

@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use toolroom_effects::Effect;
 use toolroom_gap::{NominalModel, NominalProcess};
-use toolroom_sim::scenario::Deviation;
+use toolroom_scenario::Deviation;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?).map_err(|error| {

@@ -10,7 +10,7 @@ use toolroom_life::study::policy::{Knows, Reading, Rule};
 use toolroom_life::study::spread::{Copula, Spread};
 use toolroom_life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use toolroom_process::{Record, unit};
-use toolroom_sim::scenario::file::{
+use toolroom_scenario::file::{
     Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,
 };
 use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
@@ -157,7 +157,7 @@ fn cells(
     conditions: &[(String, Cut)],
     course: (Passes, bool),
 ) -> Vec<Cell> {
-    let mut policies = Vec::<(String, Rule, Reading, toolroom_sim::scenario::SensorSheet)>::new();
+    let mut policies = Vec::<(String, Rule, Reading, toolroom_scenario::SensorSheet)>::new();
     for section in walk.sections(root, "policy", None) {
         let name = section.text("name").unwrap_or_default().to_owned();
         if policies.iter().any(|(known, ..)| *known == name) {
@@ -180,7 +180,7 @@ fn cells(
         policies.push((name, rule, reading, sensors(walk, &section)));
     }
     if policies.is_empty() {
-        let sensors = toolroom_sim::scenario::SensorSheet::default();
+        let sensors = toolroom_scenario::SensorSheet::default();
         policies.push(("programmed".to_owned(), Rule::Programmed, Reading::Pass, sensors));
     }
     let made = conditions.iter().flat_map(|(condition, cut)| {

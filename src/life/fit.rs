@@ -18,8 +18,8 @@ use toolroom_life::page::{self, Words};
 use toolroom_life::picture;
 use toolroom_life::regression::{Regression, regress};
 use toolroom_life::sample::Sample;
+use toolroom_scenario::file::significant;
 use toolroom_shards::fingerprint;
-use toolroom_sim::scenario::file::significant;
 
 /// Lives that belong together.
 struct Group {

@@ -1,7 +1,7 @@
 //! The sections of a study file.
 
 use toolroom_process::Record;
-use toolroom_sim::scenario::file::{Form, Key, Kind, Quantity, SENSORS};
+use toolroom_scenario::file::{Form, Key, Kind, Quantity, SENSORS};
 use toolroom_wear::Scatter;
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {

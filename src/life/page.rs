@@ -19,9 +19,9 @@ use toolroom_life::study::sensitivity::{SobolIndex, morris, sobol};
 use toolroom_life::study::shard::{Merged, sample};
 use toolroom_life::study::tally::ERROR;
 use toolroom_life::study::{Cell, End, Study};
+use toolroom_scenario::file::{FormFile, significant};
 use toolroom_shards::Plan;
 use toolroom_shards::fingerprint;
-use toolroom_sim::scenario::file::{FormFile, significant};
 
 /// What a result is made of.
 pub struct Inputs<'a> {

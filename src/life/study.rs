@@ -18,8 +18,8 @@ use std::time::Instant;
 use toolroom_life::study::run::lives;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
+use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Plan, read_plan, write_plan};
-use toolroom_sim::scenario::file::FormFile;
 use toolroom_study::study::Progress;
 
 /// Lives of a shard when nobody says how many shards there are.

@@ -9,7 +9,7 @@ use toolroom_chatter::{
     AtSpeed, ChatterError, Lobes, Milling, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_process::unit::convert;
-use toolroom_sim::scenario::lobes::{LobesCut, axes};
+use toolroom_scenario::lobes::{LobesCut, axes};
 
 /// A cut without its operating point, with the variation of its spindle speed.
 #[derive(Clone, Debug)]

@@ -2,9 +2,9 @@
 
 use super::cut::Cut;
 use std::path::Path;
-use toolroom_sim::scenario::file::{FormFile, ReadError};
-use toolroom_sim::scenario::lobes;
-pub use toolroom_sim::scenario::lobes::{Chart, Point};
+use toolroom_scenario::file::{FormFile, ReadError};
+use toolroom_scenario::lobes;
+pub use toolroom_scenario::lobes::{Chart, Point};
 
 /// What a lobes file says.
 #[derive(Clone, Debug)]

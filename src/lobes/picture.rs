@@ -7,7 +7,7 @@ use super::file::LobesFile;
 use super::judgement::{Judgement, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
-use toolroom_sim::scenario::file::{Echo, significant};
+use toolroom_scenario::file::{Echo, significant};
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
 /// boundary (assumption).

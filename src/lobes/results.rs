@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chart::png;
+use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;
-use toolroom_sim::scenario::file::FormFile;
 
 /// Width of the PNG: sharp over a column of print.
 const PIXELS: u32 = 1600;

@@ -13,9 +13,9 @@ use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
+use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;
 use toolroom_shards::{Computed, Plan, ShardError, write_plan};
-use toolroom_sim::scenario::file::FormFile;
 
 /// `--plan FILE`: the columns of the grid cut into shards.
 pub fn plan(

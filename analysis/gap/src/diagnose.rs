@@ -13,7 +13,7 @@ use super::{
 };
 use rayon::prelude::*;
 use toolroom_effects::{CatalogueEntry, Effect};
-use toolroom_sim::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::SHOP_EFFECTS;
 
 /// Score at which an effect counts as detectable.
 pub(crate) const DETECTABLE: f64 = 5.0;

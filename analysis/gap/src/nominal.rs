@@ -12,9 +12,9 @@ use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
-use toolroom_sim::Scenario;
-use toolroom_sim::scenario::file::{self, Form, GAP, Key, Kind, ReadError};
-use toolroom_sim::scenario::{GapSection, ProcessModel, SensorErrors};
+use toolroom_scenario::Scenario;
+use toolroom_scenario::file::{self, Form, GAP, Key, Kind, ReadError};
+use toolroom_scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// Stretches of part programs that are told by name.
 const PLACES: usize = 6;

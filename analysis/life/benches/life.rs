@@ -13,7 +13,7 @@ use std::time::Instant;
 use toolroom_life::study::policy::{Reading, Rule};
 use toolroom_life::study::run::lives;
 use toolroom_life::study::{Passes, Study, cell};
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 use toolroom_wear::{Pair, Scatter};
 
 /// Lives of one run, and runs.

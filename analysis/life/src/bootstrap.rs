@@ -5,7 +5,7 @@ use super::law::Law;
 use super::sample::Sample;
 use rand::RngExt;
 use rayon::prelude::*;
-use toolroom_sim::{Entity, Purpose, Streams};
+use toolroom_kernel::{Entity, Purpose, Streams};
 
 /// A value over age with its band.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::sample::{Observation, Sample};
 use super::survival::{Step, kaplan_meier};
 use rand::RngExt;
 use rayon::prelude::*;
-use toolroom_sim::{Entity, Purpose, Streams};
+use toolroom_kernel::{Entity, Purpose, Streams};
 
 /// Distance and how often chance alone gives a greater one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -188,7 +188,8 @@ mod tests {
     use super::*;
     use Observation::{Censored, Failed};
     use rand::RngExt;
-    use toolroom_sim::{Entity, Purpose, Streams};
+    use toolroom_kernel::Entity;
+    use toolroom_kernel::{Purpose, Streams};
 
     #[test]
     fn two_points_give_the_textbook_exponent() {

@@ -9,13 +9,13 @@ use toolroom_study::logs::{Format, LogWriter};
 
 fn results(criterion: &mut Criterion) {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/demo.toml"));
-    let scenario = toolroom_sim::scenario::file::read(path, &[]).expect("a shipped scenario").scenario;
-    let log = toolroom_sim::shop::run(&scenario, 0, 0).expect("a run");
+    let scenario = toolroom_scenario::file::read(path, &[]).expect("a shipped scenario").scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
     let rows = log.passes.len() + log.edges.len() + log.jobs.len() + log.states.len() + log.events.len();
 
     let mut group = criterion.benchmark_group("demo shop, one run");
     group.bench_function("simulation", |bench| {
-        bench.iter(|| toolroom_sim::shop::run(black_box(&scenario), 0, 0).expect("a run"));
+        bench.iter(|| toolroom_shop::run(black_box(&scenario), 0, 0).expect("a run"));
     });
     group.throughput(Throughput::Elements(rows as u64));
     group.bench_function("key figures", |bench| bench.iter(|| evaluate(black_box(&scenario), black_box(&log))));

@@ -24,7 +24,7 @@ pub use decision::{Decision, Outcome, Role, role};
 pub use station::{Station, stations};
 
 use crate::study::Study;
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
 use toolroom_statistics::{CONFIDENCE, Interval, Paired, paired, ratio, t_interval};
 
 /// One policy.

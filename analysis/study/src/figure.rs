@@ -1,7 +1,7 @@
 //! Numbers for people: as many digits as the interval deserves, a real minus sign.
 
 use crate::kpi::Kpi;
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
 use toolroom_statistics::Interval;
 
 /// Decimals that show an uncertainty with one digit, or two if it starts below 5. A value that does

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use toolroom_cutting::Turning;
 use toolroom_infeed::Infeed;
-use toolroom_sim::runlog::{
+use toolroom_scenario::*;
+use toolroom_shop::runlog::{
     ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, PassRow, RunLog, StateRow,
 };
-use toolroom_sim::scenario::*;
 
 fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
     MachineType {

@@ -34,8 +34,8 @@ pub use definition::{Better, Definition, Kpi, kpis};
 
 use definition::{MACHINE, SHOP};
 use tally::Tally;
-use toolroom_sim::runlog::RunLog;
-use toolroom_sim::scenario::{Scenario, ToolType};
+use toolroom_scenario::{Scenario, ToolType};
+use toolroom_shop::runlog::RunLog;
 
 /// Values of [`kpis`] in their order, SI; NaN where a figure is not defined (per part without
 /// parts).

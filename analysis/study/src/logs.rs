@@ -12,8 +12,8 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use toolroom_parquet::{ParquetTable, PolarsError};
 use toolroom_records::table::Value;
-use toolroom_sim::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
+use toolroom_shop::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
 
 /// Format of the tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,10 +88,10 @@ impl LogError {
 ///
 /// # Examples
 /// ```no_run
-/// # fn example(scenario: &toolroom_sim::scenario::Scenario) -> Result<(), Box<dyn std::error::Error>> {
+/// # fn example(scenario: &toolroom_scenario::Scenario) -> Result<(), Box<dyn std::error::Error>> {
 /// use toolroom_study::logs::{Format, LogWriter};
 /// let mut writer = LogWriter::create(std::path::Path::new("out/demo"), scenario, Format::Parquet)?;
-/// writer.write(0, 0, &toolroom_sim::shop::run(scenario, 0, 0)?)?;
+/// writer.write(0, 0, &toolroom_shop::run(scenario, 0, 0)?)?;
 /// writer.finish()?;
 /// # Ok(())
 /// # }
@@ -117,7 +117,7 @@ pub struct Names {
 impl Names {
     /// Names of a scenario.
     pub fn of(scenario: &Scenario) -> Self {
-        let operations = |part: &toolroom_sim::scenario::Part| part.operations.iter().map(|o| o.name.clone()).collect();
+        let operations = |part: &toolroom_scenario::Part| part.operations.iter().map(|o| o.name.clone()).collect();
         Self {
             machines: scenario.machines.iter().map(|machine| machine.name.clone()).collect(),
             tools: scenario.tools.iter().map(|tool| tool.name.clone()).collect(),

@@ -13,8 +13,8 @@ use crate::results::RunInfo;
 use crate::study::Study;
 use crate::terminal::gains;
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
-use toolroom_sim::runlog::RunLog;
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
+use toolroom_shop::runlog::RunLog;
 
 /// Everything that the sections draw from.
 pub(crate) struct Source<'a> {

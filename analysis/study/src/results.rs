@@ -26,7 +26,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
 
 /// How a study came to be run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -14,8 +14,10 @@ mod visits;
 
 use rand_distr::{Distribution, StandardNormal};
 use std::path::{Path, PathBuf};
+use toolroom_kernel::{Entity, Purpose, Streams};
 use toolroom_records::{RecordKind, Records, Sensor, write_csv};
-use toolroom_sim::{Entity, Purpose, RunLog, Scenario, Streams};
+use toolroom_scenario::Scenario;
+use toolroom_shop::RunLog;
 use visits::Visits;
 
 /// Sensor of a channel of a kind of records.
@@ -90,7 +92,7 @@ impl Run<'_> {
         several.and_then(|calendar| calendar.shift_at(time)).unwrap_or_default()
     }
 
-    /// [`MachineType::coolant`](toolroom_sim::scenario::MachineType::coolant) of a machine of the log.
+    /// [`MachineType::coolant`](toolroom_scenario::MachineType::coolant) of a machine of the log.
     fn coolant(&self, machine: u32, time: f64) -> (f64, bool) {
         self.scenario.machines[machine as usize].coolant(time)
     }

@@ -22,9 +22,11 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use toolroom_scenario::Scenario;
+use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_shards::{FNV_OFFSET, fnv};
-use toolroom_sim::runlog::ChangeReason;
-use toolroom_sim::{ResolvedPolicy, RunLog, Scenario, Shop, ShopError};
+use toolroom_shop::runlog::ChangeReason;
+use toolroom_shop::{RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
 
 /// Replications between two checks of the stop rule where logs are kept.

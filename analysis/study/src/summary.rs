@@ -7,7 +7,7 @@ use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::kpi::Kpi;
 use crate::study::Study;
 use serde_json::{Map, Value, json};
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
 use toolroom_statistics::{Interval, Paired};
 
 /// The summary as JSON, the same bytes for the same study.

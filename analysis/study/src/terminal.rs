@@ -7,7 +7,7 @@ use crate::study::Study;
 use crate::summary::cutting_share;
 use std::fmt::Write;
 use std::time::Duration;
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
 use toolroom_statistics::Interval;
 
 /// How to print.

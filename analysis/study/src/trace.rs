@@ -7,8 +7,8 @@ use crate::logs::Names;
 use crate::study::Study;
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use toolroom_sim::runlog::{EventRow, MachineState, RunLog};
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
+use toolroom_shop::runlog::{EventRow, MachineState, RunLog};
 
 /// Events that are worth an instant.
 const INSTANTS: [&str; 10] = [

@@ -10,8 +10,9 @@ use tempfile::TempDir;
 use toolroom_fmu::{Binary, Platform, Version, package, units};
 use toolroom_fmu_import::{Unit, UnitProcess};
 use toolroom_process::MachineProcess;
-use toolroom_sim::scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
-use toolroom_sim::{RunLog, ShopError, shop};
+use toolroom_scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
+use toolroom_shop as shop;
+use toolroom_shop::{RunLog, ShopError};
 
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let refusal = |error: &dyn std::fmt::Display| UnitRefusal { reason: error.to_string(), fix: String::new() };

@@ -9,7 +9,7 @@ use std::path::Path;
 use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
 use toolroom_gap::{NominalModel, NominalProcess, Settings};
 use toolroom_records::RecordKind;
-use toolroom_sim::scenario::file::read;
+use toolroom_scenario::file::read;
 use toolroom_study::simulate::simulated;
 
 /// One key figure.
@@ -72,7 +72,7 @@ pub fn figures(model: &Path, better: &Path, data: &Path, voice: &Voice) -> Resul
 
 fn run(model: &Path, shop: &Shop, mix: &std::collections::BTreeMap<String, f64>) -> Result<ShopKpi, Failure> {
     let scenario = read(model, &[])?.scenario;
-    let log = toolroom_sim::shop::run(&scenario, 0, 0).map_err(|error| Failure::Work { message: error.to_string() })?;
+    let log = toolroom_shop::run(&scenario, 0, 0).map_err(|error| Failure::Work { message: error.to_string() })?;
     let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
     let events = all.iter().find(|records| records.kind == RecordKind::Shop);
     Ok(ShopKpi::of(shop, &events.map(visits).unwrap_or_default(), mix))

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use serde_json::Value;
 use toolroom_gap::program::{ProgramModel, effects_section};
 use toolroom_process::{Record, unit};
-use toolroom_sim::effects::ShopDeviations;
+use toolroom_scenario::effects::ShopDeviations;
 
 /// Parts of the shape of an acceleration, and the keys of `[drives]` that say the same.
 const DRIVES: [(&str, &str); 2] = [("corners within ", "corner_deviation"), ("jerk time ", "jerk_time")];
@@ -55,7 +55,7 @@ mod tests {
     use super::applied;
     use serde_json::json;
     use toolroom_gap::program::ProgramModel;
-    use toolroom_sim::effects::ShopDeviations;
+    use toolroom_scenario::effects::ShopDeviations;
 
     #[test]
     fn effects_add_to_those_that_are_on() {

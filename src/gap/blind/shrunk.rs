@@ -4,7 +4,7 @@ use crate::gap::joined::joined;
 use toolroom_effects::Effect;
 use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, report_units};
 use toolroom_records::Records;
-use toolroom_sim::effects::SHOP_EFFECTS;
+use toolroom_scenario::effects::SHOP_EFFECTS;
 
 /// Seed of intervals that nobody looks at.
 const SEED: u64 = 1;

@@ -12,8 +12,7 @@ use super::settings::Settings;
 use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, broken};
 use run::Step;
 use toolroom_process::Record;
-use toolroom_records::Records;
-use toolroom_records::Sensor;
+use toolroom_records::{Records, Sensor};
 
 /// What a parameter of the fit does to the simulation.
 enum Change {

@@ -4,8 +4,8 @@ use super::ProgramModel;
 use std::path::Path;
 use toolroom_contour::Program;
 use toolroom_process::Record;
-use toolroom_sim::effects::ShopDeviations;
-use toolroom_sim::scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
+use toolroom_scenario::effects::ShopDeviations;
+use toolroom_scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
 
 const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })

@@ -22,9 +22,8 @@ use super::summary::rounded;
 use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform};
 use rows::{Rows, rows};
 use toolroom_contour::{Drives, Program};
-use toolroom_records::Records;
-use toolroom_records::Sensor;
-use toolroom_sim::effects::{SHOP_EFFECTS, ShopDeviations};
+use toolroom_records::{Records, Sensor};
+use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
 
 /// What is known of a machine and its programs before any measurement.
 #[derive(Clone, Debug, Default)]

@@ -12,9 +12,8 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
 use toolroom_effects::CatalogueEntry;
-use toolroom_records::Records;
-use toolroom_records::Sensor;
-use toolroom_sim::effects::SHOP_EFFECTS;
+use toolroom_records::{Records, Sensor};
+use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_statistics::median;
 
 /// Prior standard deviations of logarithms (assumptions): programmed times as planners know them, gains of

@@ -3,10 +3,11 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use toolroom_sim::runlog::{ChangeReason, MachineState};
-use toolroom_sim::scenario::{Cut, Distribution, FailureClock, ProcessModel, ShiftCalendar, Work};
-use toolroom_sim::shop::programmed_cutting_times;
-use toolroom_sim::{RunLog, Scenario};
+use toolroom_scenario::Scenario;
+use toolroom_scenario::{Cut, Distribution, FailureClock, ProcessModel, ShiftCalendar, Work};
+use toolroom_shop::RunLog;
+use toolroom_shop::programmed_cutting_times;
+use toolroom_shop::runlog::{ChangeReason, MachineState};
 use toolroom_statistics::median;
 
 /// Replications of a handling time behind its normal scores.
@@ -67,7 +68,7 @@ impl Shop {
             }
         }
         let stretch = Scenario { horizon: scenario.horizon.min(STRETCH), ..scenario.clone() };
-        let log = toolroom_sim::shop::run(&stretch, 0, 0).unwrap_or_default();
+        let log = toolroom_shop::run(&stretch, 0, 0).unwrap_or_default();
         let station = |index: usize| station(scenario, index, &log);
         Self { stations: (0..scenario.machines.len()).map(station).collect(), programs }
     }

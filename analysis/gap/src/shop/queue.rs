@@ -19,7 +19,7 @@ use crate::{Diagnosis, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
-use toolroom_sim::scenario::MICRO_STOP;
+use toolroom_scenario::MICRO_STOP;
 
 /// Replications of a log.
 const REPLICATIONS: usize = 40;

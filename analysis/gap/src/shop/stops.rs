@@ -4,7 +4,7 @@ use super::super::noise::{HUBER, MAD};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::function::erf::erf_inv;
-use toolroom_sim::scenario::MICRO_STOP;
+use toolroom_scenario::MICRO_STOP;
 use toolroom_statistics::median;
 
 /// Operations that are replicated.

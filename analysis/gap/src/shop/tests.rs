@@ -3,7 +3,7 @@
 use super::*;
 use crate::{GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
 use toolroom_records::{RecordKind, Records, simulated};
-use toolroom_sim::scenario::Deviation;
+use toolroom_scenario::Deviation;
 
 fn nominal() -> NominalModel {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
@@ -13,10 +13,10 @@ fn nominal() -> NominalModel {
 /// Ten days of the nominal shop under another seed, with what it does otherwise than planned.
 fn recorded(seed: u64, deviations: &[Deviation]) -> Records {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
-    let mut scenario = toolroom_sim::scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
+    let mut scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
     scenario.seed = seed;
     scenario.deviations = deviations.to_vec();
-    let log = toolroom_sim::shop::run(&scenario, 0, 0).expect("it runs");
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
     let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
     all.into_iter().find(|records| records.kind == RecordKind::Shop).expect("events")
 }

@@ -1,7 +1,7 @@
 use super::*;
 use Observation::{Between, Censored, Failed};
 use rand::RngExt;
-use toolroom_sim::{Entity, Purpose, Streams};
+use toolroom_kernel::{Entity, Purpose, Streams};
 
 /// Millions of revolutions of 23 ball bearings to failure: J. Lieblein, M. Zelen, J. Research
 /// NBS 57 (1956) 273.

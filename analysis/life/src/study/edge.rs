@@ -14,7 +14,7 @@ use passes::Machining;
 use rand::RngExt;
 pub use rehearsal::rehearsed;
 use std::sync::LazyLock;
-use toolroom_sim::{Entity, Purpose, Stream, Streams};
+use toolroom_kernel::{Entity, Purpose, Stream, Streams};
 use toolroom_wear::{Contact, Cut, Pair, Scatter};
 
 /// Coordinates of a point that every study has, in their order.

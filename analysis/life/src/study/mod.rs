@@ -36,7 +36,7 @@ use points::Sampling;
 use policy::{Policy, Reading, Rule};
 use spread::{Copula, Spread};
 use toolroom_process::Record;
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 use toolroom_wear::{Cut, Pair, Scatter, WearLaw};
 
 /// What ends an edge.

@@ -1,7 +1,7 @@
 //! Points of the unit cube at which inputs are drawn.
 
 use rand::RngExt;
-use toolroom_sim::{Entity, Purpose, Streams};
+use toolroom_kernel::{Entity, Purpose, Streams};
 
 /// How points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::Passes;
 use super::edge::rehearsed;
 use std::sync::Arc;
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 use toolroom_wear::{
     Coefficients, Contact, Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable,
 };

@@ -4,7 +4,7 @@ use super::points::{Points, Sampling};
 use crate::bootstrap::quantiles;
 use rand::RngExt;
 use rayon::prelude::*;
-use toolroom_sim::{Entity, Purpose, Streams};
+use toolroom_kernel::{Entity, Purpose, Streams};
 
 /// A share of variance with its bootstrap interval.
 #[derive(Clone, Copy, Debug, PartialEq)]

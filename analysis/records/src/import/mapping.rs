@@ -5,7 +5,7 @@ use super::super::{RecordKind, csv_table};
 use std::collections::BTreeMap;
 use std::path::Path;
 use toolroom_process::unit;
-use toolroom_sim::scenario::file::{
+use toolroom_scenario::file::{
     Fault, Form, Key, Kind, Quantity, ReadError, Section, Walk, nearest, parse_form, read_form,
 };
 

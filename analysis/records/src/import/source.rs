@@ -147,7 +147,7 @@ fn column(
             column.name,
             column.greatest,
             column.display,
-            toolroom_sim::scenario::file::significant(*value / column.scale()),
+            toolroom_scenario::file::significant(*value / column.scale()),
         ));
     }
     Ok(Cells::Numbers(numbers))

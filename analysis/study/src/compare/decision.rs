@@ -13,7 +13,7 @@ use super::PolicyResult;
 use crate::figure::{decimals, plain, signed};
 use crate::study::Study;
 use toolroom_process::unit::convert;
-use toolroom_sim::scenario::{ContourRule, GrindingRule, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
+use toolroom_scenario::{ContourRule, GrindingRule, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
 use toolroom_statistics::{CONFIDENCE, Interval, paired};
 
 /// Part of a policy in the decision.

@@ -2,7 +2,7 @@
 
 use crate::kpi;
 use crate::study::Study;
-use toolroom_sim::scenario::{ArrivalPattern, Scenario};
+use toolroom_scenario::{ArrivalPattern, Scenario};
 use toolroom_statistics::{CONFIDENCE, t_interval};
 
 /// Machines that can do the same operations.

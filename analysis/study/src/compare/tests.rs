@@ -2,8 +2,8 @@ use super::*;
 use crate::fixture;
 use crate::study::{StudyOptions, study_with};
 use std::sync::atomic::AtomicBool;
-use toolroom_sim::runlog::RunLog;
-use toolroom_sim::scenario::{SpeedChoice, SpeedRule};
+use toolroom_scenario::{SpeedChoice, SpeedRule};
+use toolroom_shop::runlog::RunLog;
 
 /// A study in which the insert of policy `p` costs as many edges as `edges[p]` says, plus noise
 /// common to all policies.

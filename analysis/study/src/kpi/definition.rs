@@ -4,8 +4,8 @@ use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
 use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, ToolChange};
 use toolroom_process::unit;
-use toolroom_sim::runlog::MachineState;
-use toolroom_sim::scenario::Scenario;
+use toolroom_scenario::Scenario;
+use toolroom_shop::runlog::MachineState;
 
 /// Which way a figure should go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! One walk over the tables of a log: everything that the key figures divide.
 
 use super::cell;
-use toolroom_sim::runlog::{ChangeReason, EventRow, JobOutcome, MachineState, PassRow, RunLog};
-use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Scenario};
-use toolroom_sim::shop::programmed_cutting_times;
+use toolroom_scenario::{ArrivalPattern, ProcessModel, Scenario};
+use toolroom_shop::programmed_cutting_times;
+use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome, MachineState, PassRow, RunLog};
 
 /// Sums of one machine, s unless said otherwise.
 #[derive(Clone, Debug, Default)]

@@ -2,9 +2,9 @@ use super::*;
 use crate::fixture;
 use std::sync::Arc;
 use toolroom_cutting::Milling;
-use toolroom_sim::runlog::{ChangeReason, EventRow, JobOutcome};
-use toolroom_sim::scenario::{ArrivalPattern, ProcessModel, Work};
-use toolroom_sim::shop::programmed_cutting_times;
+use toolroom_scenario::{ArrivalPattern, ProcessModel, Work};
+use toolroom_shop::programmed_cutting_times;
+use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome};
 
 /// Value of a figure of the shop, or of a machine, in `values` of [`evaluate`].
 fn value(scenario: &Scenario, values: &[f64], id: &str, machine: Option<usize>) -> f64 {

@@ -3,7 +3,7 @@
 use super::Names;
 use toolroom_process::unit;
 use toolroom_records::table::{Kind, Value};
-use toolroom_sim::runlog::{EdgeRow, EventRow, JobRow, PassRow, StateRow};
+use toolroom_shop::runlog::{EdgeRow, EventRow, JobRow, PassRow, StateRow};
 
 /// A row of a log and where it stands.
 #[derive(Clone, Copy)]

@@ -7,9 +7,9 @@ use std::f64::consts::PI;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Plot, StabilityLobes, Standing, Table};
 use toolroom_process::unit::convert;
-use toolroom_sim::policy::nominal_limit;
-use toolroom_sim::runlog::{PassRow, RunLog};
-use toolroom_sim::scenario::{Cut, Operation, ProcessModel, Scenario, Work};
+use toolroom_scenario::policies::nominal_limit;
+use toolroom_scenario::{Cut, Operation, ProcessModel, Scenario, Work};
+use toolroom_shop::runlog::{PassRow, RunLog};
 
 /// Speeds at which the nominal boundary is drawn.
 const SPEEDS: usize = 241;

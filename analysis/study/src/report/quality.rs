@@ -5,8 +5,8 @@ use crate::figure::plain;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Cell, Histogram, Plot, Style, Table};
 use toolroom_process::unit::convert;
-use toolroom_sim::runlog::{ChangeReason, JobOutcome, PassRow, RunLog};
-use toolroom_sim::scenario::{Operation, ProcessModel, Work};
+use toolroom_scenario::{Operation, ProcessModel, Work};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, PassRow, RunLog};
 
 /// The section, where the shop has such work.
 pub(super) fn section(source: &Source<'_>) -> Option<Section> {

@@ -6,7 +6,7 @@ use crate::trace::{last_machines, machine_of};
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
 use toolroom_process::unit::convert;
-use toolroom_sim::runlog::MachineState;
+use toolroom_shop::runlog::MachineState;
 
 /// Words and style of each state, in the order of [`MachineState::ALL`]. What fills most of a shift
 /// is plain, so that the rest stands out.

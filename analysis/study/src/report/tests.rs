@@ -2,7 +2,7 @@ use super::*;
 use crate::fixture;
 use crate::study::{StudyOptions, study_with};
 use std::sync::atomic::AtomicBool;
-use toolroom_sim::runlog::RunLog;
+use toolroom_shop::runlog::RunLog;
 
 fn html(scenario: &Scenario, policies: usize, log: &(dyn Fn() -> RunLog + Sync)) -> String {
     let mut options = StudyOptions { replications: 4, ..StudyOptions::of(scenario) };
@@ -62,9 +62,9 @@ fn an_empty_shop_and_a_single_policy_have_reports() {
 
 #[test]
 fn lobes_carry_the_passes_of_the_policies_by_their_margin() {
-    use toolroom_sim::runlog::{EventRow, PassRow};
+    use toolroom_shop::runlog::{EventRow, PassRow};
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/chatter-policies.toml");
-    let scenario = toolroom_sim::scenario::file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
+    let scenario = toolroom_scenario::file::read(std::path::Path::new(path), &[]).expect("shipped").scenario;
     let pass = |start: f64, stability_margin: f64| PassRow {
         speed_start: 200.0 / 60.0,
         speed_end: 200.0 / 60.0,

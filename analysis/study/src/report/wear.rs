@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Colour, Histogram, Marker, Plot, Style};
 use toolroom_process::unit::convert;
-use toolroom_sim::runlog::{ChangeReason, PassRow, RunLog};
-use toolroom_sim::scenario::{Scenario, ToolChangeRule};
+use toolroom_scenario::{Scenario, ToolChangeRule};
+use toolroom_shop::runlog::{ChangeReason, PassRow, RunLog};
 
 /// Edges drawn in one fan.
 const MOST_EDGES: usize = 60;

@@ -5,8 +5,8 @@
 use super::{Run, edge_name};
 use toolroom_process::{Field, MachineProcess};
 use toolroom_records::{RecordKind, Records};
-use toolroom_sim::runlog::PassRow;
-use toolroom_sim::scenario::{Cut, Work};
+use toolroom_scenario::{Cut, Work};
+use toolroom_shop::runlog::PassRow;
 
 /// The start of a cut that means leave out, s.
 const LEFT_OUT: f64 = 20.0;

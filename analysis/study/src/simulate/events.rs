@@ -3,8 +3,8 @@
 use super::{Run, edge_name};
 use std::collections::BTreeMap;
 use toolroom_records::{RecordKind, Records};
-use toolroom_sim::RunLog;
-use toolroom_sim::runlog::{MachineState, StateRow};
+use toolroom_shop::RunLog;
+use toolroom_shop::runlog::{MachineState, StateRow};
 
 /// State after which nothing is known.
 const END: &str = "unavailable";

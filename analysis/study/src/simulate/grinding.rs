@@ -6,7 +6,7 @@ use super::{Run, edge_name};
 use toolroom_infeed::{Infeed, Input, State};
 use toolroom_process::Process;
 use toolroom_records::{RecordKind, Records};
-use toolroom_sim::scenario::{GrindingPhase, ProcessModel, Work};
+use toolroom_scenario::{GrindingPhase, ProcessModel, Work};
 
 /// Readings of a trial.
 const CHANNELS: [&str; 5] =

@@ -2,14 +2,15 @@
 
 use super::simulated;
 use toolroom_records::{RecordKind, Records, Sensor, parse_csv, write_csv};
-use toolroom_sim::runlog::MachineState;
-use toolroom_sim::{RunLog, Scenario};
+use toolroom_scenario::Scenario;
+use toolroom_shop::RunLog;
+use toolroom_shop::runlog::MachineState;
 
 fn shop(file: &str, overrides: &[&str]) -> (Scenario, RunLog, Vec<Records>) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap").join(file);
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    let scenario = toolroom_sim::scenario::file::read(&path, &overrides).expect("a shipped scenario").scenario;
-    let log = toolroom_sim::shop::run(&scenario, 0, 0).expect("it runs");
+    let scenario = toolroom_scenario::file::read(&path, &overrides).expect("a shipped scenario").scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
     let all = simulated(&scenario, &log, &|_, channel| Sensor::usual(channel));
     let again = |records: &Records| {
         let mut bytes = Vec::new();

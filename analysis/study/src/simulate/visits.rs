@@ -1,8 +1,8 @@
 //! Operations of jobs on machines, put together from passes and states of a log.
 
 use std::collections::BTreeMap;
-use toolroom_sim::RunLog;
-use toolroom_sim::runlog::{MachineState, StateRow};
+use toolroom_shop::RunLog;
+use toolroom_shop::runlog::{MachineState, StateRow};
 
 /// One operation of one job on one machine.
 #[derive(Clone, Debug, Default)]

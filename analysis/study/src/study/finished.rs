@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use toolroom_sim::Scenario;
+use toolroom_scenario::Scenario;
 
 /// Figures and edges of every finished replication.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

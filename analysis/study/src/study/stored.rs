@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use toolroom_sim::{RunLog, Scenario, Shop};
+use toolroom_scenario::Scenario;
+use toolroom_shop::{RunLog, Shop};
 
 /// One run without its log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

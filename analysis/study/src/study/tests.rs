@@ -82,7 +82,7 @@ fn the_stop_rule_stops_when_the_interval_is_narrow_and_not_before() {
         simulate(policy, replication).map(|mut log| {
             log.jobs[0].finish = if replication.is_multiple_of(3) { f64::NAN } else { 540.0 };
             if replication.is_multiple_of(3) {
-                log.jobs[0].outcome = toolroom_sim::runlog::JobOutcome::InProcess;
+                log.jobs[0].outcome = toolroom_shop::runlog::JobOutcome::InProcess;
             }
             log
         })

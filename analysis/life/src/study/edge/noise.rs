@@ -1,7 +1,7 @@
 //! Noise on the rate of wear during the life of an edge.
 
 use rand_distr::{Distribution, StandardNormal};
-use toolroom_sim::Stream;
+use toolroom_kernel::Stream;
 use toolroom_wear::Scatter;
 
 /// The wear noise is held for this share of its correlation time.

@@ -4,7 +4,7 @@ use super::passes::Machining;
 use super::{COORDINATES, Draws, Edge};
 use crate::study::policy::{Knows, Policy, Reading, Rule};
 use crate::study::{Passes, Study};
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 use toolroom_wear::{Cut, Pair, Scatter, SpeedSchedule};
 
 /// Speed against path as mode 1 chooses it for a nominal edge in these passes and pauses: what a

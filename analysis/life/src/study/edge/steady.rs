@@ -6,7 +6,7 @@ use super::noise::Clock;
 use super::{Edge, LEVELS, Outcome, STRETCH, collapse, level_share};
 use crate::study::{End, Study};
 use std::sync::LazyLock;
-use toolroom_sim::Stream;
+use toolroom_kernel::Stream;
 use toolroom_wear::{Contact, Pair};
 
 /// Inner node of the 4-point Gauss–Lobatto rule on -1 … 1, which also takes both ends, so that

@@ -2,7 +2,7 @@ use super::super::points::Points;
 use super::super::policy::{Knows, Reading, Rule};
 use super::super::{Passes, cell};
 use super::*;
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 
 /// A study of the default pair from 30 m/min with chipping.
 fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study {

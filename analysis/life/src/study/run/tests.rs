@@ -2,7 +2,7 @@ use super::super::points::Sampling;
 use super::super::policy::{Knows, Reading, Rule};
 use super::super::{Passes, Tilt, cell};
 use super::*;
-use toolroom_sim::scenario::SensorSheet;
+use toolroom_scenario::SensorSheet;
 use toolroom_wear::{Objective, Pair, Scatter};
 
 /// A study of the default pair at 30 m/min under `rules`.

@@ -1,0 +1,47 @@
+//! Tools whose process is an imported unit.
+
+use super::fault::Fault;
+use super::walk::{Section, Walk};
+use crate::ProcessModel;
+use crate::unit::{UnitRefusal, UnitRequest, import};
+use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput};
+use toolroom_process::{Field, Record, Wiring};
+
+/// The unit in `file` as the process of a tool; `None` where a problem was noted.
+pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: &str) -> Option<ProcessModel> {
+    for key in ["parameter_set", "parameters", "effects", "structure", "structure_scatter"] {
+        if tool.given(key) {
+            let rule = "a unit brings its own parameters and effects; set them in wiring.start";
+            walk.fault(tool.span_of(key), Fault::Beside { key, beside: "fmu", rule });
+        }
+    }
+    let wiring = wiring(walk, tool);
+    let (process, inputs, outputs): (&'static str, &'static [Field], &'static [Field]) = match process {
+        "turning" => ("turning", TurningInput::FIELDS, TurningOutput::FIELDS),
+        "milling" => ("milling", MillingInput::FIELDS, MillingOutput::FIELDS),
+        _ => return None, // the key does not apply, which is noted
+    };
+    let path = walk.folder.join(file);
+    walk.files.push(path.clone());
+    match import(&UnitRequest { path: &path, process, inputs, outputs, wiring: &wiring }) {
+        Ok(unit) => Some(ProcessModel::Other(unit)),
+        Err(UnitRefusal { reason, fix }) => {
+            walk.fault(tool.span_of("fmu"), Fault::Unit { file: file.to_owned(), reason, fix });
+            None
+        }
+    }
+}
+
+/// A table of variables, for messages.
+const EXAMPLE: &str = "{ cutting_speed = \"vc [m/min]\" }";
+
+fn wiring(walk: &mut Walk, tool: &Section<'_>) -> Wiring {
+    let Some(section) = walk.table(tool, "wiring") else { return Wiring::default() };
+    Wiring {
+        inputs: walk.texts(&section, "inputs", EXAMPLE),
+        outputs: walk.texts(&section, "outputs", EXAMPLE),
+        events: walk.texts(&section, "events", EXAMPLE),
+        start: walk.texts(&section, "start", EXAMPLE),
+        step: section.si("step"),
+    }
+}

@@ -1,0 +1,502 @@
+//! The sections of a scenario file.
+
+mod policy;
+
+pub use policy::SENSORS;
+
+use super::form::{Form, Key, Kind, Quantity};
+use policy::{CONTOUR_RULES, POLICY};
+use toolroom_infeed::CycleLimits;
+use toolroom_process::Record;
+use toolroom_wear::Scatter;
+
+const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
+}
+
+const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
+}
+
+/// Ten years, s: longer times are slips of the unit.
+const DECADE: f64 = 10.0 * 365.0 * 86400.0;
+const TIME: Kind = quantity("s", "min", 0.0, DECADE, "1.5 min");
+const DURATION: Kind = positive("s", "min", DECADE, "1.5 min");
+const LONG_DURATION: Kind = positive("s", "h", DECADE, "8 h");
+const COST: Kind = quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
+const RATE: Kind = quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
+/// Above 6000 m/min nothing is cut.
+const SPEED: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
+const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
+const FEED_PER_TOOTH: Kind = positive("m", "mm", 5e-3, "0.1 mm/tooth");
+const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
+const LENGTH: Kind = positive("m", "mm", 1e4, "250 mm");
+const PATH: Kind = positive("m", "m", 1e6, "75 m");
+const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
+const SHARE: Kind = quantity("1", "1", 0.0, 1.0, "0.5");
+const DEVIATION: Kind = quantity("1", "1", 0.0, 0.5, "2 %");
+const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
+
+/// Currencies whose amounts can be read.
+pub(super) const CURRENCIES: &[&str] = &["EUR", "USD", "GBP", "CHF", "JPY", "CNY", "INR", "RUB"];
+/// Processes that a machine can run.
+pub(super) const PROCESSES: &[&str] = &["turning", "milling", "infeed"];
+
+/// A positive random time; a plain duration in its place is a constant.
+pub(super) static DISTRIBUTION: Form = Form {
+    title: "distribution",
+    doc: "A positive random time",
+    keys: &[
+        Key::required(
+            "distribution",
+            Kind::Choice(&["constant", "exponential", "lognormal", "weibull", "triangular", "uniform"]),
+            "Family",
+        ),
+        Key::required("mean", DURATION, "Mean")
+            .when("distribution", &["constant", "exponential", "lognormal", "weibull"]),
+        Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
+            .when("distribution", &["lognormal"]),
+        Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
+            .when("distribution", &["weibull"]),
+        Key::required("low", TIME, "Least").when("distribution", &["triangular", "uniform"]),
+        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular"]),
+        Key::required("high", DURATION, "Greatest").when("distribution", &["triangular", "uniform"]),
+    ],
+};
+
+const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
+
+static SHOP: Form = Form {
+    title: "[shop]",
+    doc: "The study: seed, replications, simulated time",
+    keys: &[
+        Key::required("name", Kind::Name, "Short name, also of the output folder"),
+        Key::default("title", Kind::Text, "", "One line for people"),
+        Key::default("seed", Kind::Count { min: 0, max: u64::MAX }, "1", "Seed of every random stream"),
+        Key::default(
+            "replications",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "20",
+            "Independent repetitions of the horizon",
+        ),
+        Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
+        Key::default("warm_up", TIME, "0 h", "Time at the start that no statistic counts"),
+        Key::default(
+            "shift_length",
+            LONG_DURATION,
+            "8 h",
+            "Length of the shift to which rates refer (parts per shift)",
+        ),
+        Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
+    ],
+};
+
+static CALENDAR: Form = Form {
+    title: "[[calendar]]",
+    doc: "Working time that repeats; a machine without calendar always works",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("period", LONG_DURATION, "1 day", "Period of repetition, a day or a week"),
+        Key::required("shift", Kind::Tables(&SHIFT), "Working intervals inside one period, in order"),
+        Key::default(
+            "at_end",
+            Kind::Choice(&["finish", "resume", "repeat", "scrap"]),
+            "finish",
+            "What happens to the part in the machine when a shift ends",
+        ),
+    ],
+};
+
+static SHIFT: Form = Form {
+    title: "[[calendar.shift]]",
+    doc: "One working interval, counted from the start of the period",
+    keys: &[Key::required("start", TIME, "Start"), Key::required("end", DURATION, "End")],
+};
+
+static MACHINE: Form = Form {
+    title: "[[machine]]",
+    doc: "A machine tool, or several of one kind",
+    keys: &[
+        Key::required(
+            "name",
+            Kind::Name,
+            "Unique name; with `count` the prefix of L1, L2, …, and the name of them all",
+        ),
+        Key::optional(
+            "count",
+            Kind::Count { min: 1, max: 1000 },
+            "Number of machines of this kind; left out: one, called as it is",
+        ),
+        Key::required("process", Kind::Choice(PROCESSES), "Process that it can run"),
+        Key::required("rate", RATE, "Cost of an hour of machine and operator"),
+        Key::required("load_time", RANDOM_TIME, "Fastening a part"),
+        Key::required("unload_time", RANDOM_TIME, "Taking it off"),
+        Key::default("tool_change_time", TIME, "0 min", "Changing a worn edge for a new one"),
+        Key::default(
+            "setup_time",
+            TIME,
+            "0 min",
+            "Change over when the setup group changes, unless the operation gives its own",
+        ),
+        Key::default(
+            "magazine",
+            Kind::Count { min: 1, max: 100_000 },
+            "100000",
+            "Edges in the magazine before an operator has to refill it",
+        ),
+        Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
+        Key::required("speed_range", Kind::List(&SPEED), "Least and greatest cutting speed of spindle and program")
+            .when("process", &["turning", "milling"]),
+        Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
+        Key::optional(
+            "coolant_change",
+            TIME,
+            "When another coolant is filled in: fresh from then on, and the effect `coolant_change` acts",
+        ),
+        Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
+    ],
+};
+
+static TOOL: Form = Form {
+    title: "[[tool]]",
+    doc: "A kind of tool with its process model",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("process", Kind::Choice(PROCESSES), "Process"),
+        Key::optional(
+            "parameter_set",
+            Kind::Name,
+            "Tool and work material: name of a parameter set of the process; due unless a unit is named",
+        ),
+        Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
+            .when("process", &["turning", "milling"]),
+        Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
+            .when("process", &["turning", "milling"]),
+        Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
+        Key::optional("effects", Kind::Effects, "Effects switched on in the true world"),
+        Key::optional(
+            "structure",
+            Kind::Text,
+            "Lobes file beside this one with the vibration modes around the cut; left out: every cut is stable",
+        )
+        .when("process", &["turning", "milling"]),
+        Key::optional(
+            "structure_scatter",
+            Kind::Table(&STRUCTURE_SCATTER),
+            "How the machines' structures differ from that; left out: not at all",
+        )
+        .when("process", &["turning", "milling"]),
+        Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
+        Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
+        Key::default(
+            "scatter",
+            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
+            "shop",
+            "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
+        ),
+    ],
+};
+
+static STRUCTURE_SCATTER: Form = Form {
+    title: "structure_scatter",
+    doc: "Relative standard deviations of the machines' structures, all modes of a machine alike",
+    keys: &[
+        Key::default("natural_frequency", DEVIATION, "0 %", "Of natural frequencies"),
+        Key::default("damping_ratio", DEVIATION, "0 %", "Of damping ratios"),
+    ],
+};
+
+/// How a unit is wired; what is left out is found by name.
+static WIRING: Form = Form {
+    title: "wiring",
+    doc: "Which variable of the unit stands for which quantity; left out: the one of the same name",
+    keys: &[
+        Key::optional("inputs", Kind::Texts, "Variable for an input, such as cutting_speed = \"vc [m/min]\""),
+        Key::optional("outputs", Kind::Texts, "Variable for an output, such as flank_wear = \"tool.VB\""),
+        Key::optional("events", Kind::Texts, "Boolean variable that an event sets, such as wear_limit = \"tool.worn\""),
+        Key::optional("start", Kind::Texts, "Start values of parameters, in the unit's own units"),
+        Key::optional("step", DURATION, "Longest communication step; left out: a whole pass"),
+    ],
+};
+
+static PART: Form = Form {
+    title: "[[part]]",
+    doc: "A part and its routing",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::default("material_cost", COST, "0 EUR", "Cost of the blank, lost when the part is scrapped"),
+        Key::default("flow_allowance", LONG_DURATION, "8 h", "Time from arrival to due date"),
+        Key::default("batch_size", Kind::Count { min: 1, max: 1_000_000 }, "25", "Workpieces of one hardness batch"),
+        Key::optional(
+            "deviating_lot",
+            Kind::Count { min: 1, max: 1_000_000 },
+            "Batch from each source, the first being 1, on which the effect `lot_hardness` acts",
+        ),
+        Key::optional("operation", Kind::Tables(&OPERATION), "Operations in order"),
+    ],
+};
+
+static OPERATION: Form = Form {
+    title: "[[part.operation]]",
+    doc: "One operation of the routing",
+    keys: &[
+        Key::required("name", Kind::Name, "Name, unique within the part"),
+        Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines that may do it"),
+        Key::required("tool", Kind::Reference("tool"), "Tool"),
+        Key::optional(
+            "setup_group",
+            Kind::Name,
+            "Fixture and program family; a change of it costs a setup; left out: the part's name",
+        ),
+        Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
+        Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part"),
+        Key::optional(
+            "roughness_limit",
+            positive("m", "um", 1e-3, "3.2 um"),
+            "Greatest roughness Ra of a good part after the last pass; left out: not looked at",
+        )
+        .when("process", &["turning", "milling"]),
+        Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
+        Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
+            .when("process", &["turning", "milling"]),
+        Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", &["turning", "milling"]),
+        Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
+        Key::optional("depth_of_cut", DEPTH, "Depth of cut").when("process", &["turning", "milling"]),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("path_length", PATH, "Cutting path of a turning edge, or path of the cutter axis, in one pass")
+            .when("process", &["turning", "milling"]),
+        Key::optional(
+            "diameter",
+            LENGTH,
+            "Work diameter; the path of a turning pass is pi * diameter * length / feed_per_rev",
+        )
+        .when("process", &["turning"]),
+        Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+        Key::optional(
+            "position",
+            LENGTH,
+            "Place of the tool from the jaws at the start of a pass, which runs towards them; left out: the structure's",
+        )
+        .when("process", &["turning"]),
+        Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
+            .when("process", &["turning", "milling"]),
+        Key::optional(
+            "contour",
+            Kind::Text,
+            "Instead of passes: path of a contour file, from the folder of this file; its constants are what the plan believes",
+        )
+        .when("process", &["milling"]),
+        Key::optional("contour_passes", Kind::List(&Kind::Name), "Passes of the contour file in order; left out: all")
+            .when("process", &["milling"]),
+        Key::optional(
+            "plan",
+            Kind::Choice(CONTOUR_RULES),
+            "Regime that is programmed, where the policy has none of its own; left out: handbook_one_feed",
+        )
+        .when("process", &["milling"]),
+        Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
+            .when("process", &["infeed"]),
+        Key::optional("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
+            .when("process", &["infeed"]),
+        Key::optional(
+            "cycle",
+            Kind::Fields { word: &Kind::Text, fields: CycleLimits::FIELDS },
+            "Instead of phases: limits for which the fastest rough, finish and spark-out cycle is designed, or the path of a cycle file",
+        )
+        .when("process", &["infeed"]),
+        Key::optional(
+            "wear_compensation",
+            SHARE,
+            "Share of the wheel's wear that is corrected before each part of a designed cycle; left out: 1",
+        )
+        .when("process", &["infeed"]),
+    ],
+};
+
+static PASS: Form = Form {
+    title: "[[part.operation.pass]]",
+    doc: "One pass; what it leaves out is the operation's",
+    keys: &[
+        Key::optional("cutting_speed", SPEED, "Programmed cutting speed"),
+        Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
+        Key::optional("depth_of_cut", DEPTH, "Depth of cut"),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("path_length", PATH, "Path of this pass"),
+        Key::optional("diameter", LENGTH, "Work diameter").when("process", &["turning"]),
+        Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),
+        Key::optional(
+            "position",
+            LENGTH,
+            "Place of the tool from the jaws at the start of a pass, which runs towards them; left out: the structure's",
+        )
+        .when("process", &["turning"]),
+    ],
+};
+
+static PHASE: Form = Form {
+    title: "[[part.operation.phase]]",
+    doc: "Revolutions at one infeed",
+    keys: &[
+        Key::required(
+            "infeed_per_rev",
+            quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"),
+            "Infeed per revolution of the work",
+        ),
+        Key::required("revolutions", Kind::Count { min: 1, max: 100_000 }, "Whole revolutions"),
+    ],
+};
+
+static ARRIVALS: Form = Form {
+    title: "[[arrivals]]",
+    doc: "A source of jobs",
+    keys: &[
+        Key::required("part", Kind::Reference("part"), "Part"),
+        Key::required("pattern", Kind::Choice(&["poisson", "batch", "schedule", "constant_work"]), "When jobs come"),
+        Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
+        Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
+            .when("pattern", &["batch"]),
+        Key::required("size", Kind::Count { min: 1, max: 1_000_000 }, "Jobs in a lot").when("pattern", &["batch"]),
+        Key::required("lot", Kind::Tables(&LOT), "Lots in order").when("pattern", &["schedule"]),
+        Key::required("jobs", Kind::Count { min: 1, max: 1_000_000 }, "Jobs kept in the shop")
+            .when("pattern", &["constant_work"]),
+    ],
+};
+
+static LOT: Form = Form {
+    title: "[[arrivals.lot]]",
+    doc: "Jobs that come together",
+    keys: &[
+        Key::required("time", quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
+        Key::default("size", Kind::Count { min: 1, max: 1_000_000 }, "1", "How many"),
+    ],
+};
+
+static DISPATCH: Form = Form {
+    title: "[dispatch]",
+    doc: "Which waiting job a free machine takes",
+    keys: &[Key::default(
+        "rule",
+        Kind::Choice(&["fifo", "shortest_processing_time", "earliest_due_date", "critical_ratio", "least_setup"]),
+        "fifo",
+        "Rule; ties by arrival at the queue, then job number",
+    )],
+};
+
+static FAILURE: Form = Form {
+    title: "[[failure]]",
+    doc: "A way for machines to break down",
+    keys: &[
+        Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines; each breaks down by itself"),
+        Key::required("time_between", RANDOM_TIME, "Time to failure on its clock"),
+        Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),
+        Key::default(
+            "clock",
+            Kind::Choice(&["busy", "calendar"]),
+            "busy",
+            "Whether only working time counts towards the failure, or all",
+        ),
+        Key::default(
+            "part",
+            Kind::Choice(&["resume", "repeat", "scrap"]),
+            "resume",
+            "What becomes of the part in the machine",
+        ),
+    ],
+};
+
+static OUTPUT: Form = Form {
+    title: "[output]",
+    doc: "What is written",
+    keys: &[
+        Key::default("format", Kind::Choice(&["parquet", "csv"]), "parquet", "Format of the log tables"),
+        Key::default("logs", Kind::Flag, "true", "Whether the log tables are written at all"),
+    ],
+};
+
+/// The whole file.
+pub static SCENARIO: Form = Form {
+    title: "the scenario",
+    doc: "One shop under one or more policies, for toolroom",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("shop", Kind::Table(&SHOP), "The study"),
+        Key::optional("calendar", Kind::Tables(&CALENDAR), "Working time"),
+        Key::optional("machine", Kind::Tables(&MACHINE), "Machines"),
+        Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
+        Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
+        Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
+        Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
+        Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
+        Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
+        Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
+        Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
+        Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
+    ],
+};
+
+static SHOP_DEVIATION: Form = Form {
+    title: "[[deviation]]",
+    doc: "An effect of the shop that its planner does not know",
+    keys: &[
+        Key::required("id", Kind::Choice(crate::Deviation::IDS), "Effect; `toolroom effects` lists them"),
+        Key::required("size", Kind::Text, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
+        Key::optional("shift", Kind::Name, "Shift in which it acts, S1, S2 … of the machine's calendar"),
+        Key::optional(
+            "share",
+            quantity("1", "1", 0.0, 1.0, "0.05"),
+            "Share of the operations that are held (feed_hold)",
+        ),
+    ],
+};
+
+/// Standard deviation of a logarithm, or relative.
+const SPREAD: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
+
+/// Priors and sensors of a gap diagnosis.
+pub static GAP: Form = Form {
+    title: "[gap]",
+    doc: "Priors (standard deviations of logarithms) and sensors of a diagnosis against measured records",
+    keys: &[
+        Key::optional(
+            "process",
+            Kind::Choice(&["turning", "milling", "infeed", "empirical", "shop", "program"]),
+            "Process that is diagnosed; that of the first tool, if left out",
+        ),
+        Key::default("force", SPREAD, "0.08", "Force coefficients"),
+        Key::default("temperature", SPREAD, "0.05", "Temperature coefficients"),
+        Key::default("wear_level", SPREAD, "0.15", "Level of the wear rate"),
+        Key::default("stiffness", SPREAD, "0.10", "Stiffnesses of grinding"),
+        Key::default("edge_wear", SPREAD, "0.25", "Scale of the scatter of wear from edge to edge"),
+        Key::default("edge_force", SPREAD, "0.02", "Scatter of force from edge to edge"),
+        Key::optional(
+            "conditions",
+            Kind::List(&Kind::Name),
+            "Columns that an empirical model knows, such as cutting_speed or material; the others are suspects",
+        ),
+        Key::optional(
+            "channels",
+            Kind::List(&Kind::Name),
+            "Channels that an empirical model answers for; all, if left out",
+        ),
+        Key::default(
+            "wear_growth",
+            Kind::Choice(&["power", "constant_rate"]),
+            "power",
+            "How wear grows with the age of an edge in an empirical model",
+        ),
+        Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),
+    ],
+};
+
+static SENSOR: Form = Form {
+    title: "[[gap.sensor]]",
+    doc: "Errors of the sensor of one channel",
+    keys: &[
+        Key::required("channel", Kind::Name, "Column of the records"),
+        Key::default("relative", SPREAD, "0", "Standard deviation, relative to the value"),
+        Key::optional("absolute", Kind::Text, "Standard deviation with its unit, `3 K`"),
+        Key::optional("resolution", Kind::Text, "Least step with its unit, `0.01 mm`"),
+    ],
+};

@@ -1,0 +1,213 @@
+//! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
+
+use super::{BIAS, DEVIATION, DURATION, PATH, SPEED, WEAR, positive, quantity};
+use crate::file::form::{Form, Key, Kind};
+
+/// Rules of speed.
+const SPEED_RULES: &[&str] = &[
+    "programmed",
+    "constant",
+    "best_path",
+    "best_life",
+    "best_rate",
+    "best_cost",
+    "makarov",
+    "schedule",
+    "minimum_wear",
+    "minimum_wear_literal",
+    "set_increment",
+    "productivity",
+    "oracle",
+];
+
+/// Rules of grinding cycles.
+const GRINDING_RULES: &[&str] = &["fixed", "force_adaptive", "time_constant_adaptive"];
+
+/// Regimes of contours.
+pub(super) const CONTOUR_RULES: &[&str] =
+    &["handbook_one_feed", "handbook_per_section", "best_constant", "time", "cost"];
+
+pub(super) static POLICY: Form = Form {
+    title: "[[policy]]",
+    doc: "One policy; the first is the baseline of every difference",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("speed", Kind::Choice(SPEED_RULES), "How the cutting speed of turning passes is chosen"),
+        Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
+        Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
+        Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
+        Key::optional(
+            "price",
+            positive("s/m", "s/m", 1e5, "2.4 s/m"),
+            "Shadow price of edges; left out: the rate optimum",
+        )
+        .when("speed", &["productivity"]),
+        Key::default(
+            "chatter",
+            Kind::Shorthand { word: &Kind::Choice(CHATTER_RULES), form: &CHATTER },
+            "ignore",
+            "What is done about chatter, where tools have a structure",
+        ),
+        Key::default(
+            "tool_change",
+            Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
+            "wear_limit",
+            "When an edge is changed",
+        ),
+        Key::default(
+            "grinding",
+            Kind::Shorthand { word: &Kind::Choice(GRINDING_RULES), form: &GRINDING },
+            "fixed",
+            "How designed grinding cycles are run",
+        ),
+        Key::default(
+            "dressing",
+            Kind::Shorthand { word: &Kind::Choice(&["limit"]), form: &DRESSING },
+            "limit",
+            "When a wheel is dressed",
+        ),
+        Key::optional(
+            "contour",
+            Kind::Choice(CONTOUR_RULES),
+            "How contours are planned; left out: as each operation says",
+        ),
+        Key::optional(
+            "believed_model",
+            Kind::Name,
+            "Parameter set that the controller believes in, where it is not the tool's own",
+        ),
+        Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
+    ],
+};
+
+/// Rules against chatter.
+const CHATTER_RULES: &[&str] =
+    &["ignore", "best_lobe", "reactive", "speed_variation", "depth_reduction", "robust_lobe", "constraint"];
+
+/// What is done about chatter.
+static CHATTER: Form = Form {
+    title: "chatter",
+    doc: "What is done about chatter; only `reactive` listens to the true structure",
+    keys: &[
+        Key::required("rule", Kind::Choice(CHATTER_RULES), "Rule"),
+        Key::default(
+            "reaction_time",
+            quantity("s", "s", 0.0, 3600.0, "2 s"),
+            "2 s",
+            "From chatter to the new speed, a whole fraction of its frequency",
+        )
+        .when("rule", &["reactive"]),
+        Key::default("amplitude", positive("1", "1", 0.5, "0.2"), "0.2", "Amplitude of the speed over its mean (RVA)")
+            .when("rule", &["speed_variation"]),
+        Key::default(
+            "revolutions",
+            Kind::Count { min: 2, max: 200 },
+            "5",
+            "Mean revolutions in a period of the variation (1/RVF)",
+        )
+        .when("rule", &["speed_variation"]),
+        Key::default(
+            "share",
+            positive("1", "1", 1.0, "0.9"),
+            "0.9",
+            "Greatest depth of a layer over the nominal limit",
+        )
+        .when("rule", &["depth_reduction"]),
+        Key::default("natural_frequency", DEVIATION, "2 %", "Uncertainty of natural frequencies")
+            .when("rule", &["robust_lobe"]),
+        Key::default("damping_ratio", DEVIATION, "20 %", "Uncertainty of damping ratios")
+            .when("rule", &["robust_lobe"]),
+        Key::default("coefficients", DEVIATION, "10 %", "Uncertainty of cutting coefficients")
+            .when("rule", &["robust_lobe"]),
+        Key::default("margin", quantity("1", "1", 0.0, 0.9, "0.1"), "0.1", "Margin to be kept, 1 - depth/limit")
+            .when("rule", &["constraint"]),
+    ],
+};
+
+/// When an edge is changed.
+static TOOL_CHANGE: Form = Form {
+    title: "tool_change",
+    doc: "When an edge is changed; decided between passes",
+    keys: &[
+        Key::required("rule", Kind::Choice(&["wear_limit", "part_count", "cutting_time", "predicted"]), "Rule"),
+        Key::optional("limit", WEAR, "Flank wear; left out: the tool's wear limit")
+            .when("rule", &["wear_limit", "predicted"]),
+        Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per edge").when("rule", &["part_count"]),
+        Key::required("time", DURATION, "Cutting time per edge").when("rule", &["cutting_time"]),
+    ],
+};
+
+static GRINDING: Form = Form {
+    title: "grinding",
+    doc: "How designed cycles are run",
+    keys: &[
+        Key::required("rule", Kind::Choice(GRINDING_RULES), "Rule"),
+        Key::default(
+            "dulling",
+            quantity("1", "1", 0.2, 10.0, "1.3"),
+            "1",
+            "Process stiffness, over that of a dressed wheel, for which the cycle is designed",
+        ),
+        Key::optional(
+            "rough_force",
+            positive("N", "N", 1e6, "180 N"),
+            "Normal force above which the rough infeed is left; left out: that of a dressed wheel at the rough temperature limit",
+        )
+        .when("rule", &["force_adaptive"]),
+        Key::optional("redesign", Kind::Flag, "Whether infeeds too follow the dulling that the last parts showed; left out: false")
+            .when("rule", &["time_constant_adaptive"]),
+    ],
+};
+
+static DRESSING: Form = Form {
+    title: "dressing",
+    doc: "When a wheel is dressed; decided after each part",
+    keys: &[
+        Key::required("rule", Kind::Choice(&["limit", "part_count", "dulling"]), "Rule"),
+        Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per dressing; 1 dresses for every part")
+            .when("rule", &["part_count"]),
+        Key::required(
+            "ratio",
+            quantity("1", "1", 1.0, 20.0, "1.4"),
+            "Measured process stiffness over that of a dressed wheel",
+        )
+        .when("rule", &["dulling"]),
+    ],
+};
+
+const NOISE: Kind = quantity("1", "1", 0.0, 1.0, "1.5 %");
+
+/// Sensors; the defaults are those of the observer's derivation.
+/// Sensors of an adaptive controller.
+pub static SENSORS: Form = Form {
+    title: "sensors",
+    doc: "What an adaptive controller measures, and how well",
+    keys: &[
+        Key::default("sampling_period", positive("s", "s", 3600.0, "6 s"), "6 s", "Time between samples"),
+        Key::default("spindle_power", NOISE, "1.5 %", "Relative standard deviation of spindle power"),
+        Key::default("feed_force", NOISE, "3 %", "Relative standard deviation of feed force"),
+        Key::default("thermo_emf", NOISE, "1.5 %", "Relative standard deviation of thermo-EMF"),
+        Key::default("thermo_emf_bias", BIAS, "0", "Systematic relative error of thermo-EMF"),
+        Key::default("feed_force_bias", BIAS, "0", "Systematic relative error of feed force"),
+        Key::default("spindle_power_bias", BIAS, "0", "Systematic relative error of spindle power"),
+        Key::default(
+            "flank_wear",
+            quantity("m", "mm", 0.0, 1e-3, "0.01 mm"),
+            "0.01 mm",
+            "Standard deviation of a flank wear reading",
+        ),
+        Key::default(
+            "dominant_frequency",
+            NOISE,
+            "0.5 %",
+            "Relative standard deviation of a measured chatter frequency",
+        ),
+        Key::default(
+            "normal_force",
+            quantity("N", "N", 0.0, 1e5, "2 N"),
+            "2 N",
+            "Standard deviation of the normal force in grinding",
+        ),
+        Key::default("normal_force_bias", BIAS, "0", "Systematic relative error of that force"),
+    ],
+};

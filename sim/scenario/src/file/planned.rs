@@ -1,0 +1,165 @@
+//! Work that is planned: cycles designed to limits, contours, and the policies that run them.
+
+use super::fault::Fault;
+use super::processes::set_record;
+use super::walk::{Section, Span, Value, Walk};
+use crate::policies::ResolveError;
+use crate::policies::ResolvedPolicy;
+use crate::{
+    ContourRule, ContourWork, CycleWork, DressingRule, GrindingRule, MachineType, ProcessModel, Scenario, ToolType,
+    Work,
+};
+use std::sync::Arc;
+use toml::de::DeValue;
+use toolroom_contour::ContourFile;
+use toolroom_infeed::{CycleFile, CycleLimits, Infeed, Input};
+
+/// Keys of a grinding operation that the cycle file contains.
+const OF_CYCLE_FILE: &[&str] = &["work_rotation_speed", "phase"];
+
+/// A cycle by its limits, or by a cycle file; `None` where a problem was noted.
+pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&ProcessModel>) -> Option<Work> {
+    let got = section.got("cycle")?;
+    let wear_compensation = section.si("wear_compensation").unwrap_or(1.0);
+    let (believed, conditions, limits) = match &got.value {
+        Value::Raw(DeValue::Table(table)) => {
+            not_beside(walk, section, "cycle", &["phase"]);
+            let mut limits = CycleLimits::default();
+            let noted = walk.problems.len();
+            set_record(walk, &format!("{}, cycle", section.path), table, &mut limits);
+            let work_rotation_speed = super::routing::due(walk, section, section, "work_rotation_speed", "292 rpm");
+            let Some(ProcessModel::Infeed(wheel)) = model else { return None };
+            if walk.problems.len() > noted || work_rotation_speed.is_nan() {
+                return None;
+            }
+            // Cycles are designed for what the parameter set says, not for effects beyond it.
+            let believed = Infeed { parameters: wheel.parameters, ..Infeed::default() };
+            (believed, Input { work_rotation_speed, ..Input::default() }, limits)
+        }
+        Value::Text(path) => {
+            not_beside(walk, section, "cycle", OF_CYCLE_FILE);
+            let text = walk.file(section, "cycle", path)?;
+            match CycleFile::read(path, &text) {
+                Ok(file) => (file.grinding, file.input, file.limits),
+                Err(reason) => {
+                    walk.fault(section.span_of("cycle"), Fault::CycleFile { reason });
+                    return None;
+                }
+            }
+        }
+        _ => return None,
+    };
+    match CycleWork::new(believed, conditions, limits, wear_compensation) {
+        Ok(work) => Some(Work::Cycle(Arc::new(work))),
+        Err(reason) => {
+            walk.fault(section.span_of("cycle"), Fault::Cycle { subject: section.path.clone(), reason });
+            None
+        }
+    }
+}
+
+/// Keys of a milling operation that a contour makes superfluous.
+const OF_CONTOUR: &[&str] =
+    &["passes", "pass", "cutting_speed", "feed_per_tooth", "depth_of_cut", "width_of_cut", "path_length"];
+
+/// Passes around the contour of a file; `None` where a problem was noted.
+pub(super) fn contour(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    tool: Option<&ToolType>,
+    machine: Option<&MachineType>,
+) -> Option<Work> {
+    let path = section.text("contour")?;
+    not_beside(walk, section, "contour", OF_CONTOUR);
+    let text = walk.file(section, "contour", path)?;
+    let content = match ContourFile::read(&text) {
+        Ok(content) => content,
+        Err(reason) => {
+            walk.fault(section.span_of("contour"), Fault::ContourFile { file: path.to_owned(), reason });
+            return None;
+        }
+    };
+    let passes = contour_passes(walk, section, &content)?;
+    let rule = contour_rule(section.text("plan")).unwrap_or(ContourRule::HandbookOneFeed);
+    match ContourWork::new(path, content, passes, rule, tool?, machine?) {
+        Ok(work) => Some(Work::Contour(Arc::new(work))),
+        Err(reason) => {
+            walk.fault(section.span_of("contour"), Fault::Contour { subject: section.path.clone(), reason });
+            None
+        }
+    }
+}
+
+/// The passes that `contour_passes` names, in that order; all of the file where it is left out.
+fn contour_passes(walk: &mut Walk, section: &Section<'_>, content: &ContourFile) -> Option<Vec<usize>> {
+    let names = || content.passes.iter().map(|(name, _)| name.as_str());
+    if !section.given("contour_passes") {
+        return Some((0..content.passes.len()).collect());
+    }
+    let named = section.list("contour_passes");
+    let found: Vec<usize> = named
+        .iter()
+        .filter_map(|got| super::resolve::reference(walk, "pass of the contour", Some(got), names()))
+        .collect();
+    (found.len() == named.len() && !found.is_empty()).then_some(found)
+}
+
+/// Whether every policy can plan what it has to: only the whole scenario tells.
+pub(super) fn policies(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
+    let operations = || scenario.parts.iter().flat_map(|part| &part.operations);
+    if !walk.problems.is_empty()
+        || !operations().any(|operation| matches!(operation.work, Work::Cycle(_) | Work::Contour(_)))
+    {
+        return;
+    }
+    for (policy, place) in places.iter().enumerate() {
+        if let Err(ResolveError::Policy { policy, tool, source }) = ResolvedPolicy::of(scenario, policy) {
+            walk.fault(place.clone(), Fault::Policy { policy, tool, reason: source });
+        }
+    }
+}
+
+/// Keys that `key` makes superfluous.
+pub(super) fn not_beside(walk: &mut Walk, section: &Section<'_>, key: &'static str, others: &[&'static str]) {
+    for other in others.iter().filter(|other| section.given(other)) {
+        let case = format!("an operation with `{key}`");
+        let fault = Fault::NotApplicable { key: other, case, applicable: format!("one of {key}, {other}") };
+        walk.fault(section.span_of(other), fault);
+    }
+}
+
+pub(super) fn grinding_rule(walk: &mut Walk, section: &Section<'_>) -> GrindingRule {
+    let table = walk.table(section, "grinding");
+    let rule = table.as_ref().map_or(section.text("grinding"), |table| table.text("rule"));
+    let si = |key| table.as_ref().and_then(|table| table.si(key));
+    let dulling = si("dulling").unwrap_or(1.0);
+    match rule {
+        Some("force_adaptive") => GrindingRule::ForceAdaptive { dulling, rough_force: si("rough_force") },
+        Some("time_constant_adaptive") => {
+            let redesign = table.as_ref().and_then(|table| table.flag("redesign")).unwrap_or(false);
+            GrindingRule::TimeConstantAdaptive { dulling, redesign }
+        }
+        _ => GrindingRule::Fixed { dulling },
+    }
+}
+
+pub(super) fn dressing_rule(walk: &mut Walk, section: &Section<'_>) -> DressingRule {
+    let table = walk.table(section, "dressing");
+    let rule = table.as_ref().map_or(section.text("dressing"), |table| table.text("rule"));
+    match (rule, &table) {
+        (Some("part_count"), Some(table)) => DressingRule::PartCount { parts: table.count32("parts") },
+        (Some("dulling"), Some(table)) => DressingRule::Dulling { ratio: table.required("ratio") },
+        _ => DressingRule::Limit,
+    }
+}
+
+/// A regime of contours by its name in files.
+pub(super) fn contour_rule(word: Option<&str>) -> Option<ContourRule> {
+    Some(match word? {
+        "handbook_per_section" => ContourRule::HandbookPerSection,
+        "best_constant" => ContourRule::BestConstant,
+        "time" => ContourRule::Time,
+        "cost" => ContourRule::Cost,
+        _ => ContourRule::HandbookOneFeed,
+    })
+}

@@ -1,0 +1,249 @@
+//! Tools: parameter sets, deviations from them, effects, scatter.
+
+use super::fault::{Fault, nearest};
+use super::form::Quantity;
+use super::imported;
+use super::stability;
+use super::walk::{Echo, Section, Value, Walk};
+use super::words::display;
+use crate::ProcessModel;
+use std::fmt::Display;
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
+use toolroom_cutting::{Milling, MillingInput, Turning};
+use toolroom_effects::{Effect, Effects};
+use toolroom_infeed::{Infeed, Parameters};
+use toolroom_process::{AnyRecord, ModelError, Process};
+use toolroom_wear::{Chipping, Pair, Scatter};
+
+/// The process of a tool; `None` where a problem was noted.
+pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
+    let effects = effects(walk, tool);
+    let process = tool.text("process")?;
+    if let Some(file) = tool.text("fmu") {
+        return imported::process(walk, tool, process, file);
+    }
+    let Some(set) = tool.text("parameter_set") else {
+        if !tool.given("parameter_set") {
+            let example = "\"ni_vk6om\"".to_owned();
+            let fault = Fault::MissingKey { section: tool.path.clone(), key: "parameter_set", example };
+            walk.fault(tool.span.clone(), fault);
+        }
+        return None;
+    };
+    match process {
+        "turning" => {
+            let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
+            let mut turning = Turning { pair, effects, ..Turning::default() };
+            stability::around_turning(walk, tool, &mut turning);
+            deviations(walk, tool, turning.parameters_mut());
+            if chips_by_share(tool, scatter) {
+                let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
+                match pair.chipping.for_share(pair, &cut, scatter.chipped_share) {
+                    Ok(chipping) => turning.pair.chipping = chipping,
+                    Err(reason) => refuse_share(walk, tool, reason),
+                }
+            }
+            Some(ProcessModel::Turning(Arc::new(turning)))
+        }
+        "milling" => {
+            let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
+            let mut milling = Milling { effects, ..milling };
+            let drawn = stability::around_milling(walk, tool, &mut milling);
+            deviations(walk, tool, milling.parameters_mut());
+            if let Some(cutter) = drawn {
+                stability::same_cutter(walk, tool, &cutter, &milling);
+            }
+            if chips_by_share(tool, scatter) {
+                match milling_chipping(&milling, scatter.chipped_share) {
+                    Ok(chipping) => milling.chipping = chipping,
+                    Err(reason) => refuse_share(walk, tool, reason),
+                }
+            }
+            Some(ProcessModel::Milling(Arc::new(milling)))
+        }
+        _ => {
+            let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
+            let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
+            deviations(walk, tool, infeed.parameters_mut());
+            Some(ProcessModel::Infeed(Arc::new(infeed)))
+        }
+    }
+}
+
+/// Whether the chipping rate follows from the share of chipped edges; a rate that the file gives
+/// stands.
+fn chips_by_share(tool: &Section<'_>, scatter: &Scatter) -> bool {
+    let given = match tool.got("parameters").map(|got| &got.value) {
+        Some(Value::Raw(raw)) => raw.get("chipping").is_some(),
+        _ => false,
+    };
+    scatter.chipped_share > 0.0 && !given
+}
+
+/// The chipping rate at which `share` of nominal cutters chip before the wear limit at the
+/// reference cut: the accumulated hazard grows with the power `shape` of the rate.
+fn milling_chipping(milling: &Milling, share: f64) -> Result<Chipping, ModelError> {
+    let life = &milling.life;
+    let cut = MillingInput {
+        cutting_speed: life.reference_speed,
+        feed_per_tooth: life.reference_feed,
+        depth_of_cut: life.reference_depth,
+        width_of_cut: life.reference_width,
+        ..MillingInput::default()
+    };
+    let unit = Chipping { rate: (life.reference_speed * life.reference_life).recip(), ..milling.chipping };
+    let trial = Milling { chipping: unit, ..milling.clone() };
+    let mut state = trial.initial();
+    // Three lives: the reference cut wears the cutter out in one, but for effects.
+    Process::advance(&trial, &mut state, &cut, 3.0 * life.reference_life)?;
+    if state.chipping_hazard <= 0.0 {
+        return Err(ModelError::NoSolution { quantity: "chipping rate", reason: "the cutter gathers no hazard" });
+    }
+    Ok(Chipping { rate: unit.rate * (-(-share).ln_1p() / state.chipping_hazard).powf(unit.shape.recip()), ..unit })
+}
+
+fn refuse_share(walk: &mut Walk, tool: &Section<'_>, reason: ModelError) {
+    walk.fault(tool.span_of("scatter"), Fault::Model { subject: format!("{}, chipped_share", tool.path), reason });
+}
+
+/// A shipped parameter set by name.
+fn loaded<T, E: Display>(
+    walk: &mut Walk,
+    tool: &Section<'_>,
+    set: &str,
+    known: &[(&'static str, &str)],
+    named: impl FnOnce(&str) -> Result<T, E>,
+) -> Option<T> {
+    let names = || known.iter().map(|(name, _)| *name);
+    if names().all(|name| name != set) {
+        let fault = Fault::UnknownName {
+            kind: "parameter set",
+            name: set.to_owned(),
+            nearest: nearest(set, names()).map(str::to_owned),
+            known: names().collect::<Vec<_>>().join(", "),
+        };
+        walk.fault(tool.span_of("parameter_set"), fault);
+        return None;
+    }
+    named(set).map_err(|reason| refuse(walk, tool, reason)).ok()
+}
+
+fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
+    let fault = Fault::ParameterSet {
+        name: tool.text("parameter_set").unwrap_or_default().to_owned(),
+        reason: reason.to_string(),
+    };
+    walk.fault(tool.span_of("parameter_set"), fault);
+}
+
+/// The key `scatter` of a section: `scatter = "lab"`, or a table of deviations from the shop's
+/// scatter.
+pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
+    let mut scatter = match tool.text("scatter") {
+        Some("none") => Scatter::none(),
+        Some("lab") => Scatter::lab(),
+        _ => Scatter::shop(),
+    };
+    if let Some(Value::Raw(DeValue::Table(table))) = tool.got("scatter").map(|got| &got.value) {
+        set_record(walk, &format!("{}, scatter", tool.path), table, &mut scatter);
+    }
+    scatter
+}
+
+/// `effects = [{ id = "wear_force", size = 0.2 }]`.
+fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
+    let name = tool.text("name").unwrap_or_default().to_owned();
+    let Some(got) = tool.got("effects") else { return Effects::default() };
+    let Value::Raw(DeValue::Array(entries)) = &got.value else {
+        if let Value::Raw(other) = &got.value {
+            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
+            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
+        }
+        return Effects::default();
+    };
+    let mut effects = Vec::new();
+    for entry in entries {
+        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry.clone()));
+        match read {
+            Ok(effect) => effects.push(effect),
+            Err(error) => {
+                let message = error.message().to_owned();
+                walk.fault(entry.span(), Fault::Effect { tool: name.clone(), message });
+            }
+        }
+    }
+    let checked = Effects::new(effects).and_then(|effects| {
+        let process = super::keys::PROCESSES.iter().find(|process| tool.text("process") == Some(**process));
+        process.map_or(Ok(()), |process| effects.check(process))?;
+        Ok(effects)
+    });
+    checked.unwrap_or_else(|reason| {
+        walk.fault(got.span.clone(), Fault::Effect { tool: name, message: reason.to_string() });
+        Effects::default()
+    })
+}
+
+/// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the
+/// groups of a process.
+pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
+    let Some(Value::Raw(raw)) = tool.got("parameters").map(|got| &got.value) else { return };
+    let span = tool.span_of("parameters");
+    let example = "{ limits = { wear_limit = \"0.5 mm\" } }";
+    let DeValue::Table(table) = raw else {
+        walk.wrong_type("parameters", raw, "a table of groups", span, example.to_owned());
+        return;
+    };
+    for (group, values) in table {
+        let Some((_, record)) = groups.iter_mut().find(|(name, _)| *name == &**group.get_ref()) else {
+            let fault = Fault::UnknownKey {
+                section: format!("parameter set of {}", tool.path),
+                key: group.get_ref().to_string(),
+                nearest: nearest(group.get_ref(), groups.iter().map(|(name, _)| *name)),
+                known: groups.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(group.span(), fault);
+            continue;
+        };
+        match values.get_ref() {
+            DeValue::Table(values) => {
+                let title = format!("{}, {}", tool.path, group.get_ref());
+                set_record(walk, &title, values, *record);
+            }
+            other => {
+                walk.wrong_type(group.get_ref(), other, "a table of parameters", values.span(), example.to_owned())
+            }
+        }
+    }
+}
+
+/// Sets the values that `table` holds, each read in the unit of its field.
+pub(super) fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
+    let fields = record.fields();
+    for (key, raw) in table {
+        let Some(i) = fields.iter().position(|field| field.name == key.get_ref()) else {
+            let fault = Fault::UnknownKey {
+                section: title.to_owned(),
+                key: key.get_ref().to_string(),
+                nearest: nearest(key.get_ref(), fields.iter().map(|field| field.name)),
+                known: fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(key.span(), fault);
+            continue;
+        };
+        let field = &fields[i];
+        let quantity = Quantity {
+            unit: field.unit,
+            display: field.display,
+            min: field.min,
+            max: field.max,
+            above: false,
+            example: "",
+        };
+        if let Value::Si(value) = walk.quantity(field.name, &quantity, raw) {
+            record.set_value(i, value);
+            let (section, value) = (title.to_owned(), display(&quantity, value));
+            walk.echo.push(Echo { section, key: field.name.to_owned(), value, default: false });
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! From sections to the resolved scenario: names become indices, contradictions are found.
+
+use super::fault::{Fault, nearest};
+use super::walk::{Got, Section, Value, Walk};
+use super::{Output, planned, processes, routing, rules, stability};
+use crate::{
+    Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Scenario, Shift, ShiftCalendar,
+    ToolType,
+};
+
+/// Machines, tools and calendars under their names, as references see them.
+#[derive(Default)]
+pub(super) struct Names {
+    pub calendars: Vec<String>,
+    /// A name and the machines that it stands for.
+    pub machines: Vec<(String, Vec<usize>)>,
+    pub tools: Vec<String>,
+    pub parts: Vec<String>,
+}
+
+/// Resolves a whole file; `None` only where `[shop]` is no section.
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output, Option<GapSection>)> {
+    let shop = walk.table(root, "shop");
+    let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
+    walk.currency.clone_from(&currency);
+    let mut names = Names::default();
+    let calendars = calendars(walk, root, &mut names);
+    let machines = machines(walk, root, &mut names);
+    let tools = tools(walk, root, &mut names);
+    let parts = routing::parts(walk, root, &mut names, &machines, &tools);
+    let arrivals = rules::arrivals(walk, root, &names);
+    let dispatch = rules::dispatch(walk, root);
+    let failures = failures(walk, root, &names);
+    let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
+    let output = rules::output(walk, root);
+    let gap = rules::gap(walk, root);
+    let deviations = rules::deviations(walk, root);
+    let shop = shop?;
+    if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
+        && warm_up >= horizon
+    {
+        let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
+        let fault = Fault::Contradiction {
+            first: "warm_up",
+            first_value: hours(warm_up),
+            second: "horizon",
+            second_value: hours(horizon),
+            rule: "the warm-up ends before the horizon, or nothing is counted",
+        };
+        walk.fault(shop.span_of("warm_up"), fault);
+    }
+    for (code, span) in std::mem::take(&mut walk.currencies) {
+        if code != currency {
+            walk.fault(span, Fault::MixedCurrency { read: code.to_owned(), expected: currency.clone() });
+        }
+    }
+    let scenario = Scenario {
+        name: shop.text("name").unwrap_or_default().to_owned(),
+        title: shop.text("title").unwrap_or_default().to_owned(),
+        seed: shop.count("seed").unwrap_or(1),
+        replications: shop.count32("replications"),
+        horizon: shop.required("horizon"),
+        warm_up: shop.required("warm_up"),
+        shift_length: shop.required("shift_length"),
+        machines,
+        tools: tools.into_iter().filter_map(|tool| tool.tool).collect(),
+        parts,
+        arrivals,
+        dispatch,
+        calendars,
+        failures,
+        policies,
+        deviations,
+        currency,
+    };
+    planned::policies(walk, &scenario, &places);
+    Some((scenario, output, gap))
+}
+
+/// A tool as operations see it: known by name and process even where its constants are at fault.
+pub(super) struct NamedTool {
+    pub process: Option<String>,
+    pub span: super::walk::Span,
+    pub tool: Option<ToolType>,
+}
+
+/// Sections under `key`, at least one, no name twice; their names.
+pub(super) fn named<'d>(
+    walk: &mut Walk,
+    root: &Section<'d>,
+    key: &'static str,
+    example: Option<&'static str>,
+) -> Vec<(String, Section<'d>)> {
+    let sections = walk.sections(root, key, None);
+    if let Some(example) = example
+        && sections.is_empty()
+        && !matches!(root.got(key).map(|got| &got.value), Some(Value::Faulty))
+    {
+        walk.fault(0..0, Fault::Nothing { what: key, example });
+    }
+    let mut seen: Vec<String> = Vec::new();
+    let mut named = Vec::with_capacity(sections.len());
+    for section in sections {
+        let name = section.text("name").unwrap_or_default().to_owned();
+        if !name.is_empty() && seen.contains(&name) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: key, name: name.clone() });
+        }
+        seen.push(name.clone());
+        named.push((name, section));
+    }
+    named
+}
+
+/// Index of the name that `got` holds.
+pub(super) fn reference<'a>(
+    walk: &mut Walk,
+    kind: &'static str,
+    got: Option<&Got<'_>>,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Option<usize> {
+    let got = got?;
+    let Value::Text(name) = &got.value else { return None };
+    let found = known.clone().position(|each| each == name);
+    if found.is_none() {
+        let fault = Fault::UnknownName {
+            kind,
+            name: name.clone(),
+            nearest: nearest(name, known.clone()).map(str::to_owned),
+            known: known.filter(|name| !name.is_empty()).collect::<Vec<_>>().join(", "),
+        };
+        walk.fault(got.span.clone(), fault);
+    }
+    found
+}
+
+fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<ShiftCalendar> {
+    let mut calendars = Vec::new();
+    for (name, section) in named(walk, root, "calendar", None) {
+        names.calendars.push(name.clone());
+        let period = section.required("period");
+        let sections = walk.sections(&section, "shift", None);
+        if sections.is_empty() && section.got("shift").is_some_and(|got| matches!(got.value, Value::Raw(_))) {
+            let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
+            walk.fault(section.span_of("shift"), Fault::Nothing { what: "shift", example });
+        }
+        let mut shifts: Vec<Shift> = Vec::new();
+        for (i, each) in sections.iter().enumerate() {
+            let shift = Shift { start: each.required("start"), end: each.required("end") };
+            let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
+            let contradiction = |second, second_value: f64, rule| Fault::Contradiction {
+                first: "end",
+                first_value: hours(shift.end),
+                second,
+                second_value: hours(second_value),
+                rule,
+            };
+            if shift.end <= shift.start {
+                let fault =
+                    contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
+                walk.fault(each.span_of("end"), fault);
+            } else if shift.end > period {
+                walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
+            }
+            if shifts.last().is_some_and(|before| shift.start < before.end) {
+                walk.fault(each.span_of("start"), Fault::ShiftsOverlap { first: i, second: i + 1 });
+            }
+            shifts.push(shift);
+        }
+        let at_end = interruption(section.text("at_end"));
+        calendars.push(ShiftCalendar { name, period, shifts, at_end });
+    }
+    calendars
+}
+
+fn interruption(word: Option<&str>) -> Interruption {
+    match word {
+        Some("resume") => Interruption::Resume,
+        Some("repeat") => Interruption::Repeat,
+        Some("scrap") => Interruption::Scrap,
+        _ => Interruption::Finish,
+    }
+}
+
+fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<MachineType> {
+    let mut machines: Vec<MachineType> = Vec::new();
+    let example = "[[machine]] with name, process, rate, load_time, unload_time";
+    for (name, section) in named(walk, root, "machine", Some(example)) {
+        let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
+        let load_time = distribution(walk, &section, "load_time");
+        let unload_time = distribution(walk, &section, "unload_time");
+        let speed_range = speed_range(walk, &section);
+        let count = section.count("count");
+        let mut indices = Vec::new();
+        for i in 1..=count.unwrap_or(1) {
+            let each = if count.is_some() { format!("{name}{i}") } else { name.clone() };
+            // L with count = 2 and another machine called L1.
+            if count.is_some() && machines.iter().any(|machine| machine.name == each) {
+                walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "machine", name: each.clone() });
+            }
+            indices.push(machines.len());
+            if count.is_some() {
+                names.machines.push((each.clone(), vec![machines.len()]));
+            }
+            machines.push(MachineType {
+                name: each,
+                process: section.text("process").unwrap_or_default().to_owned(),
+                rate: section.required("rate"),
+                load_time,
+                unload_time,
+                tool_change_time: section.required("tool_change_time"),
+                setup_time: section.required("setup_time"),
+                magazine: section.count32("magazine"),
+                refill_time: section.required("refill_time"),
+                speed_range,
+                idle_power: section.required("idle_power"),
+                coolant_change: section.si("coolant_change"),
+                calendar,
+            });
+        }
+        names.machines.push((name, indices));
+    }
+    machines
+}
+
+fn speed_range(walk: &mut Walk, section: &Section<'_>) -> (f64, f64) {
+    let speeds: Vec<f64> = section
+        .list("speed_range")
+        .iter()
+        .filter_map(|got| if let Value::Si(speed) = got.value { Some(speed) } else { None })
+        .collect();
+    match (section.list("speed_range").len(), speeds.as_slice()) {
+        (2, &[low, high]) if low < high => (low, high),
+        (0, _) if !section.given("speed_range") => (0.0, f64::INFINITY), // a grinder has none
+        (2, &[_, _]) | (0 | 1 | 3.., _)
+            if !matches!(section.got("speed_range").map(|got| &got.value), Some(Value::Faulty)) =>
+        {
+            let fault = Fault::WrongType {
+                key: "speed_range".to_owned(),
+                read: format!("{} speeds", section.list("speed_range").len()),
+                expected: "the least speed and then the greatest".to_owned(),
+                example: "[\"15 m/min\", \"80 m/min\"]".to_owned(),
+            };
+            walk.fault(section.span_of("speed_range"), fault);
+            (f64::NAN, f64::NAN)
+        }
+        _ => (f64::NAN, f64::NAN),
+    }
+}
+
+/// A duration, or a table with a family; the placeholder after a fault is a constant.
+pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Distribution {
+    if let Some(time) = of.si(key) {
+        return Distribution::Constant(time);
+    }
+    let Some(table) = walk.table(of, key) else { return Distribution::Constant(f64::NAN) };
+    let value = |key: &str| table.required(key);
+    let drawn = match table.text("distribution") {
+        Some("exponential") => Distribution::Exponential { mean: value("mean") },
+        Some("lognormal") => Distribution::Lognormal { mean: value("mean"), cv: value("cv") },
+        Some("weibull") => Distribution::Weibull { mean: value("mean"), shape: value("shape") },
+        Some("triangular") => Distribution::Triangular { low: value("low"), mode: value("mode"), high: value("high") },
+        Some("uniform") => Distribution::Uniform { low: value("low"), high: value("high") },
+        _ => Distribution::Constant(value("mean")),
+    };
+    let minutes = |seconds: f64| format!("{} min", seconds / 60.0);
+    let disorder = match drawn {
+        Distribution::Triangular { low, mode, .. } if low > mode => Some(("low", low, "mode", mode)),
+        Distribution::Triangular { mode, high, .. } if mode > high => Some(("mode", mode, "high", high)),
+        Distribution::Triangular { low, high, .. } | Distribution::Uniform { low, high } if low >= high => {
+            Some(("low", low, "high", high))
+        }
+        _ => None,
+    };
+    if let Some((first, first_value, second, second_value)) = disorder {
+        let fault = Fault::Contradiction {
+            first,
+            first_value: minutes(first_value),
+            second,
+            second_value: minutes(second_value),
+            rule: "low, mode, high are in ascending order",
+        };
+        walk.fault(table.span_of(first), fault);
+    }
+    drawn
+}
+
+fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedTool> {
+    let mut tools = Vec::new();
+    let example = "[[tool]] with name, process, parameter_set, edge_cost";
+    for (name, section) in named(walk, root, "tool", Some(example)) {
+        names.tools.push(name.clone());
+        let scatter = processes::scatter(walk, &section);
+        let process = processes::process(walk, &section, &scatter);
+        let structure_scatter = stability::scatter(walk, &section);
+        let tool = process.map(|process| ToolType {
+            name,
+            process,
+            parameter_set: section.text("parameter_set").or(section.text("fmu")).unwrap_or_default().to_owned(),
+            edge_cost: section.required("edge_cost"),
+            dressing_time: section.si("dressing_time").unwrap_or(0.0),
+            scatter,
+            structure_scatter,
+        });
+        tools.push(NamedTool {
+            process: section.text("process").map(str::to_owned),
+            span: section.span_of("name"),
+            tool,
+        });
+    }
+    tools
+}
+
+fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMode> {
+    let mut failures = Vec::new();
+    for section in walk.sections(root, "failure", None) {
+        let time_between = distribution(walk, &section, "time_between");
+        let time_to_repair = distribution(walk, &section, "time_to_repair");
+        let clock = match section.text("clock") {
+            Some("calendar") => FailureClock::Calendar,
+            _ => FailureClock::Busy,
+        };
+        let part = interruption(section.text("part"));
+        for machine in machine_indices(walk, &section, names) {
+            failures.push(FailureMode { machine, time_between, time_to_repair, clock, part });
+        }
+    }
+    failures
+}
+
+/// The machines under the key `machines`, each once, in the order of the file.
+pub(super) fn machine_indices(walk: &mut Walk, section: &Section<'_>, names: &Names) -> Vec<usize> {
+    let mut indices = Vec::new();
+    for got in section.list("machines") {
+        let known = names.machines.iter().map(|(name, _)| name.as_str());
+        let Some(found) = reference(walk, "machine", Some(got), known) else { continue };
+        for index in &names.machines[found].1 {
+            if !indices.contains(index) {
+                indices.push(*index);
+            }
+        }
+    }
+    indices
+}

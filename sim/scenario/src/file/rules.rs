@@ -1,0 +1,217 @@
+//! Arrivals, dispatching, policies, output.
+
+use super::Output;
+use super::fault::{Fault, nearest};
+use super::keys::SENSORS;
+use super::planned::{contour_rule, dressing_rule, grinding_rule};
+use super::resolve::{Names, named, reference};
+use super::stability;
+use super::walk::{Section, Span, Value, Walk};
+use crate::effects::SHOP_EFFECTS;
+use crate::{
+    Arrival, ArrivalPattern, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet,
+    SpeedChoice, SpeedRule, ToolChangeRule,
+};
+use toml::de::DeTable;
+use toolroom_process::unit;
+
+pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
+    let sections = walk.sections(root, "arrivals", None);
+    if sections.is_empty() && root.got("arrivals").is_none() {
+        let example = "[[arrivals]] with part and pattern, or no job ever comes";
+        walk.fault(0..0, Fault::Nothing { what: "source of arrivals", example });
+    }
+    let mut arrivals = Vec::new();
+    for section in sections {
+        let part = reference(walk, "part", section.got("part"), names.parts.iter().map(String::as_str));
+        let pattern = match section.text("pattern") {
+            Some("batch") => {
+                ArrivalPattern::Batch { interval: section.required("interval"), size: section.count32("size") }
+            }
+            Some("schedule") => {
+                let lots = walk.sections(&section, "lot", None);
+                let mut lots: Vec<(f64, u32)> =
+                    lots.iter().map(|lot| (lot.required("time"), lot.count32("size"))).collect();
+                lots.sort_by(|a, b| a.0.total_cmp(&b.0));
+                ArrivalPattern::Schedule(lots)
+            }
+            Some("constant_work") => ArrivalPattern::ConstantWork { jobs: section.count32("jobs") },
+            _ => ArrivalPattern::Poisson { rate: section.required("rate") },
+        };
+        arrivals.push(Arrival { part: part.unwrap_or(0), pattern });
+    }
+    arrivals
+}
+
+pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> DispatchRule {
+    let section = walk.table(root, "dispatch");
+    match section.as_ref().and_then(|section| section.text("rule")) {
+        Some("shortest_processing_time") => DispatchRule::ShortestProcessingTime,
+        Some("earliest_due_date") => DispatchRule::EarliestDueDate,
+        Some("critical_ratio") => DispatchRule::CriticalRatio,
+        Some("least_setup") => DispatchRule::LeastSetup,
+        _ => DispatchRule::Fifo,
+    }
+}
+
+pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {
+    let example = "[[policy]] with name and speed, such as speed = \"programmed\"";
+    let mut policies = Vec::new();
+    for (name, section) in named(walk, root, "policy", Some(example)) {
+        let speed = speed_rule(walk, &section, machines);
+        let tool_change = tool_change(walk, &section);
+        let believed_model = believed_model(walk, &section);
+        let sensors = sensors(walk, &section);
+        let grinding = grinding_rule(walk, &section);
+        let dressing = dressing_rule(walk, &section);
+        let contour = contour_rule(section.text("contour"));
+        let stability = stability::rule(walk, &section);
+        let rule =
+            PolicyRule { name, speed, stability, tool_change, grinding, dressing, contour, believed_model, sensors };
+        policies.push((rule, section.span_of("name")));
+    }
+    policies
+}
+
+fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {
+    let constant = SpeedRule::Constant;
+    match section.text("speed") {
+        Some("constant") => {
+            let speed = section.required("cutting_speed");
+            let within = |machine: &MachineType| (machine.speed_range.0..=machine.speed_range.1).contains(&speed);
+            let mut lathes = machines.iter().filter(|machine| machine.process == "turning").peekable();
+            if speed.is_finite() && lathes.peek().is_some() && !lathes.any(within) {
+                let fault = Fault::OutOfRange {
+                    key: "cutting_speed".to_owned(),
+                    read: format!("{} m/min", super::words::significant(speed * 60.0)),
+                    range: "the speed_range of every turning machine".to_owned(),
+                    meant: Vec::new(),
+                };
+                walk.fault(section.span_of("cutting_speed"), fault);
+            }
+            constant(SpeedChoice::Given(speed))
+        }
+        Some("best_path") => constant(SpeedChoice::BestPath),
+        Some("best_life") => constant(SpeedChoice::BestLife),
+        Some("best_rate") => constant(SpeedChoice::BestRate),
+        Some("best_cost") => constant(SpeedChoice::BestCost),
+        Some("makarov") => constant(SpeedChoice::Makarov(section.required("at_flank_wear"))),
+        Some("schedule") => SpeedRule::Schedule,
+        Some("minimum_wear") => SpeedRule::MinimumWear { literal: false },
+        Some("minimum_wear_literal") => SpeedRule::MinimumWear { literal: true },
+        Some("set_increment") => SpeedRule::SetIncrement { path_per_edge: section.required("path_per_edge") },
+        Some("productivity") => SpeedRule::Productivity { price: section.si("price") },
+        Some("oracle") => SpeedRule::Oracle,
+        _ => SpeedRule::Programmed,
+    }
+}
+
+fn tool_change(walk: &mut Walk, section: &Section<'_>) -> ToolChangeRule {
+    let table = walk.table(section, "tool_change");
+    let rule = table.as_ref().map_or(section.text("tool_change"), |table| table.text("rule"));
+    let limit = table.as_ref().and_then(|table| table.si("limit"));
+    match (rule, &table) {
+        (Some("predicted"), _) => ToolChangeRule::Predicted { limit },
+        (Some("part_count"), Some(table)) => ToolChangeRule::PartCount { parts: table.count32("parts") },
+        (Some("cutting_time"), Some(table)) => ToolChangeRule::CuttingTime { time: table.required("time") },
+        _ => ToolChangeRule::WearLimit { limit },
+    }
+}
+
+fn believed_model(walk: &mut Walk, section: &Section<'_>) -> Option<String> {
+    let name = section.text("believed_model")?;
+    let known = || toolroom_wear::PARAMETER_SETS.iter().map(|(name, _)| *name);
+    if known().all(|each| each != name) {
+        let fault = Fault::UnknownName {
+            kind: "turning parameter set",
+            name: name.to_owned(),
+            nearest: nearest(name, known()).map(str::to_owned),
+            known: known().collect::<Vec<_>>().join(", "),
+        };
+        walk.fault(section.span_of("believed_model"), fault);
+    }
+    Some(name.to_owned())
+}
+
+/// The key `sensors` of a section, a table of [`SENSORS`]; left out, the default sensors.
+pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
+    let given = matches!(section.got("sensors").map(|got| &got.value), Some(Value::Raw(_)));
+    let table = if given { walk.table(section, "sensors") } else { None };
+    let table = table.unwrap_or_else(|| {
+        let span = section.span.clone();
+        walk.section(&SENSORS, &format!("{}, sensors", section.path), &DeTable::new(), span, None)
+    });
+    SensorSheet {
+        sampling_period: table.required("sampling_period"),
+        spindle_power: table.required("spindle_power"),
+        feed_force: table.required("feed_force"),
+        thermo_emf: table.required("thermo_emf"),
+        thermo_emf_bias: table.required("thermo_emf_bias"),
+        feed_force_bias: table.required("feed_force_bias"),
+        spindle_power_bias: table.required("spindle_power_bias"),
+        flank_wear: table.required("flank_wear"),
+        dominant_frequency: table.required("dominant_frequency"),
+        normal_force: table.required("normal_force"),
+        normal_force_bias: table.required("normal_force_bias"),
+    }
+}
+
+/// The section `[gap]`, where there is one.
+pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
+    let section = walk.table(root, "gap")?;
+    let text = |section: &Section<'_>, key: &str| section.text(key).map(str::to_owned);
+    let sensors = walk.sections(&section, "sensor", None);
+    let sensors = sensors.iter().map(|sensor| SensorErrors {
+        channel: text(sensor, "channel").unwrap_or_default(),
+        relative: sensor.required("relative"),
+        absolute: text(sensor, "absolute"),
+        resolution: text(sensor, "resolution"),
+    });
+    Some(GapSection {
+        process: text(&section, "process"),
+        conditions: section.given("conditions").then(|| section.texts("conditions")),
+        channels: section.texts("channels"),
+        constant_rate: section.text("wear_growth") == Some("constant_rate"),
+        force: section.required("force"),
+        temperature: section.required("temperature"),
+        wear_level: section.required("wear_level"),
+        stiffness: section.required("stiffness"),
+        edge_wear: section.required("edge_wear"),
+        edge_force: section.required("edge_force"),
+        sensors: sensors.collect(),
+    })
+}
+
+/// The effects of the true shop, sizes in the unit of the catalogue.
+pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>) -> Vec<Deviation> {
+    let mut deviations = Vec::new();
+    for section in walk.sections(root, "deviation", None) {
+        let entry = SHOP_EFFECTS.iter().find(|entry| Some(entry.id) == section.text("id"));
+        let (Some(entry), Some(text)) = (entry, section.text("size")) else { continue };
+        let span = section.span_of("size");
+        match unit::quantity(text, entry.size.unit) {
+            Ok(size) if (entry.size.min..=entry.size.max).contains(&size) => {
+                let shift = section.text("shift").map(str::to_owned);
+                let share = section.si("share").unwrap_or(1.0);
+                deviations.push(Deviation { id: entry.id, size, shift, share });
+            }
+            Ok(_) => {
+                let range = format!("{} … {} {}", entry.size.min, entry.size.max, entry.size.unit);
+                let read = text.to_owned();
+                walk.fault(span, Fault::OutOfRange { key: "size".to_owned(), read, range, meant: Vec::new() });
+            }
+            Err(reason) => {
+                let example = format!("1 {}", entry.size.display);
+                walk.fault(span, Fault::Quantity { key: "size".to_owned(), reason, example });
+            }
+        }
+    }
+    deviations
+}
+
+pub(super) fn output(walk: &mut Walk, root: &Section<'_>) -> Output {
+    let section = walk.table(root, "output");
+    let csv = section.as_ref().and_then(|section| section.text("format")) == Some("csv");
+    let logs = section.as_ref().and_then(|section| section.flag("logs")).unwrap_or(true);
+    Output { csv, logs }
+}

@@ -1,0 +1,108 @@
+//! Structures of tools, and what policies do about chatter.
+
+use super::fault::Fault;
+use super::walk::{Section, Walk};
+use crate::lobes::{self, LobesCut};
+use crate::{StabilityRule, StructureScatter, Uncertainty};
+use std::sync::Arc;
+use toolroom_chatter::Cutter;
+use toolroom_cutting::{Milling, MillingStructure, Regeneration, Turning, TurningStructure};
+
+/// The lobes file that a tool names, beside the scenario.
+fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
+    let name = tool.text("structure")?.to_owned();
+    let path = walk.folder.join(&name);
+    walk.files.push(path.clone());
+    match lobes::read(&path, &[]) {
+        Ok(file) => Some(file.content.cut),
+        Err(error) => {
+            let fault = Fault::Structure { file: path.display().to_string(), reason: error.to_string() };
+            walk.fault(tool.span_of("structure"), fault);
+            None
+        }
+    }
+}
+
+fn refused(walk: &mut Walk, tool: &Section<'_>, reason: impl ToString) {
+    let file = tool.text("structure").unwrap_or_default().to_owned();
+    walk.fault(tool.span_of("structure"), Fault::Structure { file, reason: reason.to_string() });
+}
+
+/// Puts the structure of a turning tool around it.
+pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, turning: &mut Turning) {
+    match structure(walk, tool) {
+        None => {}
+        Some(LobesCut::Turning { cut, bar }) => match TurningStructure::new(cut, bar, Regeneration::default()) {
+            Ok(structure) => turning.structure = Some(Arc::new(structure)),
+            Err(reason) => refused(walk, tool, reason),
+        },
+        Some(_) => refused(walk, tool, "it describes no turning; process = \"turning\" is due"),
+    }
+}
+
+/// Puts the structure of a milling cutter around it; the cutter that the file draws.
+pub(super) fn around_milling(walk: &mut Walk, tool: &Section<'_>, milling: &mut Milling) -> Option<Cutter> {
+    let cut = match structure(walk, tool)? {
+        LobesCut::Milling(cut) => cut,
+        _ => {
+            refused(walk, tool, "it describes no milling; process = \"milling\" is due");
+            return None;
+        }
+    };
+    let damping = cut.force.process_damping;
+    match MillingStructure::new(cut.modes, cut.cutter.helix_angle, damping, Regeneration::default()) {
+        Ok(structure) => milling.structure = Some(Arc::new(structure)),
+        Err(reason) => refused(walk, tool, reason),
+    }
+    Some(cut.cutter)
+}
+
+/// The cutter of the file and that of the tool are one.
+pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, drawn: &Cutter, milling: &Milling) {
+    let (teeth, diameter) = (milling.cutter.teeth as usize, milling.cutter.diameter);
+    if drawn.teeth != teeth || (drawn.diameter / diameter - 1.0).abs() > 1e-6 {
+        let reason = format!(
+            "its cutter has {} teeth and {} mm, that of the tool {teeth} and {} mm",
+            drawn.teeth,
+            drawn.diameter * 1e3,
+            diameter * 1e3
+        );
+        refused(walk, tool, reason);
+    }
+}
+
+pub(super) fn scatter(walk: &mut Walk, tool: &Section<'_>) -> StructureScatter {
+    let Some(section) = walk.table(tool, "structure_scatter") else { return StructureScatter::default() };
+    StructureScatter {
+        natural_frequency: section.required("natural_frequency"),
+        damping_ratio: section.required("damping_ratio"),
+    }
+}
+
+/// `chatter = "best_lobe"`, or a table with the rule's numbers.
+pub(super) fn rule(walk: &mut Walk, policy: &Section<'_>) -> StabilityRule {
+    let table = walk.table(policy, "chatter");
+    let word = table.as_ref().map_or(policy.text("chatter"), |table| table.text("rule"));
+    let value = |key: &str, otherwise: f64| table.as_ref().and_then(|table| table.si(key)).unwrap_or(otherwise);
+    match word {
+        Some("best_lobe") => StabilityRule::BestLobe,
+        Some("reactive") => StabilityRule::Reactive { reaction_time: value("reaction_time", 2.0) },
+        Some("speed_variation") => StabilityRule::SpeedVariation {
+            amplitude: value("amplitude", 0.2),
+            revolutions: table
+                .as_ref()
+                .filter(|table| table.given("revolutions"))
+                .map_or(5, |t| t.count32("revolutions")),
+        },
+        Some("depth_reduction") => StabilityRule::DepthReduction { share: value("share", 0.9) },
+        Some("robust_lobe") => StabilityRule::RobustLobe {
+            uncertainty: Uncertainty {
+                natural_frequency: value("natural_frequency", 0.02),
+                damping_ratio: value("damping_ratio", 0.2),
+                coefficients: value("coefficients", 0.1),
+            },
+        },
+        Some("constraint") => StabilityRule::Constraint { margin: value("margin", 0.1) },
+        _ => StabilityRule::Ignore,
+    }
+}

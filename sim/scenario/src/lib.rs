@@ -1,0 +1,84 @@
+//! What is simulated: an immutable description of shop, parts, tools and policies, in SI.
+//!
+//! ```text
+//!  scenario.toml ──read──► Scenario ──► Shop::new(scenario, policy, replication) ──► RunLog
+//! ```
+//! Everything refers to everything else by index; [`file::read`] turns names
+//! into indices and reports every fault of a file with its place.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`file`](mod@file) | scenario files: keys, reader, faults, schema |
+//! | [`policies`] | who chooses the speed and when an edge is changed: a scenario's policy worked out |
+//! | [`effects`] | catalogue rows of what a shop does beside its nominal simulation |
+//! | [`lobes`] | files of stability charts |
+//!
+//! # What is not modelled
+//! What controllers leave out is listed in [`policies`].
+
+mod contour;
+mod deviation;
+mod distribution;
+pub mod effects;
+pub mod file;
+mod gap;
+mod grinding;
+pub mod lobes;
+mod part;
+pub mod policies;
+mod policy;
+mod stability;
+mod station;
+mod unit;
+
+pub use contour::{ContourRule, ContourWork};
+pub use deviation::{Deviation, MICRO_STOP};
+pub use distribution::Distribution;
+pub use gap::{GapSection, SensorErrors};
+pub use grinding::{CycleWork, DressingRule, GrindingRule};
+pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
+pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use stability::{StabilityRule, StructureScatter, Uncertainty};
+pub use station::{
+    DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
+};
+pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
+
+/// A complete study: one shop under one or more policies.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// Short name, also of the output folder.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Independent repetitions of the horizon.
+    pub replications: u32,
+    /// Simulated time of one replication, s, warm-up included.
+    pub horizon: f64,
+    /// Time at the start that no statistic counts, s.
+    pub warm_up: f64,
+    /// Length of the shift to which rates refer (parts per shift), s.
+    pub shift_length: f64,
+    /// Machines.
+    pub machines: Vec<MachineType>,
+    /// Tools (cutting edges, milling cutters, grinding wheels).
+    pub tools: Vec<ToolType>,
+    /// Parts with their routings.
+    pub parts: Vec<Part>,
+    /// Where jobs come from.
+    pub arrivals: Vec<Arrival>,
+    /// Which waiting job a free machine takes.
+    pub dispatch: DispatchRule,
+    /// Working time; a machine without calendar always works.
+    pub calendars: Vec<ShiftCalendar>,
+    /// Breakdowns.
+    pub failures: Vec<FailureMode>,
+    /// The comparison axis; the first one is the baseline of every difference.
+    pub policies: Vec<PolicyRule>,
+    /// What the true shop does otherwise than planned.
+    pub deviations: Vec<Deviation>,
+    /// Currency code of all costs.
+    pub currency: String,
+}

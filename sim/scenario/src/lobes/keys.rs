@@ -1,0 +1,248 @@
+//! The sections of a lobes file.
+
+use crate::file::{Form, Key, Kind, Quantity};
+
+const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
+}
+
+const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
+}
+
+const FREQUENCY: Kind = positive("Hz", "Hz", 1e6, "922 Hz");
+/// A mode with a damping ratio of one does not vibrate.
+const DAMPING_RATIO: Kind = positive("1", "1", 0.999, "0.011");
+const MASS: Kind = positive("kg", "kg", 1e6, "0.04 kg");
+const STIFFNESS: Kind = positive("N/m", "N/um", 1e12, "1.34 N/um");
+const PRESSURE: Kind = positive("Pa", "MPa", 1e12, "600 MPa");
+const INDENTATION: Kind = quantity("N/m", "N/m", 0.0, 1e9, "6e5 N/m");
+const LENGTH: Kind = positive("m", "mm", 100.0, "20 mm");
+const ANGLE: Kind = quantity("rad", "deg", -6.3, 6.3, "30 deg");
+const DEPTH: Kind = quantity("m", "mm", 0.0, 1.0, "0.5 mm");
+const SPEED: Kind = positive("rad/s", "rpm", 1e5, "5000 rpm");
+const LAG: Kind = quantity("s", "s", 0.0, 1.0, "0.4e-4 s");
+const SPEED_RATIO: Kind = positive("1", "1", 100.0, "1");
+const CUTTING_STIFFNESS: Kind = quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
+const MODULATION: Kind = quantity("1", "1", 0.0, 10.0, "0.3");
+
+const MILLING: &[&str] = &["milling"];
+const TURNING: &[&str] = &["turning"];
+const CHUCK: &[&str] = &["chuck"];
+const CHIP_LAG: &[&str] = &["chip_lag"];
+const LATHE: &[&str] = &["lathe"];
+const MODULATED: &[&str] = &["chuck", "lathe"];
+const CUTTING: &[&str] = &["milling", "turning"];
+
+/// The whole file.
+pub static LOBES: Form = Form {
+    title: "the lobes file",
+    doc: "A stability chart with operating points, for toolroom lobes",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("name", Kind::Name, "Short name, also of the output folder"),
+        Key::default("title", Kind::Text, "", "One line for people"),
+        Key::required(
+            "process",
+            Kind::Choice(&["milling", "turning", "chuck", "chip_lag", "lathe"]),
+            "What vibrates: a cut that meets its own surface, or work in a chuck of three jaws: one mode over speed \
+             and modulation, the same at rest over lag and cutting stiffness, tool and work together",
+        ),
+        Key::optional("mode", Kind::Tables(&MODE), "Vibration modes of tool and workpiece").when("process", CUTTING),
+        Key::required("cutter", Kind::Table(&CUTTER), "Milling cutter").when("process", MILLING),
+        Key::required("engagement", Kind::Table(&ENGAGEMENT), "How the cutter meets the work").when("process", MILLING),
+        Key::required("force", Kind::Table(&FORCE), "Cutting force of milling").when("process", MILLING),
+        Key::required("cut", Kind::Table(&CUT), "Cutting force and diameter of turning").when("process", TURNING),
+        Key::optional("bar", Kind::Table(&BAR), "Bending of a slender workpiece at the tool").when("process", TURNING),
+        Key::required("chuck", Kind::Table(&CHUCK_FORM), "Workpiece in a chuck of three jaws")
+            .when("process", &["chuck", "chip_lag"]),
+        Key::required("lathe", Kind::Table(&LATHE_FORM), "Tool and workpiece in a chuck of three jaws")
+            .when("process", LATHE),
+        Key::optional("speed_variation", Kind::Table(&SPEED_VARIATION), "Spindle speed that varies about its mean")
+            .when("process", CUTTING),
+        Key::required("chart", Kind::Table(&CHART), "Range and resolution of the chart"),
+        Key::optional("point", Kind::Tables(&POINT), "Operating points on the chart"),
+    ],
+};
+
+static MODE: Form = Form {
+    title: "[[mode]]",
+    doc: "One vibration mode at the point of cut",
+    keys: &[
+        Key::optional("name", Kind::Name, "Name, for --set mode.NAME.stiffness=…"),
+        Key::required(
+            "direction",
+            Kind::List(&quantity("1", "1", -1e6, 1e6, "1")),
+            "Two components: (feed, normal to it) in milling, (chip thickness, cutting speed) in turning",
+        ),
+        Key::required("natural_frequency", FREQUENCY, "Undamped natural frequency"),
+        Key::required("damping_ratio", DAMPING_RATIO, "Share of critical damping"),
+        Key::optional("stiffness", STIFFNESS, "Modal stiffness; or give `mass`"),
+        Key::optional("mass", MASS, "Modal mass; or give `stiffness`"),
+    ],
+};
+
+static CUTTER: Form = Form {
+    title: "[cutter]",
+    doc: "A milling cutter",
+    keys: &[
+        Key::required("teeth", Kind::Count { min: 1, max: 200 }, "Number of teeth"),
+        Key::required("diameter", LENGTH, "Diameter"),
+        Key::default("helix_angle", quantity("rad", "deg", 0.0, 1.5, "30 deg"), "0 deg", "Helix angle"),
+        Key::optional(
+            "pitch",
+            Kind::List(&positive("rad", "deg", 6.3, "90 deg")),
+            "Angle from each tooth to the one that cut before it; left out: equal",
+        ),
+        Key::default("runout", quantity("m", "um", 0.0, 1e-2, "10 um"), "0 um", "Offset of the cutter's axis"),
+        Key::default("runout_angle", ANGLE, "0 deg", "Angle from the first tooth to the offset"),
+    ],
+};
+
+static ENGAGEMENT: Form = Form {
+    title: "[engagement]",
+    doc: "How the cutter meets the work",
+    keys: &[
+        Key::required("immersion", positive("1", "1", 1.0, "0.5"), "Radial width of cut over diameter; a slot is 1"),
+        Key::required("direction", Kind::Choice(&["up", "down"]), "Conventional (up) or climb (down) milling"),
+    ],
+};
+
+static FORCE: Form = Form {
+    title: "[force]",
+    doc: "Linear cutting force on a tooth",
+    keys: &[
+        Key::required("tangential", PRESSURE, "Tangential cutting-force coefficient"),
+        Key::required("radial", quantity("Pa", "MPa", -1e12, 1e12, "200 MPa"), "Radial cutting-force coefficient"),
+        Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
+        Key::default(
+            "feed_per_tooth",
+            quantity("m", "mm", 0.0, 0.1, "0.1 mm/tooth"),
+            "0 mm",
+            "Feed per tooth; stability depends on it only with runout",
+        ),
+    ],
+};
+
+static CUT: Form = Form {
+    title: "[cut]",
+    doc: "Cutting force and diameter of turning",
+    keys: &[
+        Key::required("cutting_coefficient", PRESSURE, "Cutting-force coefficient"),
+        Key::required("diameter", LENGTH, "Diameter of the work"),
+        Key::default("force_angle", ANGLE, "0 deg", "Angle from the chip thickness to the force"),
+        Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
+        Key::default("chip_exponent", positive("1", "1", 2.0, "0.75"), "1", "Exponent of chip thickness in the force"),
+    ],
+};
+
+static BAR: Form = Form {
+    title: "[bar]",
+    doc: "A round bar in a chuck: its bending adds a mode at the tool; the diameter is the one of [cut]",
+    keys: &[
+        Key::required("length", LENGTH, "Length out of the chuck"),
+        Key::required("position", LENGTH, "Place of the tool from the jaws"),
+        Key::required("support", Kind::Choice(&["chuck", "tailstock"]), "How the bar is held"),
+        Key::required("youngs_modulus", positive("Pa", "GPa", 2e12, "210 GPa"), "Young's modulus"),
+        Key::required("density", positive("kg/m3", "kg/m3", 3e4, "7850 kg/m3"), "Density"),
+        Key::required("damping_ratio", DAMPING_RATIO, "Share of critical damping"),
+        Key::required("chuck_stiffness", STIFFNESS, "Stiffness of the chuck against a radial force"),
+    ],
+};
+
+static SPEED_VARIATION: Form = Form {
+    title: "[speed_variation]",
+    doc: "Sinusoidal spindle speed; limits and verdicts are those of the varying speed",
+    keys: &[
+        Key::required("amplitude", quantity("1", "1", 0.0, 0.9, "0.2"), "Amplitude over the mean speed, RVA"),
+        Key::required("revolutions", Kind::Count { min: 2, max: 200 }, "Mean revolutions in one period, 1/RVF"),
+    ],
+};
+
+const PRESET: Key = Key::default(
+    "preset",
+    Kind::Choice(&["f0_120hz", "fig3_fit", "table2_milli", "table2_literal"]),
+    "f0_120hz",
+    "Reading of the published constants",
+);
+
+static CHUCK_FORM: Form = Form {
+    title: "[chuck]",
+    doc: "Workpiece in a chuck of three jaws as one mode under a lagged cutting force",
+    keys: &[
+        PRESET,
+        Key::required("lag", LAG, "Chip-formation lag").when("process", CHUCK),
+        Key::optional("mass", MASS, "Modal mass; left out: the preset's"),
+        Key::optional("damping", positive("N s/m", "N s/m", 1e9, "188 N s/m"), "Damping; left out: the preset's"),
+        Key::optional("stiffness", STIFFNESS, "Mean stiffness of the clamping; left out: the preset's"),
+        Key::optional(
+            "cutting_stiffness",
+            CUTTING_STIFFNESS,
+            "Stiffness of the cutting process; left out: the preset's",
+        )
+        .when("process", CHUCK),
+    ],
+};
+
+static LATHE_FORM: Form = Form {
+    title: "[lathe]",
+    doc: "Tool in three directions and workpiece in two, coupled by a lagged cutting force",
+    keys: &[
+        PRESET,
+        Key::required("lag", LAG, "Chip-formation lag of every component of the force"),
+        Key::required("feed_per_rev", positive("m", "mm", 20e-3, "0.1 mm/rev"), "Feed"),
+        Key::optional("allowance", Kind::List(&MODULATION), "Modulation by an uneven allowance: harmonics 1, 3, 5 …"),
+        Key::default(
+            "workpiece_lag",
+            Kind::Flag,
+            "false",
+            "Take the extra damping of the printed workpiece rows literally",
+        ),
+        Key::default("regeneration", Kind::Flag, "false", "Let the surface of the last revolution act on the force"),
+    ],
+};
+
+static CHART: Form = Form {
+    title: "[chart]",
+    doc: "Range and resolution of the chart",
+    keys: &[
+        Key::required("spindle_speed", Kind::List(&SPEED), "Least and greatest spindle speed").when("process", CUTTING),
+        Key::required("depth_of_cut", Kind::List(&DEPTH), "Least and greatest depth of cut").when("process", CUTTING),
+        Key::required(
+            "speed_ratio",
+            Kind::List(&SPEED_RATIO),
+            "Least and greatest speed over the natural frequency: of the modulation, three times the spindle's, for a \
+             chuck; of the spindle for a lathe",
+        )
+        .when("process", MODULATED),
+        Key::required("modulation", Kind::List(&MODULATION), "Least and greatest modulation of the stiffness")
+            .when("process", MODULATED),
+        Key::required("chip_lag", Kind::List(&LAG), "Least and greatest chip-formation lag").when("process", CHIP_LAG),
+        Key::required("cutting_stiffness", Kind::List(&CUTTING_STIFFNESS), "Least and greatest stiffness of the cut")
+            .when("process", CHIP_LAG),
+        Key::optional(
+            "allowance",
+            Kind::List(&MODULATION),
+            "Other first harmonics of the allowance whose boundaries are drawn beside",
+        )
+        .when("process", LATHE),
+        Key::optional("lag", Kind::List(&LAG), "Other lags whose boundaries are drawn beside").when("process", CHUCK),
+        Key::default("columns", Kind::Count { min: 2, max: 4000 }, "200", "Points along the speed"),
+        Key::default("rows", Kind::Count { min: 2, max: 2000 }, "100", "Points along the depth"),
+        Key::default("boundary_only", Kind::Flag, "false", "Trace the boundary without judging the points of the grid"),
+    ],
+};
+
+static POINT: Form = Form {
+    title: "[[point]]",
+    doc: "An operating point on the chart",
+    keys: &[
+        Key::optional("name", Kind::Name, "Name in tables and pictures"),
+        Key::required("spindle_speed", SPEED, "Spindle speed").when("process", CUTTING),
+        Key::required("depth_of_cut", DEPTH, "Depth of cut").when("process", CUTTING),
+        Key::required("speed_ratio", SPEED_RATIO, "Speed over the natural frequency").when("process", MODULATED),
+        Key::required("modulation", MODULATION, "Modulation of the stiffness by the jaws").when("process", MODULATED),
+        Key::required("chip_lag", LAG, "Chip-formation lag").when("process", CHIP_LAG),
+        Key::required("cutting_stiffness", CUTTING_STIFFNESS, "Stiffness of the cut").when("process", CHIP_LAG),
+    ],
+};

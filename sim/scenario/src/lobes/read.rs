@@ -1,0 +1,313 @@
+//! From the sections of a lobes file to cut, chart and operating points.
+
+use super::keys::LOBES;
+use super::{Chart, LobesCut, LobesFile, Point, axes};
+use crate::file::{Fault, FormFile, ReadError, Section, Walk, parse_form, read_form, significant};
+use std::f64::consts::TAU;
+use std::path::Path;
+use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
+use toolroom_chatter::{
+    Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation, Support, Turning,
+};
+use toolroom_process::unit::convert;
+
+/// Reads a lobes file; `overrides` are `path=value` as after `--set`.
+///
+/// # Errors
+/// As [`file::read`](crate::file::read).
+pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
+    read_form(path, overrides, &LOBES, resolve)
+}
+
+/// [`read`] of a text; `file` is its name in messages.
+///
+/// # Errors
+/// As [`file::parse`](crate::file::parse).
+pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
+    parse_form(file, text, overrides, &LOBES, resolve)
+}
+
+/// From the sections of a lobes file to what they mean.
+fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
+    let process = root.text("process");
+    let cut = match process {
+        Some("milling") => milling(walk, root).map(LobesCut::Milling),
+        Some("turning") => turning(walk, root),
+        Some("chuck") => chuck(walk, root, "chuck").map(LobesCut::Chuck),
+        Some("chip_lag") => chuck(walk, root, "chip_lag").map(LobesCut::ChipLag),
+        Some("lathe") => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
+        _ => None,
+    };
+    let variation = walk.table(root, "speed_variation").and_then(|section| {
+        let revolutions = u32::try_from(section.count("revolutions")?).ok()?;
+        Some(SpeedVariation { amplitude: section.si("amplitude")?, revolutions })
+    });
+    let case = process.map(|process| ("process", process));
+    let axes = axes(process.unwrap_or_default());
+    let chart = walk.table_in(root, "chart", case).and_then(|section| chart(walk, &section, axes));
+    let points = walk.sections(root, "point", case);
+    let points = points.iter().enumerate().map(|(i, section)| Point {
+        name: section.text("name").map_or_else(|| format!("point {}", i + 1), str::to_owned),
+        speed: section.required(axes[0].0),
+        depth: section.required(axes[1].0),
+    });
+    let points = points.collect();
+    let name = root.text("name")?.to_owned();
+    let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
+    Some(LobesFile { name, title, cut: cut?, variation, chart: chart?, points })
+}
+
+/// Key of an axis, its unit in files and that for people.
+type Quantity = (&'static str, &'static str, &'static str);
+
+fn chart(walk: &mut Walk, section: &Section<'_>, [speed, depth]: [Quantity; 2]) -> Option<Chart> {
+    let points = |key: &str| section.count(key).and_then(|count| usize::try_from(count).ok());
+    let (columns, rows) = (points("columns")?, points("rows")?);
+    let speed = range(walk, section, speed, columns);
+    let depth = range(walk, section, depth, rows);
+    Some(Chart {
+        speed: speed?,
+        depth: depth?,
+        boundary_only: section.flag("boundary_only")?,
+        beside: section.numbers("lag").or_else(|| section.numbers("allowance")).unwrap_or_default(),
+    })
+}
+
+/// Two ascending values.
+fn range(walk: &mut Walk, section: &Section<'_>, (key, si, display): Quantity, points: usize) -> Option<Axis> {
+    let values = pair(walk, section, key, "two values, least and greatest")?;
+    let [start, end] = values;
+    if start < end {
+        return Some(Axis { start, end, points });
+    }
+    let shown = |value| match display {
+        "1" => significant(value),
+        unit => format!("{} {unit}", significant(convert(value, si, unit))),
+    };
+    let fault = Fault::Contradiction {
+        first: "least",
+        first_value: shown(start),
+        second: "greatest",
+        second_value: shown(end),
+        rule: "the range of a chart ascends",
+    };
+    walk.fault(section.span_of(key), fault);
+    None
+}
+
+/// A list of two numbers; `None` with or after a fault.
+fn pair(walk: &mut Walk, section: &Section<'_>, key: &str, expected: &str) -> Option<[f64; 2]> {
+    let values = section.numbers(key)?;
+    let count = values.len();
+    if let Ok(pair) = <[f64; 2]>::try_from(values) {
+        return Some(pair);
+    }
+    let fault = Fault::WrongType {
+        key: key.to_owned(),
+        read: format!("a list of {count}"),
+        expected: expected.to_owned(),
+        example: "[…, …]".to_owned(),
+    };
+    walk.fault(section.span_of(key), fault);
+    None
+}
+
+/// All modes; `None` where one of them has a fault.
+fn modes(walk: &mut Walk, root: &Section<'_>) -> Option<Vec<Mode>> {
+    let sections = walk.sections(root, "mode", None);
+    sections.iter().map(|section| mode(walk, section)).collect::<Vec<_>>().into_iter().collect()
+}
+
+fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Mode> {
+    let direction = pair(walk, section, "direction", "two components")?;
+    if direction == [0.0, 0.0] {
+        let fault = Fault::OutOfRange {
+            key: "direction".to_owned(),
+            read: "[0, 0]".to_owned(),
+            range: "all directions, which have a length".to_owned(),
+            meant: Vec::new(),
+        };
+        walk.fault(section.span_of("direction"), fault);
+    }
+    let (natural_frequency, damping_ratio) = (section.si("natural_frequency")?, section.si("damping_ratio")?);
+    match (section.given("stiffness"), section.given("mass")) {
+        (true, false) => {
+            Some(Mode { direction, natural_frequency, damping_ratio, stiffness: section.si("stiffness")? })
+        }
+        (false, true) => Some(Mode::from_mass(direction, natural_frequency, damping_ratio, section.si("mass")?)),
+        (true, true) => {
+            let shown = |key| section.si(key).map_or_else(String::new, significant);
+            let fault = Fault::Contradiction {
+                first: "stiffness",
+                first_value: shown("stiffness") + " N/m",
+                second: "mass",
+                second_value: shown("mass") + " kg",
+                rule: "with the natural frequency one of them says the other",
+            };
+            walk.fault(section.span_of("mass"), fault);
+            None
+        }
+        (false, false) => {
+            let (section_title, example) = ("[[mode]]".to_owned(), "\"1.34 N/um\"".to_owned());
+            let fault = Fault::MissingKey { section: section_title, key: "stiffness", example };
+            walk.fault(section.span_of(""), fault);
+            None
+        }
+    }
+}
+
+/// Says so where no mode moves the cut.
+fn some_modes(walk: &mut Walk, root: &Section<'_>, modes: &[Mode]) {
+    if modes.is_empty() {
+        let example = "[[mode]] with direction, natural_frequency, damping_ratio and stiffness";
+        walk.fault(root.span_of("mode"), Fault::Nothing { what: "vibration mode", example });
+    }
+}
+
+fn milling(walk: &mut Walk, root: &Section<'_>) -> Option<Milling> {
+    let modes = modes(walk, root);
+    if let Some(modes) = &modes {
+        some_modes(walk, root, modes);
+    }
+    let cutter = walk.table(root, "cutter").and_then(|section| cutter(walk, &section));
+    let engagement = walk.table(root, "engagement").and_then(|section| {
+        let direction = if section.text("direction")? == "up" { Direction::Up } else { Direction::Down };
+        Engagement::new(section.si("immersion")?, direction).ok()
+    });
+    let force = walk.table(root, "force")?;
+    let feed_per_tooth = force.si("feed_per_tooth")?;
+    let cutter = cutter?;
+    if cutter.runout > 0.0 && feed_per_tooth == 0.0 {
+        let section = "[force] of a cutter with runout".to_owned();
+        let example = "\"0.1 mm/tooth\"".to_owned();
+        walk.fault(force.span_of("feed_per_tooth"), Fault::MissingKey { section, key: "feed_per_tooth", example });
+    }
+    let force = MillingForce {
+        tangential: force.si("tangential")?,
+        radial: force.si("radial")?,
+        process_damping: force.si("process_damping")?,
+    };
+    Some(Milling { modes: modes?, cutter, engagement: engagement?, force, feed_per_tooth })
+}
+
+fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
+    let pitch = section.numbers("pitch").unwrap_or_default();
+    let teeth = usize::try_from(section.count("teeth")?).ok()?;
+    if section.given("pitch") {
+        let whole = pitch.iter().sum::<f64>();
+        if pitch.len() != teeth {
+            let fault = Fault::Contradiction {
+                first: "teeth",
+                first_value: teeth.to_string(),
+                second: "pitch",
+                second_value: format!("{} angles", pitch.len()),
+                rule: "every tooth has one pitch angle",
+            };
+            walk.fault(section.span_of("pitch"), fault);
+        } else if (whole / TAU - 1.0).abs() > 1e-6 {
+            let fault = Fault::OutOfRange {
+                key: "pitch".to_owned(),
+                read: format!("{} deg in all", significant(whole.to_degrees())),
+                range: "a whole turn, 360 deg".to_owned(),
+                meant: Vec::new(),
+            };
+            walk.fault(section.span_of("pitch"), fault);
+        }
+    }
+    Some(Cutter {
+        teeth,
+        diameter: section.si("diameter")?,
+        helix_angle: section.si("helix_angle")?,
+        pitch,
+        runout: section.si("runout")?,
+        runout_angle: section.si("runout_angle")?,
+    })
+}
+
+fn turning(walk: &mut Walk, root: &Section<'_>) -> Option<LobesCut> {
+    let modes = modes(walk, root);
+    let cut = walk.table(root, "cut");
+    let diameter = cut.as_ref().and_then(|cut| cut.si("diameter"));
+    let section = walk.table(root, "bar");
+    let bar = match (&section, diameter) {
+        (Some(section), Some(diameter)) => bending(walk, section, diameter),
+        _ => None,
+    };
+    let modes = modes?;
+    if section.is_some() {
+        bar?;
+    } else {
+        some_modes(walk, root, &modes);
+    }
+    let cut = cut?;
+    let cut = Turning {
+        modes,
+        cutting_coefficient: cut.si("cutting_coefficient")?,
+        force_angle: cut.si("force_angle")?,
+        process_damping: cut.si("process_damping")?,
+        diameter: diameter?,
+        chip_exponent: cut.si("chip_exponent")?,
+    };
+    Some(LobesCut::Turning { cut, bar })
+}
+
+/// The bar and the place of the tool on it.
+fn bending(walk: &mut Walk, section: &Section<'_>, diameter: f64) -> Option<(Bar, f64)> {
+    let (length, position) = (section.si("length")?, section.si("position")?);
+    let bar = Bar {
+        length,
+        diameter,
+        youngs_modulus: section.si("youngs_modulus")?,
+        density: section.si("density")?,
+        damping_ratio: section.si("damping_ratio")?,
+        chuck_stiffness: section.si("chuck_stiffness")?,
+        support: if section.text("support")? == "tailstock" { Support::Tailstock } else { Support::Chuck },
+    };
+    let bends = bar.mode_at(position).is_ok();
+    if !bends {
+        let millimetres = |value: f64| format!("{} mm", significant(value * 1e3));
+        let fault = Fault::Contradiction {
+            first: "position",
+            first_value: millimetres(position),
+            second: "length",
+            second_value: millimetres(length),
+            rule: "the tool is on the bar and not at a support, where nothing moves",
+        };
+        walk.fault(section.span_of("position"), fault);
+    }
+    bends.then_some((bar, position))
+}
+
+fn preset(section: &Section<'_>) -> Option<Preset> {
+    Some(match section.text("preset")? {
+        "fig3_fit" => Preset::Fig3Fit,
+        "table2_milli" => Preset::Table2Milli,
+        "table2_literal" => Preset::Table2Literal,
+        _ => Preset::F0_120Hz,
+    })
+}
+
+/// The section `[chuck]`; where lag and cutting stiffness are the axes they are none of its keys.
+fn chuck(walk: &mut Walk, root: &Section<'_>, process: &str) -> Option<Reduced> {
+    let section = walk.table_in(root, "chuck", Some(("process", process)))?;
+    let lag = if process == "chuck" { section.si("lag")? } else { 0.0 };
+    let published = Reduced::from_preset(preset(&section)?, lag);
+    Some(Reduced {
+        mass: section.si("mass").unwrap_or(published.mass),
+        damping: section.si("damping").unwrap_or(published.damping),
+        stiffness: section.si("stiffness").unwrap_or(published.stiffness),
+        cutting_stiffness: section.si("cutting_stiffness").unwrap_or(published.cutting_stiffness),
+        lag: published.lag,
+    })
+}
+
+fn lathe(walk: &mut Walk, root: &Section<'_>) -> Option<FiveDegrees> {
+    let section = walk.table(root, "lathe")?;
+    let (lag, feed_per_rev) = (section.si("lag")?, section.si("feed_per_rev")?);
+    Some(FiveDegrees {
+        mu_allowance: section.numbers("allowance").unwrap_or_default(),
+        workpiece_lag: section.flag("workpiece_lag")?,
+        regeneration: section.flag("regeneration")?,
+        ..FiveDegrees::from_preset(preset(&section)?, lag, feed_per_rev)
+    })
+}

@@ -1,0 +1,112 @@
+//! What the sensors say about an edge.
+
+use super::Believed;
+use crate::SensorSheet;
+use rand_distr::{Distribution as _, StandardNormal};
+use toolroom_kernel::Stream;
+use toolroom_wear::{Cut, Estimate, Measurement, ObserverNoise};
+
+/// Least noise that the filter reckons with, relative: a perfect sensor would make it believe
+/// its model without question (assumption).
+const LEAST_NOISE: f64 = 1e-3;
+/// Inflation of the thermo-EMF noise for its bias, relative; with a sensor of 1.5 % it gives the
+/// 2.5 % of the filter's derivation (assumption).
+const EMF_INFLATION: f64 = 0.02;
+
+/// What sensors would show at one instant of a pass, without their errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Time since the start of the segment, s.
+    pub elapsed: f64,
+    /// Cutting speed, m/s.
+    pub cutting_speed: f64,
+    /// Spindle power, W.
+    pub spindle_power: f64,
+    /// Feed force, N.
+    pub feed_force: f64,
+    /// Thermo-EMF, V.
+    pub thermo_emf: f64,
+    /// Root mean square of the force about its mean by chatter, over the mean.
+    pub force_ripple: f64,
+}
+
+/// Share of the force's fluctuation under chatter that is left in a sample (assumption): what a
+/// sensor averages over a tenth of a second does not see all of it.
+const ALIASED: f64 = 0.1;
+
+/// The Kalman filter of one edge, fed with samples when a stretch of cutting is over.
+#[derive(Clone, Debug)]
+pub struct Observer {
+    filter: toolroom_wear::Observer,
+    /// Nominal cut of the pass.
+    cut: Cut,
+    /// Time within the segment to which the filter has come, s.
+    at: f64,
+    /// Speed then, m/s.
+    speed: Option<f64>,
+}
+
+impl Observer {
+    /// For a new edge, or for one whose flank wear, m, was read.
+    pub(super) fn new(believed: &Believed, sensors: &SensorSheet, reading: Option<f64>) -> Self {
+        let defaults = ObserverNoise::default();
+        let noise = ObserverNoise {
+            power_noise: sensors.spindle_power.max(LEAST_NOISE),
+            feed_force_noise: sensors.feed_force.max(LEAST_NOISE),
+            emf_noise: sensors.thermo_emf.hypot(EMF_INFLATION),
+            depth_scatter: believed.allowance,
+            initial_wear: if reading.is_some() { sensors.flank_wear } else { defaults.initial_wear },
+            ..defaults
+        };
+        let mut filter = toolroom_wear::Observer::new(&believed.pair, noise);
+        if let Some(reading) = reading {
+            let flank_wear = reading.max(0.0);
+            filter = filter.with_estimate(Estimate { flank_wear, ln_force_factor: 0.0, ln_wear_factor: 0.0 });
+        }
+        Self { filter, cut: believed.cut, at: 0.0, speed: None }
+    }
+
+    /// Estimated flank wear, m.
+    pub fn flank_wear(&self) -> f64 {
+        self.filter.estimate().flank_wear.max(0.0)
+    }
+
+    /// Estimated factor of this edge on wear.
+    pub fn wear_factor(&self) -> f64 {
+        self.filter.estimate().ln_wear_factor.exp()
+    }
+
+    /// A pass begins at a nominal cut.
+    pub fn begin_pass(&mut self, cut: &Cut) {
+        self.cut = *cut;
+        self.filter.begin_pass(cut.depth_of_cut);
+    }
+
+    /// Takes one sample as the sensors show it: with their biases, the gain `emf_gain` of this
+    /// edge's thermocouple, and noise.
+    pub fn see(&mut self, sample: &Sample, sensors: &SensorSheet, emf_gain: f64, noise: &mut Stream) {
+        let chatter = ALIASED * sample.force_ripple;
+        let mut shown = |value: f64, bias: f64, deviation: f64| {
+            let z: f64 = StandardNormal.sample(noise);
+            value * (1.0 + bias) * (1.0 + deviation.hypot(chatter) * z)
+        };
+        let measured = Measurement {
+            spindle_power: shown(sample.spindle_power, sensors.spindle_power_bias, sensors.spindle_power),
+            feed_force: shown(sample.feed_force, sensors.feed_force_bias, sensors.feed_force),
+            thermo_emf: shown(sample.thermo_emf * emf_gain, sensors.thermo_emf_bias, sensors.thermo_emf),
+        };
+        // Commanded speeds are known; over the time since the last sample their mean counts.
+        let before = self.speed.unwrap_or(sample.cutting_speed);
+        let mean = 0.5 * (before + sample.cutting_speed);
+        self.filter.predict(&self.cut.at_speed(mean), sample.elapsed - self.at);
+        self.filter.update(&self.cut.at_speed(sample.cutting_speed), &measured);
+        self.at = sample.elapsed;
+        self.speed = Some(sample.cutting_speed);
+    }
+
+    /// The stretch of cutting is over; the next one counts its time from zero.
+    pub fn segment_ends(&mut self) {
+        self.at = 0.0;
+        self.speed = None;
+    }
+}

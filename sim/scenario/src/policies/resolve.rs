@@ -1,0 +1,272 @@
+//! From a policy of the scenario to a controller for every pass.
+
+use super::constant::{self, ChangeCost};
+use super::planned::Planned;
+use super::set_increment::SetIncrement;
+use super::{
+    Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
+};
+use crate::policies::ResolveError;
+use crate::{
+    Cut, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType, Work,
+};
+use std::sync::Arc;
+use toolroom_wear::{Pair, SpeedTable};
+
+/// A policy worked out for a scenario: resolve once, share over all replications.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedPolicy {
+    controllers: Vec<Controller>,
+    /// Controller of every pass (of all operations of all parts) on every machine.
+    of_pass: Vec<Vec<u32>>,
+    /// Plans of contours, by machine and pass.
+    contour: Vec<Vec<Option<Arc<ContourPlan>>>>,
+    /// Cycles of grinding operations, by pass.
+    grinding: Vec<Option<Arc<GrindingController>>>,
+}
+
+impl ResolvedPolicy {
+    /// Works out policy number `policy` of `scenario`.
+    ///
+    /// # Errors
+    /// [`ResolveError::UnknownPolicy`], [`ResolveError::UnknownIndex`] for an operation without tool
+    /// or machine, [`ResolveError::Policy`] where the believed model is not known.
+    pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ResolveError> {
+        let count = scenario.policies.len();
+        let rule = scenario.policies.get(policy).ok_or(ResolveError::UnknownPolicy { index: policy, count })?;
+        let mut resolved = Self {
+            controllers: Vec::new(),
+            of_pass: vec![Vec::new(); scenario.machines.len()],
+            contour: vec![Vec::new(); scenario.machines.len()],
+            grinding: Vec::new(),
+        };
+        let mut known: Vec<(Key, u32)> = Vec::new();
+        for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+            let tool = scenario.tools.get(operation.tool).ok_or(ResolveError::UnknownIndex {
+                kind: "tool",
+                index: operation.tool,
+                count: scenario.tools.len(),
+            })?;
+            let refuse = |source| ResolveError::Policy {
+                policy: rule.name.clone(),
+                tool: tool.name.clone(),
+                source: Box::new(source),
+            };
+            let grinding = grinding(rule, operation, tool).map_err(refuse)?.map(Arc::new);
+            for pass in 0..operation.work.passes() {
+                resolved.grinding.push(grinding.clone());
+                let cut = match &operation.work {
+                    Work::Cutting(cuts) => Some(cuts[pass]),
+                    Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
+                };
+                for (index, machine) in scenario.machines.iter().enumerate() {
+                    let able = operation.machines.contains(&index);
+                    let contour = match &operation.work {
+                        Work::Contour(work) if able => {
+                            let regime = rule.contour.unwrap_or(work.rule);
+                            let plan = ContourPlan::new(work, pass, regime, tool, machine);
+                            Some(Arc::new(plan.map_err(|source| refuse(source.into()))?))
+                        }
+                        _ => None,
+                    };
+                    resolved.contour[index].push(contour);
+                    if !able {
+                        resolved.of_pass[index].push(u32::MAX);
+                        continue;
+                    }
+                    let key = Key { tool: operation.tool, cut, machine: MachineKey::of(machine) };
+                    let same = known.iter().find(|(each, _)| *each == key).map(|(_, controller)| *controller);
+                    let controller = match same {
+                        Some(controller) => controller,
+                        None => {
+                            let made = controller(rule, tool, cut.as_ref(), machine).map_err(refuse)?;
+                            resolved.controllers.push(made);
+                            let number = (resolved.controllers.len() - 1) as u32;
+                            known.push((key, number));
+                            number
+                        }
+                    };
+                    resolved.of_pass[index].push(controller);
+                }
+            }
+        }
+        Ok(resolved)
+    }
+
+    /// Controller of a pass, counted over all operations of all parts, on a machine that may
+    /// cut it.
+    pub fn of_pass(&self, machine: usize, pass: u32) -> &Controller {
+        &self.controllers[self.of_pass[machine][pass as usize] as usize]
+    }
+
+    /// Plan of a pass around a contour on a machine that may mill it.
+    pub fn contour(&self, machine: usize, pass: u32) -> Option<&ContourPlan> {
+        self.contour[machine][pass as usize].as_deref()
+    }
+
+    /// Number of that controller: equal for passes that cut alike on machines of one kind.
+    pub fn kind_of_pass(&self, machine: usize, pass: u32) -> u32 {
+        self.of_pass[machine][pass as usize]
+    }
+
+    /// Cycle and dressing of a pass of a grinding operation.
+    pub fn grinding(&self, pass: u32) -> Option<&GrindingController> {
+        self.grinding[pass as usize].as_deref()
+    }
+}
+
+fn grinding(
+    rule: &PolicyRule,
+    operation: &Operation,
+    tool: &ToolType,
+) -> Result<Option<GrindingController>, PolicyError> {
+    let ProcessModel::Infeed(wheel) = &tool.process else { return Ok(None) };
+    Ok(match &operation.work {
+        Work::Cycle(work) => Some(GrindingController::designed(work, rule.grinding, rule.dressing, &rule.sensors)?),
+        Work::Grinding { phases, .. } => {
+            Some(GrindingController::programmed(phases, wheel, rule.dressing, &rule.sensors))
+        }
+        Work::Cutting(_) | Work::Contour(_) => None,
+    })
+}
+
+/// Everything that a controller depends on.
+#[derive(PartialEq)]
+struct Key {
+    tool: usize,
+    cut: Option<Cut>,
+    machine: MachineKey,
+}
+
+#[derive(PartialEq)]
+struct MachineKey {
+    rate: f64,
+    tool_change_time: f64,
+    magazine: u32,
+    refill_time: f64,
+    speed_range: (f64, f64),
+}
+
+impl MachineKey {
+    fn of(machine: &MachineType) -> Self {
+        let &MachineType { rate, tool_change_time, magazine, refill_time, speed_range, .. } = machine;
+        Self { rate, tool_change_time, magazine, refill_time, speed_range }
+    }
+}
+
+fn controller(
+    rule: &PolicyRule,
+    tool: &ToolType,
+    cut: Option<&Cut>,
+    machine: &MachineType,
+) -> Result<Controller, PolicyError> {
+    let pair = match &rule.believed_model {
+        // An imported unit tells nobody its parameters; a policy may still name what it believes.
+        Some(name) if tool.process.takes_speed_commands() => Some(Pair::named(name)?),
+        _ => tool.process.pair().cloned(),
+    };
+    let believed = match (pair, cut) {
+        (Some(pair), Some(cut)) => Some(believe(tool, pair, cut, machine)),
+        _ => None,
+    };
+    let cost = ChangeCost {
+        time: machine.tool_change_time + machine.refill_time / f64::from(machine.magazine.max(1)),
+        edge: tool.edge_cost,
+        machine: machine.rate,
+    };
+    let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
+    let speed = match (&believed, rule.speed) {
+        _ if !tool.process.takes_speed_commands() => Speed::Fixed(programmed),
+        (_, SpeedRule::Programmed) => Speed::Fixed(programmed),
+        (believed, SpeedRule::Constant(choice)) => {
+            Speed::Fixed(constant::speed(choice, believed.as_ref(), &cost).unwrap_or(programmed))
+        }
+        (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
+        (None, _) => Speed::Fixed(programmed),
+        (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
+        (Some(believed), rule) => Speed::Planned(Arc::new(Planned { law: law(rule, believed, &cost) })),
+    };
+    let own_limit = tool.process.wear_limit();
+    let change = match rule.tool_change {
+        ToolChangeRule::WearLimit { limit } => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
+        ToolChangeRule::PartCount { parts } => ChangeRule::PartCount(parts),
+        ToolChangeRule::CuttingTime { time } => ChangeRule::CuttingTime(time),
+        // Nothing to predict with: the edge is read instead.
+        ToolChangeRule::Predicted { limit } if believed.is_none() => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
+        ToolChangeRule::Predicted { limit } => ChangeRule::Predicted(limit.unwrap_or(own_limit)),
+    };
+    let oracle = rule.speed == SpeedRule::Oracle && believed.is_some();
+    let adaptive = matches!(speed, Speed::Planned(_) | Speed::SetIncrement(_));
+    let stability = match cut {
+        Some(cut) => Stability::of(rule.stability, &tool.process, cut, machine.speed_range)?,
+        None => None,
+    };
+    Ok(Controller {
+        stability,
+        observes: (adaptive || matches!(change, ChangeRule::Predicted(_))) && !oracle,
+        oracle,
+        speed,
+        change,
+        range: machine.speed_range,
+        sensors: rule.sensors,
+        believed,
+    })
+}
+
+/// A controller for one pass with a tool of `pair` on a machine of this speed range.
+#[cfg(test)]
+pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range: (f64, f64)) -> Controller {
+    use crate::{Distribution, ProcessModel};
+    let turning = toolroom_cutting::Turning { pair: pair.clone(), ..toolroom_cutting::Turning::default() };
+    let tool = ToolType {
+        name: "insert".to_owned(),
+        process: ProcessModel::Turning(Arc::new(turning)),
+        parameter_set: pair.name.clone(),
+        edge_cost: 8.0,
+        dressing_time: 0.0,
+        scatter: toolroom_wear::Scatter::shop(),
+        structure_scatter: Default::default(),
+    };
+    let machine = MachineType {
+        name: "lathe".to_owned(),
+        process: "turning".to_owned(),
+        rate: 0.02,
+        load_time: Distribution::Constant(0.0),
+        unload_time: Distribution::Constant(0.0),
+        tool_change_time: 90.0,
+        setup_time: 0.0,
+        magazine: 10,
+        refill_time: 300.0,
+        speed_range,
+        idle_power: 0.0,
+        coolant_change: None,
+        calendar: None,
+    };
+    controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
+}
+
+/// The law by which passes are planned.
+fn law(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedTable {
+    let Believed { pair, cut, .. } = believed;
+    let limit = pair.limits.wear_limit;
+    match rule {
+        SpeedRule::MinimumWear { literal: true } => {
+            SpeedTable::tabulate(limit, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
+        }
+        SpeedRule::Productivity { price } => {
+            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
+            SpeedTable::tabulate(limit, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        }
+        _ => SpeedTable::tabulate(limit, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)),
+    }
+}
+
+/// The believed pair at a nominal cut, its speed range narrowed to the machine's.
+fn believe(tool: &ToolType, mut pair: Pair, cut: &Cut, machine: &MachineType) -> Believed {
+    let (slowest, fastest) = machine.speed_range;
+    let limits = &mut pair.limits;
+    limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
+    limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
+    let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
+    Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance: tool.scatter.allowance }
+}

@@ -1,0 +1,194 @@
+//! A pass on the process model: planned as a whole on a copy of the edge's state, taken over
+//! when it ends, planned again for a shorter time when it is interrupted.
+
+use super::chatter::{self, Vibration};
+use super::ports::{Ports, elements, read, write};
+use super::program::Program;
+use toolroom_process::{MachineProcess, ModelError, ProcessEvent};
+use toolroom_scenario::policies::Sample;
+
+/// A stretch of cutting under one command: where it starts, where it ends, what happens.
+#[derive(Clone, Debug, Default)]
+pub struct Segment {
+    /// Input at the start.
+    pub start_input: Vec<f64>,
+    /// Commands that change within the pass.
+    pub program: Program,
+    /// Input at the end (a ramp has moved the speed).
+    pub input: Vec<f64>,
+    /// State at the end.
+    pub state: Vec<f64>,
+    /// Output at the end.
+    pub output: Vec<f64>,
+    /// Duration asked for, s.
+    pub asked: f64,
+    /// Time between samples, s; `None` where nobody watches.
+    pub sampling_period: Option<f64>,
+    /// Duration, s; shorter than asked for where the edge is lost.
+    pub elapsed: f64,
+    /// What the edge was lost by.
+    pub lost: Option<ProcessEvent>,
+    /// Events that do not stop the cut, with their time since the start, s.
+    pub passed: Vec<(f64, ProcessEvent)>,
+    /// Mechanical energy, J.
+    pub energy: f64,
+    /// Sensor samples.
+    pub samples: Vec<Sample>,
+    /// Vibration, where the process judges it.
+    pub vibration: Option<Vibration>,
+    /// When a controller that has heard chatter stops it, s.
+    pub stop: Option<f64>,
+}
+
+/// Why a segment could not be planned.
+#[derive(Debug)]
+pub(super) enum CutFault {
+    /// The model refused.
+    Model(ModelError),
+    /// The model raises events and does not move.
+    Stuck,
+}
+
+/// Events in a row without progress after which a process counts as stuck.
+const STUCK: u32 = 64;
+
+impl Segment {
+    /// Cuts from `state` under [`Segment::start_input`] for `duration`, with a sensor sample
+    /// every `sampling_period`.
+    pub(super) fn plan(
+        &mut self,
+        process: &dyn MachineProcess,
+        ports: &Ports,
+        state: &[f64],
+        duration: f64,
+        sampling_period: Option<f64>,
+    ) -> Result<(), CutFault> {
+        self.input.clone_from(&self.start_input);
+        let mut boundary = self.program.command(0.0, &mut self.input);
+        self.state.clear();
+        self.state.extend_from_slice(state);
+        self.output.resize(elements(process.outputs()), 0.0);
+        self.passed.clear();
+        self.samples.clear();
+        self.lost = None;
+        self.energy = 0.0;
+        self.asked = duration;
+        self.sampling_period = sampling_period;
+        // A process that counts its energy does so better than samples of its power.
+        let counted = ports.energy_state.map(|i| self.state[i]);
+        if counted.is_none() {
+            process.output(&self.state, &self.input, &mut self.output);
+        }
+        let mut power = read(&self.output, ports.spindle_power, 0.0);
+        let (mut time, mut stuck) = (0.0, 0);
+        let mut times = Vec::new();
+        while time < duration {
+            if time >= boundary {
+                boundary = self.program.command(time, &mut self.input);
+                process.output(&self.state, &self.input, &mut self.output);
+                power = read(&self.output, ports.spindle_power, 0.0);
+            }
+            let goal = duration.min(boundary);
+            let taken = self.samples.len() as f64;
+            let next = |i: usize| sampling_period.map(|period| (taken + 1.0 + i as f64) * period);
+            times.clear();
+            times.extend((0..).map_while(next).take_while(|next| *next < goal).map(|next| next - time));
+            let (samples, energy) = (&mut self.samples, &mut self.energy);
+            let mut looked = 0.0;
+            let mut look = |u: &[f64], y: &[f64], elapsed: f64, sampled: Option<f64>| {
+                let before = std::mem::replace(&mut power, read(y, ports.spindle_power, 0.0));
+                *energy += 0.5 * (before + power) * (elapsed - looked);
+                looked = elapsed;
+                samples.extend(sampled.map(|time| sample(ports, u, y, time)));
+            };
+            let advance = process
+                .advance_watched(&mut self.state, &mut self.input, goal - time, &times, &mut |i, u, y| {
+                    look(u, y, times[i], next(i));
+                })
+                .map_err(CutFault::Model)?;
+            process.output(&self.state, &self.input, &mut self.output);
+            let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
+            look(&self.input, &self.output, advance.elapsed, end);
+            let Some(event) = advance.event else {
+                time = goal;
+                continue;
+            };
+            time += advance.elapsed;
+            if matches!(event, ProcessEvent::Chipping | ProcessEvent::ThermalCollapse) {
+                self.lost = Some(event);
+                break;
+            }
+            self.passed.push((time, event));
+            stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+            if stuck > STUCK {
+                return Err(CutFault::Stuck);
+            }
+        }
+        if let (Some(before), Some(i)) = (counted, ports.energy_state) {
+            self.energy = self.state[i] - before;
+        }
+        self.elapsed = time;
+        self.stop = None;
+        self.vibration = ports.structure.then(|| chatter::along(self, process, ports, state));
+        Ok(())
+    }
+
+    /// Whether `event` happened without stopping the cut.
+    pub fn has(&self, event: ProcessEvent) -> bool {
+        self.passed.iter().any(|(_, each)| *each == event)
+    }
+
+    /// Share of the path of the whole segment as asked for that is behind after `elapsed`
+    /// seconds, the speed going linearly from that of the start input.
+    pub(super) fn share(&self, ports: &Ports, elapsed: f64) -> f64 {
+        let whole = self.asked;
+        let speed = read(&self.start_input, ports.cutting_speed, 0.0);
+        let acceleration = read(&self.start_input, ports.cutting_acceleration, 0.0);
+        let path = |t: f64| speed * t + 0.5 * acceleration * t * t;
+        if elapsed >= whole {
+            1.0
+        } else if path(whole) > 0.0 {
+            path(elapsed) / path(whole)
+        } else {
+            elapsed / whole
+        }
+    }
+}
+
+fn sample(ports: &Ports, input: &[f64], output: &[f64], elapsed: f64) -> Sample {
+    Sample {
+        elapsed,
+        cutting_speed: read(input, ports.cutting_speed, 0.0),
+        spindle_power: read(output, ports.spindle_power, 0.0),
+        feed_force: read(output, ports.feed_force, 0.0),
+        thermo_emf: read(output, ports.thermo_emf, 0.0),
+        force_ripple: read(output, ports.force_ripple, 0.0),
+    }
+}
+
+/// Moves an edge that is out of cut, before it cuts under `command`: it cools, nothing else.
+pub(super) fn rest(
+    process: &dyn MachineProcess,
+    ports: &Ports,
+    state: &mut [f64],
+    command: &[f64],
+    duration: f64,
+) -> Result<(), CutFault> {
+    let Some(engaged) = ports.engaged else { return Ok(()) };
+    let (mut left, mut stuck) = (duration, 0);
+    let mut input = command.to_vec();
+    input[engaged] = 0.0;
+    write(&mut input, ports.cutting_acceleration, 0.0);
+    while left > 0.0 {
+        let advance = process.advance(state, &mut input, left).map_err(CutFault::Model)?;
+        if advance.event.is_none() {
+            break;
+        }
+        left -= advance.elapsed;
+        stuck = if advance.elapsed > 0.0 { 0 } else { stuck + 1 };
+        if stuck > STUCK {
+            return Err(CutFault::Stuck);
+        }
+    }
+    Ok(())
+}

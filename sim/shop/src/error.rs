@@ -1,0 +1,76 @@
+//! Why a run stopped.
+
+use toolroom_kernel::KernelError;
+use toolroom_process::ModelError;
+use toolroom_scenario::policies::ResolveError;
+
+/// Why a shop could not be made or stopped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShopError {
+    /// A process model refused an operation.
+    #[error(transparent)]
+    Model(#[from] Box<Refusal>),
+    /// A policy could not be worked out for the scenario.
+    #[error(transparent)]
+    Policy(#[from] ResolveError),
+    /// An event in the past or a time that is no number.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
+    /// An operation without a machine that may do it.
+    #[error("operation `{operation}` of part `{part}` has no machine")]
+    NoMachine {
+        /// Part name.
+        part: String,
+        /// Operation name.
+        operation: String,
+    },
+    /// A breakdown cannot wait for the part to be finished.
+    #[error("failure {mode} of machine `{machine}` would let the part be finished; use resume, repeat or scrap")]
+    FailureFinishesPart {
+        /// Index of the failure mode.
+        mode: usize,
+        /// Machine name.
+        machine: String,
+    },
+    /// A unit without FMU state on a machine that is interrupted within passes.
+    #[error(
+        "tool `{tool}` is a unit that cannot go back to an earlier state (it does not serialise its FMU state), but \
+         passes on machine `{machine}` are interrupted: take its breakdowns out and let shifts finish the part, or \
+         export the unit with FMU state"
+    )]
+    CannotGoBack {
+        /// Tool name.
+        tool: String,
+        /// Machine name.
+        machine: String,
+    },
+    /// The clock stands still: a source or a routing without any duration.
+    #[error("{events} events at {time} s: the shop makes no progress")]
+    NoProgress {
+        /// Simulated time, s.
+        time: f64,
+        /// Events at that instant.
+        events: u64,
+    },
+}
+
+/// Where and on what a process model refused to go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("at {time:.3} s on machine `{machine}`, part `{part}`, operation `{operation}`, pass {pass}: {source}")]
+pub struct Refusal {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Machine name.
+    pub machine: String,
+    /// Part name.
+    pub part: String,
+    /// Operation name.
+    pub operation: String,
+    /// Pass within the operation, from 0.
+    pub pass: u32,
+    /// Name and SI value of every input element of the process.
+    pub inputs: Vec<(&'static str, f64)>,
+    /// What it refused.
+    pub source: ModelError,
+}

@@ -1,0 +1,62 @@
+//! What the calendar of the shop holds.
+
+use toolroom_kernel::Class;
+
+/// One calendar event; everything it refers to is named by its index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The step that a machine is in ends.
+    StepEnd {
+        /// Machine.
+        machine: u32,
+    },
+    /// A failure mode strikes.
+    Failure {
+        /// Index into the failures of the scenario.
+        mode: u32,
+    },
+    /// A repair ends.
+    Repair {
+        /// Index into the failures of the scenario.
+        mode: u32,
+    },
+    /// A source releases jobs.
+    Arrival {
+        /// Index into the arrivals of the scenario.
+        source: u32,
+    },
+    /// A shift begins.
+    ShiftStart {
+        /// Machine.
+        machine: u32,
+    },
+    /// A shift ends.
+    ShiftEnd {
+        /// Machine.
+        machine: u32,
+    },
+}
+
+impl Event {
+    /// Its place within an instant.
+    pub(super) fn class(self) -> Class {
+        match self {
+            Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
+            Self::Arrival { .. } => Class::Arrive,
+            Self::ShiftStart { .. } | Self::ShiftEnd { .. } => Class::Shift,
+        }
+    }
+
+    /// Its content for the digest.
+    pub(super) fn word(self) -> u64 {
+        let (kind, index) = match self {
+            Self::StepEnd { machine } => (0, machine),
+            Self::Failure { mode } => (1, mode),
+            Self::Repair { mode } => (2, mode),
+            Self::Arrival { source } => (3, source),
+            Self::ShiftStart { machine } => (4, machine),
+            Self::ShiftEnd { machine } => (5, machine),
+        };
+        kind << 32 | u64::from(index)
+    }
+}

@@ -1,0 +1,173 @@
+//! Breakdowns and repairs, and what becomes of the work in the machine.
+
+use super::event::Event;
+use super::machine::Step;
+use super::recorder::Recorder;
+use super::{Shop, ShopError};
+use crate::runlog::JobOutcome;
+use toolroom_kernel::Purpose;
+use toolroom_scenario::{Distribution, FailureClock, Interruption};
+
+impl<R: Recorder> Shop<'_, R> {
+    /// Draws the first failure of every mode.
+    pub(super) fn open_failures(&mut self) -> Result<(), ShopError> {
+        (0..self.scenario.failures.len()).try_for_each(|mode| self.wind_up(mode))
+    }
+
+    /// A mode begins to run towards its next failure.
+    fn wind_up(&mut self, mode: usize) -> Result<(), ShopError> {
+        let failure = &self.scenario.failures[mode];
+        let regular = self.deviation("breakdown_shape", failure.machine);
+        let between = match failure.time_between {
+            Distribution::Exponential { mean } if regular > 0.0 => Distribution::Weibull { mean, shape: 1.0 + regular },
+            other => other,
+        };
+        let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
+        self.world.modes[mode].left = time;
+        match failure.clock {
+            FailureClock::Calendar => {
+                let at = self.now().after(time)?;
+                self.world.modes[mode].due = Some(self.schedule(at, Event::Failure { mode: mode as u32 })?);
+                Ok(())
+            }
+            FailureClock::Busy => self.start_clocks(failure.machine),
+        }
+    }
+
+    fn failure_stream(&self, mode: usize, purpose: Purpose) -> toolroom_kernel::Stream {
+        // Numbered within the machine: another machine's failures change nothing here.
+        let machine = self.scenario.failures[mode].machine;
+        let place = self.layout.modes_of[machine].iter().position(|&each| each as usize == mode).unwrap_or(0);
+        self.streams.at(self.layout.machines[machine].part(place as u64), purpose, self.world.modes[mode].count)
+    }
+
+    /// Lets the busy clocks of a machine run, if it works.
+    pub(super) fn start_clocks(&mut self, machine: usize) -> Result<(), ShopError> {
+        let state = &self.world.machines[machine];
+        if self.layout.modes_of[machine].is_empty() || !state.is_up() || state.task.is_none() {
+            return Ok(());
+        }
+        for i in 0..self.layout.modes_of[machine].len() {
+            let mode = self.layout.modes_of[machine][i];
+            let clock = &self.world.modes[mode as usize];
+            if self.scenario.failures[mode as usize].clock != FailureClock::Busy || clock.failed || clock.due.is_some()
+            {
+                continue;
+            }
+            let at = self.now().after(clock.left)?;
+            let due = self.schedule(at, Event::Failure { mode })?;
+            let clock = &mut self.world.modes[mode as usize];
+            clock.since = self.calendar.now();
+            clock.due = Some(due);
+        }
+        Ok(())
+    }
+
+    /// Stops the busy clocks of a machine.
+    pub(super) fn stop_clocks(&mut self, machine: usize) {
+        let now = self.now();
+        for &mode in &self.layout.modes_of[machine] {
+            if self.scenario.failures[mode as usize].clock != FailureClock::Busy {
+                continue;
+            }
+            let clock = &mut self.world.modes[mode as usize];
+            if let Some(due) = clock.due.take() {
+                self.calendar.cancel(due);
+                clock.left = (clock.left - (now - clock.since)).max(0.0);
+            }
+        }
+    }
+
+    pub(super) fn fail(&mut self, mode: usize) -> Result<(), ShopError> {
+        let failure = &self.scenario.failures[mode];
+        let machine = failure.machine;
+        self.log_event("failure", Some(machine), self.job_in(machine), None);
+        let clock = &mut self.world.modes[mode];
+        clock.failed = true;
+        clock.due = None;
+        let repair = failure.time_to_repair.sample(&mut self.failure_stream(mode, Purpose::Repair));
+        self.interrupt(machine, failure.part)?;
+        self.world.machines[machine].failures += 1;
+        self.show_state(machine);
+        let at = self.now().after(repair)?;
+        self.schedule(at, Event::Repair { mode: mode as u32 })?;
+        Ok(())
+    }
+
+    pub(super) fn repair(&mut self, mode: usize) -> Result<(), ShopError> {
+        let machine = self.scenario.failures[mode].machine;
+        self.log_event("repair", Some(machine), None, None);
+        let clock = &mut self.world.modes[mode];
+        clock.failed = false;
+        clock.count += 1;
+        self.world.machines[machine].failures -= 1;
+        self.wind_up(mode)?; // first: the clock must not run on with the time of the last failure
+        self.go_on(machine)
+    }
+
+    /// Stops what a machine is doing and settles what becomes of the part.
+    pub(super) fn interrupt(&mut self, machine: usize, how: Interruption) -> Result<(), ShopError> {
+        if let Some(task) = &self.world.machines[machine].task
+            && let Some(end) = task.end
+            && task.since.after(task.left)? == self.now()
+        {
+            self.calendar.cancel(end); // what ends at this instant has ended
+            self.step_ended(machine)?;
+        }
+        self.stop_clocks(machine);
+        self.halt(machine)?;
+        match how {
+            Interruption::Resume | Interruption::Finish => Ok(()),
+            Interruption::Repeat => {
+                self.restart(machine);
+                Ok(())
+            }
+            Interruption::Scrap => self.scrap_in_machine(machine),
+        }
+    }
+
+    /// A machine that came up again goes on, or takes a job.
+    pub(super) fn go_on(&mut self, machine: usize) -> Result<(), ShopError> {
+        if !self.world.machines[machine].is_up() {
+            self.show_state(machine);
+            return Ok(());
+        }
+        if self.world.machines[machine].task.is_none() {
+            self.show_state(machine);
+            self.may_choose(machine);
+            return Ok(());
+        }
+        self.start_clocks(machine)?;
+        let task = self.world.machines[machine].task.as_ref();
+        if task.is_some_and(|task| task.end.is_some()) {
+            return Ok(()); // it never stopped: the shift came back before the part was finished
+        }
+        if task.is_some_and(|task| task.step == Step::Pass) {
+            self.plan_segment(machine)?;
+        }
+        self.drive(machine, false)
+    }
+
+    /// The operation begins anew when the machine goes on; what was cut is lost.
+    fn restart(&mut self, machine: usize) {
+        self.close_pass(machine);
+        let Some(task) = self.world.machines[machine].task.as_mut() else { return };
+        if task.step == Step::Setup {
+            return; // no part in the machine yet
+        }
+        task.pass = 0;
+        task.share_left = 1.0;
+        task.spoiled = false;
+        task.burnt = false;
+        self.handle(machine, Step::Load);
+    }
+
+    fn scrap_in_machine(&mut self, machine: usize) -> Result<(), ShopError> {
+        if self.world.machines[machine].task.as_ref().is_some_and(|task| task.step == Step::Setup) {
+            return Ok(()); // no part in the machine yet
+        }
+        self.close_pass(machine);
+        let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) };
+        self.leave(task.slot, JobOutcome::Breakdown)
+    }
+}

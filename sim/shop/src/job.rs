@@ -1,0 +1,84 @@
+//! A job on its way through the shop.
+
+use crate::runlog::JobRow;
+use toolroom_kernel::{Entity, SimTime, Stream};
+
+/// One workpiece.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Number in the order of arrival; row of the log.
+    pub number: u32,
+    /// Who draws for it: source and its number there, the same under every policy.
+    pub entity: Entity,
+    /// Source that released it.
+    pub source: u32,
+    /// What the log will say.
+    pub row: JobRow,
+    /// Operation that it waits for or is in.
+    pub operation: u32,
+    /// Whether it stands in a queue.
+    pub waiting: bool,
+    /// When it came to the queue.
+    pub queued: SimTime,
+    /// Who draws for its lot: the source.
+    pub origin: Entity,
+    /// Hardness lot within the source.
+    pub lot: u64,
+    /// Its times of loading and unloading, where any machine's are random.
+    pub handling: Option<Stream>,
+}
+
+/// Jobs in the shop; a place is used again when its job has left.
+#[derive(Clone, Debug, Default)]
+pub struct Jobs {
+    slots: Vec<Option<Job>>,
+    free: Vec<u32>,
+    /// Jobs released so far.
+    pub released: u32,
+}
+
+impl Jobs {
+    /// Lets a job in.
+    pub fn insert(&mut self, job: Job) -> u32 {
+        self.released += 1;
+        match self.free.pop() {
+            Some(slot) => {
+                self.slots[slot as usize] = Some(job);
+                slot
+            }
+            None => {
+                self.slots.push(Some(job));
+                (self.slots.len() - 1) as u32
+            }
+        }
+    }
+
+    /// Lets a job out.
+    pub fn remove(&mut self, slot: u32) -> Option<Job> {
+        let job = self.slots.get_mut(slot as usize)?.take();
+        if job.is_some() {
+            self.free.push(slot);
+        }
+        job
+    }
+
+    /// The job at a place, if there is one.
+    pub fn get(&self, slot: u32) -> Option<&Job> {
+        self.slots.get(slot as usize)?.as_ref()
+    }
+
+    /// The job at a place that is known to be taken.
+    pub(super) fn at(&self, slot: u32) -> &Job {
+        self.slots[slot as usize].as_ref().expect("a job in work is in the shop")
+    }
+
+    /// The same to change it.
+    pub(super) fn at_mut(&mut self, slot: u32) -> &mut Job {
+        self.slots[slot as usize].as_mut().expect("a job in work is in the shop")
+    }
+
+    /// Jobs in the shop, by place.
+    pub fn iter(&self) -> impl Iterator<Item = &Job> {
+        self.slots.iter().flatten()
+    }
+}

@@ -1,0 +1,219 @@
+//! What the engine looks up again and again, resolved once for a scenario.
+
+use super::error::ShopError;
+use super::ports::{Ports, read, start_values, write};
+use toolroom_kernel::Entity;
+use toolroom_scenario::policies::ResolveError;
+use toolroom_scenario::{
+    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, ProcessModel, Scenario, Work,
+};
+
+/// Tables that follow from the scenario alone.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// By tool.
+    pub tools: Vec<ToolPlan>,
+    /// By part, by operation.
+    pub operations: Vec<Vec<OperationPlan>>,
+    /// Failure modes of every machine.
+    pub modes_of: Vec<Vec<u32>>,
+    /// Name of every machine as an owner of random streams.
+    pub machines: Vec<Entity>,
+    /// Whether any machine's time of loading or unloading is random.
+    pub random_handling: bool,
+    /// Rows of the schedule of every source in the order of time.
+    pub schedules: Vec<Vec<usize>>,
+}
+
+/// A tool as the engine sees it.
+#[derive(Clone, Debug)]
+pub(super) struct ToolPlan {
+    pub ports: Ports,
+    /// Input elements at their start values.
+    pub input: Vec<f64>,
+}
+
+/// An operation as the engine sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OperationPlan {
+    pub tool: u32,
+    pub passes: u32,
+    pub setup_group: u32,
+    /// Its passes as programmed, s.
+    pub cutting_time: f64,
+    /// Expected time on its first machine, s: loading, passes as programmed, unloading.
+    pub nominal_time: f64,
+    /// The same for this and all later operations, s.
+    pub work_left: f64,
+    /// Index of its first pass among all passes of the scenario.
+    pub first_pass: u32,
+}
+
+impl Layout {
+    pub fn of(scenario: &Scenario) -> Result<Self, ShopError> {
+        check(scenario)?;
+        let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+        let programmed = programmed_cutting_times(scenario);
+        let mut groups: Vec<&str> = Vec::new();
+        let mut first_pass = 0;
+        let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
+        for part in &scenario.parts {
+            let mut plans: Vec<OperationPlan> = Vec::new();
+            for operation in &part.operations {
+                let group = operation.setup_group.as_str();
+                let setup_group = groups.iter().position(|each| *each == group).unwrap_or_else(|| {
+                    groups.push(group);
+                    groups.len() - 1
+                });
+                let machine = &scenario.machines[operation.machines[0]];
+                let cutting = programmed[operations.len()][plans.len()];
+                let passes = operation.work.passes() as u32;
+                plans.push(OperationPlan {
+                    tool: operation.tool as u32,
+                    passes,
+                    setup_group: setup_group as u32,
+                    nominal_time: machine.load_time.mean() + cutting + machine.unload_time.mean(),
+                    cutting_time: cutting,
+                    work_left: 0.0,
+                    first_pass,
+                });
+                first_pass += passes;
+            }
+            let mut left = 0.0;
+            for plan in plans.iter_mut().rev() {
+                left += plan.nominal_time;
+                plan.work_left = left;
+            }
+            operations.push(plans);
+        }
+        let mut modes_of = vec![Vec::new(); scenario.machines.len()];
+        for (mode, failure) in scenario.failures.iter().enumerate() {
+            modes_of[failure.machine].push(mode as u32);
+        }
+        let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
+        let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
+        let random_handling = scenario.machines.iter().any(random);
+        let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
+        Ok(Self { tools, operations, modes_of, machines, random_handling, schedules })
+    }
+}
+
+impl ToolPlan {
+    fn of(process: &ProcessModel) -> Self {
+        let structure = process.has_structure();
+        let process = process.machine_process();
+        let ports = Ports { structure, ..Ports::of(process) };
+        let mut input: Vec<f64> = start_values(process.inputs()).collect();
+        write(&mut input, ports.engaged, 1.0);
+        Self { ports, input }
+    }
+
+    /// The input of a cut at its programmed speed, without scatter.
+    pub fn cut_input(&self, cut: &Cut) -> Vec<f64> {
+        let mut input = self.input.clone();
+        write(&mut input, self.ports.cutting_speed, cut.cutting_speed);
+        write(&mut input, self.ports.feed, cut.feed);
+        write(&mut input, self.ports.depth_of_cut, cut.depth_of_cut);
+        write(&mut input, self.ports.width_of_cut, cut.width_of_cut);
+        if cut.diameter > 0.0 {
+            write(&mut input, self.ports.workpiece_diameter, cut.diameter);
+        }
+        write(&mut input, self.ports.position, cut.position);
+        input
+    }
+}
+
+/// Rows of a schedule by time; equal times keep the order of the file.
+fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
+    let ArrivalPattern::Schedule(rows) = pattern else { return Vec::new() };
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|&a, &b| rows[a].0.total_cmp(&rows[b].0));
+    order
+}
+
+/// Time in cut of every operation as programmed, s, by part and operation.
+///
+/// A pass takes path over feed rate where the process has a feed rate (milling), else path over
+/// cutting speed (turning); a grinding phase takes its revolutions over the work speed. An
+/// operation whose tool does not exist has none.
+pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
+    let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
+    let time = |operation: &Operation| {
+        let (Some(tool), Some(plan)) = (scenario.tools.get(operation.tool), tools.get(operation.tool)) else {
+            return f64::NAN;
+        };
+        let phases = |phases: &[GrindingPhase], speed: f64| phases.iter().map(|each| phase_duration(each, speed)).sum();
+        match &operation.work {
+            Work::Cutting(cuts) => {
+                cuts.iter().map(|cut| cut_duration(cut, &tool.process, plan, &plan.cut_input(cut))).sum()
+            }
+            Work::Grinding { work_rotation_speed, phases: each } => phases(each, *work_rotation_speed),
+            Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).sum(),
+            Work::Cycle(cycle) => phases(&cycle.programmed, cycle.conditions.work_rotation_speed),
+        }
+    };
+    scenario.parts.iter().map(|part| part.operations.iter().map(time).collect()).collect()
+}
+
+/// Duration of a whole pass at the constant speed in `input`, s: path over feed rate for
+/// processes that have one (milling), else path over cutting speed.
+pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, input: &[f64]) -> f64 {
+    let process = process.machine_process();
+    let Some(feed_rate) = tool.ports.feed_rate else { return cut.path_length / cut.cutting_speed };
+    let mut output: Vec<f64> = start_values(process.outputs()).collect();
+    process.output(&process.initial(), input, &mut output);
+    cut.path_length / read(&output, Some(feed_rate), f64::NAN)
+}
+
+/// Duration of a grinding phase, s.
+pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) -> f64 {
+    f64::from(phase.revolutions) * std::f64::consts::TAU / work_rotation_speed
+}
+
+/// Every index points somewhere, every operation has a machine.
+fn check(scenario: &Scenario) -> Result<(), ShopError> {
+    let inside = |kind, index: usize, count: usize| {
+        if index < count { Ok(()) } else { Err(ResolveError::UnknownIndex { kind, index, count }.into()) }
+    };
+    for machine in &scenario.machines {
+        if let Some(calendar) = machine.calendar {
+            inside("calendar", calendar, scenario.calendars.len())?;
+        }
+    }
+    for part in &scenario.parts {
+        for operation in &part.operations {
+            inside("tool", operation.tool, scenario.tools.len())?;
+            for &machine in &operation.machines {
+                inside("machine", machine, scenario.machines.len())?;
+            }
+            if operation.machines.is_empty() {
+                return Err(ShopError::NoMachine { part: part.name.clone(), operation: operation.name.clone() });
+            }
+        }
+    }
+    let interrupted = |machine: usize| {
+        let shifts = scenario.machines[machine].calendar.map(|calendar| &scenario.calendars[calendar]);
+        let breaks = scenario.failures.iter().any(|failure| failure.machine == machine);
+        breaks || shifts.is_some_and(|calendar| calendar.at_end != Interruption::Finish)
+    };
+    for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+        let tool = &scenario.tools[operation.tool];
+        if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
+            && !tool.process.machine_process().goes_back()
+        {
+            let machine = scenario.machines[machine].name.clone();
+            return Err(ShopError::CannotGoBack { tool: tool.name.clone(), machine });
+        }
+    }
+    for arrival in &scenario.arrivals {
+        inside("part", arrival.part, scenario.parts.len())?;
+    }
+    for (mode, failure) in scenario.failures.iter().enumerate() {
+        inside("machine", failure.machine, scenario.machines.len())?;
+        if failure.part == Interruption::Finish {
+            let machine = scenario.machines[failure.machine].name.clone();
+            return Err(ShopError::FailureFinishesPart { mode, machine });
+        }
+    }
+    Ok(())
+}

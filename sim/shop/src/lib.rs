@@ -1,0 +1,357 @@
+//! The machining shop: jobs, machines, edges, and what happens to them.
+//!
+//! ```text
+//!  Scenario ──► Shop::new(scenario, policy, replication)
+//!                 │
+//!                 ▼        settle every event of one instant, then let idle machines choose
+//!   Calendar ──► Event ──► World ──► Recorder (RunLog)
+//!                            │  ▲
+//!          start of a pass   ▼  │  end of a pass, breakdown, end of a shift
+//!                 Controller ──► Segment on a MachineProcess
+//! ```
+//!
+//! An operation on a machine is: setup where the setup group changes, load, passes, unload and
+//! inspection. A pass is one calendar event, its end: when it begins the engine copies the edge's
+//! state, asks the policy for the speed, and advances the copy through the process to the end of
+//! the pass or the loss of the edge. An interruption plans the elapsed part again and takes that
+//! over. Nothing is polled.
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Shop`] | one replication under one policy; `Clone` takes a snapshot, [`Shop::set_policy`] branches |
+//! | [`World`] | everything that changes: [`Job`], [`Machine`] with [`Queue`], [`Task`] and [`Edge`] |
+//! | [`Event`] | what the calendar holds |
+//! | [`Recorder`] | who writes it down: [`RunLog`], or [`Silent`] |
+//! | [`ShopError`] | why it stopped |
+//!
+//! # What is not modelled
+//! Transport and buffers (a part is at the next queue at once, queues are endless), operators and
+//! shared tool cribs, sequence-dependent setup matrices, rework, preemption of one job by
+//! another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
+
+mod arrival;
+mod chatter;
+mod contour;
+mod cut;
+mod deviation;
+mod dispatch;
+mod draws;
+mod edge;
+mod error;
+mod event;
+mod grinding;
+mod interruption;
+mod job;
+mod layout;
+mod machine;
+mod operation;
+mod pass;
+mod ports;
+mod program;
+mod queue;
+mod recorder;
+pub mod runlog;
+mod shift;
+mod tooling;
+mod world;
+
+pub use chatter::{Reaction, Surface, Vibration};
+pub use cut::Segment;
+pub use edge::Edge;
+pub use error::{Refusal, ShopError};
+pub use event::Event;
+pub use job::{Job, Jobs};
+pub use layout::programmed_cutting_times;
+pub use machine::{Machine, Step, Task};
+pub use program::{Block, Program};
+pub use queue::{Queue, Waiting};
+pub use recorder::{Closing, Recorder, Silent};
+pub use runlog::RunLog;
+pub use world::{FailureState, SourceState, World};
+
+use crate::runlog::{EventRow, RunLog, StateRow};
+use layout::Layout;
+use std::sync::Arc;
+use toolroom_kernel::{Calendar, Class, Digest, EventKey};
+use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
+use toolroom_scenario::Scenario;
+use toolroom_scenario::policies::{ResolvedPolicy, WheelEstimate};
+use toolroom_wear::PairScatter;
+
+/// Events at one instant after which the shop counts as stuck. A real shop settles an instant
+/// in a few events a machine and job.
+const STUCK_EVENTS: u64 = 1_000_000;
+
+/// One replication of a scenario under one policy.
+///
+/// It is deterministic: the same scenario, policy and replication give the same bits, whatever
+/// else runs. A clone is a snapshot that goes on independently.
+#[derive(Clone, Debug)]
+pub struct Shop<'a, R = RunLog> {
+    scenario: &'a Scenario,
+    layout: Arc<Layout>,
+    controllers: Arc<ResolvedPolicy>,
+    streams: Streams,
+    pairs: Vec<PairScatter>,
+    world: World,
+    calendar: Calendar<Event>,
+    digest: Digest,
+    events: u64,
+    recorder: R,
+    /// Set when the run is closed between two events.
+    end: Option<SimTime>,
+}
+
+/// Runs one replication of `scenario` under its policy number `policy`.
+///
+/// # Errors
+/// [`ShopError`], with time, machine and operation where a process model refused.
+///
+/// # Examples
+/// ```
+/// let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/demo.toml");
+/// let scenario = toolroom_scenario::file::read(file.as_ref(), &[]).unwrap().scenario;
+/// let log = toolroom_shop::run(&scenario, 0, 0).unwrap();
+/// assert_eq!(log.horizon, scenario.horizon);
+/// assert!(log.passes.len() > 1000);
+/// ```
+pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
+    Shop::new(scenario, policy, replication)?.run()
+}
+
+impl<'a> Shop<'a, RunLog> {
+    /// A shop at time zero that keeps a full log.
+    ///
+    /// # Errors
+    /// [`ShopError`] for indices that point nowhere and for policies that cannot be resolved.
+    pub fn new(scenario: &'a Scenario, policy: usize, replication: u32) -> Result<Self, ShopError> {
+        let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+        Shop::with_recorder(scenario, resolved, replication, RunLog::default())
+    }
+}
+
+impl<'a, R: Recorder> Shop<'a, R> {
+    /// A shop at time zero under a policy resolved before (once for many replications), with
+    /// any recorder.
+    ///
+    /// # Errors
+    /// [`ShopError`] for indices that point nowhere.
+    pub fn with_recorder(
+        scenario: &'a Scenario,
+        policy: Arc<ResolvedPolicy>,
+        replication: u32,
+        recorder: R,
+    ) -> Result<Self, ShopError> {
+        let layout = Arc::new(Layout::of(scenario)?);
+        let streams = Streams::new(scenario.seed, u64::from(replication));
+        let machines = scenario.machines.iter().map(|each| Machine::new(scenario.tools.len(), each.magazine)).collect();
+        let source = |index| {
+            let entity = Entity::named("arrivals").part(index as u64);
+            SourceState { released: 0, releases: 0, stream: streams.open(entity, Purpose::Arrival) }
+        };
+        let failure = FailureState { count: 0, failed: false, left: 0.0, since: SimTime::ZERO, due: None };
+        let world = World {
+            jobs: Jobs::default(),
+            machines,
+            modes: vec![failure; scenario.failures.len()],
+            sources: (0..scenario.arrivals.len()).map(source).collect(),
+            edges_mounted: 0,
+            candidates: Vec::new(),
+        };
+        let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
+        let mut shop = Self {
+            scenario,
+            layout,
+            controllers: policy,
+            streams,
+            pairs,
+            world,
+            calendar: Calendar::new(),
+            digest: Digest::new(),
+            events: 0,
+            recorder,
+            end: None,
+        };
+        shop.open_sources()?;
+        shop.open_shifts()?;
+        shop.open_failures()?;
+        for machine in 0..scenario.machines.len() {
+            shop.show_state(machine);
+        }
+        Ok(shop)
+    }
+
+    /// Runs to the horizon of the scenario and closes the log.
+    ///
+    /// # Errors
+    /// [`ShopError`]; nothing of the log is handed out then.
+    pub fn run(mut self) -> Result<R, ShopError> {
+        self.run_to_horizon()?;
+        Ok(self.hand_out())
+    }
+
+    /// Runs like [`Shop::run`], and hands out what was recorded when the shop stopped before its
+    /// horizon, too, with the reason. Passes in process are then left out.
+    pub fn run_as_far(mut self) -> (R, Option<ShopError>) {
+        let reason = self.run_to_horizon().err();
+        (self.hand_out(), reason)
+    }
+
+    fn run_to_horizon(&mut self) -> Result<(), ShopError> {
+        let horizon = SimTime::from_seconds(self.scenario.horizon)?;
+        self.run_until(horizon)?;
+        self.close(horizon)
+    }
+
+    /// Handles every event up to and at `time`.
+    ///
+    /// # Errors
+    /// [`ShopError`]; the shop is then of no further use.
+    pub fn run_until(&mut self, time: SimTime) -> Result<(), ShopError> {
+        let (mut instant, mut count) = (self.now(), 0);
+        while let Some(now) = self.calendar.peek_time().filter(|next| *next <= time) {
+            while let Some(event) = self.calendar.pop_before(now, Class::Observe) {
+                self.digest.record(now, &[event.word()]);
+                self.events += 1;
+                self.settle(event)?;
+                count = if now == instant { count + 1 } else { 0 };
+                instant = now;
+                if count > STUCK_EVENTS {
+                    return Err(ShopError::NoProgress { time: now.seconds(), events: count });
+                }
+            }
+            self.dispatch()?;
+        }
+        Ok(())
+    }
+
+    /// Closes every pass that is in process at `horizon`.
+    ///
+    /// # Errors
+    /// [`ShopError`] where a pass that is cut short cannot be planned.
+    fn close(&mut self, horizon: SimTime) -> Result<(), ShopError> {
+        self.end = Some(horizon);
+        for machine in 0..self.world.machines.len() {
+            self.halt(machine)?;
+            self.close_pass(machine);
+            self.log_state(machine);
+        }
+        Ok(())
+    }
+
+    /// Retires edges and jobs as they are now and hands out the log.
+    fn hand_out(mut self) -> R {
+        for machine in 0..self.world.machines.len() {
+            self.log_state(machine);
+        }
+        self.retire_all();
+        for job in self.world.jobs.iter() {
+            self.recorder.job(job.number, job.row);
+        }
+        let closing = Closing {
+            horizon: self.now().seconds(),
+            warm_up: self.scenario.warm_up,
+            digest: self.digest.value(),
+            calendar_events: self.events,
+        };
+        self.recorder.close(closing);
+        self.recorder
+    }
+
+    /// Goes on under another policy of the scenario: the branch of a snapshot. Edges stay in
+    /// the machines; a controller that observes measures each of them once when it takes over.
+    ///
+    /// # Errors
+    /// [`ShopError`] for an unknown policy and one that cannot be resolved.
+    pub fn set_policy(&mut self, policy: usize) -> Result<(), ShopError> {
+        let resolved = ResolvedPolicy::of(self.scenario, policy)?;
+        if resolved != *self.controllers {
+            self.controllers = Arc::new(resolved);
+            for edge in self.world.machines.iter_mut().flat_map(|machine| machine.edges.iter_mut().flatten()) {
+                edge.observer = None;
+                edge.wheel = WheelEstimate::default();
+            }
+        }
+        Ok(())
+    }
+
+    /// The state of the shop.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// What was written down so far.
+    pub fn recorder(&self) -> &R {
+        &self.recorder
+    }
+
+    /// Time of the last event.
+    pub fn now(&self) -> SimTime {
+        self.end.unwrap_or(self.calendar.now())
+    }
+
+    /// Hash of all events so far.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// Calendar events handled so far.
+    pub fn calendar_events(&self) -> u64 {
+        self.events
+    }
+
+    fn settle(&mut self, event: Event) -> Result<(), ShopError> {
+        match event {
+            Event::StepEnd { machine } => self.step_ended(machine as usize),
+            Event::Failure { mode } => self.fail(mode as usize),
+            Event::Repair { mode } => self.repair(mode as usize),
+            Event::Arrival { source } => self.arrive(source as usize),
+            Event::ShiftStart { machine } => self.shift_starts(machine as usize),
+            Event::ShiftEnd { machine } => self.shift_ends(machine as usize),
+        }
+    }
+
+    fn schedule(&mut self, at: SimTime, event: Event) -> Result<EventKey, ShopError> {
+        Ok(self.calendar.schedule(at, event.class(), event)?)
+    }
+
+    fn job_in(&self, machine: usize) -> Option<u32> {
+        let task = self.world.machines[machine].task.as_ref()?;
+        Some(self.world.jobs.at(task.slot).number)
+    }
+
+    /// Brings the logged state of a machine up to date.
+    fn show_state(&mut self, machine: usize) {
+        let state = self.world.machines[machine].current_state();
+        let job = self.job_in(machine);
+        let logged = &self.world.machines[machine];
+        if logged.state != state || logged.state_job != job {
+            self.log_state(machine);
+            let logged = &mut self.world.machines[machine];
+            logged.state = state;
+            logged.state_job = job;
+        }
+    }
+
+    /// Writes the stay in the logged state up to now.
+    fn log_state(&mut self, machine: usize) {
+        let now = self.now();
+        let logged = &mut self.world.machines[machine];
+        if now > logged.state_since {
+            self.recorder.state(StateRow {
+                machine: machine as u32,
+                state: logged.state,
+                start: logged.state_since.seconds(),
+                end: now.seconds(),
+                job: logged.state_job,
+            });
+            logged.state_since = now;
+        }
+    }
+
+    fn log_event(&mut self, event: &'static str, machine: Option<usize>, job: Option<u32>, edge: Option<u32>) {
+        let machine = machine.map(|index| index as u32);
+        self.recorder.event(EventRow { time: self.now().seconds(), event, machine, job, edge });
+    }
+}

@@ -1,0 +1,213 @@
+//! An operation step by step: setup, load, passes with edge changes, unload, inspection.
+
+use super::chatter::Surface;
+use super::draws::Blank;
+use super::machine::{Step, Task};
+use super::recorder::Recorder;
+use super::{Shop, ShopError};
+use crate::runlog::{ChangeReason, JobOutcome};
+use toolroom_scenario::Distribution;
+
+impl<R: Recorder> Shop<'_, R> {
+    /// A machine takes a job.
+    pub(super) fn begin(&mut self, machine: usize, slot: u32) -> Result<(), ShopError> {
+        let now = self.now();
+        let job = self.world.jobs.at_mut(slot);
+        if job.row.start.is_nan() {
+            job.row.start = now.seconds();
+        }
+        let (number, part, index) = (job.number, job.row.part as usize, job.operation as usize);
+        let kind = &self.scenario.machines[machine];
+        // Drawn here, once: work that is repeated takes the same time, and two draws an
+        // operation keep a job's later times the same under every policy.
+        let mut draw = |time: &Distribution| match &mut job.handling {
+            Some(stream) => time.sample(stream),
+            None => time.mean(),
+        };
+        let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
+        let load_time = load_time + self.deviation("operator_delay", machine);
+        let (delay, hold) = (self.delay(machine, slot), self.hold(machine, slot));
+        let plan = self.layout.operations[part][index];
+        let state = &mut self.world.machines[machine];
+        let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
+        let setup = self.scenario.parts[part].operations[index].setup_time;
+        let setup = setup.unwrap_or(kind.setup_time);
+        state.task = Some(Task {
+            slot,
+            tool: plan.tool,
+            step: Step::Setup,
+            pass: 0,
+            left: if change { setup } else { 0.0 },
+            since: now,
+            end: None,
+            load_time,
+            unload_time,
+            delay,
+            hold,
+            row: None,
+            share_left: 1.0,
+            lost_edges: 0,
+            blank: Blank { hardness: 1.0, lot_deviation: 0.0 },
+            size_error: 0.0,
+            layers: 1,
+            surface: Surface::default(),
+            burnt: false,
+            spoiled: false,
+            correction: 0.0,
+            readings: Vec::new(),
+        });
+        if change {
+            self.log_event("setup", Some(machine), Some(number), None);
+        }
+        self.start_clocks(machine)?;
+        self.drive(machine, true)
+    }
+
+    /// Goes through steps without duration and schedules the end of the first that takes time.
+    ///
+    /// While machines choose (`dispatching`), even an operation without any duration ends by an
+    /// event: its job must not reach a queue before the instant is settled again.
+    pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
+        loop {
+            let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
+            if task.left > 0.0 || dispatching && task.step == Step::Unload {
+                let at = self.now().after(task.left)?;
+                let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
+                let now = self.now();
+                if let Some(task) = &mut self.world.machines[machine].task {
+                    task.end = Some(end);
+                    task.since = now;
+                }
+                self.show_state(machine);
+                return Ok(());
+            }
+            self.end_step(machine)?;
+        }
+    }
+
+    /// The step of a machine ends by its event.
+    pub(super) fn step_ended(&mut self, machine: usize) -> Result<(), ShopError> {
+        if let Some(task) = &mut self.world.machines[machine].task {
+            task.end = None;
+            task.left = 0.0;
+        }
+        self.end_step(machine)?;
+        self.drive(machine, false)
+    }
+
+    /// Stops a machine in the middle of a step; what is left of it is kept.
+    pub(super) fn halt(&mut self, machine: usize) -> Result<(), ShopError> {
+        let now = self.now();
+        let Some(task) = &mut self.world.machines[machine].task else { return Ok(()) };
+        let Some(end) = task.end.take() else { return Ok(()) };
+        let elapsed = now - task.since;
+        task.left = (task.left - elapsed).max(0.0);
+        let cutting = task.step == Step::Pass;
+        self.calendar.cancel(end);
+        if cutting { self.halt_pass(machine, elapsed) } else { Ok(()) }
+    }
+
+    fn end_step(&mut self, machine: usize) -> Result<(), ShopError> {
+        let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
+        let slot = task.slot;
+        match task.step {
+            Step::Setup => {
+                let job = self.world.jobs.at(slot);
+                let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
+                self.world.machines[machine].setup_group = Some(plan.setup_group);
+                self.handle(machine, Step::Load);
+                Ok(())
+            }
+            Step::Load => self.next_pass(machine),
+            Step::ToolChange => {
+                self.replace_edge(machine);
+                self.next_pass(machine)
+            }
+            Step::Pass => self.end_pass(machine),
+            Step::Delay => {
+                self.finish_cutting(machine);
+                Ok(())
+            }
+            Step::Hold => {
+                self.log_event("feed_release", Some(machine), self.job_in(machine), None);
+                self.finish_cutting(machine);
+                Ok(())
+            }
+            Step::Dressing => {
+                self.dress(machine);
+                self.handle(machine, Step::Unload);
+                Ok(())
+            }
+            Step::Unload => self.end_operation(machine),
+        }
+    }
+
+    /// Begins loading or unloading.
+    pub(super) fn handle(&mut self, machine: usize, step: Step) {
+        if let Some(task) = &mut self.world.machines[machine].task {
+            task.step = step;
+            task.left = if step == Step::Load { task.load_time } else { task.unload_time };
+        }
+    }
+
+    /// All passes are cut, or the part is lost: the wheel is dressed if it has to be, the part
+    /// is taken off.
+    pub(super) fn finish_cutting(&mut self, machine: usize) {
+        let Some(task) = &mut self.world.machines[machine].task else { return };
+        let delay = std::mem::take(&mut task.delay);
+        if delay > 0.0 {
+            task.step = Step::Delay;
+            task.left = delay;
+            return;
+        }
+        let hold = std::mem::take(&mut task.hold);
+        if hold > 0.0 {
+            task.step = Step::Hold;
+            task.left = hold;
+            self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
+            return;
+        }
+        let tool = task.tool as usize;
+        let dull = self.world.machines[machine].edges[tool]
+            .as_ref()
+            .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
+        if dull {
+            self.begin_dressing(machine);
+        } else {
+            self.handle(machine, Step::Unload);
+        }
+    }
+
+    /// Inspection: a good part goes on, a bad one leaves.
+    fn end_operation(&mut self, machine: usize) -> Result<(), ShopError> {
+        self.stop_clocks(machine);
+        let state = &mut self.world.machines[machine];
+        let Some(task) = state.task.take() else { return Ok(()) };
+        if std::mem::take(&mut state.leaving) {
+            state.off_shift = true;
+        }
+        let job = self.world.jobs.at_mut(task.slot);
+        let (part, index) = (job.row.part as usize, job.operation as usize);
+        let operation = &self.scenario.parts[part].operations[index];
+        let tolerance = operation.size_tolerance;
+        let rough = task.surface.roughness > operation.roughness_limit;
+        let bad = if task.spoiled {
+            Some(JobOutcome::ToolFailure)
+        } else if rough && task.surface.chattered {
+            Some(JobOutcome::Chatter)
+        } else if task.burnt {
+            Some(JobOutcome::Burnt)
+        } else if rough || task.size_error.abs() > tolerance {
+            Some(JobOutcome::OutOfTolerance)
+        } else {
+            None
+        };
+        job.operation += 1;
+        self.show_state(machine);
+        self.may_choose(machine);
+        match bad {
+            Some(outcome) => self.leave(task.slot, outcome),
+            None => self.enqueue(task.slot),
+        }
+    }
+}

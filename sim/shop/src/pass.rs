@@ -1,0 +1,440 @@
+//! Passes: command, plan, interruption, end.
+
+use super::cut::{CutFault, rest};
+use super::draws::{self, owner};
+use super::error::Refusal;
+use super::layout::cut_duration;
+use super::machine::Step;
+use super::ports::{read, write};
+use super::recorder::Recorder;
+use super::{Shop, ShopError};
+use crate::runlog::{ChangeReason, EventRow, PassRow};
+use rand::RngExt;
+use toolroom_kernel::Purpose;
+use toolroom_process::ProcessEvent;
+use toolroom_scenario::policies::Observation;
+use toolroom_scenario::{Cut, Work};
+
+/// Longest pass that is told to sensors, s: the greatest `pass_time` of the processes.
+const LONG: f64 = 1e6;
+
+/// What identifies the pass in a machine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub slot: u32,
+    pub job: u32,
+    pub part: usize,
+    pub operation: usize,
+    pub pass: usize,
+    pub tool: usize,
+}
+
+impl<R: Recorder> Shop<'_, R> {
+    fn place(&self, machine: usize) -> Place {
+        let task = self.world.machines[machine].task.as_ref().expect("a pass belongs to an operation");
+        let job = self.world.jobs.at(task.slot);
+        Place {
+            slot: task.slot,
+            job: job.number,
+            part: job.row.part as usize,
+            operation: job.operation as usize,
+            pass: task.pass as usize,
+            tool: task.tool as usize,
+        }
+    }
+
+    /// Decides what comes after loading, a pass or an edge change: an edge change, the next
+    /// pass, or the end of cutting.
+    pub(super) fn next_pass(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let plan = self.layout.operations[place.part][place.operation];
+        let edge = self.world.machines[machine].edges[place.tool].as_ref();
+        if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
+            self.begin_change(machine);
+            return Ok(());
+        }
+        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.spoiled);
+        if spoiled || place.pass >= plan.passes as usize {
+            self.finish_cutting(machine);
+            return Ok(());
+        }
+        if edge.is_none() {
+            self.mount(machine, place.tool);
+        }
+        if place.pass == 0 {
+            self.clamp_new_part(machine, place, plan.first_pass);
+        }
+        self.watch(machine, place, plan.first_pass);
+        self.world.machines[machine].segment.program.blocks.clear();
+        let scenario = self.scenario;
+        match &scenario.parts[place.part].operations[place.operation].work {
+            Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
+            Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
+            Work::Contour(_) => self.begin_contour(machine, place, plan.first_pass),
+        }
+    }
+
+    /// A part comes before the edge: its lot and hardness show, a wheel finds it untouched.
+    fn clamp_new_part(&mut self, machine: usize, place: Place, first_pass: u32) {
+        let tool = &self.scenario.tools[place.tool];
+        let part = &self.scenario.parts[place.part];
+        let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
+        if let Some(task) = &mut self.world.machines[machine].task {
+            task.blank = blank;
+        }
+        self.clamp_ground_part(machine, place, first_pass);
+    }
+
+    /// Gives the edge an observer where the policy needs one.
+    fn watch(&mut self, machine: usize, place: Place, first_pass: u32) {
+        let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
+        let flank_wear = self.layout.tools[place.tool].ports.flank_wear_state;
+        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        if edge.observer.is_none() {
+            // An edge that has cut before the policy came is measured once.
+            let worn = read(&edge.state, flank_wear, 0.0);
+            let reading = (edge.row.passes > 0).then(|| {
+                let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, u64::MAX);
+                worn + controller.reading_error(&mut stream)
+            });
+            edge.observer = controller.observer(reading);
+        }
+    }
+
+    fn begin_cut(&mut self, machine: usize, place: Place, first_pass: u32, cut: &Cut) -> Result<(), ShopError> {
+        let pass = first_pass + place.pass as u32;
+        let controller = self.controllers.of_pass(machine, pass);
+        let kind = self.controllers.kind_of_pass(machine, pass);
+        let ports = &self.layout.tools[place.tool].ports;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let seen = Observation {
+            path: cut.path_length * task.share_left,
+            edge_path: edge.row.path,
+            edge_time: edge.row.cutting_time,
+            edge_parts: edge.row.parts,
+            last_speed: edge.last_speed,
+            observer: edge.observer.as_ref(),
+            reaction: state.reactions.iter().find(|each| each.kind == kind).map(|each| each.speed),
+            true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
+        };
+        let conditions = controller.choose(&seen);
+        let tool = &self.scenario.tools[place.tool];
+        let tool_plan = &self.layout.tools[place.tool];
+        let mut input = tool_plan.cut_input(cut);
+        write(&mut input, ports.cutting_speed, conditions.start_speed);
+        let duration = if ports.feed_rate.is_some() {
+            cut_duration(cut, &tool.process, tool_plan, &input) * task.share_left * f64::from(conditions.layers)
+        } else {
+            let duration = conditions.duration(seen.path);
+            let change = conditions.end_speed - conditions.start_speed;
+            write(&mut input, ports.cutting_acceleration, if change == 0.0 { 0.0 } else { change / duration });
+            duration
+        };
+        if edge.row.passes > 0 && controller.change_due(&seen, &conditions, duration) {
+            edge.spent = Some(ChangeReason::Rule);
+            self.begin_change(machine);
+            return Ok(());
+        }
+        if let (Some(observer), Some(cut)) = (&mut edge.observer, controller.nominal_cut()) {
+            observer.begin_pass(cut);
+        }
+        let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
+        let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut)
+            / f64::from(conditions.layers);
+        write(&mut input, ports.depth_of_cut, depth);
+        edge.draw_noise(&tool.scatter, &self.streams);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
+        if ports.structure {
+            let owner = self.layout.machines[machine];
+            let factors = draws::structure(&tool.structure_scatter, &self.streams, owner, place.tool);
+            write(&mut input, ports.natural_frequency_factor, factors.0);
+            write(&mut input, ports.modal_damping_factor, factors.1);
+        }
+        if let Some(variation) = conditions.variation {
+            write(&mut input, ports.speed_variation, variation.amplitude);
+            write(&mut input, ports.variation_revolutions, f64::from(variation.revolutions));
+        }
+        task.renew_surface();
+        task.layers = conditions.layers;
+        task.step = Step::Pass;
+        task.left = duration;
+        // What lags within the pass is read at its end; after so long nothing lags any more.
+        write(&mut input, ports.pass_time, duration.min(LONG));
+        state.segment.start_input = input;
+        self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
+        self.plan_segment(machine)
+    }
+
+    pub(super) fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
+        let now = self.now().seconds();
+        let ports = &self.layout.tools[place.tool].ports;
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        edge.row.passes += 1;
+        let worn = match ports.flank_wear_state {
+            Some(i) => edge.state[i],
+            None => {
+                let output = &mut state.segment.output;
+                output.resize(super::ports::elements(process.outputs()), 0.0);
+                process.output(&edge.state, &state.segment.start_input, output);
+                read(output, ports.flank_wear, 0.0)
+            }
+        };
+        task.row = Some(PassRow {
+            job: place.job,
+            part: place.part as u32,
+            operation: place.operation as u32,
+            pass: place.pass as u32,
+            machine: machine as u32,
+            edge: edge.number,
+            start: now,
+            end: now,
+            cutting_time: 0.0,
+            speed_start: speed,
+            speed_end: speed,
+            feed,
+            depth_of_cut,
+            path: 0.0,
+            edge_time: edge.row.cutting_time,
+            flank_wear_start: worn,
+            flank_wear_end: worn,
+            flank_wear_estimate: f64::NAN,
+            cutting_force: 0.0,
+            spindle_power: 0.0,
+            temperature: 0.0,
+            energy: 0.0,
+            size_error: 0.0,
+            chatter_time: 0.0,
+            stability_margin: if ports.structure { f64::INFINITY } else { f64::NAN },
+            vibration_amplitude: 0.0,
+            roughness: 0.0,
+        });
+    }
+
+    /// Plans the rest of the pass in work from now on, on a copy of the edge's state.
+    pub(super) fn plan_segment(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let now = self.now();
+        let plan = self.layout.operations[place.part][place.operation];
+        let ports = &self.layout.tools[place.tool].ports;
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let segment = &mut state.segment;
+        ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
+        let idle = now - edge.clock;
+        let result =
+            if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };
+        edge.clock = now;
+        let sampling = edge.observer.as_ref().map(|_| controller.sampling_period());
+        let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
+        match result {
+            Ok(()) => {
+                let kind = self.controllers.kind_of_pass(machine, plan.first_pass + place.pass as u32);
+                let known = state.reactions.iter().find(|each| each.kind == kind);
+                segment.stop = segment.stop(controller.stability(), known);
+                task.left = segment.stop.unwrap_or(segment.elapsed);
+                Ok(())
+            }
+            Err(fault) => Err(self.cut_error(machine, place, fault)),
+        }
+    }
+
+    /// The pass in work stops after `elapsed` seconds of its segment, to be gone on with later.
+    pub(super) fn halt_pass(&mut self, machine: usize, elapsed: f64) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let tool = &self.layout.tools[place.tool];
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let closing = self.end.is_some();
+        let state = &mut self.world.machines[machine];
+        if closing && !process.goes_back() {
+            // What was cut until the horizon cannot be known: the pass is left out.
+            if let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) {
+                task.row = None;
+                edge.row.passes -= 1;
+            }
+            return Ok(());
+        }
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
+        let segment = &mut state.segment;
+        let asked = segment.asked;
+        let share = segment.share(&tool.ports, elapsed);
+        task.left = (asked - elapsed).max(0.0);
+        let sampling = segment.sampling_period;
+        let planned = segment.plan(process, &tool.ports, &edge.state, elapsed, sampling);
+        if let Err(fault) = planned {
+            return Err(self.cut_error(machine, place, fault));
+        }
+        self.take_over(machine, place, share);
+        let segment = &mut self.world.machines[machine].segment;
+        segment.program.skip(elapsed);
+        std::mem::swap(&mut segment.start_input, &mut segment.input);
+        Ok(())
+    }
+
+    /// A pass ends, because it is cut or because the edge is lost.
+    pub(super) fn end_pass(&mut self, machine: usize) -> Result<(), ShopError> {
+        let place = self.place(machine);
+        let segment = &self.world.machines[machine].segment;
+        if let Some(stop) = segment.stop {
+            return self.react(machine, place, stop);
+        }
+        let share = segment.share(&self.layout.tools[place.tool].ports, segment.elapsed);
+        let lost = segment.lost;
+        self.take_over(machine, place, share);
+        self.close_pass(machine);
+        match lost {
+            Some(event) => self.lose_edge(machine, place, event),
+            None => {
+                let plan = self.layout.operations[place.part][place.operation];
+                let state = &mut self.world.machines[machine];
+                let mut done = false;
+                if let (Some(task), Some(edge)) = (&mut state.task, &mut state.edges[place.tool]) {
+                    task.pass += 1;
+                    task.share_left = 1.0;
+                    done = task.pass == plan.passes;
+                    edge.row.parts += u32::from(done);
+                }
+                if done {
+                    self.judge_wheel(machine, place, plan.first_pass);
+                }
+                self.read_wear(machine, place);
+            }
+        }
+        self.next_pass(machine)
+    }
+
+    /// The planned segment has happened: edge, pass, observer and log take it over.
+    fn take_over(&mut self, machine: usize, place: Place, share: f64) {
+        let clock = self.now();
+        let now = clock.seconds();
+        let plan = self.layout.operations[place.part][place.operation];
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let ports = &self.layout.tools[place.tool].ports;
+        let path = match &self.scenario.parts[place.part].operations[place.operation].work {
+            Work::Cutting(cuts) => cuts[place.pass].path_length,
+            Work::Contour(work) => work.programmed[place.pass].path_length,
+            Work::Grinding { .. } | Work::Cycle(_) => 0.0,
+        };
+        let form_error = self.form_error(machine, place, plan.first_pass);
+        let streams = self.streams;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (segment, Some(row)) = (&state.segment, task.row.as_mut()) else { return };
+        let cut = share * task.share_left;
+        task.share_left -= cut;
+        edge.state.copy_from_slice(&segment.state);
+        edge.clock = clock;
+        edge.row.cutting_time += segment.elapsed;
+        let path = path * f64::from(task.layers);
+        edge.row.path += cut * path;
+        edge.last_speed = ports.cutting_speed.map(|i| segment.input[i]);
+        if let Some(observer) = &mut edge.observer {
+            for sample in &segment.samples {
+                let mut noise = streams.at(edge.entity.part(owner::SENSORS), Purpose::Measurement, edge.samples);
+                edge.samples += 1;
+                observer.see(sample, controller.sensors(), edge.scatter.emf_gain, &mut noise);
+            }
+            observer.segment_ends();
+            row.flank_wear_estimate = observer.flank_wear();
+        }
+        let output = &segment.output;
+        row.end = now;
+        row.cutting_time += segment.elapsed;
+        row.path += cut * path;
+        if row.speed_start > 0.0 {
+            row.speed_end = read(&segment.input, ports.cutting_speed, row.speed_end);
+        }
+        row.flank_wear_end = read(output, ports.flank_wear, 0.0);
+        row.cutting_force = read(output, ports.cutting_force, 0.0);
+        row.spindle_power = read(output, ports.spindle_power, 0.0);
+        row.temperature = read(output, ports.temperature, 0.0);
+        row.energy += segment.energy;
+        row.size_error = form_error.unwrap_or(read(output, ports.size_error, 0.0) - task.correction);
+        edge.row.flank_wear = row.flank_wear_end;
+        if let Some(vibration) = &segment.vibration {
+            vibration.note(row, &mut task.surface);
+        }
+        task.size_error = row.size_error;
+        for &(after, event) in &segment.passed {
+            match event {
+                ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
+                ProcessEvent::Burn => task.burnt = true,
+                _ => {}
+            }
+            self.recorder.event(EventRow {
+                time: now - segment.elapsed + after,
+                event: event.name(),
+                machine: Some(machine as u32),
+                job: Some(place.job),
+                edge: Some(edge.number),
+            });
+        }
+        let number = edge.number;
+        self.log_onset(machine, place, number);
+        self.ground(machine, place, plan.first_pass);
+    }
+
+    /// Writes the row of the pass in work, if there is one.
+    pub(super) fn close_pass(&mut self, machine: usize) {
+        if let Some(row) = self.world.machines[machine].task.as_mut().and_then(|task| task.row.take()) {
+            self.recorder.pass(row);
+        }
+    }
+
+    /// The edge is gone; chance decides whether the part is gone with it.
+    fn lose_edge(&mut self, machine: usize, place: Place, event: ProcessEvent) {
+        let job = self.world.jobs.at(place.slot);
+        let owner = job.entity.part(place.operation as u64).part(place.pass as u64);
+        let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
+        let state = &mut self.world.machines[machine];
+        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        edge.spent = Some(match event {
+            ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
+            _ => ChangeReason::Chipping,
+        });
+        let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(task.lost_edges)).random();
+        task.lost_edges += 1;
+        task.spoiled |= chance < risk;
+        let number = edge.number;
+        self.log_event(event.name(), Some(machine), Some(place.job), Some(number));
+    }
+
+    /// The wear limit rule reads the edge after every pass.
+    fn read_wear(&mut self, machine: usize, place: Place) {
+        let plan = self.layout.operations[place.part][place.operation];
+        let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
+        let later = self.deviation("tool_change_policy", machine);
+        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return };
+        let reading = u64::from(edge.row.passes);
+        let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, reading);
+        if edge.spent.is_none() && edge.row.flank_wear + controller.reading_error(&mut stream) >= limit {
+            edge.spent = Some(ChangeReason::Rule);
+        }
+    }
+
+    fn cut_error(&self, machine: usize, place: Place, fault: CutFault) -> ShopError {
+        let time = self.now().seconds();
+        let source = match fault {
+            CutFault::Model(source) => source,
+            CutFault::Stuck => return ShopError::NoProgress { time, events: super::STUCK_EVENTS },
+        };
+        let part = &self.scenario.parts[place.part];
+        let fields = self.scenario.tools[place.tool].process.machine_process().inputs();
+        let names = fields.iter().flat_map(|field| std::iter::repeat_n(field.name, field.len));
+        let values = self.world.machines[machine].segment.start_input.iter().copied();
+        ShopError::Model(Box::new(Refusal {
+            time,
+            machine: self.scenario.machines[machine].name.clone(),
+            part: part.name.clone(),
+            operation: part.operations[place.operation].name.clone(),
+            pass: place.pass as u32,
+            inputs: names.zip(values).collect(),
+            source,
+        }))
+    }
+}

@@ -1,0 +1,149 @@
+//! Edges and wheels: mounted, changed, dressed.
+
+use super::Shop;
+use super::draws;
+use super::edge::Edge;
+use super::machine::Step;
+use super::ports::write;
+use super::recorder::Recorder;
+use crate::runlog::{ChangeReason, EdgeRow};
+use toolroom_process::Record;
+use toolroom_scenario::ProcessModel;
+use toolroom_scenario::policies::WheelEstimate;
+
+impl<R: Recorder> Shop<'_, R> {
+    /// Puts a new edge of `tool` into a machine.
+    pub(super) fn mount(&mut self, machine: usize, tool: usize) {
+        let now = self.now();
+        let process = self.scenario.tools[tool].process.machine_process();
+        let state = &mut self.world.machines[machine];
+        let entity = self.layout.machines[machine].part(1 << 32 | tool as u64).part(state.mounted[tool]);
+        state.mounted[tool] += 1;
+        state.magazine = state.magazine.saturating_sub(1);
+        let scatter = draws::edge(&self.scenario.tools[tool].scatter, &self.streams, entity);
+        let mut x = process.initial();
+        if scatter.initial_flank_wear > 0.0 {
+            write(&mut x, self.layout.tools[tool].ports.flank_wear_state, scatter.initial_flank_wear);
+        }
+        let number = self.world.edges_mounted;
+        self.world.edges_mounted += 1;
+        let row = EdgeRow {
+            tool: tool as u32,
+            machine: machine as u32,
+            installed: now.seconds(),
+            removed: f64::NAN,
+            reason: ChangeReason::EndOfRun,
+            cutting_time: 0.0,
+            path: 0.0,
+            passes: 0,
+            parts: 0,
+            flank_wear: 0.0,
+            mechanical_wear_factor: scatter.wear_factor * scatter.mechanical_factor,
+            thermal_wear_factor: scatter.wear_factor * scatter.thermal_factor,
+        };
+        self.recorder.edge(number, row);
+        let edge = Edge {
+            number,
+            entity,
+            row,
+            state: x,
+            clock: now,
+            scatter,
+            noise: 0.0,
+            noise_time: 0.0,
+            spent: None,
+            observer: None,
+            wheel: WheelEstimate::default(),
+            samples: 0,
+            last_speed: None,
+        };
+        self.world.machines[machine].edges[tool] = Some(edge);
+    }
+
+    /// The machine starts to change a spent edge; an empty magazine is refilled on the way.
+    pub(super) fn begin_change(&mut self, machine: usize) {
+        let now = self.now().seconds();
+        let delay = self.deviation("tool_change_delay", machine);
+        let kind = &self.scenario.machines[machine];
+        let job = self.job_in(machine);
+        let state = &mut self.world.machines[machine];
+        let refill = if state.magazine == 0 { kind.refill_time } else { 0.0 };
+        let Some(task) = &mut state.task else { return };
+        task.step = Step::ToolChange;
+        task.left = kind.tool_change_time + refill + delay;
+        let edge = state.edges[task.tool as usize].as_mut();
+        let number = edge.map(|edge| {
+            edge.row.removed = now;
+            edge.number
+        });
+        self.log_event("tool_change", Some(machine), job, number);
+    }
+
+    /// The change is done.
+    pub(super) fn replace_edge(&mut self, machine: usize) {
+        let state = &mut self.world.machines[machine];
+        let Some(task) = &state.task else { return };
+        let tool = task.tool as usize;
+        if state.magazine == 0 {
+            state.magazine = self.scenario.machines[machine].magazine;
+        }
+        self.retire(machine, tool);
+        self.mount(machine, tool);
+    }
+
+    /// The machine starts to dress its wheel.
+    pub(super) fn begin_dressing(&mut self, machine: usize) {
+        let now = self.now().seconds();
+        let job = self.job_in(machine);
+        let state = &mut self.world.machines[machine];
+        let Some(task) = &mut state.task else { return };
+        let tool = task.tool as usize;
+        task.step = Step::Dressing;
+        task.left = self.scenario.tools[tool].dressing_time;
+        let number = state.edges[tool].as_mut().map(|edge| {
+            edge.row.removed = now;
+            edge.number
+        });
+        self.log_event("dressing", Some(machine), job, number);
+    }
+
+    /// The wheel is sharp again; it counts as a new edge and keeps what it has lost.
+    pub(super) fn dress(&mut self, machine: usize) {
+        let Some(task) = &self.world.machines[machine].task else { return };
+        let tool = task.tool as usize;
+        let worn = self.world.machines[machine].edges[tool].as_ref().map(|edge| edge.state.clone());
+        self.retire(machine, tool);
+        let magazine = self.world.machines[machine].magazine;
+        self.mount(machine, tool);
+        self.world.machines[machine].magazine = magazine; // the same wheel, none taken out
+        if let (ProcessModel::Infeed(infeed), Some(worn), Some(edge)) =
+            (&self.scenario.tools[tool].process, worn, &mut self.world.machines[machine].edges[tool])
+        {
+            infeed.dress(&Record::from_slice(&worn)).write_to(&mut edge.state);
+        }
+    }
+
+    /// Writes the final row of an edge.
+    fn retire(&mut self, machine: usize, tool: usize) {
+        if let Some(mut edge) = self.world.machines[machine].edges[tool].take() {
+            edge.row.reason = edge.spent.unwrap_or(ChangeReason::EndOfRun);
+            self.recorder.edge(edge.number, edge.row);
+        }
+    }
+
+    /// Writes the rows of all edges that are in the machines at the end of the run.
+    pub(super) fn retire_all(&mut self) {
+        let now = self.now().seconds();
+        for machine in 0..self.world.machines.len() {
+            for tool in 0..self.scenario.tools.len() {
+                if let Some(edge) = &mut self.world.machines[machine].edges[tool] {
+                    if edge.row.removed.is_nan() {
+                        edge.row.removed = now;
+                        edge.spent = None; // known to be worn, still in the machine
+                    }
+                    self.retire(machine, tool);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Everything of a shop that changes, as plain data.
+
+use super::job::Jobs;
+use super::machine::Machine;
+use toolroom_kernel::{EventKey, SimTime, Stream};
+
+/// Jobs, machines with their queues and edges, failure clocks, sources. Cloning it takes a
+/// snapshot.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// Jobs in the shop.
+    pub jobs: Jobs,
+    /// Machines, as in the scenario.
+    pub machines: Vec<Machine>,
+    /// Failure modes, as in the scenario.
+    pub modes: Vec<FailureState>,
+    /// Sources of jobs, as in the scenario.
+    pub sources: Vec<SourceState>,
+    /// Edges mounted so far.
+    pub edges_mounted: u32,
+    /// Machines that may choose a job now.
+    pub(super) candidates: Vec<u32>,
+}
+
+/// A failure mode on its way to the next failure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailureState {
+    /// Failures so far: index of the next draw.
+    pub count: u64,
+    /// Whether it is being repaired.
+    pub failed: bool,
+    /// Busy time left to the failure at `since`, s; of calendar clocks unused.
+    pub left: f64,
+    /// When the busy clock was started.
+    pub since: SimTime,
+    /// The failure in the calendar; `None` while the clock stands.
+    pub due: Option<EventKey>,
+}
+
+/// A source of jobs.
+#[derive(Clone, Debug)]
+pub struct SourceState {
+    /// Jobs released so far: index of the next one.
+    pub released: u64,
+    /// Releases so far: row of a schedule, number of a lot.
+    pub releases: u64,
+    /// Times between arrivals.
+    pub stream: Stream,
+}

@@ -1,0 +1,132 @@
+//! Chatter in the shop: where it sets in, what it spoils, what the rules make of it.
+
+use toolroom_scenario::Scenario;
+use toolroom_scenario::file::{ReadError, read};
+use toolroom_shop::run;
+use toolroom_shop::runlog::{JobOutcome, RunLog};
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/chatter-policies.toml");
+
+/// The shipped scenario for an hour, every structure the nominal one.
+fn scenario(overrides: &[&str]) -> Scenario {
+    let nominal = [
+        "tool.insert.structure_scatter.natural_frequency=0",
+        "tool.insert.structure_scatter.damping_ratio=0",
+        "shop.horizon=\"1.2 h\"",
+        "shop.warm_up=\"0 h\"",
+    ];
+    let all: Vec<String> = nominal.iter().chain(overrides).map(|each| (*each).to_owned()).collect();
+    read(FILE.as_ref(), &all).unwrap().scenario
+}
+
+fn log(scenario: &Scenario, policy: &str) -> RunLog {
+    let index = scenario.policies.iter().position(|each| each.name == policy).unwrap();
+    run(scenario, index, 0).unwrap()
+}
+
+fn chatter_share(log: &RunLog, operation: u32) -> f64 {
+    let passes = || log.passes.iter().filter(|row| row.operation == operation);
+    passes().map(|row| row.chatter_time).sum::<f64>() / passes().map(|row| row.cutting_time).sum::<f64>()
+}
+
+#[test]
+fn chatter_is_logged_where_it_sets_in_and_scraps_rough_parts() {
+    let scenario = scenario(&[]);
+    let log = log(&scenario, "constant");
+    assert!(chatter_share(&log, 0) > 0.02, "{}", chatter_share(&log, 0));
+    let onsets: Vec<f64> = log.events.iter().filter(|row| row.event == "chatter_onset").map(|row| row.time).collect();
+    assert!(!onsets.is_empty());
+    for onset in &onsets {
+        // It grows within a pass in which some time chatters.
+        let inside =
+            |row: &&toolroom_shop::runlog::PassRow| row.start < *onset && *onset < row.end && row.chatter_time > 0.0;
+        assert!(log.passes.iter().any(|row| inside(&row)), "{onset}");
+    }
+    for row in &log.passes {
+        assert_eq!(row.stability_margin < 0.0, row.vibration_amplitude > 20e-6 && row.roughness > 5e-6, "{row:?}");
+        assert!(row.chatter_time <= row.cutting_time * (1.0 + 1e-9));
+    }
+    assert!(log.jobs.iter().any(|job| job.outcome == JobOutcome::Chatter));
+    let tolerant = scenario_without_limits();
+    assert!(run(&tolerant, 0, 0).unwrap().jobs.iter().all(|job| job.outcome != JobOutcome::Chatter));
+}
+
+fn scenario_without_limits() -> Scenario {
+    let mut scenario = scenario(&[]);
+    for operation in scenario.parts.iter_mut().flat_map(|part| &mut part.operations) {
+        operation.roughness_limit = f64::INFINITY;
+    }
+    scenario
+}
+
+#[test]
+fn a_machine_that_has_heard_chatter_goes_where_it_is_quiet() {
+    let scenario = scenario(&[]);
+    let (constant, reactive) = (log(&scenario, "constant"), log(&scenario, "reactive"));
+    for operation in 0..2 {
+        let (before, after) = (chatter_share(&constant, operation), chatter_share(&reactive, operation));
+        assert!(after < 0.7 * before, "operation {operation}: {before} and {after}");
+    }
+    // The path is the same, in however many pieces it is cut.
+    let path = |log: &RunLog| {
+        let done: Vec<u32> =
+            (0..log.jobs.len() as u32).filter(|job| log.jobs[*job as usize].outcome == JobOutcome::Good).collect();
+        let of = |job: u32| {
+            log.passes.iter().filter(|row| row.job == job && row.operation == 0).map(|row| row.path).sum::<f64>()
+        };
+        done.first().map(|job| of(*job))
+    };
+    let expected = 2.0 * std::f64::consts::PI * 0.04 * 0.4 / 0.2e-3;
+    if let Some(path) = path(&reactive) {
+        assert!((path / expected - 1.0).abs() < 1e-9, "{path} {expected}");
+    }
+}
+
+#[test]
+fn layers_keep_below_the_nominal_limit_and_take_their_time() {
+    let scenario = scenario(&["tool.insert.scatter=none", "tool.\"end mill\".scatter=none"]);
+    let log = log(&scenario, "depth reduction");
+    for row in log.passes.iter().filter(|row| row.operation == 0 && row.end < log.horizon) {
+        assert!(row.stability_margin > 0.05, "{row:?}");
+        assert!(row.depth_of_cut < 0.5e-3 && row.depth_of_cut > 0.1e-3);
+        let layers = 0.55e-3 / row.depth_of_cut;
+        assert!((layers - layers.round()).abs() < 1e-9 && (row.path / layers.round() - 251.3).abs() < 0.1, "{row:?}");
+    }
+}
+
+#[test]
+fn a_margin_is_kept_on_the_nominal_structure() {
+    let scenario = scenario(&["tool.insert.scatter=none", "tool.\"end mill\".scatter=none"]);
+    for policy in ["best lobe", "robust lobe", "productivity, constrained"] {
+        let log = log(&scenario, policy);
+        let judged = log.passes.iter().filter(|row| row.operation == 0);
+        let quiet = judged.clone().filter(|row| row.stability_margin > 0.0).count();
+        assert!(quiet as f64 > 0.9 * judged.count() as f64, "{policy}");
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_log() {
+    let scenario = scenario(&[]);
+    let (first, second) = (log(&scenario, "reactive"), log(&scenario, "reactive"));
+    assert_eq!(first.digest, second.digest);
+    // As text, for what is not defined is not equal to itself.
+    assert_eq!(format!("{:?}", first.passes), format!("{:?}", second.passes));
+}
+
+#[test]
+fn a_structure_that_is_none_is_told_with_its_place() {
+    let cases = [
+        ("tool.insert.structure=chatter/missing.toml", "missing.toml"),
+        ("tool.insert.structure=chatter/milling-slot.toml", "describes no turning"),
+        ("tool.\"end mill\".structure=chatter/milling-slot.toml", "its cutter has 2 teeth"),
+        ("tool.insert.structure_scatter.damping_ratio=2", "outside 0 to 0.5"),
+        ("part.shaft.operation.turn.position=\"900 mm\"", "the tool is on the bar"),
+        ("policy.1.chatter=best_lobes", "best_lobe"),
+    ];
+    for (change, told) in cases {
+        let Err(ReadError::Faults(list)) = read(FILE.as_ref(), &[change.to_owned()]) else { panic!("{change}") };
+        let text: Vec<String> = list.problems.iter().map(|problem| format!("{:?}", problem.fault)).collect();
+        assert!(text.iter().any(|fault| fault.contains(told)) || list.to_string().contains(told), "{change}: {list}");
+    }
+}

@@ -1,0 +1,22 @@
+//! The shop as a whole: exact results of others, conservation, common random numbers, branching,
+//! interruptions.
+
+mod adaptive;
+mod ages;
+mod breakdowns;
+mod chatter;
+mod conservation;
+mod contours;
+mod cycles;
+mod dispatching;
+mod grinding;
+#[path = "../../../kernel/tests/kernel/instances.rs"]
+mod instances;
+mod interruptions;
+mod queues;
+mod replay;
+mod scenarios;
+mod shifts;
+#[path = "../../../kernel/tests/kernel/statistics.rs"]
+mod statistics;
+mod tools;

@@ -1,0 +1,60 @@
+//! Working time.
+
+use crate::scenarios::{self, jobs_at, operation, run, time_in};
+use toolroom_scenario::{Interruption, Scenario, Shift, ShiftCalendar};
+use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
+
+/// Work from 100 to 200 of every 1000 s; a job of 70 s arrives at 150.
+fn shop(at_end: Interruption) -> Scenario {
+    let mut shop = scenarios::scenario();
+    shop.parts[0].operations = vec![operation(&[0], &[30.0, 40.0])];
+    shop.arrivals[0] = jobs_at(&[(150.0, 1)]);
+    shop.machines[0].calendar = Some(0);
+    shop.calendars = vec![ShiftCalendar {
+        name: "short".to_owned(),
+        period: 1000.0,
+        shifts: vec![Shift { start: 100.0, end: 200.0 }],
+        at_end,
+    }];
+    shop.horizon = 2000.0;
+    shop
+}
+
+fn ends(log: &RunLog) -> (JobOutcome, f64) {
+    (log.jobs[0].outcome, log.jobs[0].finish)
+}
+
+#[test]
+fn a_shift_that_finishes_its_part_ends_late() {
+    let log = run(&shop(Interruption::Finish));
+    assert_eq!(ends(&log), (JobOutcome::Good, 220.0));
+    assert_eq!(time_in(&log, 0, MachineState::OffShift), 2000.0 - 120.0 - 100.0);
+}
+
+#[test]
+fn a_part_left_in_the_machine_is_resumed_next_shift() {
+    let log = run(&shop(Interruption::Resume));
+    assert_eq!(ends(&log), (JobOutcome::Good, 1120.0));
+    assert_eq!(log.passes[1].cutting_time, 40.0);
+    assert_eq!(time_in(&log, 0, MachineState::OffShift), 1800.0);
+}
+
+#[test]
+fn a_part_may_have_to_be_begun_again() {
+    let log = run(&shop(Interruption::Repeat));
+    assert_eq!(ends(&log), (JobOutcome::Good, 1170.0));
+    assert_eq!(time_in(&log, 0, MachineState::Cutting), 50.0 + 70.0);
+}
+
+#[test]
+fn a_part_may_be_lost_at_the_end_of_a_shift() {
+    assert_eq!(ends(&run(&shop(Interruption::Scrap))), (JobOutcome::Breakdown, 200.0));
+}
+
+#[test]
+fn nothing_starts_outside_the_shift() {
+    let mut shop = shop(Interruption::Resume);
+    shop.arrivals[0] = jobs_at(&[(20.0, 1), (200.0, 1)]);
+    let log = run(&shop);
+    assert_eq!((log.jobs[0].start, log.jobs[1].start), (100.0, 1100.0));
+}
