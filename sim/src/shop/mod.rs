@@ -234,6 +234,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.halt(machine)?;
             self.close_pass(machine);
             self.log_state(machine);
+            self.log_in_process(machine);
         }
         Ok(())
     }
@@ -322,12 +323,14 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// Brings the logged state of a machine up to date.
     fn show_state(&mut self, machine: usize) {
         let state = self.world.machines[machine].current_state();
+        let in_shift = !self.world.machines[machine].off_shift;
         let job = self.job_in(machine);
         let logged = &self.world.machines[machine];
-        if logged.state != state || logged.state_job != job {
+        if logged.state != state || logged.state_in_shift != in_shift || logged.state_job != job {
             self.log_state(machine);
             let logged = &mut self.world.machines[machine];
             logged.state = state;
+            logged.state_in_shift = in_shift;
             logged.state_job = job;
         }
     }
@@ -342,6 +345,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 state: logged.state,
                 start: logged.state_since.seconds(),
                 end: now.seconds(),
+                in_shift: logged.state_in_shift,
                 job: logged.state_job,
             });
             logged.state_since = now;

@@ -4,6 +4,7 @@ use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::SimTime;
+use crate::runlog::JobOutcome;
 use crate::scenario::{Interruption, ShiftCalendar};
 
 /// A change of working time.
@@ -19,6 +20,36 @@ impl ShiftCalendar {
     pub fn works_at(&self, time: f64) -> bool {
         let within = time - (time / self.period).floor() * self.period;
         self.shifts.iter().any(|shift| shift.start <= within && within < shift.end)
+    }
+
+    /// Working time from `start` to `end`, s. Shifts that overlap count once.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_sim::scenario::{Interruption, Shift, ShiftCalendar};
+    /// let shifts = vec![Shift { start: 6.0, end: 14.0 }];
+    /// let early = ShiftCalendar { name: "early".into(), period: 24.0, shifts, at_end: Interruption::Resume };
+    /// assert_eq!((early.working_time(0.0, 48.0), early.working_time(10.0, 31.0)), (16.0, 5.0));
+    /// ```
+    pub fn working_time(&self, start: f64, end: f64) -> f64 {
+        (self.worked_until(end) - self.worked_until(start)).max(0.0)
+    }
+
+    /// Working time from zero to `time`, s.
+    fn worked_until(&self, time: f64) -> f64 {
+        let periods = (time / self.period).floor();
+        let within = time - periods * self.period;
+        periods * self.worked_within(self.period) + self.worked_within(within)
+    }
+
+    /// Working time from the start of a period to `within` it, s. Shifts are ascending.
+    fn worked_within(&self, within: f64) -> f64 {
+        let (mut worked, mut until) = (0.0, 0.0_f64);
+        for shift in &self.shifts {
+            worked += (shift.end.min(within) - shift.start.max(until)).max(0.0);
+            until = until.max(shift.end);
+        }
+        worked
     }
 
     /// The next change strictly after `time`; shifts that touch are one. `None` where work never
@@ -87,11 +118,12 @@ impl<R: Recorder> Shop<'_, R> {
         self.schedule_boundary(machine)?;
         let at_end = self.calendar_of(machine).map_or(Interruption::Finish, |calendar| calendar.at_end);
         // A part in a machine that is down cannot be finished; it stays where it is.
-        if self.world.machines[machine].task.is_some() && at_end == Interruption::Finish {
-            self.world.machines[machine].leaving = true;
+        let state = &mut self.world.machines[machine];
+        if state.task.is_some() && state.is_up() && at_end == Interruption::Finish {
+            state.leaving = true;
             return Ok(());
         }
-        self.interrupt(machine, at_end)?;
+        self.interrupt(machine, at_end, JobOutcome::ShiftEnd)?;
         self.world.machines[machine].off_shift = true;
         self.show_state(machine);
         Ok(())
@@ -129,6 +161,15 @@ mod tests {
     fn shifts_that_touch_are_one() {
         assert_eq!(boundaries(&calendar(&[(0.0, 8.0), (8.0, 24.0)]), 4), []);
         assert_eq!(boundaries(&calendar(&[(0.0, 6.0), (22.0, 24.0)]), 3), [(6.0, false), (22.0, true), (30.0, false)]);
+    }
+
+    #[test]
+    fn working_time_is_that_of_all_periods_and_counts_overlaps_once() {
+        let night = calendar(&[(0.0, 6.0), (22.0, 24.0)]);
+        assert_eq!((night.working_time(0.0, 48.0), night.working_time(5.0, 23.0)), (16.0, 2.0));
+        assert_eq!((night.working_time(23.0, 49.0), night.working_time(7.0, 21.0)), (1.0 + 8.0 + 1.0, 0.0));
+        assert_eq!(calendar(&[(6.0, 14.0), (12.0, 16.0)]).working_time(0.0, 24.0), 10.0);
+        assert_eq!(calendar(&[]).working_time(0.0, 1e6), 0.0);
     }
 
     #[test]
