@@ -21,6 +21,7 @@
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
+//! | [`difference`] | two finished runs against each other, paired where they share random numbers |
 //! | [`chart`] | pictures as SVG text: plots, bars, Gantt charts, heat maps, waterfalls |
 //! | [`mtconnect`] | logs of machines that speak MTConnect, as records |
 //! | [`records`] | measured records: CSV and Parquet in any unit, with a report of what was read |
@@ -47,6 +48,7 @@
 
 pub mod chart;
 pub mod compare;
+pub mod difference;
 mod figure;
 #[cfg(test)]
 mod fixture;
