@@ -81,9 +81,12 @@ pub enum Command {
   toolroom report out/demo
   toolroom report --open out/demo")]
     Report(ReportArgs),
-    /// Compare the key figures of two finished runs
+    /// Compare the key figures of two finished runs, in pairs where they share their random numbers
     #[command(before_help = "Examples:
-  toolroom diff out/monday out/tuesday")]
+  toolroom diff out/monday out/tuesday
+
+Runs of one seed in which the same machines, tools, operations, sources and failures draw are paired by replication;
+others are compared as independent samples, and the output says why.")]
     Diff(DiffArgs),
     /// Write a commented scenario to edit
     #[command(before_help = "Examples:

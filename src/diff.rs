@@ -5,60 +5,95 @@ use crate::failure::Failure;
 use crate::results::Results;
 use crate::speak::Voice;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::Path;
 use toolroom_scenario::file::significant;
+use toolroom_statistics::{CONFIDENCE, Interval, t_interval};
+use toolroom_study::difference::{Replications, difference, unpaired};
 
-/// Mean and half-width of the interval of one figure of one policy.
-type Figures = BTreeMap<(String, String), (f64, f64)>;
+/// A figure that is not the same in both runs.
+struct Row<'a> {
+    policy: &'a str,
+    kpi: &'a str,
+    one: f64,
+    two: f64,
+    difference: Interval,
+}
 
 pub fn run(args: &DiffArgs, voice: &Voice) -> Result<(), Failure> {
     let (one, two) = (Results::read(&args.one)?, Results::read(&args.two)?);
     let identical = one.summary["digest"] == two.summary["digest"];
-    let (left, right) = (figures(&one.summary), figures(&two.summary));
+    let [currency, other] = [&one, &two].map(|run| run.summary["currency"].as_str().unwrap_or_default());
+    // Money of two currencies is not compared: its figures keep their units and find no partner.
+    let money = if currency == other { currency } else { "" };
+    let (left, right) = (replications(&args.one, money)?, replications(&args.two, money)?);
+    let because = unpaired(&one.run, &two.run);
     let mut rows = Vec::new();
-    for ((policy, figure), (a, _)) in &left {
-        let Some((b, half_width)) = right.get(&(policy.clone(), figure.clone())) else { continue };
-        if a != b {
-            rows.push((policy, figure, *a, *b, *half_width));
+    for (policy, kpi, a, b) in left.common(&right) {
+        let [one, two] = [a, b].map(|sample| t_interval(&Vec::from_iter(sample.values().copied()), CONFIDENCE).mean);
+        if one.is_finite() && two.is_finite() && one != two {
+            rows.push(Row { policy, kpi, one, two, difference: difference(a, b, because.is_none()) });
         }
     }
-    let only = |these: &Figures, those: &Figures| -> Vec<String> {
-        let mut names: Vec<String> = these.keys().map(|(policy, _)| policy.clone()).collect();
-        names.retain(|name| those.keys().all(|(policy, _)| policy != name));
-        names.dedup();
-        names
+    let only = |these: &Replications, those: &Replications| -> Vec<String> {
+        let others = those.policies();
+        these.policies().into_iter().filter(|name| !others.contains(name)).map(str::to_owned).collect()
     };
     let (only_one, only_two) = (only(&left, &right), only(&right, &left));
     if voice.json {
         let differences: Vec<Value> = rows
             .iter()
-            .map(|(policy, figure, a, b, _)| json!({ "policy": policy, "kpi": figure, "one": a, "two": b }))
+            .map(|row| {
+                let Interval { mean, count, .. } = row.difference;
+                let ends = [row.difference.low(), row.difference.high()];
+                let difference = json!({ "mean": mean, "ci95": ends, "n": count });
+                json!({ "policy": row.policy, "kpi": row.kpi, "one": row.one, "two": row.two, "difference": difference })
+            })
             .collect();
         return voice.json(&json!({
             "schema": 1,
             "identical": identical,
+            "paired": because.is_none(),
+            "unpaired_because": because,
+            "currencies": [currency, other],
             "differences": differences,
             "policies_only_in_one": only_one,
             "policies_only_in_two": only_two,
         }));
     }
     let mut text = String::new();
+    if !rows.is_empty() {
+        let _ = match &because {
+            None => writeln!(text, "paired by replication on common random numbers, 95 % t intervals"),
+            Some(because) => writeln!(text, "not paired, as {because}; 95 % Welch intervals"),
+        };
+    }
     let mut last = "";
-    for (policy, figure, a, b, half_width) in rows {
-        if policy.as_str() != last {
-            let _ = writeln!(text, "{policy}");
+    for row in &rows {
+        if row.policy != last {
+            let _ = writeln!(text, "{}", row.policy);
         }
-        last = policy;
-        let change = if a == 0.0 { String::new() } else { format!("{:+.1} %", 100.0 * (b - a) / a.abs()) };
-        // Two runs share no random numbers unless their seeds agree: the interval says how much to believe.
-        let beyond = if (b - a).abs() > half_width { "" } else { "   within the interval" };
-        let _ = writeln!(text, "  {figure:34} {:>12} → {:>12} {change:>10}{beyond}", significant(a), significant(b));
+        last = row.policy;
+        let change = 100.0 * (row.two - row.one) / row.one.abs();
+        let change = if change.is_finite() { format!("{change:+.1} %") } else { String::new() };
+        let within = row.difference.half_width.is_finite() && !row.difference.excludes(0.0);
+        let note = if within { "   within the interval" } else { "" };
+        let _ = writeln!(
+            text,
+            "  {:34} {:>12} → {:>12} {change:>10}   {}{note}",
+            row.kpi,
+            significant(row.one),
+            significant(row.two),
+            shown(&row.difference),
+        );
     }
     for (names, dir) in [(only_one, &args.one), (only_two, &args.two)] {
         if !names.is_empty() {
             let _ = writeln!(text, "only in {}: {}", dir.display(), names.join(", "));
         }
+    }
+    if currency != other {
+        let _ = writeln!(text, "money is not compared: {currency} and {other}");
     }
     if text.is_empty() {
         text = if identical { "identical runs" } else { "no key figure differs" }.to_owned();
@@ -66,15 +101,21 @@ pub fn run(args: &DiffArgs, voice: &Voice) -> Result<(), Failure> {
     voice.data(text.trim_end())
 }
 
-fn figures(summary: &Value) -> Figures {
-    let mut figures = Figures::new();
-    for policy in summary["policies"].as_array().into_iter().flatten() {
-        let Some(name) = policy["name"].as_str() else { continue };
-        for (figure, value) in policy["kpi"].as_object().into_iter().flatten() {
-            let Some(mean) = value["mean"].as_f64() else { continue };
-            let half_width = value["ci95"][1].as_f64().map_or(0.0, |high| high - mean);
-            figures.insert((name.to_owned(), figure.clone()), (mean, half_width));
-        }
+fn replications(dir: &Path, currency: &str) -> Result<Replications, Failure> {
+    Replications::read(dir, currency)
+        .map_err(|error| Failure::argument(error, "give the directory of a finished run, such as out/demo"))
+}
+
+/// `-0.295 ± 0.057`: two digits of the half-width; the mean alone where there is none.
+fn shown(difference: &Interval) -> String {
+    let half_width = difference.half_width;
+    if !half_width.is_finite() {
+        return significant(difference.mean);
     }
-    figures
+    let lead = half_width.log10().floor();
+    if !(-8.0..4.0).contains(&lead) {
+        return format!("{} ± {}", significant(difference.mean), significant(half_width));
+    }
+    let digits = (1.0 - lead).max(0.0) as usize;
+    format!("{:+.digits$} ± {half_width:.digits$}", difference.mean)
 }

@@ -344,6 +344,126 @@ fn run_writes_csv_and_report_and_diff_read_it_again() {
     assert_eq!(missing.status.code(), Some(2), "{}", stderr(&missing));
 }
 
+/// A grinder that is busy most of the time with short and long parts.
+const BUSY: &str = r#"schema = 1
+[shop]
+name = "busy"
+title = "Short and long parts"
+seed = 5
+replications = 12
+horizon = "24 h"
+[[machine]]
+name = "G"
+process = "infeed"
+rate = "60 EUR/h"
+load_time = "0 s"
+unload_time = "0 s"
+[[tool]]
+name = "wheel"
+process = "infeed"
+parameter_set = "zb153u_40kh"
+edge_cost = "1 EUR"
+[[part]]
+name = "short"
+[[part.operation]]
+name = "grind"
+machines = "G"
+tool = "wheel"
+work_rotation_speed = "120 rpm"
+phase = [{ infeed_per_rev = "1 um/rev", revolutions = 60 }]
+size_tolerance = "1 mm"
+[[part]]
+name = "long"
+[[part.operation]]
+name = "grind"
+machines = "G"
+tool = "wheel"
+work_rotation_speed = "120 rpm"
+phase = [{ infeed_per_rev = "1 um/rev", revolutions = 480 }]
+size_tolerance = "1 mm"
+[[arrivals]]
+part = "short"
+pattern = "poisson"
+rate = "40 1/h"
+[[arrivals]]
+part = "long"
+pattern = "poisson"
+rate = "6 1/h"
+[[policy]]
+name = "programmed"
+speed = "programmed"
+"#;
+
+/// Values of a figure of the shop in the replications of a run, from its `kpi.csv`.
+fn figure(dir: &Path, id: &str) -> Vec<f64> {
+    let text = fs::read_to_string(dir.join("kpi.csv")).expect("a table");
+    let rows = text.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+    rows.filter(|row| row[2].is_empty() && row[3] == id).map(|row| row[5].parse().expect("a number")).collect()
+}
+
+#[test]
+fn runs_that_differ_in_the_dispatch_rule_are_compared_in_pairs() {
+    let dir = directory("diff");
+    let file = dir.join("busy.toml");
+    fs::write(&file, BUSY).expect("writable");
+    let run = |name: &str, more: &[&str]| {
+        let out = dir.join(name).display().to_string();
+        let file = file.display().to_string();
+        let output = toolroom(&[&["run", &file, "--logged", "0", "--out", &out], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        out
+    };
+    let fifo = run("fifo", &[]);
+    let rule = "dispatch.rule=shortest_processing_time";
+    let shortest = run("shortest", &["--set", rule]);
+    let seed = run("seed", &["--set", rule, "--seed", "6"]);
+    fs::write(&file, BUSY.replace("\"G\"", "\"H\"")).expect("writable");
+    let renamed = run("renamed", &["--set", rule]);
+
+    let lead = |other: &str| {
+        let all = json(&toolroom(&["diff", &fifo, other, "--json"]));
+        let found =
+            all["differences"].as_array().and_then(|list| list.iter().find(|row| row["kpi"] == "lead_time [min]"));
+        let row = found.expect("a difference").clone();
+        let ends = [0, 1].map(|end| row["difference"]["ci95"][end].as_f64().expect("a number"));
+        (all, row, 0.5 * (ends[1] - ends[0]))
+    };
+    let (all, row, half_width) = lead(&shortest);
+    assert_eq!((&all["paired"], &all["unpaired_because"]), (&true.into(), &Value::Null));
+    // The t interval of twelve differences: 2.200985 is the 97.5 % point of eleven degrees of freedom.
+    let [one, two] = [&fifo, &shortest].map(|run| figure(Path::new(run), "lead_time"));
+    let pairs: Vec<f64> = one.iter().zip(&two).map(|(one, two)| two - one).collect();
+    assert_eq!(pairs.len(), 12);
+    let mean = pairs.iter().sum::<f64>() / 12.0;
+    let variance = pairs.iter().map(|pair| (pair - mean).powi(2)).sum::<f64>() / 11.0;
+    assert!((row["difference"]["mean"].as_f64().expect("a number") - mean).abs() < 1e-9 * mean.abs());
+    assert!((half_width - 2.200_985 * (variance / 12.0).sqrt()).abs() < 1e-5 * half_width, "{row}");
+    assert!(mean + half_width < 0.0, "the shorter part first shortens the mean lead time: {row}");
+    let text = stdout(&toolroom(&["diff", &fifo, &shortest]));
+    assert!(text.starts_with("paired by replication on common random numbers"), "{text}");
+    let line = text.lines().find(|line| line.contains("lead_time [min]")).expect("a row");
+    assert!(line.contains(" ± ") && !line.contains("within the interval"), "{line}");
+
+    // Other random numbers: two samples that have nothing to do with one another.
+    for (other, told) in
+        [(&seed, "their seeds are 5 and 6"), (&renamed, "machine `G` of the first is not in the second")]
+    {
+        let (all, row, unpaired) = lead(other);
+        assert_eq!((&all["paired"], &all["unpaired_because"]), (&false.into(), &told.into()), "{row}");
+        assert!(unpaired > 1.5 * half_width, "{unpaired} against {half_width}");
+        let text = stdout(&toolroom(&["diff", &fifo, other]));
+        assert!(text.starts_with(&format!("not paired, as {told}; 95 % Welch intervals")), "{text}");
+    }
+
+    // A table that was touched is refused with its line.
+    let table = Path::new(&seed).join("kpi.csv");
+    let broken = fs::read_to_string(&table).expect("a table").replacen("programmed,0,", "programmed,x,", 1);
+    fs::write(&table, broken).expect("writable");
+    let refused = toolroom(&["diff", &fifo, &seed]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("kpi.csv:2: `x` is no replication"), "{}", stderr(&refused));
+}
+
 #[test]
 fn what_cannot_be_written_is_told_before_any_work() {
     let dir = directory("unwritable");

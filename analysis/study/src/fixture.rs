@@ -5,7 +5,8 @@ use toolroom_cutting::Turning;
 use toolroom_infeed::Infeed;
 use toolroom_scenario::*;
 use toolroom_shop::runlog::{
-    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, PassRow, RunLog, StateRow,
+    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, OperationResult, OperationRow, PassRow, RunLog,
+    StateRow,
 };
 
 fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
@@ -138,6 +139,8 @@ pub(crate) fn pass(job: u32, operation: u32, pass: u32, machine: u32, edge: u32,
         feed: 1e-4,
         depth_of_cut: 1e-3,
         path: 0.5 * (end - start),
+        engaged_time: end - start,
+        cutting_length: 0.5 * (end - start),
         edge_time: 0.0,
         flank_wear_start: 1e-4,
         flank_wear_end: 2e-4,
@@ -181,11 +184,24 @@ pub(crate) fn edge(
 pub(crate) fn states(machine: u32, steps: &[(MachineState, f64)]) -> Vec<StateRow> {
     let mut start = 0.0;
     let row = |&(state, end): &(MachineState, f64)| {
-        let row = StateRow { machine, state, start, end, job: None };
+        let in_shift = state != MachineState::OffShift;
+        let row = StateRow { machine, state, start, end, in_shift, job: None };
         start = end;
         row
     };
     steps.iter().map(row).collect()
+}
+
+/// An operation that is over.
+pub(crate) fn operation(
+    job: u32,
+    operation: u32,
+    machine: u32,
+    start: f64,
+    end: f64,
+    result: OperationResult,
+) -> OperationRow {
+    OperationRow { job, part: 0, operation, machine, start, end, time_left: 0.0, result }
 }
 
 /// One good part, and one whose edge chipped in its first pass.
@@ -207,7 +223,14 @@ pub(crate) fn log() -> RunLog {
     let mut rows = [lathe, states(1, &[(Idle, 3600.0)]), grinder].concat();
     rows.sort_by(|a, b| a.end.total_cmp(&b.end));
     let job = |finish: f64, outcome| JobRow { part: 0, lot: 1, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
-    let grinding = PassRow { speed_start: 0.0, speed_end: 0.0, path: 0.0, ..pass(0, 1, 0, 2, 2, 430.0, 530.0) };
+    let grinding = PassRow {
+        speed_start: 0.0,
+        speed_end: 0.0,
+        path: 0.0,
+        engaged_time: 0.0,
+        cutting_length: 0.0,
+        ..pass(0, 1, 0, 2, 2, 430.0, 530.0)
+    };
     RunLog {
         passes: vec![
             pass(0, 0, 0, 0, 0, 60.0, 210.0),
@@ -221,6 +244,11 @@ pub(crate) fn log() -> RunLog {
             edge(1, 2, 0.0, 3600.0, ChangeReason::EndOfRun, 100.0),
         ],
         jobs: vec![job(540.0, JobOutcome::Good), job(690.0, JobOutcome::ToolFailure)],
+        operations: vec![
+            operation(0, 0, 0, 0.0, 420.0, OperationResult::Good),
+            operation(0, 1, 2, 420.0, 540.0, OperationResult::Good),
+            operation(1, 0, 0, 480.0, 690.0, OperationResult::Bad),
+        ],
         states: rows,
         events: vec![
             EventRow { time: 0.0, event: "arrival", machine: None, job: Some(0), edge: None },

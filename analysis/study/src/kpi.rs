@@ -1,19 +1,28 @@
 //! Key figures of one replication, from its log alone.
 //!
 //! Words and time elements follow ISO 22400-2. Statistics cover the window from the end of the
-//! warm-up to the horizon; what straddles its start counts with its share inside.
+//! warm-up to the horizon; what straddles one of its ends counts with its share inside.
 //!
 //! | time element | here | states |
 //! |---|---|---|
-//! | planned busy time PBT | time in shift, paid | all but off-shift |
+//! | planned busy time PBT | working time of the calendar, and overtime that was worked; paid | all in shift |
 //! | actual production time APT | a part is cut or handled | cutting, handling |
 //! | actual unit setup time AUST | change of the setup group | setup |
-//! | actual unit delay time ADET | tool change, dressing, waiting | tool_change, dressing, idle |
-//! | actual unit down time ADOT | broken down | down |
+//! | actual unit delay time ADET | tool change, dressing, broken down | tool_change, dressing, down |
+//! | ADOT | available, no order | idle |
+//! | actual unit busy time AUBT | APT + AUST + ADET | |
 //! | planned run time per item PRI | programmed cutting time + mean load + mean unload | – |
 //!
-//! availability = APT/PBT, effectiveness = PRI·PQ/APT, quality ratio = GQ/PQ with the produced
-//! and the good quantity of operations, OEE = availability · effectiveness · quality ratio. PRI is
+//! PBT = AUBT + ADOT. It follows from the calendar alone, whatever the machine does: a repair that
+//! goes on after the shift is no planned time, is not paid and counts in no figure but the mean time
+//! to repair.
+//!
+//! availability = APT/PBT, effectiveness = earned time/APT, quality ratio = GQ/PQ, OEE =
+//! availability · effectiveness · quality ratio. An operation earns PRI times the share of its own
+//! production time that lies in the window, so that one over the end of the window counts for its
+//! part; of one in process at the horizon the time still to come is that of its program. PQ and GQ,
+//! the produced and the good quantity of operations, count those completed in the window. Work that
+//! an interruption undid takes time and earns nothing. PRI is
 //! that of the *programmed* speeds under every policy, so a faster policy has an effectiveness
 //! above 1 and the OEE of policies can be compared.
 //!
@@ -65,3 +74,5 @@ pub fn cell(scenario: &Scenario) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod worked;

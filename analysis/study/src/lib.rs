@@ -20,6 +20,7 @@
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
+//! | [`difference`] | two finished runs against each other, paired where they share random numbers |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -41,6 +42,7 @@
 //! of programming is left out.
 
 pub mod compare;
+pub mod difference;
 mod figure;
 #[cfg(test)]
 mod fixture;

@@ -280,7 +280,7 @@ fn resolve(scenario: &Scenario, policies: &[usize]) -> Result<BTreeMap<usize, Ar
         let resolved = ResolvedPolicy::of(scenario, policy);
         resolved
             .map(|resolved| (policy, Arc::new(resolved)))
-            .map_err(|source| StudyError::Shop(stopped(scenario, policy, 0, source)))
+            .map_err(|source| StudyError::Shop(stopped(scenario, policy, 0, source.into())))
     };
     policies.iter().map(resolve).collect()
 }

@@ -63,32 +63,13 @@ impl Deviation {
     }
 }
 
-impl ShiftCalendar {
-    /// Name of the shift that is on or was last on, `S1`, `S2` … ; `None` without shifts.
-    pub fn shift_at(&self, time: f64) -> Option<String> {
-        let phase = time.rem_euclid(self.period);
-        let begun = self.shifts.iter().rposition(|shift| phase >= shift.start);
-        let last = self.shifts.len().checked_sub(1)?;
-        Some(format!("S{}", begun.unwrap_or(last) + 1))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::effects::SHOP_EFFECTS;
-    use crate::{Interruption, Shift};
 
     #[test]
     fn every_deviation_is_a_row_of_the_catalogue() {
         assert!(Deviation::IDS.iter().all(|id| SHOP_EFFECTS.iter().any(|entry| entry.id == *id)));
-    }
-
-    #[test]
-    fn overtime_belongs_to_the_shift_before() {
-        let shifts = vec![Shift { start: 6.0, end: 14.0 }, Shift { start: 14.0, end: 22.0 }];
-        let calendar = ShiftCalendar { name: "two".to_owned(), period: 24.0, shifts, at_end: Interruption::Finish };
-        let names: Vec<_> = [6.0, 13.9, 14.0, 23.0, 25.0].map(|time| calendar.shift_at(time)).into();
-        assert_eq!(names.iter().flatten().map(String::as_str).collect::<Vec<_>>(), ["S1", "S1", "S2", "S2", "S2"]);
     }
 }

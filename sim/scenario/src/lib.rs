@@ -16,6 +16,7 @@
 //! # What is not modelled
 //! What controllers leave out is listed in [`policies`].
 
+mod calendar;
 mod contour;
 mod deviation;
 mod distribution;
@@ -31,6 +32,7 @@ mod stability;
 mod station;
 mod unit;
 
+pub use calendar::{Boundary, Shift, ShiftCalendar};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
 pub use distribution::Distribution;
@@ -39,9 +41,7 @@ pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
-pub use station::{
-    DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, Shift, ShiftCalendar, ToolType,
-};
+pub use station::{DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 
 /// A complete study: one shop under one or more policies.

@@ -140,28 +140,6 @@ pub struct ToolType {
     pub structure_scatter: StructureScatter,
 }
 
-/// Working time that repeats.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ShiftCalendar {
-    /// Name, unique.
-    pub name: String,
-    /// Period of repetition, s (a day, a week).
-    pub period: f64,
-    /// Working intervals inside one period, ascending, not overlapping.
-    pub shifts: Vec<Shift>,
-    /// What happens to the part in the machine when a shift ends.
-    pub at_end: Interruption,
-}
-
-/// One working interval, s from the start of the period.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
-    /// Start, s.
-    pub start: f64,
-    /// End, s.
-    pub end: f64,
-}
-
 /// What becomes of an operation that is interrupted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interruption {

@@ -32,6 +32,10 @@ pub struct Segment {
     pub passed: Vec<(f64, ProcessEvent)>,
     /// Mechanical energy, J.
     pub energy: f64,
+    /// Time in engagement, s; 0 where the process knows no cutting speed.
+    pub engaged_time: f64,
+    /// Cutting speed integrated over that time, m.
+    pub cutting_length: f64,
     /// Sensor samples.
     pub samples: Vec<Sample>,
     /// Vibration, where the process judges it.
@@ -72,6 +76,8 @@ impl Segment {
         self.samples.clear();
         self.lost = None;
         self.energy = 0.0;
+        self.engaged_time = 0.0;
+        self.cutting_length = 0.0;
         self.asked = duration;
         self.sampling_period = sampling_period;
         // A process that counts its energy does so better than samples of its power.
@@ -94,6 +100,8 @@ impl Segment {
             times.clear();
             times.extend((0..).map_while(next).take_while(|next| *next < goal).map(|next| next - time));
             let (samples, energy) = (&mut self.samples, &mut self.energy);
+            let speed_before = read(&self.input, ports.cutting_speed, 0.0);
+            let engaged = ports.cutting_speed.is_some() && read(&self.input, ports.engaged, 1.0) > 0.0;
             let mut looked = 0.0;
             let mut look = |u: &[f64], y: &[f64], elapsed: f64, sampled: Option<f64>| {
                 let before = std::mem::replace(&mut power, read(y, ports.spindle_power, 0.0));
@@ -109,6 +117,12 @@ impl Segment {
             process.output(&self.state, &self.input, &mut self.output);
             let end = sampling_period.filter(|_| advance.event.is_none() && goal == duration).map(|_| duration);
             look(&self.input, &self.output, advance.elapsed, end);
+            if engaged {
+                // The speed is constant or a ramp: the mean of its ends is exact.
+                self.engaged_time += advance.elapsed;
+                self.cutting_length +=
+                    0.5 * (speed_before + read(&self.input, ports.cutting_speed, 0.0)) * advance.elapsed;
+            }
             let Some(event) = advance.event else {
                 time = goal;
                 continue;

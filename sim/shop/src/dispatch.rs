@@ -51,25 +51,23 @@ impl<R: Recorder> Shop<'_, R> {
             DispatchRule::Fifo => state.queue.take_first(|waiting| here(waiting).is_some()),
             rule => {
                 let group = state.setup_group;
-                state.queue.take_least(|waiting| here(waiting).map(|job| rule.key(job, layout, group, now)))
+                state.queue.take_least(|waiting| here(waiting).map(|job| key(rule, job, layout, group, now)))
             }
         }
     }
 }
 
-impl DispatchRule {
-    /// The job with the least key goes first.
-    fn key(self, job: &Job, layout: &Layout, setup_group: Option<u32>, now: f64) -> f64 {
-        let operation = &layout.operations[job.row.part as usize][job.operation as usize];
-        match self {
-            Self::Fifo => 0.0,
-            Self::ShortestProcessingTime => operation.nominal_time,
-            Self::EarliestDueDate => job.row.due,
-            Self::CriticalRatio => (job.row.due - now) / operation.work_left.max(f64::MIN_POSITIVE),
-            Self::LeastSetup => {
-                let change = setup_group.is_some_and(|group| group != operation.setup_group);
-                f64::from(u8::from(change))
-            }
+/// Key of a job under a rule: the job with the least key goes first.
+fn key(rule: DispatchRule, job: &Job, layout: &Layout, setup_group: Option<u32>, now: f64) -> f64 {
+    let operation = &layout.operations[job.row.part as usize][job.operation as usize];
+    match rule {
+        DispatchRule::Fifo => 0.0,
+        DispatchRule::ShortestProcessingTime => operation.nominal_time,
+        DispatchRule::EarliestDueDate => job.row.due,
+        DispatchRule::CriticalRatio => (job.row.due - now) / operation.work_left.max(f64::MIN_POSITIVE),
+        DispatchRule::LeastSetup => {
+            let change = setup_group.is_some_and(|group| group != operation.setup_group);
+            f64::from(u8::from(change))
         }
     }
 }

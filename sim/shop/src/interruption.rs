@@ -4,7 +4,7 @@ use super::event::Event;
 use super::machine::Step;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::JobOutcome;
+use crate::runlog::{JobOutcome, OperationResult, OperationRow};
 use toolroom_kernel::Purpose;
 use toolroom_scenario::{Distribution, FailureClock, Interruption};
 
@@ -86,8 +86,13 @@ impl<R: Recorder> Shop<'_, R> {
         clock.failed = true;
         clock.due = None;
         let repair = failure.time_to_repair.sample(&mut self.failure_stream(mode, Purpose::Repair));
-        self.interrupt(machine, failure.part)?;
-        self.world.machines[machine].failures += 1;
+        self.interrupt(machine, failure.part, JobOutcome::Breakdown)?;
+        let state = &mut self.world.machines[machine];
+        state.failures += 1;
+        if std::mem::take(&mut state.leaving) {
+            // Nobody waits after the shift for a repair: the part stays for the next one.
+            state.off_shift = true;
+        }
         self.show_state(machine);
         let at = self.now().after(repair)?;
         self.schedule(at, Event::Repair { mode: mode as u32 })?;
@@ -105,8 +110,14 @@ impl<R: Recorder> Shop<'_, R> {
         self.go_on(machine)
     }
 
-    /// Stops what a machine is doing and settles what becomes of the part.
-    pub(super) fn interrupt(&mut self, machine: usize, how: Interruption) -> Result<(), ShopError> {
+    /// Stops what a machine is doing and settles what becomes of the part, which leaves as
+    /// `scrapped` where it is lost.
+    pub(super) fn interrupt(
+        &mut self,
+        machine: usize,
+        how: Interruption,
+        scrapped: JobOutcome,
+    ) -> Result<(), ShopError> {
         if let Some(task) = &self.world.machines[machine].task
             && let Some(end) = task.end
             && task.since.after(task.left)? == self.now()
@@ -122,7 +133,7 @@ impl<R: Recorder> Shop<'_, R> {
                 self.restart(machine);
                 Ok(())
             }
-            Interruption::Scrap => self.scrap_in_machine(machine),
+            Interruption::Scrap => self.scrap_in_machine(machine, scrapped),
         }
     }
 
@@ -151,10 +162,12 @@ impl<R: Recorder> Shop<'_, R> {
     /// The operation begins anew when the machine goes on; what was cut is lost.
     fn restart(&mut self, machine: usize) {
         self.close_pass(machine);
+        let now = self.now();
         let Some(task) = self.world.machines[machine].task.as_mut() else { return };
         if task.step == Step::Setup {
             return; // no part in the machine yet
         }
+        task.begun = now;
         task.pass = 0;
         task.share_left = 1.0;
         task.spoiled = false;
@@ -162,12 +175,24 @@ impl<R: Recorder> Shop<'_, R> {
         self.handle(machine, Step::Load);
     }
 
-    fn scrap_in_machine(&mut self, machine: usize) -> Result<(), ShopError> {
+    fn scrap_in_machine(&mut self, machine: usize, outcome: JobOutcome) -> Result<(), ShopError> {
         if self.world.machines[machine].task.as_ref().is_some_and(|task| task.step == Step::Setup) {
             return Ok(()); // no part in the machine yet
         }
         self.close_pass(machine);
         let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) };
-        self.leave(task.slot, JobOutcome::Breakdown)
+        let job = self.world.jobs.at(task.slot);
+        let row = OperationRow {
+            job: job.number,
+            part: job.row.part,
+            operation: job.operation,
+            machine: machine as u32,
+            start: task.begun.seconds(),
+            end: self.now().seconds(),
+            time_left: 0.0,
+            result: OperationResult::Lost,
+        };
+        self.recorder.operation(row);
+        self.leave(task.slot, outcome)
     }
 }

@@ -15,6 +15,8 @@ pub(super) struct Layout {
     pub tools: Vec<ToolPlan>,
     /// By part, by operation.
     pub operations: Vec<Vec<OperationPlan>>,
+    /// Time of every pass as programmed, s, by part, by operation.
+    pub pass_times: Vec<Vec<Vec<f64>>>,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
     /// Name of every machine as an owner of random streams.
@@ -53,7 +55,8 @@ impl Layout {
     pub fn of(scenario: &Scenario) -> Result<Self, ShopError> {
         check(scenario)?;
         let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
-        let programmed = programmed_cutting_times(scenario);
+        let pass_times = programmed_pass_times(scenario, &tools);
+        let programmed = totals(&pass_times);
         let mut groups: Vec<&str> = Vec::new();
         let mut first_pass = 0;
         let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
@@ -94,7 +97,7 @@ impl Layout {
         let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
         let random_handling = scenario.machines.iter().any(random);
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
-        Ok(Self { tools, operations, modes_of, machines, random_handling, schedules })
+        Ok(Self { tools, operations, pass_times, modes_of, machines, random_handling, schedules })
     }
 }
 
@@ -138,21 +141,32 @@ fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
 /// operation whose tool does not exist has none.
 pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
     let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
-    let time = |operation: &Operation| {
+    totals(&programmed_pass_times(scenario, &tools))
+}
+
+/// Sum over the passes of every operation.
+fn totals(pass_times: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    pass_times.iter().map(|operations| operations.iter().map(|passes| passes.iter().sum()).collect()).collect()
+}
+
+/// Time of every pass or phase as programmed, s, by part and operation.
+fn programmed_pass_times(scenario: &Scenario, tools: &[ToolPlan]) -> Vec<Vec<Vec<f64>>> {
+    let times = |operation: &Operation| -> Vec<f64> {
         let (Some(tool), Some(plan)) = (scenario.tools.get(operation.tool), tools.get(operation.tool)) else {
-            return f64::NAN;
+            return vec![f64::NAN];
         };
-        let phases = |phases: &[GrindingPhase], speed: f64| phases.iter().map(|each| phase_duration(each, speed)).sum();
+        let phases =
+            |phases: &[GrindingPhase], speed: f64| phases.iter().map(|each| phase_duration(each, speed)).collect();
         match &operation.work {
             Work::Cutting(cuts) => {
-                cuts.iter().map(|cut| cut_duration(cut, &tool.process, plan, &plan.cut_input(cut))).sum()
+                cuts.iter().map(|cut| cut_duration(cut, &tool.process, plan, &plan.cut_input(cut))).collect()
             }
             Work::Grinding { work_rotation_speed, phases: each } => phases(each, *work_rotation_speed),
-            Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).sum(),
+            Work::Contour(work) => work.programmed.iter().map(|plan| plan.time()).collect(),
             Work::Cycle(cycle) => phases(&cycle.programmed, cycle.conditions.work_rotation_speed),
         }
     };
-    scenario.parts.iter().map(|part| part.operations.iter().map(time).collect()).collect()
+    scenario.parts.iter().map(|part| part.operations.iter().map(times).collect()).collect()
 }
 
 /// Duration of a whole pass at the constant speed in `input`, s: path over feed rate for
@@ -173,7 +187,7 @@ pub(super) fn phase_duration(phase: &GrindingPhase, work_rotation_speed: f64) ->
 /// Every index points somewhere, every operation has a machine.
 fn check(scenario: &Scenario) -> Result<(), ShopError> {
     let inside = |kind, index: usize, count: usize| {
-        if index < count { Ok(()) } else { Err(ResolveError::UnknownIndex { kind, index, count }.into()) }
+        if index < count { Ok(()) } else { Err(ShopError::from(ResolveError::UnknownIndex { kind, index, count })) }
     };
     for machine in &scenario.machines {
         if let Some(calendar) = machine.calendar {

@@ -70,7 +70,7 @@ pub use recorder::{Closing, Recorder, Silent};
 pub use runlog::RunLog;
 pub use world::{FailureState, SourceState, World};
 
-use crate::runlog::{EventRow, RunLog, StateRow};
+use crate::runlog::{EventRow, StateRow};
 use layout::Layout;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
@@ -236,6 +236,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             self.halt(machine)?;
             self.close_pass(machine);
             self.log_state(machine);
+            self.log_in_process(machine);
         }
         Ok(())
     }
@@ -324,12 +325,14 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// Brings the logged state of a machine up to date.
     fn show_state(&mut self, machine: usize) {
         let state = self.world.machines[machine].current_state();
+        let in_shift = !self.world.machines[machine].off_shift;
         let job = self.job_in(machine);
         let logged = &self.world.machines[machine];
-        if logged.state != state || logged.state_job != job {
+        if logged.state != state || logged.state_in_shift != in_shift || logged.state_job != job {
             self.log_state(machine);
             let logged = &mut self.world.machines[machine];
             logged.state = state;
+            logged.state_in_shift = in_shift;
             logged.state_job = job;
         }
     }
@@ -344,6 +347,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 state: logged.state,
                 start: logged.state_since.seconds(),
                 end: now.seconds(),
+                in_shift: logged.state_in_shift,
                 job: logged.state_job,
             });
             logged.state_since = now;

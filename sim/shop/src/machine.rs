@@ -28,12 +28,14 @@ pub struct Machine {
     pub failures: u32,
     /// Whether it is out of shift.
     pub off_shift: bool,
-    /// Whether the shift is over as soon as the operation is finished.
+    /// Whether the shift is over as soon as the operation is finished: the machine works overtime.
     pub leaving: bool,
     /// Whether it is on the list of machines that may choose a job.
     pub listed: bool,
     /// State in the log.
     pub state: MachineState,
+    /// Whether in shift, in the log.
+    pub state_in_shift: bool,
     /// Job in the log.
     pub state_job: Option<u32>,
     /// Since when.
@@ -51,6 +53,8 @@ pub struct Task {
     pub slot: u32,
     /// Tool of the operation.
     pub tool: u32,
+    /// Since when the time of the operation counts: begun, or begun anew.
+    pub begun: SimTime,
     /// What is being done.
     pub step: Step,
     /// Pass or phase that is due or in work.
@@ -142,6 +146,7 @@ impl Machine {
             leaving: false,
             listed: false,
             state: MachineState::Idle,
+            state_in_shift: true,
             state_job: None,
             state_since: SimTime::ZERO,
             segment: Segment::default(),

@@ -5,7 +5,7 @@ use super::draws::Blank;
 use super::machine::{Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::runlog::{ChangeReason, JobOutcome};
+use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
 use toolroom_scenario::Distribution;
 
 impl<R: Recorder> Shop<'_, R> {
@@ -35,6 +35,7 @@ impl<R: Recorder> Shop<'_, R> {
         state.task = Some(Task {
             slot,
             tool: plan.tool,
+            begun: now,
             step: Step::Setup,
             pass: 0,
             left: if change { setup } else { 0.0 },
@@ -203,11 +204,60 @@ impl<R: Recorder> Shop<'_, R> {
             None
         };
         job.operation += 1;
+        let result = if bad.is_some() { OperationResult::Bad } else { OperationResult::Good };
+        let row = OperationRow {
+            job: job.number,
+            part: part as u32,
+            operation: index as u32,
+            machine: machine as u32,
+            start: task.begun.seconds(),
+            end: self.calendar.now().seconds(),
+            time_left: 0.0,
+            result,
+        };
+        self.recorder.operation(row);
         self.show_state(machine);
         self.may_choose(machine);
         match bad {
             Some(outcome) => self.leave(task.slot, outcome),
             None => self.enqueue(task.slot),
+        }
+    }
+
+    /// Writes the row of the operation that is in a machine at the end of the run.
+    pub(super) fn log_in_process(&mut self, machine: usize) {
+        let Some(task) = &self.world.machines[machine].task else { return };
+        let job = self.world.jobs.at(task.slot);
+        let row = OperationRow {
+            job: job.number,
+            part: job.row.part,
+            operation: job.operation,
+            machine: machine as u32,
+            start: task.begun.seconds(),
+            end: f64::NAN,
+            time_left: self.time_left(task, job.row.part as usize, job.operation as usize),
+            result: OperationResult::InProcess,
+        };
+        self.recorder.operation(row);
+    }
+
+    /// Time in cut and in handling that an operation still takes, s. What policies will make of
+    /// passes to come is not known: they count as programmed.
+    fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
+        let passes = &self.layout.pass_times[part][operation];
+        let from = |first: usize| if task.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
+        let pass = task.pass as usize;
+        let due =
+            || from(pass + 1) + if task.spoiled { 0.0 } else { passes.get(pass).unwrap_or(&0.0) * task.share_left };
+        let after_cutting = task.delay + task.hold + task.unload_time;
+        match task.step {
+            Step::Setup => task.load_time + due() + after_cutting,
+            Step::Load => task.left + due() + after_cutting,
+            Step::ToolChange => due() + after_cutting,
+            Step::Pass => task.left + from(pass + 1) + after_cutting,
+            Step::Delay | Step::Hold => task.left + after_cutting,
+            Step::Dressing => task.unload_time,
+            Step::Unload => task.left,
         }
     }
 }

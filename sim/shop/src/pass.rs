@@ -197,6 +197,8 @@ impl<R: Recorder> Shop<'_, R> {
             feed,
             depth_of_cut,
             path: 0.0,
+            engaged_time: 0.0,
+            cutting_length: 0.0,
             edge_time: edge.row.cutting_time,
             flank_wear_start: worn,
             flank_wear_end: worn,
@@ -345,6 +347,8 @@ impl<R: Recorder> Shop<'_, R> {
         row.end = now;
         row.cutting_time += segment.elapsed;
         row.path += cut * path;
+        row.engaged_time += segment.engaged_time;
+        row.cutting_length += segment.cutting_length;
         if row.speed_start > 0.0 {
             row.speed_end = read(&segment.input, ports.cutting_speed, row.speed_end);
         }

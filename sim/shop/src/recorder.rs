@@ -1,6 +1,6 @@
 //! Who writes down what happens.
 
-use crate::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
+use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, RunLog, StateRow};
 
 /// Receives the facts of a run as they become final. A [`RunLog`] keeps them all, [`Silent`]
 /// none.
@@ -11,6 +11,8 @@ pub trait Recorder: Clone {
     fn edge(&mut self, number: u32, row: EdgeRow);
     /// Job `number` arrived, or left the shop.
     fn job(&mut self, number: u32, row: JobRow);
+    /// An operation is completed, lost, or in process at the end of the run.
+    fn operation(&mut self, row: OperationRow);
     /// A machine left a state.
     fn state(&mut self, row: StateRow);
     /// Something worth a line. Events inside a pass come when the pass is over.
@@ -40,6 +42,7 @@ impl Recorder for Silent {
     fn pass(&mut self, _: PassRow) {}
     fn edge(&mut self, _: u32, _: EdgeRow) {}
     fn job(&mut self, _: u32, _: JobRow) {}
+    fn operation(&mut self, _: OperationRow) {}
     fn state(&mut self, _: StateRow) {}
     fn event(&mut self, _: EventRow) {}
     fn close(&mut self, _: Closing) {}
@@ -56,6 +59,10 @@ impl Recorder for RunLog {
 
     fn job(&mut self, number: u32, row: JobRow) {
         put(&mut self.jobs, number, row);
+    }
+
+    fn operation(&mut self, row: OperationRow) {
+        self.operations.push(row);
     }
 
     fn state(&mut self, row: StateRow) {

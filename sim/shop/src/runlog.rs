@@ -99,6 +99,8 @@ pub enum JobOutcome {
     Chatter,
     /// Scrapped by a breakdown of the machine.
     Breakdown,
+    /// Scrapped because the shift ended while it was in the machine.
+    ShiftEnd,
     /// Not finished at the end of the run.
     InProcess,
 }
@@ -113,6 +115,7 @@ impl JobOutcome {
             Self::Burnt => "burnt",
             Self::Chatter => "chatter",
             Self::Breakdown => "breakdown",
+            Self::ShiftEnd => "shift_end",
             Self::InProcess => "in_process",
         }
     }
@@ -147,8 +150,14 @@ pub struct PassRow {
     pub feed: f64,
     /// Depth of cut with its allowance scatter, m.
     pub depth_of_cut: f64,
-    /// Cutting path, m.
+    /// Path along the feed as programmed, m: of the cutting edge where it turns the work, of the
+    /// cutter's axis in milling.
     pub path: f64,
+    /// Time in engagement at a known cutting speed, s: time in cut without the ways around of a
+    /// contour; 0 for grinding.
+    pub engaged_time: f64,
+    /// Cutting speed integrated over that time, m: the way of an edge against the work.
+    pub cutting_length: f64,
     /// Cutting time on this edge before the pass, s.
     pub edge_time: f64,
     /// True flank wear (wheel wear for grinding) at the start, m.
@@ -225,6 +234,41 @@ pub struct JobRow {
     pub outcome: JobOutcome,
 }
 
+/// What became of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum OperationResult {
+    /// Completed, and the part is good so far.
+    Good,
+    /// Completed, and the part was scrapped at its inspection.
+    Bad,
+    /// Not completed: a breakdown or the end of a shift spoiled the part.
+    Lost,
+    /// Not completed at the end of the run.
+    InProcess,
+}
+
+/// One operation of one job on one machine, from setup to inspection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OperationRow {
+    /// Job.
+    pub job: u32,
+    /// Part type.
+    pub part: u32,
+    /// Operation within the routing.
+    pub operation: u32,
+    /// Machine.
+    pub machine: u32,
+    /// Since when its time counts, s: begun, or begun anew after an interruption that undid it.
+    pub start: f64,
+    /// Completed or lost, s; NaN: in process at the end of the run.
+    pub end: f64,
+    /// Time in cut and in handling that it would still take, s, later passes as programmed; 0 unless
+    /// it is in process.
+    pub time_left: f64,
+    /// What became of it.
+    pub result: OperationResult,
+}
+
 /// One stay of a machine in one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateRow {
@@ -236,6 +280,9 @@ pub struct StateRow {
     pub start: f64,
     /// To, s.
     pub end: f64,
+    /// Whether the machine is in shift: inside its calendar, or at work after it to finish a part.
+    /// A repair goes on out of shift; a stay that the end of a shift divides has two rows.
+    pub in_shift: bool,
     /// Job in the machine.
     pub job: Option<u32>,
 }
@@ -266,6 +313,8 @@ pub struct RunLog {
     pub edges: Vec<EdgeRow>,
     /// Jobs in the order of their arrival; the index is the job number.
     pub jobs: Vec<JobRow>,
+    /// Operations in the order of their end, those in process last.
+    pub operations: Vec<OperationRow>,
     /// Machine states in the order of their end.
     pub states: Vec<StateRow>,
     /// Events in order.

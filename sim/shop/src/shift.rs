@@ -3,46 +3,9 @@
 use super::event::Event;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
+use crate::runlog::JobOutcome;
 use toolroom_kernel::SimTime;
 use toolroom_scenario::{Interruption, ShiftCalendar};
-
-/// A change of working time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Boundary {
-    time: f64,
-    /// Whether work begins there.
-    starts: bool,
-}
-
-impl ShiftCalendar {
-    /// Whether work goes on at `time`, s.
-    pub fn works_at(&self, time: f64) -> bool {
-        let within = time - (time / self.period).floor() * self.period;
-        self.shifts.iter().any(|shift| shift.start <= within && within < shift.end)
-    }
-
-    /// The next change strictly after `time`; shifts that touch are one. `None` where work never
-    /// stops or never begins.
-    fn next_boundary(&self, time: f64) -> Option<Boundary> {
-        let first = (time / self.period).floor() as u64;
-        // A change lies within the next two periods or there is none.
-        (first..first + 3)
-            .flat_map(|k| {
-                let zero = k as f64 * self.period;
-                let both = |shift: &toolroom_scenario::Shift| [(zero + shift.start, true), (zero + shift.end, false)];
-                self.shifts.iter().flat_map(both).collect::<Vec<_>>()
-            })
-            .filter(|&(at, _)| at > time)
-            .find(|&(at, starts)| !self.touches(at, starts))
-            .map(|(time, starts)| Boundary { time, starts })
-    }
-
-    /// Whether another shift goes on where this one ends, or ended where this one starts.
-    fn touches(&self, at: f64, starts: bool) -> bool {
-        let tolerance = 1e-9 * self.period;
-        self.works_at(at + if starts { -tolerance } else { tolerance })
-    }
-}
 
 impl<R: Recorder> Shop<'_, R> {
     /// Puts every machine in or out of shift at time zero.
@@ -87,54 +50,14 @@ impl<R: Recorder> Shop<'_, R> {
         self.schedule_boundary(machine)?;
         let at_end = self.calendar_of(machine).map_or(Interruption::Finish, |calendar| calendar.at_end);
         // A part in a machine that is down cannot be finished; it stays where it is.
-        if self.world.machines[machine].task.is_some() && at_end == Interruption::Finish {
-            self.world.machines[machine].leaving = true;
+        let state = &mut self.world.machines[machine];
+        if state.task.is_some() && state.is_up() && at_end == Interruption::Finish {
+            state.leaving = true;
             return Ok(());
         }
-        self.interrupt(machine, at_end)?;
+        self.interrupt(machine, at_end, JobOutcome::ShiftEnd)?;
         self.world.machines[machine].off_shift = true;
         self.show_state(machine);
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use toolroom_scenario::Shift;
-
-    fn calendar(shifts: &[(f64, f64)]) -> ShiftCalendar {
-        let shifts = shifts.iter().map(|&(start, end)| Shift { start, end }).collect();
-        ShiftCalendar { name: String::new(), period: 24.0, shifts, at_end: Interruption::Finish }
-    }
-
-    fn boundaries(calendar: &ShiftCalendar, count: usize) -> Vec<(f64, bool)> {
-        let mut time = 0.0;
-        let mut all = Vec::new();
-        while let Some(boundary) = calendar.next_boundary(time).filter(|_| all.len() < count) {
-            time = boundary.time;
-            all.push((boundary.time, boundary.starts));
-        }
-        all
-    }
-
-    #[test]
-    fn one_shift_a_day_starts_and_ends_every_day() {
-        let calendar = calendar(&[(6.0, 14.0)]);
-        assert!(!calendar.works_at(0.0) && calendar.works_at(6.0) && !calendar.works_at(14.0));
-        assert_eq!(boundaries(&calendar, 4), [(6.0, true), (14.0, false), (30.0, true), (38.0, false)]);
-    }
-
-    #[test]
-    fn shifts_that_touch_are_one() {
-        assert_eq!(boundaries(&calendar(&[(0.0, 8.0), (8.0, 24.0)]), 4), []);
-        assert_eq!(boundaries(&calendar(&[(0.0, 6.0), (22.0, 24.0)]), 3), [(6.0, false), (22.0, true), (30.0, false)]);
-    }
-
-    #[test]
-    fn a_calendar_without_shifts_never_works() {
-        let never = calendar(&[]);
-        assert!(!never.works_at(3.0));
-        assert_eq!(boundaries(&never, 1), []);
     }
 }

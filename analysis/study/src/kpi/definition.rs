@@ -82,6 +82,12 @@ const fn define(
     Definition { id, title, unit, display, better, doc }
 }
 
+/// Availability · effectiveness · quality ratio, in which production time cancels. Where nothing was
+/// earned it is 0 without a quality; where nothing was completed it is not defined.
+fn oee(earned: f64, planned_busy_time: f64, quality_ratio: f64) -> f64 {
+    if earned > 0.0 { earned / planned_busy_time * quality_ratio } else { 0.0 / planned_busy_time }
+}
+
 /// A figure of the shop and how it follows from the sums.
 pub(super) type ShopFigure = (Definition, fn(&Scenario, &Tally) -> f64);
 
@@ -238,7 +244,10 @@ pub(super) const SHOP: &[ShopFigure] = &[
             More,
             "Overall equipment effectiveness: availability · effectiveness · quality ratio over all machines.",
         ),
-        |_, t| t.sum(|m| m.planned_good) / t.sum(MachineTally::planned_busy_time),
+        |_, t| {
+            let quality = t.sum(|m| m.planned_good) / t.sum(|m| m.planned_produced);
+            oee(t.sum(|m| m.earned), t.sum(MachineTally::planned_busy_time), quality)
+        },
     ),
     (
         define(
@@ -247,7 +256,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "1",
             "1",
             More,
-            "Production time (cutting and handling) over time in shift.",
+            "Production time (cutting and handling) over planned busy time (the calendar's, and overtime).",
         ),
         |_, t| t.sum(MachineTally::production_time) / t.sum(MachineTally::planned_busy_time),
     ),
@@ -258,9 +267,9 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "1",
             "1",
             More,
-            "Programmed time of the operations produced over production time.",
+            "Programmed time of the operations, by the share of each that lies in the window, over production time.",
         ),
-        |_, t| t.sum(|m| m.planned_produced) / t.sum(MachineTally::production_time),
+        |_, t| t.sum(|m| m.earned) / t.sum(MachineTally::production_time),
     ),
     (
         define(
@@ -269,7 +278,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "1",
             "1",
             More,
-            "Programmed time of the good over that of all operations.",
+            "Programmed time of the good over that of all operations completed.",
         ),
         |_, t| t.sum(|m| m.planned_good) / t.sum(|m| m.planned_produced),
     ),
@@ -314,7 +323,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "s",
             "s",
             Less,
-            "Time in cut of the wheels per operation that they finished.",
+            "Time in cut of the wheels per operation that they did; one that is not whole in the window counts in part.",
         ),
         |_, t| t.wheel_time / t.wheel_parts,
     ),
@@ -336,9 +345,42 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "m/s",
             "m/min",
             Neither,
-            "Path over cutting time on the lathes.",
+            "Cutting speed, averaged over the time in engagement on the lathes; in a shop without one on the mills.",
         ),
-        |_, t| t.cell_path / t.cell_edge_time,
+        |_, t| t.cell_speed.mean(),
+    ),
+    (
+        define(
+            "mean_cutting_speed_turning",
+            "mean cutting speed, turning",
+            "m/s",
+            "m/min",
+            Neither,
+            "Cutting speed, averaged over the time in engagement, of all turning.",
+        ),
+        |_, t| t.turning_speed.mean(),
+    ),
+    (
+        define(
+            "mean_cutting_speed_milling",
+            "mean cutting speed, milling",
+            "m/s",
+            "m/min",
+            Neither,
+            "Speed of the cutter's circumference, averaged over the time in engagement, of all milling.",
+        ),
+        |_, t| t.milling_speed.mean(),
+    ),
+    (
+        define(
+            "mean_feed_speed",
+            "mean feed speed, milling",
+            "m/s",
+            "mm/min",
+            Neither,
+            "Path of the cutters along the feed over their time in engagement.",
+        ),
+        |_, t| t.milling_path / t.milling_speed.time,
     ),
     (
         define(
@@ -358,7 +400,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             "1",
             "1",
             Less,
-            "Cutting and tool change time of the lathes over the programmed cutting time of their good operations.",
+            "Cutting and tool change time of the lathes over the programmed cutting time of their good operations; one that is not whole in the window counts in part.",
         ),
         |s, t| t.cell_time_ratio(s),
     ),
@@ -390,23 +432,53 @@ pub(super) const MACHINE: &[MachineFigure] = &[
             Neither,
             "Share of the shift in which it is not idle; breakdowns occupy it too.",
         ),
-        |_, m| 1.0 - m.state(Idle) / m.planned_busy_time(),
+        |_, m| m.busy_time() / m.planned_busy_time(),
     ),
     (define("throughput", "throughput", "1/s", "1/h", More, "Good operations per time in shift."), |_, m| {
         m.good / m.planned_busy_time()
     }),
     (define("oee", "OEE", "1", "1", More, "Overall equipment effectiveness."), |_, m| {
-        m.planned_good / m.planned_busy_time()
+        oee(m.earned, m.planned_busy_time(), m.planned_good / m.planned_produced)
     }),
-    (define("availability", "availability", "1", "1", More, "Production time over time in shift."), |_, m| {
+    (define("availability", "availability", "1", "1", More, "Production time over planned busy time."), |_, m| {
         m.production_time() / m.planned_busy_time()
     }),
-    (define("effectiveness", "effectiveness", "1", "1", More, "Programmed over production time."), |_, m| {
-        m.planned_produced / m.production_time()
-    }),
     (
-        define("quality_ratio", "quality ratio", "1", "1", More, "Good over produced operations, by programmed time."),
+        define(
+            "effectiveness",
+            "effectiveness",
+            "1",
+            "1",
+            More,
+            "Programmed time of its operations, by the share of each that lies in the window, over production time.",
+        ),
+        |_, m| m.earned / m.production_time(),
+    ),
+    (
+        define("quality_ratio", "quality ratio", "1", "1", More, "Good over completed operations, by programmed time."),
         |_, m| m.planned_good / m.planned_produced,
+    ),
+    (
+        define(
+            "mtbf",
+            "mean time between failures",
+            "s",
+            "h",
+            More,
+            "Planned busy time in which it was not broken down, per failure.",
+        ),
+        |_, m| (m.planned_busy_time() - m.state(Down)) / m.failures,
+    ),
+    (
+        define(
+            "mttr",
+            "mean time to repair",
+            "s",
+            "h",
+            Less,
+            "Time broken down by the clock, in shift and out of it, per failure.",
+        ),
+        |_, m| m.down_time() / m.failures,
     ),
     (define("cutting_time_share", "cutting", "1", "%", Neither, "Share of all time in cut."), |t, m| {
         m.state(Cutting) / t.window
@@ -425,15 +497,23 @@ pub(super) const MACHINE: &[MachineFigure] = &[
     (define("dressing_time_share", "dressing", "1", "%", Neither, "Share of all time dressing."), |t, m| {
         m.state(Dressing) / t.window
     }),
-    (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down."), |t, m| {
+    (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down in shift."), |t, m| {
         m.state(Down) / t.window
     }),
     (define("idle_time_share", "idle", "1", "%", Neither, "Share of all time ready without work."), |t, m| {
         m.state(Idle) / t.window
     }),
-    (define("off_shift_time_share", "off shift", "1", "%", Neither, "Share of all time out of shift."), |t, m| {
-        m.state(OffShift) / t.window
-    }),
+    (
+        define(
+            "off_shift_time_share",
+            "off shift",
+            "1",
+            "%",
+            Neither,
+            "Share of all time out of shift, repairs that go on then included.",
+        ),
+        |t, m| m.state(OffShift) / t.window,
+    ),
 ];
 
 /// All figures of a scenario: those of the shop, then those of each machine.

@@ -3,22 +3,31 @@
 use super::cell;
 use toolroom_scenario::{ArrivalPattern, ProcessModel, Scenario};
 use toolroom_shop::programmed_cutting_times;
-use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome, MachineState, PassRow, RunLog};
+use toolroom_shop::runlog::{
+    ChangeReason, EventRow, JobOutcome, MachineState, OperationResult, OperationRow, PassRow, RunLog, StateRow,
+};
 
 /// Sums of one machine, s unless said otherwise.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MachineTally {
+    /// In shift by what it does; all that is out of shift counts as off shift.
     states: [f64; MachineState::ALL.len()],
-    /// Time in shift: what the states leave of the window, exact where no shift ends.
+    /// Repairs out of shift.
+    pub repair_off_shift: f64,
+    /// What the calendar plans, and overtime.
     planned_busy_time: f64,
-    /// Programmed time (cutting and handling) of the operations produced: PRI · PQ.
+    /// Programmed time (cutting and handling) of all operations, as far as they lie in the window.
+    pub earned: f64,
+    /// Programmed time of the operations completed: PRI · PQ.
     pub planned_produced: f64,
     /// The same of the good ones: PRI · GQ.
     pub planned_good: f64,
-    /// Programmed cutting time of the good ones.
+    /// Programmed cutting time of operations that are good so far, as far as they lie in the window.
     pub programmed_good: f64,
-    /// Good operations, 1.
+    /// Good operations completed, 1.
     pub good: f64,
+    /// Failures, 1.
+    pub failures: f64,
 }
 
 impl MachineTally {
@@ -32,6 +41,18 @@ impl MachineTally {
 
     pub fn production_time(&self) -> f64 {
         self.state(MachineState::Cutting) + self.state(MachineState::Handling)
+    }
+
+    /// Production, setup and delay: all but idle.
+    pub fn busy_time(&self) -> f64 {
+        let delay =
+            [MachineState::ToolChange, MachineState::Dressing, MachineState::Down].map(|state| self.state(state));
+        self.production_time() + self.state(MachineState::Setup) + delay.iter().sum::<f64>()
+    }
+
+    /// Down by the clock, in shift and out of it.
+    pub fn down_time(&self) -> f64 {
+        self.state(MachineState::Down) + self.repair_off_shift
     }
 
     pub fn utilisation(&self) -> f64 {
@@ -76,11 +97,38 @@ pub(super) struct Tally {
     pub cell_edges: f64,
     pub cell_edge_time: f64,
     pub cell_path: f64,
-    /// Time in cut of wheels, s, and operations that they finished.
+    /// Way of the edges against the work in the cell, in turning and in milling.
+    pub cell_speed: Speed,
+    pub turning_speed: Speed,
+    pub milling_speed: Speed,
+    /// Path of the mills along the feed, m.
+    pub milling_path: f64,
+    /// Time in cut of wheels, s, and operations that they did, by their part in the window.
     pub wheel_time: f64,
     pub wheel_parts: f64,
     /// J.
     pub energy: f64,
+}
+
+/// Cutting speed integrated over the time in engagement.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Speed {
+    /// m.
+    length: f64,
+    /// s.
+    pub time: f64,
+}
+
+impl Speed {
+    fn add(&mut self, row: &PassRow, share: f64) {
+        self.length += row.cutting_length * share;
+        self.time += row.engaged_time * share;
+    }
+
+    /// Mean, m/s; NaN where nothing was cut.
+    pub fn mean(&self) -> f64 {
+        self.length / self.time
+    }
 }
 
 /// Share of `start..end` that lies at or after `from`.
@@ -102,9 +150,15 @@ impl Tally {
             ..Self::default()
         };
         tally.add_states(scenario, log);
+        tally.add_passes(scenario, log);
         tally.add_operations(scenario, log);
         tally.add_jobs(scenario, log);
         tally.add_edges(scenario, log);
+        for event in log.events.iter().filter(|row| row.event == "failure" && row.time >= scenario.warm_up) {
+            if let Some(machine) = event.machine {
+                tally.machines[machine as usize].failures += 1.0;
+            }
+        }
         let onset = |event: &&EventRow| event.event == "chatter_onset" && event.time >= scenario.warm_up;
         tally.chatter_onsets = log.events.iter().filter(onset).count() as u32;
         tally
@@ -137,25 +191,35 @@ impl Tally {
         sum(|m| m.state(MachineState::Cutting) + m.state(MachineState::ToolChange)) / sum(|m| m.programmed_good)
     }
 
+    /// Planned busy time comes from the calendar alone, whatever the machine does; what it works
+    /// beyond the end of a shift is added.
     fn add_states(&mut self, scenario: &Scenario, log: &RunLog) {
-        for row in &log.states {
-            let inside = (row.end - row.start.max(scenario.warm_up)).max(0.0);
-            self.machines[row.machine as usize].states[row.state as usize] += inside;
-        }
-        for (machine, tally) in scenario.machines.iter().zip(&mut self.machines) {
-            if tally.states.iter().any(|&time| time > 0.0) {
-                tally.planned_busy_time = self.window - tally.state(MachineState::OffShift);
+        let calendar = |machine: usize| scenario.machines[machine].calendar.map(|index| &scenario.calendars[index]);
+        for row in log.states.iter().filter(|row| row.end > scenario.warm_up) {
+            let from = row.start.max(scenario.warm_up);
+            let inside = row.end - from;
+            let tally = &mut self.machines[row.machine as usize];
+            if row.in_shift {
+                tally.states[row.state as usize] += inside;
+                let planned = calendar(row.machine as usize).map(|calendar| calendar.working_time(from, row.end));
+                tally.planned_busy_time += planned.map_or(0.0, |planned| inside - planned);
+                continue;
             }
+            tally.states[MachineState::OffShift as usize] += inside;
+            if row.state == MachineState::Down {
+                tally.repair_off_shift += inside;
+            }
+        }
+        for (index, machine) in scenario.machines.iter().enumerate() {
+            let tally = &mut self.machines[index];
+            tally.planned_busy_time +=
+                calendar(index).map_or(self.window, |calendar| calendar.working_time(scenario.warm_up, log.horizon));
             self.machine_cost += machine.rate * tally.planned_busy_time();
             self.energy += machine.idle_power * tally.planned_busy_time();
         }
     }
 
-    /// An operation is produced when a pass of a later one of its job follows, when the job left
-    /// the shop after it, or when its last pass ended before the horizon.
-    fn add_operations(&mut self, scenario: &Scenario, log: &RunLog) {
-        let programmed = programmed_cutting_times(scenario);
-        let mut latest: Vec<Option<&PassRow>> = vec![None; log.jobs.len()];
+    fn add_passes(&mut self, scenario: &Scenario, log: &RunLog) {
         for row in &log.passes {
             let share = share_after(scenario.warm_up, row.start, row.end);
             self.energy += row.energy * share;
@@ -163,40 +227,59 @@ impl Tally {
                 self.judged_time += row.cutting_time * share;
                 self.chatter_time += row.chatter_time * share;
             }
-            let before = latest[row.job as usize].replace(row);
-            if let Some(before) = before.filter(|before| before.operation != row.operation) {
-                self.add_operation(scenario, &programmed, before, true);
-            }
-        }
-        for (job, row) in log.jobs.iter().zip(latest) {
-            let Some(row) = row else { continue };
-            match job.outcome {
-                JobOutcome::Good => self.add_operation(scenario, &programmed, row, true),
-                JobOutcome::InProcess => {
-                    let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
-                    let passes = operation.work.passes();
-                    if row.pass as usize + 1 == passes && row.end < log.horizon {
-                        self.add_operation(scenario, &programmed, row, true);
-                    }
-                }
-                _ => self.add_operation(scenario, &programmed, row, false),
-            }
         }
     }
 
-    fn add_operation(&mut self, scenario: &Scenario, programmed: &[Vec<f64>], last: &PassRow, good: bool) {
-        if last.end < scenario.warm_up {
+    /// Operations earn their programmed time by the share of their own production time that lies in
+    /// the window; the quantities count what is completed in it. What an interruption undid took time
+    /// and earns nothing.
+    fn add_operations(&mut self, scenario: &Scenario, log: &RunLog) {
+        let programmed = programmed_cutting_times(scenario);
+        let mut production: Vec<Vec<&StateRow>> = vec![Vec::new(); scenario.machines.len()];
+        let productive = |row: &&StateRow| matches!(row.state, MachineState::Cutting | MachineState::Handling);
+        log.states.iter().filter(productive).for_each(|row| production[row.machine as usize].push(row));
+        // Both are in the order of time on every machine.
+        let mut first = vec![0; scenario.machines.len()];
+        for row in &log.operations {
+            let machine = row.machine as usize;
+            let until = if row.end.is_nan() { log.horizon } else { row.end };
+            let own = &production[machine];
+            while own.get(first[machine]).is_some_and(|state| state.end <= row.start) {
+                first[machine] += 1;
+            }
+            let during = own[first[machine]..].iter().take_while(|state| state.start < until);
+            let since =
+                |from: f64| during.clone().map(|state| (state.end - state.start.max(from)).max(0.0)).sum::<f64>();
+            let (done, inside) = (since(row.start), since(row.start.max(scenario.warm_up)));
+            let completed = row.end >= scenario.warm_up;
+            let whole = done + row.time_left;
+            let share = if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) };
+            self.add_operation(scenario, programmed[row.part as usize][row.operation as usize], row, share, completed);
+        }
+    }
+
+    fn add_operation(&mut self, scenario: &Scenario, programmed: f64, row: &OperationRow, share: f64, completed: bool) {
+        let machine = &scenario.machines[row.machine as usize];
+        let planned = programmed + machine.load_time.mean() + machine.unload_time.mean();
+        let tool = scenario.parts[row.part as usize].operations[row.operation as usize].tool;
+        let ground = scenario.tools.get(tool).is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+        let tally = &mut self.machines[row.machine as usize];
+        if row.result == OperationResult::Lost {
             return;
         }
-        let machine = &scenario.machines[last.machine as usize];
-        let programmed = programmed[last.part as usize][last.operation as usize];
-        let planned = programmed + machine.load_time.mean() + machine.unload_time.mean();
-        let tally = &mut self.machines[last.machine as usize];
-        tally.planned_produced += planned;
-        if good {
-            tally.planned_good += planned;
-            tally.programmed_good += programmed;
-            tally.good += 1.0;
+        tally.earned += planned * share;
+        if ground {
+            self.wheel_parts += share;
+        }
+        if row.result != OperationResult::Bad {
+            tally.programmed_good += programmed * share;
+        }
+        if completed {
+            tally.planned_produced += planned;
+            if row.result == OperationResult::Good {
+                tally.planned_good += planned;
+                tally.good += 1.0;
+            }
         }
     }
 
@@ -243,13 +326,20 @@ impl Tally {
             let share = share_after(scenario.warm_up, row.start, row.end);
             inside[row.edge as usize] += row.cutting_time * share;
             let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
-            if scenario.tools.get(operation.tool).is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_))) {
+            let process = scenario.tools.get(operation.tool).map(|tool| &tool.process);
+            if matches!(process, Some(ProcessModel::Infeed(_))) {
                 self.wheel_time += row.cutting_time * share;
-                if row.pass as usize + 1 == operation.work.passes() && row.end < log.horizon {
-                    self.wheel_parts += share;
+            }
+            match process.map(ProcessModel::name) {
+                Some("turning") => self.turning_speed.add(row, share),
+                Some("milling") => {
+                    self.milling_speed.add(row, share);
+                    self.milling_path += row.path * share;
                 }
+                _ => {}
             }
             if in_cell[row.machine as usize] {
+                self.cell_speed.add(row, share);
                 self.cell_edge_time += row.cutting_time * share;
                 self.cell_path += row.path * share;
             }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use toolroom_cutting::Milling;
 use toolroom_scenario::{ArrivalPattern, ProcessModel, Work};
 use toolroom_shop::programmed_cutting_times;
-use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome};
+use toolroom_shop::runlog::{ChangeReason, EventRow, JobOutcome, OperationResult, OperationRow};
 
 /// Value of a figure of the shop, or of a machine, in `values` of [`evaluate`].
 fn value(scenario: &Scenario, values: &[f64], id: &str, machine: Option<usize>) -> f64 {
@@ -95,7 +95,8 @@ fn no_part_gives_undefined_figures_and_no_panic() {
     let empty = RunLog { horizon: 3600.0, ..RunLog::default() };
     let values = evaluate(&scenario, &empty);
     assert!(value(&scenario, &values, "cost_per_part", None).is_nan());
-    assert!(value(&scenario, &values, "oee", None).is_nan());
+    assert!(value(&scenario, &values, "effectiveness", None).is_nan());
+    assert_eq!(value(&scenario, &values, "oee", None), 0.0, "planned and not used");
     assert!(values.iter().all(|value| value.is_finite() || value.is_nan()));
     let idle = RunLog { states: fixture::log().states, ..empty };
     let values = evaluate(&scenario, &idle);
@@ -111,6 +112,8 @@ fn nothing_before_the_end_of_the_warm_up_counts() {
     let of = |id| value(&scenario, &values, id, None);
     assert_eq!(of("parts_per_shift"), 0.0);
     assert_eq!(of("scrap_rate"), 1.0);
+    // The scrapped operation has 90 of its 210 s left of handling and cut, and is planned for 360 s.
+    assert!(near(of("effectiveness"), 360.0 * 90.0 / 210.0 / 90.0));
     // The second pass of the chipped edge has 90 of its 150 s left, one of one jobs 90 s.
     assert!(near(of("wip"), 90.0 / 3000.0));
     assert!(near(of("cutting_share"), 90.0 / 9000.0));
@@ -130,18 +133,18 @@ fn an_edge_still_in_the_machine_counts_as_far_as_it_is_worn() {
 }
 
 #[test]
-fn an_interrupted_or_unfinished_operation_is_not_produced() {
+fn an_unfinished_operation_earns_its_part_and_is_not_produced() {
     let scenario = fixture::scenario();
     let mut log = fixture::log();
-    log.jobs[1].outcome = JobOutcome::InProcess;
-    log.jobs[1].finish = f64::NAN;
+    let job = &mut log.jobs[1];
+    (job.outcome, job.finish) = (JobOutcome::InProcess, f64::NAN);
+    // 210 s are done, of 360 s.
+    log.operations[2] =
+        OperationRow { end: f64::NAN, time_left: 150.0, result: OperationResult::InProcess, ..log.operations[2] };
     let values = evaluate(&scenario, &log);
-    // Only the first of its two passes is done.
     assert!(near(value(&scenario, &values, "quality_ratio", None), 1.0));
     assert!(near(value(&scenario, &values, "throughput", Some(0)), 1.0 / 3600.0));
-    log.passes.push(fixture::pass(1, 0, 1, 0, 1, 690.0, 800.0));
-    let values = evaluate(&scenario, &log);
-    assert!(near(value(&scenario, &values, "throughput", Some(0)), 2.0 / 3600.0));
+    assert!(near(value(&scenario, &values, "effectiveness", Some(0)), (360.0 + 360.0 * 210.0 / 360.0) / 630.0));
 }
 
 #[test]

@@ -108,6 +108,8 @@ pub fn operations() -> Vec<Column<PassRow>> {
         real("stability_margin", "1", "1", |row| row.stability_margin),
         real("vibration_amplitude", "m", "um", |row| row.vibration_amplitude),
         real("roughness_ra", "m", "um", |row| row.roughness),
+        real("engaged_time", "s", "min", |row| row.engaged_time),
+        real("cutting_length", "m", "m", |row| row.cutting_length),
     ];
     run().into_iter().chain(columns).collect()
 }
@@ -155,6 +157,7 @@ pub fn states() -> Vec<Column<StateRow>> {
         real("start", "s", "min", |row| row.start),
         real("end", "s", "min", |row| row.end),
         count("job", |r| r.row.job),
+        count("in_shift", |r| Some(u32::from(r.row.in_shift))),
     ];
     run().into_iter().chain(columns).collect()
 }

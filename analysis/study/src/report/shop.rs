@@ -89,8 +89,9 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
 pub(super) fn oee_section(source: &Source<'_>) -> Section {
     let mut section = Section::new("OEE and state times").paragraph(
         "OEE = availability · effectiveness · quality ratio by ISO 22400-2: production time (cutting and handling) \
-         over time in shift; programmed time of the operations over production time; programmed time of the good over \
-         that of all operations. The programmed speeds are the yardstick under every policy, so the effectiveness of a \
+         over planned busy time, the working time of the calendar and overtime; programmed time of the operations over \
+         production time; programmed time of the good over that of all operations completed. An operation over an end \
+         of the window counts by its part in it, a repair out of shift nowhere. The programmed speeds are the yardstick under every policy, so the effectiveness of a \
          faster one is above 1.",
     );
     let mut table =

@@ -83,12 +83,12 @@ fn run_json_tells_how_the_study_was_made() {
     let info = RunInfo {
         version: "0.1.0".to_owned(),
         command: "toolroom compare a.toml --threads 2".to_owned(),
-        inputs: vec![("a.toml".to_owned(), fingerprint(b"text"))],
+        inputs: vec![("a.toml".to_owned(), toolroom_shards::fingerprint(b"text"))],
         ..RunInfo::default()
     };
     let json = run_json(&scenario, &study, &info, 2, Duration::from_millis(1500));
     assert_eq!((&json["threads"], &json["wall_time [s]"], &json["complete"]), (&json!(2), &json!(1.5), &json!(true)));
-    assert_eq!(json["inputs"][0]["hash"], json!(fingerprint(b"text")));
+    assert_eq!(json["inputs"][0]["hash"], json!(toolroom_shards::fingerprint(b"text")));
     assert_eq!(json["policies"], json!(["constant", "adaptive"]));
 }
 

@@ -1,5 +1,6 @@
 //! Events of the machines: one row for every state that a machine enters.
 
+use super::visits::whole_states;
 use super::{Run, edge_name};
 use std::collections::BTreeMap;
 use toolroom_records::{RecordKind, Records};
@@ -62,7 +63,7 @@ fn states(log: &RunLog) -> Vec<(StateRow, &'static str)> {
         }
     }
     let mut states: Vec<(StateRow, &'static str)> = Vec::with_capacity(log.states.len());
-    for state in &log.states {
+    for state in &whole_states(log) {
         let own = holds.get(&state.machine).map_or(&[][..], Vec::as_slice);
         let hold = own.iter().find(|(from, to)| *from < state.end && state.start < *to);
         match hold.filter(|_| state.state == MachineState::Cutting) {

@@ -1,10 +1,11 @@
 //! What is written of a run reads back as what happened.
 
 use super::simulated;
+use super::visits::whole_states;
 use toolroom_records::{RecordKind, Records, Sensor, parse_csv, write_csv};
 use toolroom_scenario::Scenario;
 use toolroom_shop::RunLog;
-use toolroom_shop::runlog::MachineState;
+use toolroom_shop::runlog::{MachineState, StateRow};
 
 fn shop(file: &str, overrides: &[&str]) -> (Scenario, RunLog, Vec<Records>) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap").join(file);
@@ -50,6 +51,18 @@ fn a_shop_reads_back_as_operations_cuts_and_events() {
         assert!((stayed(kind.name()) - logged).abs() < 1e-3 * logged + 1e-3, "{}", kind.name());
         assert!(logged > 0.0);
     }
+}
+
+#[test]
+fn a_repair_over_the_end_of_a_shift_is_one_stay() {
+    let row = |start, end, state, in_shift| StateRow { machine: 0, state, start, end, in_shift, job: Some(1) };
+    let (down, handling) = (MachineState::Down, MachineState::Handling);
+    let night = [row(0.0, 5.0, down, true), row(5.0, 20.0, down, false), row(20.0, 25.0, down, true)];
+    // Unloading after one operation and loading for the next are two.
+    let day = [row(25.0, 26.0, handling, true), row(26.0, 28.0, handling, true)];
+    let whole = whole_states(&RunLog { states: [&night[..], &day].concat(), ..RunLog::default() });
+    let ends: Vec<(f64, f64)> = whole.iter().map(|row| (row.start, row.end)).collect();
+    assert_eq!(ends, [(0.0, 25.0), (25.0, 26.0), (26.0, 28.0)]);
 }
 
 #[test]

@@ -4,6 +4,26 @@ use std::collections::BTreeMap;
 use toolroom_shop::RunLog;
 use toolroom_shop::runlog::{MachineState, StateRow};
 
+/// Stays of the machines; one that the end of a shift divides is one again.
+pub fn whole_states(log: &RunLog) -> Vec<StateRow> {
+    let mut states: Vec<StateRow> = Vec::with_capacity(log.states.len());
+    let mut last: BTreeMap<u32, usize> = BTreeMap::new();
+    for row in &log.states {
+        let before = last.get(&row.machine).map(|at| &mut states[*at]).filter(|before| {
+            let same = before.state == row.state && before.job == row.job;
+            same && before.end == row.start && before.in_shift != row.in_shift
+        });
+        match before {
+            Some(before) => (before.end, before.in_shift) = (row.end, row.in_shift),
+            None => {
+                last.insert(row.machine, states.len());
+                states.push(*row);
+            }
+        }
+    }
+    states
+}
+
 /// One operation of one job on one machine.
 #[derive(Clone, Debug, Default)]
 pub struct Visit {
@@ -49,7 +69,7 @@ impl Visits {
             visit.passes.push(at);
             visit.cut = (visit.cut.0.min(pass.start), visit.cut.1.max(pass.end));
         }
-        for state in &log.states {
+        for state in &whole_states(log) {
             let Some(place) = visits.of_state(state) else { continue };
             let visit = &mut visits.list[place];
             match state.state {

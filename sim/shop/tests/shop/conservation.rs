@@ -4,7 +4,7 @@ use crate::scenarios::{Rubbing, jobs_at, machine, operation, part, scenario, too
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use toolroom_scenario::*;
-use toolroom_shop::runlog::{ChangeReason, JobOutcome, RunLog};
+use toolroom_shop::runlog::{ChangeReason, JobOutcome, OperationResult, RunLog};
 
 /// A busy small shop with every kind of trouble.
 fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: Interruption) -> Scenario {
@@ -98,6 +98,21 @@ fn check(shop: &Scenario, log: &RunLog) {
         }
         assert_eq!(wear, edge.flank_wear);
     }
+    // Every operation of a good part is completed, on one machine after the other.
+    for machine in 0..shop.machines.len() as u32 {
+        let mut free = 0.0;
+        for row in log.operations.iter().filter(|row| row.machine == machine) {
+            assert!(row.start >= free, "two operations at once in machine {machine}");
+            assert_eq!(row.result == OperationResult::InProcess, row.end.is_nan());
+            assert!(row.time_left >= 0.0 && (row.time_left == 0.0 || row.end.is_nan()));
+            free = if row.end.is_nan() { shop.horizon } else { row.end };
+        }
+    }
+    for (number, job) in log.jobs.iter().enumerate().filter(|(_, job)| job.outcome == JobOutcome::Good) {
+        let rows = log.operations.iter().filter(|row| row.job as usize == number);
+        assert!(rows.clone().all(|row| row.result == OperationResult::Good));
+        assert_eq!(rows.count(), shop.parts[job.part as usize].operations.len());
+    }
     let mut outcomes: BTreeMap<JobOutcome, usize> = BTreeMap::new();
     for (number, job) in log.jobs.iter().enumerate() {
         *outcomes.entry(job.outcome).or_default() += 1;
@@ -170,6 +185,7 @@ fn every_kind_of_ending_occurs() {
         JobOutcome::ToolFailure,
         JobOutcome::OutOfTolerance,
         JobOutcome::Breakdown,
+        JobOutcome::ShiftEnd,
         JobOutcome::InProcess,
     ] {
         assert!(seen.contains(&outcome), "{outcome:?} never happened");

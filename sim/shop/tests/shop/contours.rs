@@ -7,7 +7,7 @@ use toolroom_contour::{ContourFile, FormError, Models, Pass, Planner, Setting};
 use toolroom_cutting::Milling;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::policies::ResolvedPolicy;
-use toolroom_scenario::policies::{ContourPlan, PlanError};
+use toolroom_scenario::policies::{ContourPlan, PlanError, PolicyError};
 use toolroom_scenario::*;
 use toolroom_shop::runlog::{ChangeReason, JobOutcome, RunLog};
 
@@ -226,7 +226,7 @@ proptest! {
             Err(ResolveError::Policy { source, .. }) => {
                 let refused = matches!(
                     *source,
-                    toolroom_scenario::policies::PolicyError::Contour(PlanError::Contour { .. })
+                    PolicyError::Contour(PlanError::Contour { .. })
                 );
                 prop_assert!(refused, "{source}");
             }

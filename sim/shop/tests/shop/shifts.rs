@@ -1,7 +1,7 @@
 //! Working time.
 
 use crate::scenarios::{self, jobs_at, operation, run, time_in};
-use toolroom_scenario::{Interruption, Scenario, Shift, ShiftCalendar};
+use toolroom_scenario::{Distribution, FailureClock, FailureMode, Interruption, Scenario, Shift, ShiftCalendar};
 use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog};
 
 /// Work from 100 to 200 of every 1000 s; a job of 70 s arrives at 150.
@@ -48,7 +48,64 @@ fn a_part_may_have_to_be_begun_again() {
 
 #[test]
 fn a_part_may_be_lost_at_the_end_of_a_shift() {
-    assert_eq!(ends(&run(&shop(Interruption::Scrap))), (JobOutcome::Breakdown, 200.0));
+    assert_eq!(ends(&run(&shop(Interruption::Scrap))), (JobOutcome::ShiftEnd, 200.0));
+}
+
+/// The same shop, down from 180 on for `repair` seconds.
+fn broken(at_end: Interruption, repair: f64) -> RunLog {
+    let mut shop = shop(at_end);
+    shop.failures = vec![FailureMode {
+        machine: 0,
+        time_between: Distribution::Constant(180.0),
+        time_to_repair: Distribution::Constant(repair),
+        clock: FailureClock::Calendar,
+        part: Interruption::Resume,
+    }];
+    shop.horizon = 1500.0;
+    run(&shop)
+}
+
+#[test]
+fn a_repair_that_goes_on_after_the_shift_is_out_of_shift() {
+    for at_end in [Interruption::Finish, Interruption::Resume] {
+        let log = broken(at_end, 1400.0);
+        let down: Vec<(f64, f64, bool)> = log
+            .states
+            .iter()
+            .filter(|row| row.state == MachineState::Down)
+            .map(|row| (row.start, row.end, row.in_shift))
+            .collect();
+        assert_eq!(
+            down,
+            [(180.0, 200.0, true), (200.0, 1100.0, false), (1100.0, 1200.0, true), (1200.0, 1500.0, false)]
+        );
+    }
+}
+
+#[test]
+fn a_part_in_a_machine_that_is_down_at_the_end_of_the_shift_waits_for_the_next() {
+    for at_end in [Interruption::Finish, Interruption::Resume] {
+        // Repaired at 330; 40 s of the part are left, and the next failure comes at 1170.
+        let log = broken(at_end, 150.0);
+        assert_eq!(ends(&log), (JobOutcome::Good, 1140.0));
+    }
+}
+
+#[test]
+fn a_machine_that_fails_in_overtime_takes_no_other_part() {
+    let mut shop = shop(Interruption::Finish);
+    shop.arrivals[0] = jobs_at(&[(150.0, 2)]);
+    shop.failures = vec![FailureMode {
+        machine: 0,
+        time_between: Distribution::Constant(210.0),
+        time_to_repair: Distribution::Constant(5.0),
+        clock: FailureClock::Calendar,
+        part: Interruption::Scrap,
+    }];
+    shop.horizon = 1400.0;
+    let log = run(&shop);
+    assert_eq!(ends(&log), (JobOutcome::Breakdown, 210.0));
+    assert_eq!(log.jobs[1].start, 1100.0);
 }
 
 #[test]

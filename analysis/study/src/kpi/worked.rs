@@ -1,0 +1,266 @@
+//! Worked examples of the key figures, read as scenario files: a grinder whose parts take a known
+//! time (revolutions over speed, a wheel that does not wear), a mill at a known spindle speed.
+
+use super::*;
+use toolroom_scenario::file;
+use toolroom_shop::runlog::JobOutcome;
+
+/// One grinder of 60 EUR/h with parts of whole minutes back to back; `more` are further keys of
+/// the machine.
+fn grinder(horizon: &str, warm_up: &str, minutes: u32, more: &str, tables: &str) -> String {
+    let rest = 60 * minutes - 1;
+    format!(
+        r#"schema = 1
+[shop]
+name = "worked"
+title = "Worked example"
+horizon = "{horizon}"
+warm_up = "{warm_up}"
+shift_length = "8 h"
+[[machine]]
+name = "G"
+process = "infeed"
+rate = "60 EUR/h"
+load_time = "0 s"
+unload_time = "0 s"
+{more}
+[[tool]]
+name = "wheel"
+process = "infeed"
+parameter_set = "zb153u_40kh"
+edge_cost = "0 EUR"
+scatter = "none"
+[[part]]
+name = "ring"
+[[part.operation]]
+name = "grind"
+machines = "G"
+tool = "wheel"
+work_rotation_speed = "60 rpm"
+phase = [{{ infeed_per_rev = "0.1 um/rev", revolutions = 1 }}, {{ infeed_per_rev = "0 um/rev", revolutions = {rest} }}]
+size_tolerance = "1 mm"
+[[arrivals]]
+part = "ring"
+pattern = "constant_work"
+jobs = 2
+[[policy]]
+name = "programmed"
+speed = "programmed"
+{tables}"#
+    )
+}
+
+fn calendar(start: &str, end: &str, at_end: &str) -> String {
+    format!(
+        "[[calendar]]\nname = \"early\"\nperiod = \"24 h\"\nshift = [{{ start = \"{start}\", end = \"{end}\" }}]\n\
+         at_end = \"{at_end}\"\n"
+    )
+}
+
+/// A failure at a time of day; it comes again as long after its repair.
+fn failure(at: &str, repair: &str, part: &str) -> String {
+    format!(
+        "[[failure]]\nmachines = [\"G\"]\ntime_between = \"{at}\"\ntime_to_repair = \"{repair}\"\nclock = \"calendar\"\n\
+         part = \"{part}\"\n"
+    )
+}
+
+struct Run {
+    scenario: Scenario,
+    log: RunLog,
+    values: Vec<f64>,
+}
+
+impl Run {
+    fn of(text: &str) -> Self {
+        let scenario = file::parse("worked.toml", text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+        let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
+        identity(&scenario, &log);
+        let values = evaluate(&scenario, &log);
+        Self { scenario, log, values }
+    }
+
+    /// Figure of the shop, or of the grinder with `G/` before it.
+    fn figure(&self, id: &str) -> f64 {
+        let (machine, id) = id.strip_prefix("G/").map_or((None, id), |id| (Some(0), id));
+        let list = kpis(&self.scenario);
+        let index = list.iter().position(|kpi| kpi.machine == machine && kpi.definition.id == id);
+        self.values[index.unwrap_or_else(|| panic!("no figure {id}"))]
+    }
+
+    fn holds(&self, expected: &[(&str, f64)]) {
+        for &(id, expected) in expected {
+            let found = self.figure(id);
+            assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1.0), "{id} = {found}, not {expected}");
+        }
+    }
+
+    /// Good parts and paid machine time.
+    fn parts_and_cost(&self) -> (u32, f64) {
+        let tally = Tally::new(&self.scenario, &self.log);
+        (tally.good, tally.machine_cost)
+    }
+}
+
+/// PBT = AUBT + ADOT: the time that the calendar plans (and overtime) is that of the states in shift.
+fn identity(scenario: &Scenario, log: &RunLog) {
+    for (machine, tally) in Tally::new(scenario, log).machines.iter().enumerate() {
+        let planned = tally.planned_busy_time();
+        let spent = tally.busy_time() + tally.state(toolroom_shop::runlog::MachineState::Idle);
+        let name = &scenario.machines[machine].name;
+        assert!((planned - spent).abs() <= 1e-9 * planned, "{}, {name}: {planned} s, not {spent} s", scenario.name);
+    }
+}
+
+/// Two days that count, shift from 6 to 14 o'clock, parts of half an hour. Hour 37 is the first of
+/// these days at 13 o'clock.
+fn two_days(at_end: &str, failure: &str) -> Run {
+    Run::of(&grinder("72 h", "24 h", 30, "calendar = \"early\"", &(calendar("6 h", "14 h", at_end) + failure)))
+}
+
+const HOUR: f64 = 3600.0;
+
+#[test]
+fn a_repair_at_night_is_no_planned_time_and_costs_nothing() {
+    for at_end in ["resume", "finish", "repeat", "scrap"] {
+        let run = two_days(at_end, &failure("37 h", "8 h", "resume"));
+        assert_eq!(run.parts_and_cost(), (30, 960.0), "{at_end}");
+        run.holds(&[
+            ("availability", 0.9375),
+            ("effectiveness", 1.0),
+            ("quality_ratio", 1.0),
+            ("oee", 0.9375),
+            ("G/oee", 0.9375),
+            ("parts_per_shift", 15.0),
+            ("G/down_time_share", 1.0 / 48.0),
+            ("G/off_shift_time_share", 32.0 / 48.0),
+            ("G/mttr", 8.0 * HOUR),
+            ("G/mtbf", 15.0 * HOUR),
+        ]);
+        // The same with the repair inside the shift.
+        let day = two_days(at_end, &failure("37 h", "1 h", "resume"));
+        assert_eq!(day.parts_and_cost(), (30, 960.0), "{at_end}");
+        day.holds(&[("oee", 0.9375), ("G/mttr", HOUR)]);
+    }
+}
+
+#[test]
+fn a_repair_in_the_shift_takes_planned_time() {
+    let run = two_days("resume", &failure("34 h", "2 h", "resume"));
+    assert_eq!(run.parts_and_cost(), (28, 960.0));
+    run.holds(&[("availability", 0.875), ("effectiveness", 1.0), ("oee", 0.875)]);
+}
+
+#[test]
+fn overtime_to_finish_a_part_is_planned_and_paid() {
+    // Begun at 13:00, down from 13:10 until 21:10, gone on with next day; the last part is begun at
+    // 13:50 and finished at 14:20.
+    let run = two_days("finish", &failure("37.166666666666666667 h", "8 h", "resume"));
+    let (parts, cost) = run.parts_and_cost();
+    assert_eq!(parts, 31);
+    assert!((cost - 980.0).abs() < 1e-9, "{cost}");
+    run.holds(&[("availability", 15.5 / (16.0 + 1.0 / 3.0)), ("effectiveness", 1.0)]);
+}
+
+#[test]
+fn a_failure_in_overtime_leaves_the_part_for_the_next_shift() {
+    // Parts of 35 minutes: the fourteenth is begun at 13:35 and would be finished at 14:10.
+    let tables = calendar("6 h", "14 h", "finish") + &failure("38.1 h", "1 h", "resume");
+    let run = Run::of(&grinder("72 h", "24 h", 35, "calendar = \"early\"", &tables));
+    let second_day = |time: f64| (time - 54.0 * HOUR) / 60.0;
+    let stopped = run.log.operations.iter().find(|row| row.end > 54.0 * HOUR).expect("a part");
+    assert!((second_day(stopped.end) - 4.0).abs() < 1e-9, "{}", second_day(stopped.end));
+    run.holds(&[("effectiveness", 1.0)]);
+}
+
+#[test]
+fn an_operation_over_the_horizon_counts_by_its_part() {
+    let expected = [("effectiveness", 1.0), ("quality_ratio", 1.0), ("G/throughput", 1.0 / HOUR)];
+    // 40 minutes each from 0: one is completed, the second half done.
+    let run = Run::of(&grinder("60 min", "0 h", 40, "", ""));
+    run.holds(&expected);
+    run.holds(&[("oee", 1.0), ("grinding_time", 2400.0), ("cell_time_ratio", 1.0)]);
+    // The horizon is the end of the shift.
+    let run = Run::of(&grinder("60 min", "0 h", 40, "calendar = \"early\"", &calendar("0 h", "1 h", "resume")));
+    run.holds(&expected);
+    run.holds(&[("oee", 1.0)]);
+    // The machine is down at the horizon.
+    let run = Run::of(&grinder("60 min", "0 h", 40, "", &failure("57 min", "1 h", "resume")));
+    run.holds(&expected);
+    run.holds(&[("oee", 0.95), ("availability", 0.95), ("grinding_time", 2400.0)]);
+    // The window begins in the middle of an operation.
+    let run = Run::of(&grinder("80 min", "20 min", 40, "", ""));
+    run.holds(&[("oee", 1.0), ("effectiveness", 1.0), ("G/throughput", 2.0 / HOUR)]);
+}
+
+#[test]
+fn half_a_day_of_one_cut_is_no_finished_part() {
+    // 8 of 12 hours are cut when the shift ends; the horizon is midnight.
+    let run = Run::of(&grinder("24 h", "0 h", 720, "calendar = \"early\"", &calendar("8 h", "16 h", "resume")));
+    run.holds(&[("effectiveness", 1.0), ("availability", 1.0), ("G/throughput", 0.0), ("parts_per_shift", 0.0)]);
+    assert!(run.figure("oee").is_nan() && run.figure("quality_ratio").is_nan(), "nothing was completed");
+}
+
+#[test]
+fn work_that_an_interruption_undoes_takes_time_and_earns_nothing() {
+    // Down after 40 + 20 minutes; the second part is cut again from 61 minutes on, or lost.
+    for part in ["repeat", "scrap"] {
+        let run = Run::of(&grinder("101 min", "0 h", 40, "", &failure("60 min", "1 min", part)));
+        run.holds(&[("availability", 100.0 / 101.0), ("effectiveness", 0.8), ("quality_ratio", 1.0)]);
+        assert_eq!(run.parts_and_cost().0, 2, "{part}");
+        assert_eq!(run.figure("scrap_rate"), if part == "scrap" { 1.0 / 3.0 } else { 0.0 });
+    }
+}
+
+#[test]
+fn a_part_lost_at_the_end_of_a_shift_is_no_breakdown() {
+    let run = Run::of(&grinder("4 h", "0 h", 40, "calendar = \"early\"", &calendar("0 h", "1 h", "scrap")));
+    assert_eq!(run.log.jobs[1].outcome, JobOutcome::ShiftEnd);
+    assert_eq!(run.log.jobs[1].outcome.name(), "shift_end");
+}
+
+#[test]
+fn milling_has_the_cutting_speed_of_its_circumference() {
+    // 795.775 rpm of a cutter of 12 mm, 0.05 mm at two teeth.
+    let text = grinder("2 h", "0 h", 40, "", "")
+        .replace("process = \"infeed\"", "process = \"milling\"\nspeed_range = [\"10 m/min\", \"300 m/min\"]");
+    let (before, after) = text.split_once("[[tool]]").expect("a tool");
+    let after = after
+        .replace("\nspeed_range = [\"10 m/min\", \"300 m/min\"]", "")
+        .replace("zb153u_40kh\"", "c45_endmill_d12\"\nparameters = { cutter = { teeth = 2 } }");
+    let start = after.find("work_rotation_speed").expect("work");
+    let end = after.find("size_tolerance").expect("a tolerance");
+    let cut = "cutting_speed = \"30 m/min\"\nfeed_per_tooth = \"0.05 mm/tooth\"\ndepth_of_cut = \"6 mm\"\n\
+               width_of_cut = \"3 mm\"\npath_length = \"100 mm\"\npasses = 2\n";
+    let run = Run::of(&format!("{before}[[tool]]{}{cut}{}", &after[..start], &after[end..]));
+    let feed_speed = 795.774_715_459_476_7 / 60.0 * 2.0 * 0.05e-3;
+    run.holds(&[("mean_cutting_speed", 0.5), ("mean_cutting_speed_milling", 0.5), ("mean_feed_speed", feed_speed)]);
+    assert!(run.figure("mean_cutting_speed_turning").is_nan());
+    let list = kpis(&run.scenario);
+    let feed = list.iter().find(|kpi| kpi.definition.id == "mean_feed_speed").expect("a figure");
+    assert_eq!(feed.key(), "mean_feed_speed [mm/min]");
+    assert!((feed_speed * feed.definition.file_scale() - 79.577).abs() < 5e-4);
+}
+
+#[test]
+fn planned_busy_time_is_busy_and_idle_time_in_every_shipped_scenario() {
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
+    let mut files: Vec<_> =
+        std::fs::read_dir(folder).expect("scenarios").map(|entry| entry.expect("a file").path()).collect();
+    files.push(folder.join("gap/shop.toml"));
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    files.sort();
+    let mut seen = Vec::new();
+    for path in files {
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        // A chart of stability, and a shop with a unit that is made first.
+        if ["chuck-fig3", "fmu-lathe"].contains(&name.as_str()) {
+            continue;
+        }
+        let scenario = file::read(&path, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+        let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
+        identity(&scenario, &log);
+        seen.push(name);
+    }
+    assert!(seen.len() >= 10, "{seen:?}");
+}
