@@ -429,7 +429,7 @@ fn runs_that_differ_in_the_dispatch_rule_are_compared_in_pairs() {
         (all, row, 0.5 * (ends[1] - ends[0]))
     };
     let (all, row, half_width) = lead(&shortest);
-    assert_eq!((&all["paired"], &all["unpaired_because"]), (&true.into(), &serde_json::Value::Null));
+    assert_eq!((&all["paired"], &all["unpaired_because"]), (&true.into(), &Value::Null));
     // The t interval of twelve differences: 2.200985 is the 97.5 % point of eleven degrees of freedom.
     let [one, two] = [&fifo, &shortest].map(|run| figure(Path::new(run), "lead_time"));
     let pairs: Vec<f64> = one.iter().zip(&two).map(|(one, two)| two - one).collect();
