@@ -12,7 +12,7 @@
 //! | [`RecordKind`], [`RecordColumn`] | the columns of turning, milling, grinding and shop records |
 //! | [`ReadReport`] | what the reader used, dropped, and did on its own account |
 //! | [`read`], [`tables`], [`parse_csv`], [`write_csv`] | files |
-//! | [`simulated`], [`write_simulated`] | a simulated run as if it had been measured |
+//! | [`simulated`] | a simulated run as if it had been measured |
 //! | [`mod@import`] | tables of others, by a mapping |
 
 mod columns;
@@ -29,7 +29,7 @@ mod write;
 pub use columns::{ColumnKind, RecordColumn};
 pub use read::{RecordError, parse_csv, read, tables};
 pub use report::ReadReport;
-pub use simulate::{Sheet, simulated, write_simulated};
+pub use simulate::{Sheet, simulated};
 pub use write::write_csv;
 
 use std::collections::BTreeMap;
