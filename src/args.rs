@@ -53,6 +53,9 @@ pub struct Common {
     /// Say more about how the work was done
     #[arg(long, short, global = true)]
     pub verbose: bool,
+    /// Replace files that toolroom did not write, or that were changed since; never an input
+    #[arg(long, global = true)]
+    pub force: bool,
 }
 
 #[derive(Subcommand, Debug)]
@@ -126,7 +129,7 @@ others are compared as independent samples, and the output says why.")]
     /// Lag and stiffnesses of machine and grinding process from plunge trials
     #[command(before_help = "Examples:
   toolroom identify scenarios/data/zb153u_trials.csv
-  toolroom identify trials.csv --force forces.csv --basis force
+  toolroom identify trials.csv --forces forces.csv --basis force
   toolroom identify trials.csv --error stock=\"1 um\" --json")]
     Identify(IdentifyArgs),
     /// The fastest rough, finish and spark-out cycle within limits, and when to dress
@@ -202,6 +205,7 @@ pub enum FmuCommand {
     #[command(before_help = "Examples:
   toolroom fmu export turning                 out/fmu/toolroom_turning_fmi2.fmu and _fmi3.fmu
   toolroom fmu export milling --fmi 3 --out .
+  toolroom fmu export milling --fmi 3 --out mill.fmu
   toolroom fmu export turning --platforms x86_64-linux --platforms x86_64-windows")]
     Export(FmuExportArgs),
     /// What an FMI unit offers: interfaces, platforms, variables with units
@@ -254,7 +258,7 @@ pub struct FmuExportArgs {
     /// cargo-zigbuild and the sources
     #[arg(long, value_name = "PLATFORM", value_enum)]
     pub platforms: Vec<FmuPlatform>,
-    /// Directory of the packages
+    /// Directory of the packages; with --fmi also the package itself, FILE.fmu
     #[arg(long, value_name = "DIR", default_value = "out/fmu")]
     pub out: PathBuf,
 }
@@ -523,7 +527,7 @@ pub struct StudyArgs {
     /// Go on with the same study where it was interrupted; refused where anything but threads differs
     #[arg(long)]
     pub resume: bool,
-    /// Stop after so many replications as Ctrl-C does
+    /// Stop after so many replications as Ctrl-C does, with exit code 1
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub stop_after: Option<u32>,
 }

@@ -2,14 +2,15 @@
 
 use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
-use crate::shard::refused;
+use crate::output::Files;
+use crate::shard::{leave, refused};
 use crate::speak::Voice;
 use crate::study::{Request, chosen, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
 use toolroom_scenario::file::{ScenarioFile, parse, read};
-use toolroom_shards::{Computed, Plan, ShardError, write_plan};
+use toolroom_shards::{self, Computed, Plan, ShardError};
 use toolroom_study::study::{KnownRuns, StoredRun, stored_runs};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
@@ -72,7 +73,8 @@ fn plan(
         pieces: replications,
         shards: args.shards.unwrap_or(replications).min(replications),
     };
-    write_plan(target, &plan).map_err(refused)?;
+    let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.file.as_path()]);
+    leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
     voice.say(format_args!("wrote {shown}: {} shards   next: toolroom shard {shown} 0 --out parts", plan.shards));
     Ok(())

@@ -18,10 +18,11 @@ use std::time::Instant;
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let task = input::read(args)?;
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
+    let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref());
+    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
     let start = Instant::now();
     let studies = compute::studies(&task, args, voice)?;
     let wall = start.elapsed();
-    let out = OutputDir::create(&target)?;
     results::write(&out, args, &task, &studies, wall)?;
     let target = out.publish()?;
     if voice.json {

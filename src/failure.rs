@@ -3,6 +3,7 @@
 use crate::excerpt::Excerpt;
 use crate::faulty::FaultyFile;
 use crate::speak::Voice;
+use crate::stop;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -35,8 +36,13 @@ pub enum Failure {
         /// What is there.
         help: String,
     },
-    /// Stopped by the user; what was complete is written.
-    Interrupted { replications: u32, path: PathBuf },
+    /// Stopped by the user.
+    Interrupted {
+        /// How far the work came and what is kept.
+        message: String,
+        /// The way on.
+        help: String,
+    },
     /// A path that cannot be written.
     Unwritable { path: PathBuf, source: io::Error },
     /// A result that has no JSON form.
@@ -47,6 +53,20 @@ impl Failure {
     /// An argument that cannot be used, with the likely fix.
     pub fn argument(message: impl fmt::Display, help: impl fmt::Display) -> Self {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
+    }
+
+    /// The failure with something to know beside it.
+    pub fn adding(self, more: &str) -> Self {
+        match self {
+            Self::Argument { message, help } => Self::Argument { message: message + more, help },
+            Self::Work { message } => Self::Work { message: message + more },
+            Self::Stopped { message, help } => Self::Stopped { message: message + more, help },
+            Self::Interrupted { message, help } => Self::Interrupted { message: message + more, help },
+            Self::Unwritable { path, source } => {
+                Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
+            }
+            other @ (Self::Scenario(_) | Self::Faulty(_) | Self::Json(_)) => other,
+        }
     }
 
     /// What is wrong, in one line, where it is an argument or the work.
@@ -66,14 +86,7 @@ impl Failure {
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
-            Self::Interrupted { replications, path } => {
-                let plural = if *replications == 1 { " is" } else { "s are" };
-                let message = format!(
-                    "interrupted: {replications} replication{plural} complete and written to {}",
-                    path.display()
-                );
-                self.plain(voice, message, Some("the same command with --resume goes on"), 1)
-            }
+            Self::Interrupted { message, help } => self.plain(voice, message, Some(help), stop::exit_code()),
             Self::Unwritable { path, source } => {
                 let message = format!("{} cannot be written: {source}", path.display());
                 // A wrong path is the user's to mend, a full disk is not in the command.

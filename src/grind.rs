@@ -25,10 +25,10 @@ struct Design {
 
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
+    let target = args.out.clone().unwrap_or_else(|| default_out(&name(args)));
+    let out = OutputDir::create(&target, results::NAMES, [args.file.as_path()], voice.force)?;
     let design = design(args)?;
     let wall = start.elapsed();
-    let target = args.out.clone().unwrap_or_else(|| default_out(&design.name));
-    let out = OutputDir::create(&target)?;
     results::write(&out, args, &design, wall)?;
     let target = out.publish()?;
     if voice.json {
@@ -39,6 +39,11 @@ pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     voice.detail(format_args!("{:.3} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
+}
+
+/// Name of the design: that of its file.
+fn name(args: &GrindArgs) -> String {
+    args.file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn design(args: &GrindArgs) -> Result<Design, Failure> {
@@ -62,11 +67,10 @@ fn design(args: &GrindArgs) -> Result<Design, Failure> {
             )
         })?;
     }
-    let name = args.file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let refuse = |error| conflict(&error, &path, &text);
     let cycle = file.fastest_cycle().map_err(refuse)?;
     let dressing = file.dressing_intervals().map_err(refuse)?;
-    Ok(Design { name, text, file, cycle, dressing })
+    Ok(Design { name: name(args), text, file, cycle, dressing })
 }
 
 impl Design {

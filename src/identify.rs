@@ -35,10 +35,11 @@ struct Study {
 
 pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
+    let target = args.out.clone().unwrap_or_else(|| default_out(&title(args)));
+    let inputs = std::iter::once(args.data.as_path()).chain(args.forces.as_deref());
+    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
     let study = study(args, voice)?;
     let wall = start.elapsed();
-    let target = args.out.clone().unwrap_or_else(|| default_out(&study.title));
-    let out = OutputDir::create(&target)?;
     results::write(&out, args, &study, wall)?;
     let target = out.publish()?;
     if voice.json {
@@ -51,6 +52,11 @@ pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Name of the study: that of its table.
+fn title(args: &IdentifyArgs) -> String {
+    args.data.file_stem().map_or_else(|| "trials".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
 fn study(args: &IdentifyArgs, voice: &Voice) -> Result<Study, Failure> {
     let options = options(args)?;
     let data = read(&args.data)?;
@@ -59,7 +65,7 @@ fn study(args: &IdentifyArgs, voice: &Voice) -> Result<Study, Failure> {
     let mut notes: Vec<(String, String)> =
         table.notes.iter().map(|note| (data.name.clone(), note.to_string())).collect();
     let mut inputs = vec![data];
-    if let Some(path) = &args.force {
+    if let Some(path) = &args.forces {
         let force = read(path)?;
         let more =
             read_force_traces(&force.name, &force.bytes, &mut trials).map_err(|error| refused_table(error, &force))?;
@@ -70,8 +76,7 @@ fn study(args: &IdentifyArgs, voice: &Voice) -> Result<Study, Failure> {
         voice.say(format_args!("{file}: {note}"));
     }
     let found = identify(&trials, &options).map_err(|error| impossible(error, &inputs[0]))?;
-    let title = args.data.file_stem().map_or_else(|| "trials".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Study { title, inputs, trials, options, found })
+    Ok(Study { title: title(args), inputs, trials, options, found })
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {

@@ -11,7 +11,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_records::{ReadReport, Records, write_csv};
+use toolroom_records::{ReadReport, RecordKind, Records, write_csv};
 
 pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -22,17 +22,26 @@ pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
     }
 }
 
+/// Name of the table of a kind of records.
+fn table(kind: RecordKind) -> String {
+    format!("{}.csv", kind.file_stem())
+}
+
+/// Takes the folder of an import.
+fn create(out: &Path, kind: RecordKind, inputs: &[&Path], voice: &Voice) -> Result<OutputDir, Failure> {
+    OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)
+}
+
 /// Writes records with the report of their reading, and says what became of the file.
 fn write(
     records: &Records,
     report: &ReadReport,
-    out: &Path,
+    dir: OutputDir,
     provenance: &toolroom_chart::page::Provenance,
     began: Instant,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let dir = OutputDir::create(out)?;
-    let name = format!("{}.csv", records.kind.file_stem());
+    let name = table(records.kind);
     let path = dir.draft().join(&name);
     let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
     let file = std::fs::File::create(&path).map_err(unwritable)?;

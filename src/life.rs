@@ -10,8 +10,6 @@ use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
 use crate::shard as shards;
 use crate::speak::Voice;
-use serde_json::Value;
-use std::path::Path;
 use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
@@ -32,15 +30,6 @@ pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
             shards::perform(plan, number, out, args.shards.threads, voice)
         }
     }
-}
-
-fn put(directory: &Path, name: &str, text: &str) -> Result<(), Failure> {
-    let path = directory.join(name);
-    std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
-}
-
-fn pretty(value: &Value) -> Result<String, Failure> {
-    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(Failure::Json)
 }
 
 /// A confidence between 50 and 99.9 %: `0.9`, `90 %`.

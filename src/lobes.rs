@@ -21,7 +21,6 @@ use judgement::{Judgement, word};
 use results::Origin;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_process::unit;
@@ -57,8 +56,8 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
         return shards::plan(&input, &file, args, target, voice);
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&file.content.name));
-    // An unwritable place is told before the work, and nothing lies there while it lasts.
-    drop(OutputDir::create(&target)?);
+    let inputs = std::iter::once(path.as_path()).chain(file.files.iter().map(AsRef::as_ref));
+    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
     pool(args.threads)?.install(|| {
         let LobesFile { cut, chart, .. } = &file.content;
         let start = Instant::now();
@@ -69,7 +68,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
             converged(cut.lobes(chart, 0..chart.speed.points), voice)?
         };
         let origin = Origin { file: &input, changes: &args.set, start };
-        finish(&file, grid, &origin, &target, voice)
+        finish(&file, grid, &origin, out, voice)
     })
 }
 
@@ -90,7 +89,7 @@ fn finish(
     file: &FormFile<LobesFile>,
     grid: Option<Lobes>,
     origin: &Origin<'_>,
-    target: &Path,
+    out: OutputDir,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let LobesFile { cut, chart, points, .. } = &file.content;
@@ -98,7 +97,6 @@ fn finish(
     let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(refused)?;
     let curves = boundaries(cut, chart).map_err(refused)?;
     let computed = Computed { curves, grid, judgements };
-    let out = OutputDir::create(target)?;
     let told = results::write(&out, origin, file, &computed)?;
     let target = out.publish()?;
     if voice.json {

@@ -1,7 +1,7 @@
 //! `toolroom`, the command line: glue between scenario files, the shop and the analysis.
 //!
 //! One file a verb; data go to standard output, narration and progress to standard error.
-//! Exit code 0: done; 1: the work failed or was interrupted; 2: the input is wrong.
+//! Exit code 0: done; 1: the work failed; 2: the input is wrong; 130 and 143: interrupted by SIGINT and SIGTERM.
 
 mod args;
 mod asked;
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     let voice = Voice::new(&common);
     #[cfg(feature = "fmu-import")]
     fmu::machine::register();
-    match perform(command, &voice) {
+    match stop::watch().and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),
     }

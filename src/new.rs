@@ -17,12 +17,16 @@ pub fn run(args: &NewArgs, voice: &Voice) -> Result<(), Failure> {
         let message = format!("{} is there already", scenario.display());
         return Err(Failure::argument(message, "choose another directory; nothing was changed"));
     }
+    let schema = args.dir.join("scenario.schema.json");
+    if !voice.force && fs::read(&schema).is_ok_and(|there| there != SCHEMA.as_bytes()) {
+        let message = format!("{} is there already and is another one", schema.display());
+        return Err(Failure::argument(message, "choose another directory, or replace it with --force"));
+    }
     let unwritable = |path: &Path| {
         let path = path.to_owned();
         |source| Failure::Unwritable { path, source }
     };
     fs::create_dir_all(&args.dir).map_err(unwritable(&args.dir))?;
-    let schema = args.dir.join("scenario.schema.json");
     fs::write(&schema, SCHEMA).map_err(unwritable(&schema))?;
     fs::write(&scenario, SCENARIO).map_err(unwritable(&scenario))?;
     if voice.json {

@@ -1,46 +1,146 @@
-//! The directory of results: complete or not there.
+//! The folder of results: what toolroom wrote into it, and nothing else, is toolroom's.
+//!
+//! Files are made in a draft within the folder and take their names one by one when all are complete. `run.json` lists
+//! them, each with a hash: the next run into the same folder replaces those and removes what it no longer writes. A
+//! file that is not listed stays; one that stands in the way, or that was changed since, is refused but for `--force`.
+//! A lock keeps two processes from one folder.
+
+mod files;
+mod listed;
+mod lock;
+
+pub use files::Files;
 
 use crate::failure::Failure;
+use crate::stop::{self, Begun, Tidy, tidy};
 use crate::study::quoted;
+use files::real;
+use listed::{Listed, Standing, hash, permit};
+use lock::Lock;
 use serde_json::{Value, json};
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 use toolroom_chart::page::Provenance;
 use toolroom_shards::fingerprint;
 
-/// A directory that is filled under another name and takes its own when it is complete, so that
-/// nothing half-written can be taken for a result.
+/// A folder of results while it is written.
 #[derive(Debug)]
 pub struct OutputDir {
+    /// The folder as the user calls it.
     target: PathBuf,
+    /// The folder itself, behind links.
+    place: PathBuf,
     draft: PathBuf,
-    published: bool,
+    /// What an earlier run left.
+    earlier: Earlier,
+    /// Files that were put into the folder itself.
+    placed: Vec<String>,
+    inputs: Vec<PathBuf>,
+    force: bool,
+    /// Folders made for it, from the outermost on.
+    made: Vec<PathBuf>,
+    tidies: Vec<Tidy>,
+    lock: Option<Lock>,
+    kept: bool,
 }
 
-/// What a directory of results always holds.
+/// What says which files of a folder are ours.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Earlier {
+    /// No `run.json`.
+    Nothing,
+    /// A `run.json` of a version that did not list its files: it proves that the folder is ours, and nothing more.
+    Unlisted,
+    /// Files with their hashes.
+    Listed(Listed),
+}
+
+/// What a folder of results always holds.
 const MARK: &str = "run.json";
+/// Folder of the files that are not complete.
+const DRAFT: &str = ".toolroom-draft";
 
 impl OutputDir {
-    /// Makes the draft beside `target`, so that an unwritable place is told before any work.
-    pub fn create(target: &Path) -> Result<Self, Failure> {
+    /// Takes the folder `target`, for files of which `names` are known; an unwritable place and files in the way are
+    /// told before any work. `inputs` of the command are never replaced, files of others with `force` only.
+    pub fn create<'a>(
+        target: &Path,
+        names: &[&str],
+        inputs: impl IntoIterator<Item = &'a Path>,
+        force: bool,
+    ) -> Result<Self, Failure> {
         let unwritable = |source| Failure::Unwritable { path: target.to_owned(), source };
-        if target.is_dir() {
-            let empty = fs::read_dir(target).map_err(unwritable)?.next().is_none();
-            if !empty && !target.join(MARK).is_file() {
-                let message = format!("{} holds files that are no results of toolroom", target.display());
-                return Err(Failure::argument(message, "choose another directory with --out DIR; nothing was changed"));
-            }
-        } else if target.exists() {
+        let place = std::path::absolute(real(target)).map_err(unwritable)?;
+        if place.exists() && !place.is_dir() {
             return Err(unwritable(io::Error::new(io::ErrorKind::NotADirectory, "it is a file")));
         }
-        let name = target.file_name().ok_or_else(|| unwritable(io::Error::from(io::ErrorKind::InvalidFilename)))?;
-        let mut draft_name = name.to_owned();
-        draft_name.push(format!(".partial-{}", std::process::id()));
-        let draft = target.with_file_name(draft_name);
-        fs::create_dir_all(&draft).map_err(unwritable)?;
-        Ok(Self { target: target.to_owned(), draft, published: false })
+        let mut out = Self {
+            target: target.to_owned(),
+            draft: place.join(DRAFT),
+            place,
+            earlier: Earlier::Nothing,
+            placed: Vec::new(),
+            inputs: inputs.into_iter().map(Path::to_owned).collect(),
+            force,
+            made: Vec::new(),
+            tidies: Vec::new(),
+            lock: None,
+            kept: false,
+        };
+        out.make_folders().map_err(unwritable)?;
+        out.lock = Some(Lock::take(&out.place)?);
+        out.earlier = earlier(&out.place);
+        out.check(names.iter().copied().chain([MARK]))?;
+        // Under the lock a draft is that of a dead process.
+        if out.draft.is_dir() {
+            fs::remove_dir_all(&out.draft).map_err(unwritable)?;
+        }
+        out.tidies.push(tidy(Begun::Draft(out.draft.clone())));
+        fs::create_dir(&out.draft).map_err(unwritable)?;
+        Ok(out)
+    }
+
+    fn make_folders(&mut self) -> io::Result<()> {
+        let missing: Vec<PathBuf> =
+            self.place.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
+        for folder in missing.into_iter().rev() {
+            match fs::create_dir(&folder) {
+                // `a/..` is there as soon as `a` is, and another process may be quicker.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => continue,
+                made => made?,
+            }
+            self.tidies.push(tidy(Begun::Folder(folder.clone())));
+            self.made.push(folder);
+        }
+        Ok(())
+    }
+
+    /// Refuses names that must not be written, and listed files that somebody changed.
+    fn check<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+        let none = Listed::default();
+        let listed = match &self.earlier {
+            Earlier::Listed(listed) => listed,
+            Earlier::Nothing | Earlier::Unlisted => &none,
+        };
+        for name in names.filter(|name| !listed.has(name)) {
+            let mut standing = listed.standing(&self.place, name)?;
+            let ours = if name == MARK { self.earlier != Earlier::Nothing } else { self.earlier == Earlier::Unlisted };
+            if standing == Standing::Foreign && ours {
+                standing = Standing::Ours;
+            }
+            permit(&self.target.join(name), standing, &self.inputs, self.force)?;
+        }
+        for name in listed.names().filter(|name| !self.placed.iter().any(|placed| placed == name)) {
+            permit(&self.target.join(name), listed.standing(&self.place, name)?, &self.inputs, self.force)?;
+        }
+        Ok(())
+    }
+
+    /// The folder under the name that the user gave it.
+    pub fn target(&self) -> &Path {
+        &self.target
     }
 
     /// Where to write.
@@ -82,26 +182,149 @@ impl OutputDir {
         self.put_json(MARK, &run)
     }
 
-    /// Leaves the draft as it is, under its own name.
-    pub fn keep(mut self) -> PathBuf {
-        self.published = true;
-        self.draft.clone()
+    /// Counts a file that was put into the folder itself among those of this run.
+    pub fn placed(&mut self, name: String) {
+        self.placed.push(name);
     }
 
-    /// Gives the draft its name; earlier results in its place are removed only then.
-    pub fn publish(mut self) -> Result<PathBuf, Failure> {
-        let unwritable = |source| Failure::Unwritable { path: self.target.clone(), source };
-        let mut aside = self.draft.clone().into_os_string();
-        aside.push("-old");
-        if self.target.exists() {
-            fs::rename(&self.target, &aside).map_err(unwritable)?;
+    /// Removes what earlier runs left in a folder within this one, before that is filled anew.
+    pub fn clear(&mut self, folder: &str) -> Result<(), Failure> {
+        let Earlier::Listed(listed) = &mut self.earlier else { return Ok(()) };
+        let within = format!("{folder}/");
+        let names: Vec<String> = listed.names().filter(|name| name.starts_with(&within)).map(str::to_owned).collect();
+        if names.is_empty() {
+            return Ok(());
         }
-        fs::rename(&self.draft, &self.target).map_err(unwritable)?;
-        self.published = true;
-        if Path::new(&aside).exists() {
-            fs::remove_dir_all(&aside).map_err(unwritable)?;
+        for name in &names {
+            remove(&self.place, name)?;
+            listed.remove(name);
         }
-        Ok(self.target.clone())
+        let mut run = manifest(&self.place).unwrap_or_default();
+        run["files"] = listed.json();
+        self.put_json(MARK, &run)?;
+        rename(&self.draft.join(MARK), &self.place.join(MARK))
+    }
+
+    /// Leaves the draft under a name that nobody takes for a result, and tells it.
+    pub fn keep(mut self) -> PathBuf {
+        self.kept = true;
+        let name = format!("partial-{}", std::process::id());
+        // Under its own name the next run would take it for that of a dead process.
+        match fs::rename(&self.draft, self.place.join(&name)) {
+            Ok(()) => self.target.join(name),
+            Err(_) => self.draft.clone(),
+        }
+    }
+
+    /// Gives every file its name, one by one. Only then files are removed that an earlier run wrote and this one did
+    /// not.
+    pub fn publish(self) -> Result<PathBuf, Failure> {
+        match self.give_names() {
+            Ok(()) => {
+                let target = self.target.clone();
+                let message = format!("interrupted when the results were complete in {}", target.display());
+                stop::keeps(message, "nothing is left to do".to_owned());
+                Ok(target)
+            }
+            Err(failure) => {
+                let kept = self.keep();
+                Err(failure.adding(&format!("; what was computed stays in {}", kept.display())))
+            }
+        }
+    }
+
+    fn give_names(&self) -> Result<(), Failure> {
+        let names: Vec<String> = files_in(&self.draft)?.into_iter().filter(|name| name != MARK).collect();
+        let mut new = Listed::default();
+        for name in &names {
+            new.add(name, hash(&self.draft.join(name))?);
+        }
+        for name in &self.placed {
+            new.add(name, hash(&self.place.join(name))?);
+        }
+        // Somebody may have put a file there while the work went on.
+        self.check(names.iter().map(String::as_str))?;
+        let none = Listed::default();
+        let old = match &self.earlier {
+            Earlier::Listed(listed) => listed,
+            Earlier::Nothing | Earlier::Unlisted => &none,
+        };
+        let mut run = manifest(&self.draft).unwrap_or_default();
+        run["files"] = new.json();
+        // Until all files have their names both runs are listed: whenever the program ends, they are known.
+        let between = json!({
+            "schema": 1, "version": run["version"], "command": run["command"], "complete": false,
+            "files": old.with(&new).json(),
+        });
+        self.put_json("between", &between)?;
+        let unchanged = |name: &&str| matches!(old.standing(&self.place, name), Ok(Standing::Ours));
+        let gone: Vec<&str> = old.names().filter(|name| !new.has(name)).filter(unchanged).collect();
+        self.put_json(MARK, &run)?;
+        let _publishing = stop::publishing();
+        rename(&self.draft.join("between"), &self.place.join(MARK))?;
+        for name in &names {
+            let place = self.place.join(name);
+            if let Some(folder) = place.parent() {
+                fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+            }
+            rename(&self.draft.join(name), &place)?;
+        }
+        gone.iter().try_for_each(|name| remove(&self.place, name))?;
+        rename(&self.draft.join(MARK), &self.place.join(MARK))
+    }
+}
+
+/// Every file of a folder and those within it, by its path with `/`, sorted.
+fn files_in(folder: &Path) -> Result<Vec<String>, Failure> {
+    let unreadable = |source| Failure::Unwritable { path: folder.to_owned(), source };
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.file_type().map_err(unreadable)?.is_dir() {
+            names.extend(files_in(&entry.path())?.into_iter().map(|within| format!("{name}/{within}")));
+        } else {
+            names.push(name);
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn rename(from: &Path, to: &Path) -> Result<(), Failure> {
+    fs::rename(from, to).map_err(|source| Failure::Unwritable { path: to.to_owned(), source })
+}
+
+/// Removes a file that is listed, and folders within `place` that it leaves empty.
+fn remove(place: &Path, name: &str) -> Result<(), Failure> {
+    // A list that names files elsewhere is none of ours.
+    if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
+        return Ok(());
+    }
+    let path = place.join(name);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return Err(Failure::Unwritable { path, source: error });
+        }
+        _ => {}
+    }
+    let within = path.ancestors().skip(1).take_while(|folder| *folder != place);
+    // A folder that holds something stays.
+    within.for_each(|folder| drop(fs::remove_dir(folder)));
+    Ok(())
+}
+
+/// `run.json` of a folder, if toolroom wrote it.
+fn manifest(place: &Path) -> Option<Value> {
+    let text = fs::read_to_string(place.join(MARK)).ok()?;
+    let run: Value = serde_json::from_str(&text).ok()?;
+    (run["schema"].is_number() && run["version"].is_string() && run["command"].is_string()).then_some(run)
+}
+
+fn earlier(place: &Path) -> Earlier {
+    match manifest(place) {
+        None => Earlier::Nothing,
+        Some(run) => Listed::of(&run).map_or(Earlier::Unlisted, Earlier::Listed),
     }
 }
 
@@ -121,9 +344,79 @@ pub fn provenance(
 
 impl Drop for OutputDir {
     fn drop(&mut self) {
-        if !self.published {
-            // The failure that brought us here is told already.
+        // Without the lock the draft is that of another process. What cannot be removed is told by nobody: the failure that brought us here is told already, and the next
+        // run removes drafts of dead ones.
+        if !self.kept && self.lock.is_some() {
             let _ = fs::remove_dir_all(&self.draft);
         }
+        self.lock = None;
+        // Only folders that are empty go.
+        self.made.iter().rev().for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run that writes these files; what is then in its folder.
+    fn run(target: &Path, names: &[&str]) -> Vec<String> {
+        let out = OutputDir::create(target, names, [], false).expect("a free place");
+        for name in names {
+            if let Some(folder) = out.draft().join(name).parent() {
+                fs::create_dir_all(folder).expect("writable");
+            }
+            out.put(name, name).expect("writable");
+        }
+        out.put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x", "complete": true }))
+            .expect("writable");
+        out.publish().expect("writable");
+        files_in(target).expect("readable")
+    }
+
+    #[test]
+    fn tables_in_folders_are_listed_and_go_with_their_folder() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("a/b");
+        let first = run(&target, &["kpi.csv", "stopped/jobs.csv", "stopped/tools.csv"]);
+        assert_eq!(first, ["kpi.csv", "run.json", "stopped/jobs.csv", "stopped/tools.csv"]);
+        fs::write(target.join("stopped/notes.txt"), "mine").expect("writable");
+        assert_eq!(run(&target, &["kpi.csv", "stopped/jobs.csv"]).len(), 4);
+        assert_eq!(run(&target, &["kpi.csv"]), ["kpi.csv", "run.json", "stopped/notes.txt"]);
+        fs::remove_file(target.join("stopped/notes.txt")).expect("there");
+        assert_eq!(run(&target, &["stopped/jobs.csv"]), ["run.json", "stopped/jobs.csv"]);
+        assert_eq!(run(&target, &["kpi.csv"]), ["kpi.csv", "run.json"]);
+        assert!(!target.join("stopped").exists(), "an empty folder goes with its files");
+    }
+
+    #[test]
+    fn a_run_that_died_while_its_files_took_their_names_is_known() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("out");
+        run(&target, &["kpi.csv", "tools.csv"]);
+        // Half of the second run has its names, `run.json` lists both runs.
+        let mut between = manifest(&target).expect("ours");
+        let mut listed = Listed::of(&between).expect("listed");
+        fs::write(target.join("kpi.csv"), "new").expect("writable");
+        listed.add("kpi.csv", fingerprint(b"new"));
+        listed.add("jobs.csv", fingerprint(b"never there"));
+        between["files"] = listed.json();
+        fs::write(target.join(MARK), between.to_string()).expect("writable");
+        assert_eq!(run(&target, &["kpi.csv"]), ["kpi.csv", "run.json"]);
+    }
+
+    #[test]
+    fn what_was_computed_stays_where_a_file_came_in_the_way() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("out");
+        let out = OutputDir::create(&target, &[], [], false).expect("a free place");
+        out.put_json(MARK, &json!({ "schema": 1, "version": "0", "command": "x" })).expect("writable");
+        out.put("kpi.csv", "computed").expect("writable");
+        fs::write(target.join("kpi.csv"), "mine").expect("writable");
+        let failure = out.publish().expect_err("the file is somebody's");
+        assert!(failure.message().contains("what was computed stays in"), "{failure:?}");
+        assert_eq!(fs::read_to_string(target.join("kpi.csv")).expect("there"), "mine");
+        let kept = target.join(format!("partial-{}", std::process::id())).join("kpi.csv");
+        assert_eq!(fs::read_to_string(kept).expect("there"), "computed");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::args::ProgramArgs;
 use crate::failure::Failure;
+use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -26,6 +27,8 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let text = fs::read_to_string(&args.file)
         .map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+    let files = Files::new([args.file.as_path()], voice.force);
+    args.blocks.as_ref().map_or(Ok(()), |path| files.check(path))?;
     let drives = drives(&args.set)?;
     let program = Program::read(&text).map_err(|error| {
         Failure::argument(format!("{name}: {error}"), "mend the block, or cut it out of the program")
@@ -43,8 +46,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &args.blocks {
-        fs::write(path, table(&program, &times, &drives))
-            .map_err(|source| Failure::Unwritable { path: path.clone(), source })?;
+        files.put(path, table(&program, &times, &drives).as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
     }
     if !program.unknown.is_empty() {

@@ -2,7 +2,9 @@
 
 use crate::args::ShardArgs;
 use crate::failure::Failure;
+use crate::output::Files;
 use crate::speak::Voice;
+use crate::stop::{Begun, keeps, tidy};
 use crate::{compare, life, lobes};
 use std::fs;
 use std::path::Path;
@@ -28,6 +30,10 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
         write_plan(&there, &plan).map_err(refused)?;
     }
     let threads = pool(threads)?;
+    // A part is there as a whole or not at all.
+    let _tidy = tidy(Begun::Partials(out.to_owned()));
+    let message = format!("interrupted: shard {number} is not in {}; parts that are there stay", out.display());
+    keeps(message, "run the shard again".to_owned());
     threads.install(|| match plan.kind.as_str() {
         "compare" => compare::shard(&plan, number, out),
         "lobes" => lobes::shard(&plan, number, out),
@@ -35,6 +41,11 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
     Ok(())
+}
+
+/// Leaves a plan where `--plan` says.
+pub fn leave(plan: &Plan, path: &Path, files: &Files) -> Result<(), Failure> {
+    files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())
 }
 
 /// Refuses plans that this program does not know.

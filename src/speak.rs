@@ -6,13 +6,15 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-/// How much is said, and in which form.
+/// What the flags of every verb ask for: how much is said, in which form, and what may be replaced.
 #[derive(Clone, Copy, Debug)]
 pub struct Voice {
     /// Results as JSON.
     pub json: bool,
     /// Whether data may be coloured.
     pub colour: bool,
+    /// Whether files of others are replaced.
+    pub force: bool,
     quiet: bool,
     verbose: bool,
 }
@@ -20,7 +22,7 @@ pub struct Voice {
 impl Voice {
     pub fn new(common: &Common) -> Self {
         let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-        Self { json: common.json, colour, quiet: common.quiet, verbose: common.verbose }
+        Self { json: common.json, colour, force: common.force, quiet: common.quiet, verbose: common.verbose }
     }
 
     /// Data to standard output. A reader that has seen enough (`| head`) is no failure.

@@ -3,23 +3,24 @@
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
 use crate::asked::Asked;
 use crate::failure::Failure;
-use crate::output::OutputDir;
+use crate::output::{Files, OutputDir};
 use crate::progress::Bar;
 use crate::report;
 use crate::results::Results;
 use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 use toolroom_gap::{Settings, sensor_sheet};
-use toolroom_records::RecordKind;
-use toolroom_study::logs::Format;
-use toolroom_study::results::{STOPPED, record};
-use toolroom_study::simulate::write_simulated;
-
+use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{ScenarioFile, nearest};
 use toolroom_shop::RunLog;
+use toolroom_statistics;
+use toolroom_study::logs::{Format, LogWriter};
+use toolroom_study::results::{self, STOPPED, record};
+use toolroom_study::simulate::simulated;
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
@@ -71,12 +72,30 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
             options.earlier = Some(finished);
         }
     }
+    let read = || request.file.files.iter().map(AsRef::as_ref).chain([Path::new(&request.input)]);
+    let files = Files::new(read(), voice.force);
+    if let Some(dir) = &args.records {
+        refuse_records(&files, dir, target)?;
+    }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let information = asked.information(command)?;
-    let out = OutputDir::create(target)?;
-    let stop = stop::on_interrupt()?;
+    let format = format(file, args);
+    let tables = format.map_or(Vec::new(), LogWriter::names);
+    let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
+    let out = OutputDir::create(target, &names, read(), voice.force)?;
+    if options.earlier.is_some() {
+        let message = format!("interrupted: {} is as it was", target.display());
+        stop::keeps(message, RESUME.to_owned());
+    }
+    let interrupted = Arc::new(AtomicBool::new(false));
+    // Before the first run is finished there is nothing to keep, and a signal ends the program at once.
+    let gentle = OnceLock::new();
     let bar = Bar::new(voice);
-    let recorded = record(out.draft(), scenario, &options, format(file, args), &information, &|at| bar.at(at), &stop);
+    let progress = |at| {
+        gentle.get_or_init(|| stop::gently(&interrupted));
+        bar.at(at);
+    };
+    let recorded = record(out.draft(), scenario, &options, format, &information, &progress, &interrupted);
     bar.finish();
     let recorded = match recorded {
         Ok(recorded) => recorded,
@@ -90,8 +109,9 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     };
     let study = &recorded.study;
     if study.replications == 0 && recorded.stopped.is_none() {
-        return Err(Failure::Work {
+        return Err(Failure::Interrupted {
             message: "interrupted before the first replication; nothing was written".to_owned(),
+            help: "the same command starts anew".to_owned(),
         });
     }
     let target = out.publish()?;
@@ -112,32 +132,72 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;
     }
     if let Some(dir) = &args.records {
-        record_first(request, study.first_logs.first(), dir, voice)?;
+        record_first(request, study.first_logs.first(), dir, &files, voice)?;
     }
     if let Some(stopped) = &recorded.stopped {
         return Err(stopped_short(stopped, study.replications, &target));
     }
     let report = target.join("report.html");
     voice.say(format_args!("wrote {}   next: toolroom report --open {}", report.display(), target.display()));
-    if study.complete { Ok(()) } else { Err(Failure::Interrupted { replications: study.replications, path: target }) }
+    if study.complete {
+        return Ok(());
+    }
+    let plural = if study.replications == 1 { " is" } else { "s are" };
+    let message =
+        format!("interrupted: {} replication{plural} complete and written to {}", study.replications, target.display());
+    Err(Failure::Interrupted { message, help: RESUME.to_owned() })
+}
+
+/// The way on after an interruption.
+const RESUME: &str = "the same command with --resume goes on";
+
+/// Kinds of records that a simulated shop leaves.
+const RECORDED: [RecordKind; 4] = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
+
+/// Where the records of a kind go.
+fn records_file(dir: &Path, kind: RecordKind) -> PathBuf {
+    dir.join(kind.file_stem()).with_extension("csv")
+}
+
+/// Refuses a place for records before any work.
+fn refuse_records(files: &Files, dir: &Path, target: &Path) -> Result<(), Failure> {
+    // Both have a table of operations, each with other columns.
+    if let (Ok(records), Ok(results)) = (std::path::absolute(dir), std::path::absolute(target))
+        && records == results
+    {
+        let message = format!("{} is the place of the results", dir.display());
+        return Err(Failure::argument(message, "give --records a folder of its own"));
+    }
+    RECORDED.iter().try_for_each(|kind| files.check(&records_file(dir, *kind)))
 }
 
 /// Writes what would have been measured of the first run of the first policy.
-fn record_first(request: &Request<'_>, log: Option<&RunLog>, dir: &Path, voice: &Voice) -> Result<(), Failure> {
+fn record_first(
+    request: &Request<'_>,
+    log: Option<&RunLog>,
+    dir: &Path,
+    files: &Files,
+    voice: &Voice,
+) -> Result<(), Failure> {
     let Some(log) = log else { return Ok(()) };
     let sheet = |kind| {
         sensor_sheet(&request.input, request.file.gap.as_ref(), kind)
             .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))
     };
-    let kinds = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
-    let sheets = kinds.iter().map(|kind| Ok((*kind, sheet(*kind)?))).collect::<Result<Vec<_>, Failure>>()?;
+    let sheets = RECORDED.iter().map(|kind| Ok((*kind, sheet(*kind)?))).collect::<Result<Vec<_>, Failure>>()?;
     let sensor = |kind: RecordKind, channel: &str| {
         let own = sheets.iter().find(|(other, _)| *other == kind);
         own.map_or_else(Settings::default, |(_, settings)| settings.clone()).sensor(channel)
     };
-    let paths = write_simulated(dir, &request.file.scenario, log, &sensor)
-        .map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
-    let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    std::fs::create_dir_all(dir).map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
+    let mut names = Vec::new();
+    for records in simulated(&request.file.scenario, log, &sensor) {
+        let path = records_file(dir, records.kind);
+        let mut csv = Vec::new();
+        write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
+        files.put(&path, &csv)?;
+        names.push(path.display().to_string());
+    }
     voice.say(format_args!("recorded {}", names.join(", ")));
     Ok(())
 }

@@ -8,7 +8,8 @@ use crate::stop;
 use crate::study::chosen;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_scenario::file::{read, significant};
 use toolroom_study::compare::Comparison;
 use toolroom_study::study::{Precision, StudyOptions, run_study};
@@ -25,7 +26,8 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         ));
     };
     let values = values(low, high, step)?;
-    let stop = stop::on_interrupt()?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let _gentle = stop::gently(&stop);
     let mut points: Vec<Value> = Vec::new();
     let mut text = String::new();
     let mut interrupted = None;
@@ -77,8 +79,9 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     }
     match interrupted {
         None => Ok(()),
-        Some(_) => Err(Failure::Work {
+        Some(_) => Err(Failure::Interrupted {
             message: format!("interrupted: {} of {} points are complete", points.len(), values.len()),
+            help: format!("go on with LO at {}", values[points.len().min(values.len() - 1)]),
         }),
     }
 }

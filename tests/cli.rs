@@ -1,5 +1,8 @@
 //! The command line as a user meets it: output, errors, exit codes, files.
 
+#[path = "cli/owned.rs"]
+mod owned;
+
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -171,6 +174,11 @@ fn new_writes_a_valid_scenario_and_never_overwrites() {
     let again = toolroom(&["new", &dir]);
     assert_eq!(again.status.code(), Some(2), "{}", stderr(&again));
     assert_eq!(fs::read_to_string(&scenario).expect("there"), "mine");
+    let other = directory("new_schema");
+    fs::write(other.join("scenario.schema.json"), "mine").expect("writable");
+    let refused = toolroom(&["new", &other.display().to_string()]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+    assert_eq!(names(&other), ["scenario.schema.json"]);
 }
 
 #[test]
@@ -469,14 +477,14 @@ fn what_cannot_be_written_is_told_before_any_work() {
     let dir = directory("unwritable");
     fs::write(dir.join("file"), "x").expect("writable");
     fs::create_dir(dir.join("mine")).expect("writable");
-    fs::write(dir.join("mine/thesis.txt"), "x").expect("writable");
+    fs::write(dir.join("mine/report.html"), "x").expect("writable");
     for place in ["file", "file/below", "mine"] {
         let output = quick("compare", &dir.join(place), &[]);
         assert_eq!(output.status.code(), Some(2), "{place}: {}", stderr(&output));
         assert!(stdout(&output).is_empty(), "{place}");
     }
     assert_eq!(names(&dir), ["file", "mine"]);
-    assert_eq!(names(&dir.join("mine")), ["thesis.txt"]);
+    assert_eq!(names(&dir.join("mine")), ["report.html"]);
 }
 
 #[test]
@@ -597,6 +605,8 @@ fn another_study_does_not_go_on_and_says_what_differs() {
     let end = number + study[number..].find([',', ']']).expect("a list");
     fs::write(out.join("study.json"), format!("{}12345.5{}", &study[..number], &study[end..])).expect("writable");
     let refused = quick("run", &out, &["--resume"]);
+    assert!(stderr(&refused).contains("study.json was changed since"), "{}", stderr(&refused));
+    let refused = quick("run", &out, &["--resume", "--force"]);
     assert!(stderr(&refused).contains("does not repeat"), "{}", stderr(&refused));
     fs::write(out.join("study.json"), study).expect("writable");
     assert!(bytes(&out) == before, "a refusal changes nothing");
@@ -618,9 +628,9 @@ fn a_missing_report_is_drawn_again() {
     }
 }
 
-/// Ctrl-C as the terminal sends it, `seconds` after the start of an endless study.
+/// A signal `seconds` after the start of an endless study, which ends with `code`.
 #[cfg(unix)]
-fn interrupted_after(seconds: u64, out: &Path) {
+fn interrupted_after(seconds: u64, out: &Path, signal: &str, code: i32) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_toolroom"))
         .args(["compare", &shipped("template"), "--replications", "100000", "--logged", "0", "--out"])
         .arg(out)
@@ -630,24 +640,32 @@ fn interrupted_after(seconds: u64, out: &Path) {
         .spawn()
         .expect("the binary runs");
     std::thread::sleep(std::time::Duration::from_secs(seconds));
-    let interrupt = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+    let interrupt = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill runs");
     assert!(interrupt.success());
-    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    assert_eq!(child.wait().expect("it ends").code(), Some(code));
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_keeps_what_is_complete() {
-    let dir = directory("interrupt");
-    let out = dir.join("out");
-    // A busy machine may need longer for its first replications; until then nothing is written.
-    for seconds in [1, 4, 16, 64] {
-        interrupted_after(seconds, &out);
-        if out.exists() {
-            break;
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let dir = directory("interrupt");
+        let out = dir.join("out");
+        // A busy machine may need longer for its first replications; until then nothing is written.
+        for seconds in [1, 4, 16, 64] {
+            interrupted_after(seconds, &out, signal, code);
+            if out.exists() {
+                break;
+            }
+            assert!(names(&dir).is_empty(), "no draft is left");
         }
-        assert!(names(&dir).is_empty(), "no draft is left");
+        is_readable_as_far_as_it_came(&out);
     }
+}
+
+#[cfg(unix)]
+fn is_readable_as_far_as_it_came(out: &Path) {
+    assert!(names(out).iter().all(|name| !name.starts_with('.')), "no draft and no lock is left");
     let run: Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("run.json")).expect("JSON");
     assert_eq!(run["complete"], false);
     let done = run["replications"].as_u64().expect("a count");
@@ -667,7 +685,7 @@ fn a_recorded_shop_is_diagnosed_and_its_key_figures_come_nearer() {
     let (records, out, better) = (path("records"), path("gap"), path("better.toml"));
     let run = ["run", &path("true.toml"), "--replications", "2", "--out", &path("run"), "--records", &records];
     assert_eq!(toolroom(&run).status.code(), Some(0), "{}", stderr(&toolroom(&run)));
-    assert_eq!(names(Path::new(&records)), ["cuts.csv", "events.csv", "operations.csv"]);
+    assert_eq!(names(Path::new(&records)), [".toolroom.json", "cuts.csv", "events.csv", "operations.csv"]);
     let found = json(&toolroom(&["gap", "diagnose", "--model", &nominal, "--data", &records, "--out", &out, "--json"]));
     assert_eq!(
         (&found["verdict"], &found["effects"][0]["id"]),

@@ -81,3 +81,21 @@ fn what_is_no_unit_is_refused_with_its_path() {
         }
     }
 }
+
+#[test]
+fn a_package_goes_into_the_file_that_is_named_and_takes_the_place_of_no_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mine = folder.path().join("t.fmu");
+    let export = |more: &[&str]| {
+        let out = mine.display().to_string();
+        let output = toolroom(&[&["fmu", "export", "turning", "--out", &out], more].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let (code, told) = export(&[]);
+    assert!(code == Some(2) && told.contains("add --fmi 2 or --fmi 3"), "{told}");
+    assert!(!mine.exists(), "neither file nor folder");
+    std::fs::write(&mine, "mine").expect("writable");
+    let (code, told) = export(&["--fmi", "3"]);
+    assert!(code == Some(2) && told.contains("was not written by toolroom"), "{told}");
+    assert_eq!(std::fs::read_to_string(&mine).expect("there"), "mine");
+}

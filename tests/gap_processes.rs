@@ -92,7 +92,10 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
     let applied = toolroom(&[&["gap", "apply", "--diagnosis", &diagnosis, "--out", &better], &models[..]].concat());
     assert_eq!(applied.status.code(), Some(0), "{}", said(&applied));
     let written = |name: &str| fs::read_to_string(path(data.path(), &format!("better/{name}.toml"))).expect("a model");
-    assert_eq!(written("turning"), fs::read_to_string(&turning).expect("a model"));
+    let (model, mark) =
+        written("turning").split_once("\n\n[gap.applied]").map(|(a, b)| (a.to_owned(), b.to_owned())).expect("marked");
+    assert_eq!(model, fs::read_to_string(&turning).expect("a model").trim_end());
+    assert_eq!(mark.lines().count(), 2, "{mark}");
     assert!(written("grinding").contains("id = \"wheel_dulling\""));
     let checked = toolroom(&["check", &path(data.path(), "better/grinding.toml")]);
     assert_eq!(checked.status.code(), Some(0), "{}", said(&checked));

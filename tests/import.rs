@@ -43,6 +43,20 @@ fn a_series_of_a_foreign_logger_becomes_records_that_read_back() {
 }
 
 #[test]
+fn an_import_never_replaces_what_it_reads() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let log = put(dir.path(), "operations.csv", "tool;Fc\nA;0,5\n");
+    let map = put(dir.path(), "map.toml", MAP);
+    let out = dir.path().display().to_string();
+    for force in [&[][..], &["--force"]] {
+        let run = toolroom(&[&["import", "csv", &log, "--map", &map, "--out", &out], force].concat());
+        assert_eq!(run.status.code(), Some(2), "{run:?}");
+        assert!(String::from_utf8_lossy(&run.stderr).contains("is an input of this command"), "{run:?}");
+    }
+    assert_eq!(fs::read_to_string(&log).expect("there"), "tool;Fc\nA;0,5\n");
+}
+
+#[test]
 fn the_nasa_table_needs_no_mapping() {
     let dir = tempfile::tempdir().expect("a folder");
     let text = "case,run,VB,time,DOC,feed,material,cut_no\n1,1,0.1,2,1.5,0.5,1,0\n1,2,,4,1.5,0.5,1,1\n2,1,0.3,3,0.75,0.25,2,2\n";

@@ -298,6 +298,55 @@ fn a_file_that_changes_between_shards_is_refused() {
 
 #[cfg(unix)]
 #[test]
+fn a_signal_keeps_the_shards_that_are_complete_and_leaves_no_lock() {
+    let at = directory("signal");
+    let file = study(&at, "");
+    let arguments = |out: &'static str, more: &[&'static str]| -> Vec<String> {
+        let all = ["life", text(&file), "--json", "--lives", "40000", "--shards", "40", "--out"];
+        let out = at.join(out);
+        [&all[..], &[text(&out)], more, &QUICK].concat().into_iter().map(str::to_owned).collect()
+    };
+    let run = |list: &[String]| json(&list.iter().map(String::as_str).collect::<Vec<_>>());
+    let whole = run(&arguments("whole", &[]));
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let out = at.join("out");
+        let _ = fs::remove_dir_all(&out);
+        let child = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+            .args(arguments("out", &[]))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        while !out.join("parts/part-000000.json").is_file() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill runs").success());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
+        assert!(stderr(&output).contains("of 40 shards are complete"), "{}", stderr(&output));
+        assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+        let list =
+            |folder: &Path| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect::<Vec<_>>();
+        assert_eq!(list(&out), ["parts"], "no draft and no lock is left");
+        assert!(list(&out.join("parts")).iter().all(|name| !name.to_string_lossy().contains("partial")));
+        assert_eq!(run(&arguments("out", &["--resume"])), whole);
+    }
+    // Started anew, the earlier parts go and what the user put beside them stays.
+    fs::write(at.join("out/parts/notes.txt"), "mine").unwrap();
+    fs::write(at.join("out/notes.txt"), "mine").unwrap();
+    run(&arguments("out", &["--seed", "3"]));
+    assert_eq!(fs::read_to_string(at.join("out/parts/notes.txt")).unwrap(), "mine");
+    assert_eq!(fs::read_to_string(at.join("out/notes.txt")).unwrap(), "mine");
+    fs::write(at.join("out/parts/part-000001.parquet"), "mine").unwrap();
+    let again = arguments("out", &[]);
+    let again: Vec<&str> = again.iter().map(String::as_str).collect();
+    assert!(refused(&again).contains("part-000001.parquet was changed since"));
+    assert_eq!(fs::read(at.join("out/parts/part-000001.parquet")).unwrap(), b"mine");
+}
+
+#[cfg(unix)]
+#[test]
 fn a_plan_takes_the_place_of_nothing_but_a_plan() {
     let at = directory("life-plan-place");
     let file = study(&at, "");
@@ -306,7 +355,7 @@ fn a_plan_takes_the_place_of_nothing_but_a_plan() {
     let before = fs::read(&file).unwrap();
     let said = plan_to(&file, "2");
     assert_eq!(said.status.code(), Some(2));
-    assert!(stderr(&said).contains("is there and is no plan"), "{}", stderr(&said));
+    assert!(stderr(&said).contains("is an input of this command"), "{}", stderr(&said));
     assert_eq!(fs::read(&file).unwrap(), before);
     let plan = at.join("plan.json");
     for shards in ["2", "3"] {

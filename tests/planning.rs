@@ -53,10 +53,14 @@ fn result(test: &str, verb: &str, file: &str, more: &[&str]) -> Value {
 
 /// Code, file and line of every problem for which a file is refused.
 fn problems(verb: &str, file: &str, more: &[&str]) -> Vec<(String, String, u64, String)> {
-    let mut arguments = vec![verb, file, "--json", "--out", "/dev/null/nothing"];
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let place = out.display().to_string();
+    let mut arguments = vec![verb, file, "--json", "--out", &place];
     arguments.extend(more);
     let output = toolroom(&arguments);
     assert_eq!(output.status.code(), Some(2), "{} {}", stdout(&output), stderr(&output));
+    assert!(!out.exists(), "nothing is written");
     let refusal: Value = serde_json::from_slice(&output.stdout).expect("the refusal is JSON");
     assert_eq!(refusal["valid"], false);
     let text = |problem: &Value, key: &str| problem[key].as_str().expect("text").to_owned();
@@ -164,12 +168,12 @@ fn a_recorded_force_tells_the_lag_that_a_threshold_force_hides_in_the_stock() {
     .expect("writable");
     let (trials, force) =
         (folder.join("trials.csv").display().to_string(), folder.join("force.csv").display().to_string());
-    let by_force = result("force", "identify", &trials, &["--force", &force, "--basis", "force"]);
+    let by_force = result("force", "identify", &trials, &["--forces", &force, "--basis", "force"]);
     close(&by_force["trials"][0]["K"], 0.6, 1e-6);
     assert!(by_force["half_revolution"]["K_minus"].is_null(), "the force needs no count of revolutions");
     let by_stock = result("force", "identify", &trials, &["--basis", "stock"]);
     assert!(by_stock["trials"][0]["K"].as_f64().expect("a number") > 0.65, "{by_stock}");
-    let both = result("force", "identify", &trials, &["--force", &force, "--error", "force=0.5 N"]);
+    let both = result("force", "identify", &trials, &["--forces", &force, "--error", "force=0.5 N"]);
     let advice = both["advice"].to_string();
     assert!(advice.contains("threshold force") && advice.contains("single trial"), "{advice}");
 }
@@ -400,7 +404,9 @@ fn bad_contours_are_refused_with_reason_and_place() {
         (["--edge", "3"], "0 to 1"),
     ] {
         let path = written("bad-contour", "contour.toml", &drawn);
-        let output = toolroom(&["contour", &path, more[0], more[1], "--out", "/dev/null/nothing"]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().join("out").display().to_string();
+        let output = toolroom(&["contour", &path, more[0], more[1], "--out", &out]);
         assert_eq!(output.status.code(), Some(2), "{more:?}");
         assert!(stderr(&output).contains(word), "{more:?}: {}", stderr(&output));
     }

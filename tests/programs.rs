@@ -90,6 +90,30 @@ fn what_is_no_log_and_another_version_of_a_program_are_refused_with_a_fix() {
 }
 
 #[test]
+fn a_table_of_blocks_replaces_nothing_but_one() {
+    let dir = directory("blocks");
+    let (nc, csv) = (dir.join("part.nc"), dir.join("blocks.csv"));
+    fs::write(&nc, PROGRAM).expect("writable");
+    let [nc_text, csv_text] = [&nc, &csv].map(|path| path.display().to_string());
+    let code =
+        |to: &str, more: &[&str]| toolroom(&[&["program", &nc_text, "--blocks", to], more].concat()).status.code();
+    fs::write(&csv, "mine").expect("writable");
+    assert_eq!(code(&csv_text, &[]), Some(2));
+    assert_eq!(fs::read_to_string(&csv).expect("there"), "mine");
+    assert_eq!(code(&csv_text, &["--force"]), Some(0));
+    let table = fs::read_to_string(&csv).expect("there");
+    assert!(table.starts_with("line,tool,"), "{table}");
+    assert_eq!(code(&csv_text, &["--set", "tool_change_time=6 s"]), Some(0));
+    assert!(fs::read_to_string(&csv).expect("there") != table, "the own table is replaced");
+    fs::write(&csv, "edited").expect("writable");
+    assert_eq!(code(&csv_text, &[]), Some(2));
+    for force in [&[][..], &["--force"]] {
+        assert_eq!(code(&nc_text, force), Some(2));
+    }
+    assert_eq!(fs::read_to_string(&nc).expect("there"), PROGRAM);
+}
+
+#[test]
 fn the_time_of_a_program_is_told_by_tool() {
     let nc = directory("program-time").join("part.nc");
     fs::write(&nc, PROGRAM).expect("writable");

@@ -9,7 +9,7 @@ pub struct IdentifyArgs {
     pub data: PathBuf,
     /// Table of recorded forces (CSV): trial_id, revolution or time [s], normal_force [N]
     #[arg(long, value_name = "CSV")]
-    pub force: Option<PathBuf>,
+    pub forces: Option<PathBuf>,
     /// What the lag is taken from
     #[arg(long, value_enum, default_value_t = IdentifyBasis::Both)]
     pub basis: IdentifyBasis,

@@ -18,6 +18,9 @@ use toolroom_shards::fingerprint;
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
 
+/// The files of a plan but for its part programs; `draws.csv` where there are draws.
+pub const NAMES: &[&str] = &["sections.csv", "conditions.csv", "draws.csv", "contour.json", "report.html"];
+
 /// Writes `sections.csv`, `conditions.csv`, `draws.csv`, a part program for every pass and
 /// objective, `contour.json`, `report.html` and, last, `run.json`.
 pub fn write(

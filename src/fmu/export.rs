@@ -3,9 +3,10 @@
 use super::cross;
 use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
 use crate::failure::Failure;
+use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use toolroom_fmu::{Binary, Entry, Platform, Version, file_name, package, units};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
@@ -15,18 +16,19 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
         Some(2) => &[Version::Two],
         Some(_) => &[Version::Three],
     };
-    let binaries = binaries(&args.platforms, voice)?;
-    let unwritable = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Unwritable { path, source }
-    };
-    std::fs::create_dir_all(&args.out).map_err(unwritable(&args.out))?;
     let description = unit.describe();
+    let files = Files::new([], voice.force);
+    let places = places(args, versions, |version| file_name(description, version))?;
+    places.iter().try_for_each(|(_, path)| files.check(path))?;
+    let binaries = binaries(&args.platforms, voice)?;
     let mut written = Vec::new();
-    for &version in versions {
+    for (version, path) in places {
         let bytes = package(unit, version, &binaries).map_err(|error| Failure::Work { message: error.to_string() })?;
-        let path = args.out.join(file_name(description, version));
-        std::fs::write(&path, &bytes).map_err(unwritable(&path))?;
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+        }
+        files.put(&path, &bytes)?;
         written.push((version, path, bytes.len()));
     }
     let platforms: Vec<&str> = binaries.iter().map(|binary| binary.platform.name()).collect();
@@ -58,6 +60,25 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("next: toolroom fmu check {}", path.display()));
     }
     Ok(())
+}
+
+/// Where the package of each version goes: into a folder under its own name, or into the file that `--out` names.
+fn places(
+    args: &FmuExportArgs,
+    versions: &[Version],
+    name: impl Fn(Version) -> String,
+) -> Result<Vec<(Version, PathBuf)>, Failure> {
+    let out = &args.out;
+    if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("fmu")) {
+        return Ok(versions.iter().map(|version| (*version, out.join(name(*version)))).collect());
+    }
+    match versions {
+        [version] => Ok(vec![(*version, out.clone())]),
+        _ => {
+            let message = format!("{} is one file, but there is a package for each version of FMI", out.display());
+            Err(Failure::argument(message, "add --fmi 2 or --fmi 3, or give a folder"))
+        }
+    }
 }
 
 fn unit(model: FmuModel) -> Result<&'static Entry, Failure> {

@@ -3,6 +3,7 @@
 use super::refused;
 use crate::args::FmuSimArgs;
 use crate::failure::Failure;
+use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -18,6 +19,8 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     if voice.json && args.output.is_none() {
         return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
     }
+    let files = Files::new(std::iter::once(args.file.as_path()).chain(args.input.as_deref()), voice.force);
+    args.output.as_ref().map_or(Ok(()), |path| files.check(path))?;
     let unit = Arc::new(Unit::load(&args.file).map_err(not_loaded)?);
     let experiment = Experiment {
         start: None,
@@ -29,9 +32,12 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     let done = match &args.output {
         Some(path) => {
             let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
-            let mut table = BufWriter::new(File::create(path).map_err(unwritable)?);
+            let mut draft = files.begin(path)?;
+            let mut table = BufWriter::new(&mut draft.file);
             let done = simulate(&unit, &experiment, inputs.as_ref(), &mut table);
             table.flush().map_err(unwritable)?;
+            drop(table);
+            files.end(draft)?;
             done.map_err(|error| failed(error, Some(path)))?
         }
         None => {

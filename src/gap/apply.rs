@@ -2,12 +2,13 @@
 //! to the key figures of the shop.
 
 mod figures;
-
+mod mark;
 mod program;
 
 use super::nominal_of;
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
+use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -23,9 +24,11 @@ pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     if diagnosis["effects"].as_array().is_none_or(Vec::is_empty) {
         return Err(Failure::argument("the diagnosis names no effect", "there is nothing to switch on"));
     }
+    let inputs = args.models.iter().chain([&args.diagnosis]).chain(&args.data).map(AsRef::as_ref);
+    let files = Files::new(inputs, voice.force);
     match &args.models[..] {
-        [model] => one(args, model, &args.out, &diagnosis, voice),
-        models => several(args, models, &diagnosis, voice),
+        [model] => one(args, model, &files, &diagnosis, voice),
+        models => several(args, models, &files, &diagnosis, voice),
     }
 }
 
@@ -41,7 +44,8 @@ fn named(diagnosis: &Value, process: &str) -> Vec<Value> {
 }
 
 /// One model into one file.
-fn one(args: &ApplyArgs, model: &Path, out: &Path, diagnosis: &Value, voice: &Voice) -> Result<(), Failure> {
+fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: &Voice) -> Result<(), Failure> {
+    let out = &args.out;
     let nominal = nominal_of(model, &[])?;
     let process = nominal.kind().name();
     let named = named(diagnosis, process);
@@ -50,7 +54,7 @@ fn one(args: &ApplyArgs, model: &Path, out: &Path, diagnosis: &Value, voice: &Vo
         return Err(Failure::argument(message, "give the model of the process that has one"));
     }
     let held = args.data.as_ref().map(|data| figures::held(data, &nominal, voice)).transpose()?.flatten();
-    put(out, &applied(model, &nominal, &named, held, &args.diagnosis, voice)?)?;
+    put(files, out, &applied(model, &nominal, &named, held, &args.diagnosis, voice)?)?;
     if let NominalProcess::Program(_) = nominal.process {
         return wrote(out, "toolroom gap diagnose --model", voice);
     }
@@ -67,7 +71,13 @@ fn one(args: &ApplyArgs, model: &Path, out: &Path, diagnosis: &Value, voice: &Vo
 
 /// Every model of a diagnosis of several processes into a directory, each under its own name; those
 /// of processes without a named effect stay as they are.
-fn several(args: &ApplyArgs, models: &[PathBuf], diagnosis: &Value, voice: &Voice) -> Result<(), Failure> {
+fn several(
+    args: &ApplyArgs,
+    models: &[PathBuf],
+    files: &Files,
+    diagnosis: &Value,
+    voice: &Voice,
+) -> Result<(), Failure> {
     if args.data.is_some() {
         let message = "key figures are those of one shop, but several models are given";
         return Err(Failure::argument(message, "leave --data out, or give the model of the shop alone"));
@@ -90,7 +100,7 @@ fn several(args: &ApplyArgs, models: &[PathBuf], diagnosis: &Value, voice: &Voic
     }
     std::fs::create_dir_all(&args.out).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
     for (path, _, text) in &texts {
-        put(path, text)?;
+        put(files, path, text)?;
     }
     if voice.json {
         let written: Vec<Value> =
@@ -109,7 +119,7 @@ fn applied(
     diagnosis: &Path,
     voice: &Voice,
 ) -> Result<String, Failure> {
-    let text = read(path)?;
+    let (text, _) = mark::parted(&read(path)?);
     if let NominalProcess::Program(model) = &model.process {
         return program::applied(&text, model, named);
     }
@@ -152,8 +162,9 @@ fn applied(
     Ok(out)
 }
 
-fn put(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|source| Failure::Unwritable { path: path.to_owned(), source })
+/// Writes a model; one in its place is replaced if `gap apply` wrote it and nobody changed it since.
+fn put(files: &Files, path: &Path, text: &str) -> Result<(), Failure> {
+    files.put_marked(path, &mark::marked(text), mark::is_marked)
 }
 
 fn wrote(path: &Path, next: &str, voice: &Voice) -> Result<(), Failure> {

@@ -19,6 +19,7 @@ use judged::judged;
 use rayon::prelude::*;
 use row::Row;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 use tally::{Ablation, Tally};
@@ -66,7 +67,10 @@ fn in_ablation(case: &Case) -> bool {
 }
 
 pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
-    let out = args.out.as_deref().map(OutputDir::create).transpose()?;
+    let names = &["cases.csv", "rates.md", "blind.json"];
+    let gathered_from: Vec<PathBuf> = args.from.iter().map(|directory| directory.join("cases.csv")).collect();
+    let inputs = || gathered_from.iter().map(PathBuf::as_path);
+    let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs(), voice.force)).transpose()?;
     let start = Instant::now();
     let rows = if args.from.is_empty() { diagnosed(args, voice)? } else { gathered(args)? };
     let (tallies, ablations) = (Tally::of_processes(&rows), Ablation::of_processes(&rows));

@@ -17,6 +17,9 @@ use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
+    let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
+    let names = &["diagnosis.json", "report.html"];
+    let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let mut asked: Vec<Asked> = Vec::new();
     let mut rest: Vec<(NominalModel, Records)> = Vec::new();
     for Table { model, mut records } in tables(&args.models, &args.set, &args.data, voice)? {
@@ -48,7 +51,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
         }
     }
-    write(args, &answers, voice)
+    write(args, out, &answers, voice)
 }
 
 /// The records followed by those of another set, and the groups that only the other has.
@@ -66,13 +69,8 @@ fn with_more(
     })
 }
 
-fn write(args: &DiagnoseArgs, answers: &Answers, voice: &Voice) -> Result<(), Failure> {
-    if let Some(target) = &args.out {
-        let out = OutputDir::create(target)?;
-        let put = |name: &str, text: &str| {
-            let path = out.draft().join(name);
-            std::fs::write(&path, text).map_err(|source| Failure::Unwritable { path, source })
-        };
+fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: &Voice) -> Result<(), Failure> {
+    if let Some(out) = out {
         let pretty = |value: &serde_json::Value| serde_json::to_string_pretty(value).map_err(Failure::Json);
         let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
         let data = args.data.display().to_string();
@@ -84,9 +82,12 @@ fn write(args: &DiagnoseArgs, answers: &Answers, voice: &Voice) -> Result<(), Fa
         let version = env!("CARGO_PKG_VERSION");
         let provenance =
             Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
-        put("diagnosis.json", &pretty(&answers.json())?)?;
-        put("report.html", &answers.report(provenance).html())?;
-        put("run.json", &pretty(&json!({ "schema": 1, "version": version, "command": command, "complete": true }))?)?;
+        out.put("diagnosis.json", &pretty(&answers.json())?)?;
+        out.put("report.html", &answers.report(provenance).html())?;
+        out.put(
+            "run.json",
+            &pretty(&json!({ "schema": 1, "version": version, "command": command, "complete": true }))?,
+        )?;
         let target = out.publish()?;
         voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }

@@ -12,6 +12,9 @@ use toolroom_records::write_csv;
 
 pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();
+    let inputs = [args.data.model.as_path(), args.data.data.as_path()];
+    let names = &["plan.json", "runs.csv"];
+    let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let model = nominal(&args.data)?;
     let records = recorded(&args.data.data, &model, voice)?;
     let group = args.data.group.as_deref();
@@ -22,8 +25,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let diagnosis = diagnose_parts(&parts, args.seed);
     let plan = plan(&model, &records, group, &diagnosis);
-    if let Some(target) = &args.out {
-        let out = OutputDir::create(target)?;
+    if let Some(out) = out {
         out.put_json("plan.json", &plan.json())?;
         if let Some(best) = plan.best() {
             let mut csv = Vec::new();

@@ -13,6 +13,9 @@ use toolroom_infeed::DressingInterval;
 
 const UM: f64 = 1e6;
 
+/// The files of a cycle design; the second one where dressing was asked for.
+pub const NAMES: &[&str] = &["cycle.csv", "dressing.csv", "grind.json", "report.html"];
+
 /// Writes `cycle.csv`, `dressing.csv` where it was asked for, `grind.json`, `report.html` and,
 /// last, `run.json`.
 pub fn write(out: &OutputDir, args: &GrindArgs, design: &Design, wall: Duration) -> Result<(), Failure> {

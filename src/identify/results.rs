@@ -15,11 +15,14 @@ const UM: f64 = 1e6;
 /// N/m to N/um.
 const N_PER_UM: f64 = 1e-6;
 
+/// The files of every identification.
+pub const NAMES: &[&str] = &["trials.csv", "identify.json", "report.html"];
+
 /// Writes `trials.csv`, `identify.json`, `report.html` and, last, `run.json`.
 pub fn write(out: &OutputDir, args: &IdentifyArgs, study: &Study, wall: Duration) -> Result<(), Failure> {
     let mut arguments: Vec<String> = Vec::new();
-    if let Some(force) = &args.force {
-        arguments.extend(["--force".to_owned(), force.display().to_string()]);
+    if let Some(force) = &args.forces {
+        arguments.extend(["--forces".to_owned(), force.display().to_string()]);
     }
     arguments.extend(["--basis".to_owned(), args.basis.name().to_owned()]);
     arguments.extend(args.error.iter().flat_map(|change| ["--error".to_owned(), change.clone()]));

@@ -18,6 +18,8 @@ use toolroom_records::{Records, write_csv};
 
 pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
+    let read = args.files.iter().chain(&args.nc).map(AsRef::as_ref);
+    let out = OutputDir::create(&args.out, &["events.csv", "runs.csv", "stretches.csv"], read, voice.force)?;
     let chosen: Vec<(Role, String)> = args.key.iter().map(|text| role(text)).collect::<Result<_, _>>()?;
     let mut inputs: Vec<(String, Vec<u8>)> = Vec::new();
     let mut all: Vec<Session> = Vec::new();
@@ -44,7 +46,6 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let complete = whole(&own);
     voice.say(format_args!("{} runs of programs, {} completed", own.len(), complete.len()));
     let stretches = args.nc.as_deref().map(|nc| timed(args, nc, &own, voice)).transpose()?;
-    let out = OutputDir::create(&args.out)?;
     put(&out, "events.csv", &records)?;
     put(&out, "runs.csv", &complete)?;
     if let Some(stretches) = &stretches {

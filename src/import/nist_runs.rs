@@ -6,12 +6,13 @@ use crate::output::provenance;
 use crate::speak::Voice;
 use std::fs;
 use std::time::Instant;
-use toolroom_records::ReadReport;
 use toolroom_records::mtconnect::run_table;
+use toolroom_records::{ReadReport, RecordKind};
 
 pub fn run(args: &NistRunsArgs, voice: &Voice) -> Result<(), Failure> {
     let began = Instant::now();
     let name = args.file.display().to_string();
+    let dir = super::create(&args.out, RecordKind::Program, &[&args.file], voice)?;
     let bytes =
         fs::read(&args.file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
     let (records, passed) = run_table(&bytes, args.machine.as_deref(), args.program.as_deref()).map_err(|error| {
@@ -26,5 +27,5 @@ pub fn run(args: &NistRunsArgs, voice: &Voice) -> Result<(), Failure> {
     let machine = args.machine.iter().flat_map(|name| ["--machine".to_owned(), name.clone()]);
     let program = args.program.iter().flat_map(|name| ["--program".to_owned(), name.clone()]);
     let provenance = provenance("import nist-runs", &[(name, &bytes)], machine.chain(program), None);
-    super::write(&records, &report, &args.out, &provenance, began, voice)
+    super::write(&records, &report, dir, &provenance, began, voice)
 }

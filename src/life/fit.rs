@@ -1,6 +1,6 @@
 //! `toolroom life --fit DATA.csv`: laws of measured lives.
 
-use super::{pretty, put, request};
+use super::request;
 use crate::args::LifeArgs;
 use crate::failure::Failure;
 use crate::output::OutputDir;
@@ -42,12 +42,13 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("note: {note}"));
     }
     let words = Words { unit: measured.unit.clone(), money: String::new() };
-    let groups = groups(&measured, &request)?;
-    let regression = regression(args, &measured)?;
-    let out = OutputDir::create(&args.out.clone().unwrap_or_else(|| {
+    let target = args.out.clone().unwrap_or_else(|| {
         let stem = csv.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         default_out(&format!("life-{stem}"))
-    }))?;
+    });
+    let out = OutputDir::create(&target, &["summary.json", "report.html"], [csv], voice.force)?;
+    let groups = groups(&measured, &request)?;
+    let regression = regression(args, &measured)?;
     let inputs = vec![(file.clone(), fingerprint(&bytes))];
     let command = std::env::args().collect::<Vec<_>>().join(" ");
     let provenance = Provenance {
@@ -70,9 +71,9 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
     let run = json!({ "schema": 1, "version": env!("CARGO_PKG_VERSION"), "command": command,
         "inputs": [{ "name": file, "hash": fingerprint(&bytes) }], "complete": true, "wall_time [s]": wall.as_secs_f64() });
     let summary = Value::Object(object);
-    put(out.draft(), "summary.json", &pretty(&summary)?)?;
-    put(out.draft(), "report.html", &report.html())?;
-    put(out.draft(), "run.json", &pretty(&run)?)?;
+    out.put_json("summary.json", &summary)?;
+    out.put("report.html", &report.html())?;
+    out.put_json("run.json", &run)?;
     let target = out.publish()?;
     if voice.json {
         voice.json(&summary)?;

@@ -1,11 +1,10 @@
 //! The results of a study: summary, table of cells, report.
 
 use super::file::StudyFile;
-use super::{pretty, put};
 use crate::failure::Failure;
+use crate::output::OutputDir;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use std::path::Path;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
 use toolroom_chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table, number};
 use toolroom_life::analysis::{Analysis, Request, analyse};
@@ -56,7 +55,10 @@ struct Worked<'a> {
     by_wear: Option<(f64, f64)>,
 }
 
-pub fn write(directory: &Path, inputs: &Inputs<'_>) -> Result<Written, Failure> {
+/// The files of a study.
+pub const NAMES: &[&str] = &["summary.json", "cells.csv", "report.html"];
+
+pub fn write(out: &OutputDir, inputs: &Inputs<'_>) -> Result<Written, Failure> {
     let study = &inputs.parsed.content.study;
     let worked = inputs
         .merged
@@ -68,16 +70,16 @@ pub fn write(directory: &Path, inputs: &Inputs<'_>) -> Result<Written, Failure> 
     let regression = regression(study);
     let indices = inputs.parsed.content.sensitivity.map(|(samples, paths)| sensitivity(study, samples, paths));
     let summary = summary(inputs, &worked, regression.as_ref(), indices.as_ref());
-    put(directory, "summary.json", &pretty(&summary)?)?;
-    put(directory, "cells.csv", &csv(&overview(&worked)))?;
-    put(directory, "report.html", &report(inputs, &worked, regression.as_ref(), indices.as_ref()).html())?;
+    out.put_json("summary.json", &summary)?;
+    out.put("cells.csv", &csv(&overview(&worked)))?;
+    out.put("report.html", &report(inputs, &worked, regression.as_ref(), indices.as_ref()).html())?;
     let plan = inputs.plan;
     let run = json!({
         "schema": 1, "version": plan.version, "command": format!("toolroom life {}", plan.file),
         "inputs": [{ "name": plan.file, "hash": fingerprint(plan.text.as_bytes()) }],
         "plan": plan.hash(), "shards": plan.shards, "complete": true,
     });
-    put(directory, "run.json", &pretty(&run)?)?;
+    out.put_json("run.json", &run)?;
     Ok(Written { summary, text: text(inputs, &worked) })
 }
 

@@ -1,25 +1,24 @@
 //! `toolroom life FILE`: plan, shards, merge.
 
 use super::file::{StudyFile, parse};
-use super::page::{Inputs, write};
+use super::page::{Inputs, NAMES, write};
 use super::request;
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
-use crate::output::OutputDir;
+use crate::output::{Files, OutputDir};
 use crate::progress::Bar;
-use crate::shard::{pool, refused};
+use crate::shard::{leave, pool, refused};
 use crate::speak::Voice;
-use crate::stop;
+use crate::stop::{self, Begun, partials, tidy};
 use crate::study::default_out;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 use toolroom_life::study::run::lives;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
 use toolroom_scenario::file::FormFile;
-use toolroom_shards::{Plan, read_plan, write_plan};
+use toolroom_shards::{Plan, ShardError, discard, read_plan, write_plan};
 use toolroom_study::study::Progress;
 
 /// Lives of a shard when nobody says how many shards there are.
@@ -72,7 +71,8 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         shards,
     };
     if let Some(target) = &args.shards.plan {
-        write_plan(target, &plan).map_err(refused)?;
+        let inputs = parsed.files.iter().map(AsRef::as_ref).chain([path]);
+        leave(&plan, target, &Files::new(inputs, voice.force))?;
         let shown = target.display();
         voice.say(format_args!(
             "wrote {shown}: {shards} shards of {} lives   next: toolroom life --run {shown} --shard 0 --out parts",
@@ -80,23 +80,24 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         ));
         return Ok(());
     }
-    let out = args.out.clone().unwrap_or_else(|| default_out(&study.name));
-    let parts = begin(&out, &plan, args.shards.resume)?;
-    let stop = stop::on_interrupt()?;
+    let target = args.out.clone().unwrap_or_else(|| default_out(&study.name));
+    let inputs = parsed.files.iter().map(AsRef::as_ref).chain([path]);
+    let mut out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
+    let parts = begin(&mut out, &plan, args.shards.resume, voice.force)?;
+    // A part is there as a whole or not at all: a signal ends the program at once.
+    let _tidy = tidy(Begun::Partials(parts.clone()));
+    let complete = |number: u64| {
+        let message = format!("interrupted: {number} of {shards} shards are complete in {}", parts.display());
+        stop::keeps(message, "the same command with --resume goes on".to_owned());
+    };
+    complete(0);
     let bar = Bar::new(voice);
     let start = Instant::now();
     for number in 0..shards {
-        if stop.load(Ordering::Relaxed) {
-            bar.finish();
-            let message = format!(
-                "interrupted: {number} of {shards} shards are complete in {}; go on with --resume",
-                parts.display()
-            );
-            return Err(Failure::Work { message });
-        }
         threads
             .install(|| shard::run(study, &plan, number, &parts, rows(parsed.content.write_lives)))
             .map_err(refused)?;
+        complete(number + 1);
         bar.at(Progress { done: number as u32 + 1, total: shards as u32 });
     }
     bar.finish();
@@ -106,7 +107,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         wall.as_secs_f64(),
         all as f64 / wall.as_secs_f64()
     ));
-    finish(&plan, &parsed, &parts, &out, &request, voice)
+    finish(&plan, &parsed, &parts, out, &request, voice)
 }
 
 /// One shard of a planned study.
@@ -126,7 +127,8 @@ pub fn merge(
     let parsed = study_of(plan)?;
     let request = request(statistics, parsed.content.costs)?;
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
-    finish(plan, &parsed, parts, &out, &request, voice)
+    let out = OutputDir::create(&out, NAMES, parsed.files.iter().map(AsRef::as_ref), voice.force)?;
+    finish(plan, &parsed, parts, out, &request, voice)
 }
 
 fn study_of(plan: &Plan) -> Result<FormFile<StudyFile>, Failure> {
@@ -145,16 +147,15 @@ fn enough(file: &StudyFile, relative: f64) -> u64 {
     needed.max().unwrap_or(pilot).clamp(pilot, study.lives)
 }
 
-/// The directory of the parts within that of the results, emptied unless the study goes on.
-fn begin(out: &Path, plan: &Plan, resume: bool) -> Result<PathBuf, Failure> {
-    let parts = out.join("parts");
-    let failed = |source| Failure::Unwritable { path: out.to_owned(), source };
-    let ours = out.join("run.json").is_file() || parts.join("plan.json").is_file();
-    let empty = !out.exists() || fs::read_dir(out).map_err(failed)?.next().is_none();
-    if !ours && !empty {
-        let message = format!("{} holds files that are no results of toolroom", out.display());
-        return Err(Failure::argument(message, "choose another directory with --out DIR; nothing was changed"));
-    }
+/// Folder of the parts within that of the results.
+const PARTS: &str = "parts";
+
+/// The folder of the parts within that of the results, without earlier ones unless the study goes on.
+fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<PathBuf, Failure> {
+    let parts = out.target().join(PARTS);
+    let failed = |source| Failure::Unwritable { path: parts.clone(), source };
+    // This process has the folder to itself: drafts of parts are those of dead ones.
+    partials(&parts).try_for_each(fs::remove_file).map_err(failed)?;
     if resume && parts.join("plan.json").is_file() {
         let there = read_plan(&parts.join("plan.json")).map_err(refused)?;
         if there.hash() != plan.hash() {
@@ -162,33 +163,50 @@ fn begin(out: &Path, plan: &Plan, resume: bool) -> Result<PathBuf, Failure> {
                 format!("{} holds another study: its file, changes, seed, lives or shards differ", parts.display());
             return Err(Failure::argument(message, "go on with the same arguments, or start anew without --resume"));
         }
-    } else if parts.exists() {
-        fs::remove_dir_all(&parts).map_err(failed)?;
+    } else {
+        out.clear(PARTS)?;
+        discard(&parts, force).map_err(|error| match error {
+            ShardError::Changed { path, .. } => Failure::argument(
+                format_args!("{} was changed since toolroom wrote it", path.display()),
+                "move it away, choose another --out, or replace it with --force; nothing was changed",
+            ),
+            other => refused(other),
+        })?;
     }
     fs::create_dir_all(&parts).map_err(failed)?;
     write_plan(&parts.join("plan.json"), plan).map_err(refused)?;
     Ok(parts)
 }
 
+/// Counts the parts of a plan that lie within the results among them.
+fn own_parts(out: &mut OutputDir, plan: &Plan, parts: &Path) {
+    out.placed(format!("{PARTS}/plan.json"));
+    for number in 0..plan.shards {
+        for extension in ["json", "parquet"] {
+            let name = format!("part-{number:06}.{extension}");
+            if parts.join(&name).is_file() {
+                out.placed(format!("{PARTS}/{name}"));
+            }
+        }
+    }
+}
+
 fn finish(
     plan: &Plan,
     parsed: &FormFile<StudyFile>,
     parts: &Path,
-    out: &Path,
+    mut out: OutputDir,
     request: &toolroom_life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
     let merged = shard::merge(plan, parts).map_err(refused)?;
-    // Parts that lie within the results stay where they are.
-    let within = parts.parent() == Some(out);
-    let draft = if within { None } else { Some(OutputDir::create(out)?) };
-    let directory = draft.as_ref().map_or(out, OutputDir::draft).to_owned();
     let inputs = Inputs { plan, parsed, merged: &merged, request };
-    let result = write(&directory, &inputs)?;
-    let target = match draft {
-        Some(draft) => draft.publish()?,
-        None => directory,
-    };
+    let result = write(&out, &inputs)?;
+    // Parts that lie within the results stay where they are.
+    if fs::canonicalize(parts).ok() == fs::canonicalize(out.target().join(PARTS)).ok() {
+        own_parts(&mut out, plan, parts);
+    }
+    let target = out.publish()?;
     if voice.json {
         voice.json(&result.summary)?;
     } else {

@@ -26,6 +26,9 @@ pub struct Origin<'a> {
     pub start: Instant,
 }
 
+/// The files of a chart.
+pub const NAMES: &[&str] = &["lobes.svg", "lobes.png", "lobes.csv", "lobes.json", "report.html"];
+
 /// Writes `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`; returns what
 /// is in `lobes.json`.
 pub fn write(

@@ -2,11 +2,12 @@
 //! column to column, and operating points cost a tenth of the grid and are worked out at the merge.
 
 use super::file::{LobesFile, parse};
-use super::results::Origin;
+use super::results::{NAMES, Origin};
 use super::{finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::shard::refused as failed;
+use crate::output::{Files, OutputDir};
+use crate::shard::{leave, refused as failed};
 use crate::speak::Voice;
 use crate::study::default_out;
 use serde_json::json;
@@ -14,8 +15,7 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
 use toolroom_scenario::file::FormFile;
-use toolroom_shards::fingerprint;
-use toolroom_shards::{Computed, Plan, ShardError, write_plan};
+use toolroom_shards::{Computed, Plan, ShardError, fingerprint};
 
 /// `--plan FILE`: the columns of the grid cut into shards.
 pub fn plan(
@@ -46,7 +46,8 @@ pub fn plan(
         pieces: columns,
         shards: args.shards.unwrap_or(16).min(columns),
     };
-    write_plan(target, &plan).map_err(failed)?;
+    let inputs = file.files.iter().map(AsRef::as_ref).chain([Path::new(input)]);
+    leave(&plan, target, &Files::new(inputs, voice.force))?;
     let (shown, shards) = (target.display(), plan.shards);
     voice.say(format_args!(
         "wrote {shown}: {shards} shards of {columns} columns   next: toolroom lobes --run {shown} --shard 0 --out parts"
@@ -87,6 +88,8 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let file = chart_of(plan)?;
+    let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
+    let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let chart = &file.content.chart;
     let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
         toolroom_shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
@@ -97,6 +100,5 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         voice.say("warning: an eigenvalue was not found; the boundary alone is drawn");
     }
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
-    let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
-    finish(&file, grid, &origin, &out, voice)
+    finish(&file, grid, &origin, out, voice)
 }

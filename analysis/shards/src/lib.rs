@@ -318,10 +318,13 @@ pub fn run<C: Serialize + DeserializeOwned>(
     }
     fs::create_dir_all(directory).map_err(at(directory))?;
     let sidecar_path = part(directory, shard, "json");
-    if let Ok(there) = read_sidecar::<C>(&sidecar_path)
-        && there.plan != plan.hash()
-    {
-        return Err(ShardError::OtherPlan { path: sidecar_path, found: there.plan, expected: plan.hash() });
+    match read_sidecar::<C>(&sidecar_path) {
+        Ok(there) if there.plan != plan.hash() => {
+            return Err(ShardError::OtherPlan { path: sidecar_path, found: there.plan, expected: plan.hash() });
+        }
+        // A file that is no sidecar is somebody's.
+        Err(error @ ShardError::Damaged { .. }) => return Err(error),
+        _ => {}
     }
     if is_done::<C>(plan, shard, directory) {
         return Ok(());
@@ -353,6 +356,38 @@ pub fn run<C: Serialize + DeserializeOwned>(
     let text =
         serde_json::to_string(&sidecar).map_err(|source| ShardError::Damaged { path: sidecar_path.clone(), source })?;
     atomically(&sidecar_path, text.as_bytes())
+}
+
+/// Removes a plan and the parts that belong to it, so that another plan can be run there; whatever else the directory
+/// holds stays.
+///
+/// # Errors
+/// [`ShardError::Changed`] where a part is not the one that was written; nothing is removed then. Not with `force`.
+pub fn discard(directory: &Path, force: bool) -> Result<(), ShardError> {
+    let plan_path = directory.join("plan.json");
+    if !plan_path.exists() {
+        return Ok(());
+    }
+    let plan = read_plan(&plan_path)?;
+    let hash = plan.hash();
+    let mut files = Vec::new();
+    for shard in 0..plan.shards {
+        let (sidecar, rows) = (part(directory, shard, "json"), part(directory, shard, "parquet"));
+        // Rows without a sidecar are those of a process that died between the two.
+        let Ok(there) = read_sidecar::<serde_json::Value>(&sidecar) else { continue };
+        if there.plan != hash {
+            continue;
+        }
+        if rows.exists() && !there.file_hash.is_empty() {
+            if !force && hash_of(&rows)? != there.file_hash {
+                return Err(ShardError::Changed { path: rows, shard });
+            }
+            files.push(rows);
+        }
+        files.push(sidecar);
+    }
+    files.push(plan_path);
+    files.iter().try_for_each(|file| fs::remove_file(file).map_err(at(file)))
 }
 
 /// Reads the content of every part of a plan, in the order of the shards.
@@ -404,8 +439,11 @@ pub fn parts<C: DeserializeOwned>(plan: &Plan, directory: &Path) -> Result<Vec<C
     Ok(found.into_iter().flatten().map(|(_, content)| content).collect())
 }
 
-/// FNV-1a of a file, read in pieces.
-fn hash_of(path: &Path) -> Result<String, ShardError> {
+/// FNV-1a of a file as 16 hexadecimal digits, read in pieces.
+///
+/// # Errors
+/// [`ShardError::File`] where it cannot be read.
+pub fn hash_of(path: &Path) -> Result<String, ShardError> {
     let mut file = File::open(path).map_err(at(path))?;
     let (mut hash, mut buffer) = (FNV_OFFSET, vec![0; 1 << 16]);
     loop {

@@ -105,6 +105,9 @@ pub struct LogWriter {
     events: Table<EventRow>,
 }
 
+/// Names of the tables.
+const TABLES: [&str; 5] = ["operations", "tools", "jobs", "states", "events"];
+
 /// Names behind the indices of a log.
 #[derive(Clone, Debug)]
 pub struct Names {
@@ -158,13 +161,14 @@ impl LogWriter {
     /// # Errors
     /// [`LogError::Create`], or what the writers say about their headers.
     pub fn create(directory: &Path, scenario: &Scenario, format: Format) -> Result<Self, LogError> {
+        let [operations, tools, jobs, states, events] = TABLES;
         Ok(Self {
             names: Names::of(scenario),
-            operations: Table::create(directory, "operations", format, columns::operations())?,
-            tools: Table::create(directory, "tools", format, columns::tools())?,
-            jobs: Table::create(directory, "jobs", format, columns::jobs())?,
-            states: Table::create(directory, "states", format, columns::states())?,
-            events: Table::create(directory, "events", format, columns::events())?,
+            operations: Table::create(directory, operations, format, columns::operations())?,
+            tools: Table::create(directory, tools, format, columns::tools())?,
+            jobs: Table::create(directory, jobs, format, columns::jobs())?,
+            states: Table::create(directory, states, format, columns::states())?,
+            events: Table::create(directory, events, format, columns::events())?,
         })
     }
 
@@ -178,6 +182,11 @@ impl LogWriter {
         self.jobs.take_over(earlier)?;
         self.states.take_over(earlier)?;
         self.events.take_over(earlier)
+    }
+
+    /// Names of the files of a format.
+    pub fn names(format: Format) -> Vec<String> {
+        TABLES.iter().map(|name| format!("{name}.{}", format.extension())).collect()
     }
 
     /// Adds the log of one run.

@@ -47,6 +47,9 @@ pub struct RunInfo {
     pub stopped: Option<String>,
 }
 
+/// The files of every study, beside its log tables.
+pub const NAMES: [&str; 6] = [Finished::FILE, "kpi.csv", "trace.json", "summary.json", "report.html", "run.json"];
+
 /// What a study left behind.
 #[derive(Clone, Debug)]
 pub struct Recorded {

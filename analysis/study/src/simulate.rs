@@ -13,9 +13,8 @@ mod tests;
 mod visits;
 
 use rand_distr::{Distribution, StandardNormal};
-use std::path::{Path, PathBuf};
 use toolroom_kernel::{Entity, Purpose, Streams};
-use toolroom_records::{RecordKind, Records, Sensor, write_csv};
+use toolroom_records::{RecordKind, Records, Sensor};
 use toolroom_scenario::Scenario;
 use toolroom_shop::RunLog;
 use visits::Visits;
@@ -33,26 +32,6 @@ pub fn simulated(scenario: &Scenario, log: &RunLog, sheet: &Sheet<'_>) -> Vec<Re
     all.push(events::events(&run));
     all.retain(|records| !records.is_empty());
     all
-}
-
-/// Writes what was measured of one run into a directory, a CSV file a kind; the paths.
-///
-/// # Errors
-/// Those of the file system.
-pub fn write_simulated(
-    dir: &Path,
-    scenario: &Scenario,
-    log: &RunLog,
-    sheet: &Sheet<'_>,
-) -> std::io::Result<Vec<PathBuf>> {
-    std::fs::create_dir_all(dir)?;
-    let write = |records: &Records| {
-        let path = dir.join(records.kind.file_stem()).with_extension("csv");
-        let file = std::io::BufWriter::new(std::fs::File::create(&path)?);
-        write_csv(records, file).map_err(std::io::Error::other)?;
-        Ok(path)
-    };
-    simulated(scenario, log, sheet).iter().map(write).collect()
 }
 
 /// A run, and the sensors that see it.

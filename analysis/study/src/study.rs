@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_shards::{FNV_OFFSET, fnv};
@@ -210,7 +211,7 @@ pub enum StudyError {
 ///
 /// The logs of the first [`logged`](StudyOptions::logged) replications go to `logs` in the order
 /// of replications, then policies. `progress` is called from any thread. When `stop` is set, the
-/// runs in hand are finished and the replications complete for all policies are the result. After an
+/// runs in hand are given up and the replications complete for all policies are the result. After an
 /// [`earlier`](StudyOptions::earlier) part only the first of its replications is run again, for the
 /// logs and to see that it repeats; `logs` have its rows already.
 ///
@@ -241,9 +242,25 @@ pub fn run_study_as_far(
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
-        Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
+        unless_stopped(shop, scenario.horizon, stop)
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
+}
+
+/// Pieces of a run between which it looks whether it is still wanted.
+const LOOKS: u32 = 256;
+
+/// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
+/// nothing of a run that goes on.
+fn unless_stopped(mut shop: Shop<'_, RunLog>, horizon: f64, stop: &AtomicBool) -> Result<Option<RunLog>, ShopError> {
+    for look in 1..LOOKS {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        shop.run_until(SimTime::from_seconds(horizon * f64::from(look) / f64::from(LOOKS))?)?;
+    }
+    shop.run().map(Some)
 }
 
 /// A run whose shop stopped before its horizon.
@@ -309,7 +326,8 @@ pub(crate) fn study_with<S>(
 where
     S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
 {
-    whole(study_as_far(scenario, options, logs, progress, stop, simulate)?)
+    let simulate = |policy, replication| simulate(policy, replication).map(Some);
+    whole(study_as_far(scenario, options, logs, progress, stop, &simulate)?)
 }
 
 fn study_as_far<S>(
@@ -321,7 +339,7 @@ fn study_as_far<S>(
     simulate: &S,
 ) -> Result<(Study, Option<StoppedShop>), StudyError>
 where
-    S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
+    S: Fn(usize, u32) -> Result<Option<RunLog>, ShopError> + Sync,
 {
     check(scenario, options)?;
     let pool = rayon::ThreadPoolBuilder::new()
@@ -333,14 +351,16 @@ where
     let before = options.earlier.as_ref().map_or(0, |earlier| earlier.replications);
     let done = AtomicU32::new(before.saturating_mul(count as u32));
     let lathes = kpi::cell(scenario);
-    let evaluated = |policy: usize, replication: u32| -> Result<Run, StoppedShop> {
-        let simulated = simulate(policy, replication).map(|log| Run {
+    // `None` where the run was given up.
+    let evaluated = |policy: usize, replication: u32| -> Option<Result<Run, StoppedShop>> {
+        let run = |log: RunLog| Run {
             values: kpi::evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),
-        });
-        simulated.map_err(|source| stopped(scenario, policy, replication, source))
+        };
+        let simulated = simulate(policy, replication).transpose()?;
+        Some(simulated.map(run).map_err(|source| stopped(scenario, policy, replication, source)))
     };
     // Replications after one that stopped are not wanted; those before it decide what is reported.
     let last_wanted = AtomicU32::new(u32::MAX);
@@ -349,7 +369,7 @@ where
             return None;
         }
         let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged.max(1));
-        let run = known.map_or_else(|| evaluated(policy, replication), |known| Ok(known.run()));
+        let run = known.map_or_else(|| evaluated(policy, replication), |known| Some(Ok(known.run())))?;
         if run.is_err() {
             last_wanted.fetch_min(replication, Ordering::Relaxed);
         }
@@ -370,7 +390,11 @@ where
     if let Some(earlier) = &options.earlier {
         let first =
             pool.install(|| options.policies.par_iter().map(|&policy| evaluated(policy, 0)).collect::<Vec<_>>());
-        earlier.restore(scenario, first.into_iter().collect::<Result<_, _>>()?, &mut study)?;
+        let Some(first) = first.into_iter().collect::<Option<Result<Vec<_>, _>>>() else {
+            study.complete = false;
+            return Ok((study, None));
+        };
+        earlier.restore(scenario, first?, &mut study)?;
     }
     while study.replications < options.replications {
         let first = study.replications;

@@ -135,10 +135,23 @@ fn a_finished_part_that_is_not_repeated_is_refused() {
 }
 
 #[test]
+fn a_run_that_is_given_up_ends_the_study_after_the_replications_before_it() {
+    let given_up = |policy: usize, replication: u32| match (replication, policy) {
+        (3, 1) => Ok(None),
+        _ => simulate(policy, replication).map(Some),
+    };
+    let stop = AtomicBool::new(false);
+    let ended = study_as_far(&fixture::scenario(), &options(9, 2), None, &|_| {}, &stop, &given_up);
+    let (study, stopped) = ended.expect("a study");
+    assert!(stopped.is_none() && !study.complete && study.replications == 3);
+    assert_eq!(study.values(1, 0), self::study(&options(3, 1)).values(1, 0));
+}
+
+#[test]
 fn a_shop_that_stops_ends_the_study_after_the_replications_before_it() {
     let failing = |policy: usize, replication: u32| match (replication, policy) {
         (3, 1) | (5, 0) => Err(ShopError::NoProgress { time: f64::from(replication), events: 1 }),
-        _ => simulate(policy, replication),
+        _ => simulate(policy, replication).map(Some),
     };
     let stop = AtomicBool::new(false);
     for threads in [1, 4] {

@@ -487,7 +487,14 @@ pub static GAP: Form = Form {
             "How wear grows with the age of an edge in an empirical model",
         ),
         Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),
+        Key::optional("applied", Kind::Table(&APPLIED), "Mark of a file that `toolroom gap apply` wrote"),
     ],
+};
+
+static APPLIED: Form = Form {
+    title: "[gap.applied]",
+    doc: "Mark of a file that `toolroom gap apply` wrote: it replaces the file as long as nobody edits it",
+    keys: &[Key::required("text", Kind::Text, "Hash of the file without this table")],
 };
 
 static SENSOR: Form = Form {

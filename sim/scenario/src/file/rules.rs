@@ -167,6 +167,8 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         absolute: text(sensor, "absolute"),
         resolution: text(sensor, "resolution"),
     });
+    // A mark for `gap apply`, which says nothing about the model; its keys are checked.
+    walk.table(&section, "applied");
     Some(GapSection {
         process: text(&section, "process"),
         conditions: section.given("conditions").then(|| section.texts("conditions")),

@@ -1,0 +1,51 @@
+//! The table `[gap.applied]`, by which a later `gap apply` knows the models that it wrote.
+
+use toolroom_shards::fingerprint;
+
+const TABLE: &str = "[gap.applied]";
+
+/// A model with the mark at its end.
+pub fn marked(model: &str) -> String {
+    let (text, _) = parted(model);
+    let hash = fingerprint(text.as_bytes());
+    format!(
+        "{text}\n\n{TABLE} # what `toolroom gap apply` wrote: the next one replaces it as long as nobody edits it\ntext = \"{hash}\"\n"
+    )
+}
+
+/// Whether `gap apply` wrote a model and nobody changed it since.
+pub fn is_marked(model: &str) -> bool {
+    let (text, hash) = parted(model);
+    hash.is_some_and(|hash| hash == fingerprint(text.as_bytes()))
+}
+
+/// A model without its mark, and the hash in it.
+pub fn parted(model: &str) -> (String, Option<String>) {
+    let (mut lines, mut hash, mut within) = (Vec::new(), None, false);
+    for line in model.lines() {
+        if line.trim_start().starts_with('[') {
+            within = line.trim_start().starts_with(TABLE);
+        }
+        if !within {
+            lines.push(line);
+        } else if let Some(value) = line.trim().strip_prefix("text = \"") {
+            hash = Some(value.trim_end_matches('"').to_owned());
+        }
+    }
+    (lines.join("\n").trim_end().to_owned(), hash)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_somebody_edits_loses_its_mark() {
+        let model = marked("schema = 1\n[gap]\nforce = 0.1\n");
+        assert!(is_marked(&model));
+        assert!(is_marked(&marked(&model)) && marked(&model) == model);
+        assert!(!is_marked(&model.replace("0.1", "0.2")));
+        assert!(!is_marked(&format!("{model}[output]\nlogs = false\n")));
+        assert!(!is_marked("schema = 1\n"));
+    }
+}
