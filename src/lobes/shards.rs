@@ -14,7 +14,7 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_analysis::results::fingerprint;
 use toolroom_analysis::shards::{self, Computed, Plan, ShardError, write_plan};
-use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
+use toolroom_chatter::{Hole, Lobes, StabilityVerdict};
 use toolroom_sim::scenario::file::FormFile;
 
 /// `--plan FILE`: the columns of the grid cut into shards.
@@ -58,16 +58,21 @@ fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
     Ok(parse(&plan.file, &plan.text, &plan.overrides)?)
 }
 
-/// One shard of a planned chart: its verdicts, column by column; none where an eigenvalue was not
-/// found.
+/// What a shard leaves: verdicts column by column, and where there is none.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Part {
+    verdicts: Vec<Option<StabilityVerdict>>,
+    holes: Vec<Hole>,
+}
+
+/// One shard of a planned chart.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let file = chart_of(plan)?;
     let mut refusal = None;
     let ran = shards::run(plan, number, out, |(from, to), _| {
         let LobesFile { cut, chart, .. } = &file.content;
         let content = match cut.lobes(chart, from as usize..to as usize) {
-            Ok(lobes) => Some(lobes.verdicts),
-            Err(ChatterError::NotConverged { .. }) => None,
+            Ok(Lobes { verdicts, holes, .. }) => Part { verdicts, holes },
             Err(error) => {
                 refusal = Some(refused(error));
                 let source = std::io::Error::other("the chart was refused");
@@ -88,15 +93,16 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let start = Instant::now();
     let file = chart_of(plan)?;
     let chart = &file.content.chart;
-    let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
-        shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
+    let parts: Vec<Part> = shards::parts(plan, parts).map_err(failed)?;
     let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
     let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
-    let grid = verdicts.map(|verdicts| Lobes { speed, depth, verdicts: verdicts.concat() });
-    if grid.is_none() {
-        voice.say("warning: an eigenvalue was not found; the boundary alone is drawn");
+    let (mut verdicts, mut holes) = (Vec::new(), Vec::new());
+    for part in parts {
+        verdicts.extend(part.verdicts);
+        holes.extend(part.holes);
     }
+    let grid = Lobes { speed, depth, verdicts, holes };
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
-    finish(&file, grid, &origin, &out, voice)
+    finish(&file, Some(grid), &origin, &out, voice)
 }
