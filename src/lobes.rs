@@ -17,12 +17,12 @@ use crate::study::default_out;
 use boundary::{Curve, boundaries};
 use cut::Cut;
 use file::LobesFile;
-use judgement::{Judgement, word};
+use judgement::{Judged, word};
 use results::Origin;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
-use toolroom_chatter::{ChatterError, Lobes};
+use toolroom_chatter::{ChatterError, Hole, Lobes};
 use toolroom_process::unit;
 use toolroom_scenario::file::{FormFile, significant};
 
@@ -34,7 +34,7 @@ struct Computed {
     /// The grid, unless only the boundary was wanted.
     grid: Option<Lobes>,
     /// One an operating point.
-    judgements: Vec<Judgement>,
+    judgements: Vec<Judged>,
 }
 
 pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
@@ -65,23 +65,11 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
             None
         } else {
             voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
-            converged(cut.lobes(chart, 0..chart.speed.points), voice)?
+            Some(cut.lobes(chart, 0..chart.speed.points).map_err(refused)?)
         };
         let origin = Origin { file: &input, changes: &args.set, start };
         finish(&file, grid, &origin, out, voice)
     })
-}
-
-/// The grid; without it where an eigenvalue was not found: the boundary does not come from the
-/// grid and stands alone.
-fn converged(grid: Result<Lobes, ChatterError>, voice: &Voice) -> Result<Option<Lobes>, Failure> {
-    match grid {
-        Err(error @ ChatterError::NotConverged { .. }) => {
-            voice.say(format_args!("warning: {error}; the boundary alone is drawn"));
-            Ok(None)
-        }
-        grid => grid.map(Some).map_err(refused),
-    }
 }
 
 /// Boundaries and operating points beside the grid, then every file.
@@ -93,10 +81,16 @@ fn finish(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let LobesFile { cut, chart, points, .. } = &file.content;
-    let judge = |point: &file::Point| cut.judge(point.speed, point.depth, chart);
+    let judge = |point: &file::Point| match cut.judge(point.speed, point.depth, chart) {
+        Err(error) if !error.is_failed_search() => Err(error),
+        judged => Ok(judged),
+    };
     let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(refused)?;
     let curves = boundaries(cut, chart).map_err(refused)?;
     let computed = Computed { curves, grid, judgements };
+    for warning in holes(&file.content, &computed) {
+        voice.say(format_args!("warning: {warning}"));
+    }
     let told = results::write(&out, origin, file, &computed)?;
     let target = out.publish()?;
     if voice.json {
@@ -107,6 +101,40 @@ fn finish(
     voice.detail(format_args!("{:.2} s", origin.start.elapsed().as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
+}
+
+/// What the chart lacks, a sentence each: points, limits and operating points for which the search failed.
+fn holes(file: &LobesFile, computed: &Computed) -> Vec<String> {
+    let axes = file.cut.axes();
+    let mut told = Vec::new();
+    if let Some(grid) = &computed.grid
+        && let Some(Hole { speed, depth, reason }) = grid.holes.first()
+    {
+        let (count, all) = (grid.holes.len(), grid.verdicts.len());
+        let (speed, depth) = (with_unit(&axes.speed, *speed), with_unit(&axes.depth, *depth));
+        told.push(format!(
+            "{count} of {all} points have no verdict and are holes in the chart, first {speed}, {depth}: {reason}"
+        ));
+    }
+    for curve in &computed.curves {
+        if let Some((speed, reason)) = curve.holes.first() {
+            let (count, all, label) = (curve.holes.len(), curve.limit.len(), &curve.label);
+            let speed = with_unit(&axes.speed, *speed);
+            told.push(format!("{label}: not found at {count} of {all} speeds, first {speed}: {reason}"));
+        }
+    }
+    for (point, judged) in file.points.iter().zip(&computed.judgements) {
+        if let Err(error) = judged {
+            told.push(format!("operating point \"{}\" has no verdict: {error}", point.name));
+        }
+    }
+    told
+}
+
+/// A quantity for people, to four decimals.
+fn with_unit(quantity: &cut::Quantity, value: f64) -> String {
+    let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
+    if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
 }
 
 /// What the stability model refuses: an iteration without result is no fault of the input.
@@ -189,10 +217,6 @@ fn depth_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
 /// The chart in a few lines.
 fn summary(file: &LobesFile, computed: &Computed) -> String {
     let axes = file.cut.axes();
-    let with_unit = |quantity: &cut::Quantity, value: f64| {
-        let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
-        if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
-    };
     let mut text = format!("{}\n", file.title);
     for curve in &computed.curves {
         let limits = || curve.limit.iter().filter(|(_, depth)| depth.is_finite());
@@ -205,7 +229,15 @@ fn summary(file: &LobesFile, computed: &Computed) -> String {
         }
     }
     if let Some(grid) = &computed.grid {
-        let _ = writeln!(text, "  stable: {:.1} % of the chart", 100.0 * grid.stable_share());
+        let (all, holes) = (grid.verdicts.len(), grid.holes.len());
+        let share = 100.0 * grid.stable_share();
+        let _ = match holes {
+            0 => writeln!(text, "  stable: {share:.1} % of the chart"),
+            _ if holes == all => writeln!(text, "  no point of the chart has a verdict"),
+            _ => {
+                writeln!(text, "  stable: {share:.1} % of the {} points with a verdict; {holes} have none", all - holes)
+            }
+        };
     }
     if !computed.judgements.is_empty() {
         let _ = writeln!(
@@ -214,7 +246,12 @@ fn summary(file: &LobesFile, computed: &Computed) -> String {
             "operating point", axes.speed.key, axes.depth.key, "verdict", "radius", "limit", "margin", "frequency"
         );
     }
-    for (point, judgement) in file.points.iter().zip(&computed.judgements) {
+    for (point, judged) in file.points.iter().zip(&computed.judgements) {
+        let Ok(judgement) = judged else {
+            let (speed, depth) = (with_unit(&axes.speed, point.speed), with_unit(&axes.depth, point.depth));
+            let _ = writeln!(text, "  {:20} {speed:>12} {depth:>12}  no verdict", point.name);
+            continue;
+        };
         let verdict = &judgement.verdict;
         let none = || "none".to_owned();
         let _ = writeln!(

@@ -7,8 +7,11 @@ use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::fs;
-use toolroom_contour::{Block, Drives, Program};
+use toolroom_contour::{Block, Drives, Program, Units};
 use toolroom_process::{AnyRecord, Record, unit};
+
+/// What a refused program is about.
+pub const REFUSED: &str = "a word that is not followed could move an axis or take time, so none is passed over";
 
 /// Time of the blocks that one tool runs.
 #[derive(Default)]
@@ -30,9 +33,8 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let files = Files::new([args.file.as_path()], voice.force);
     args.blocks.as_ref().map_or(Ok(()), |path| files.check(path))?;
     let drives = drives(&args.set)?;
-    let program = Program::read(&text).map_err(|error| {
-        Failure::argument(format!("{name}: {error}"), "mend the block, or cut it out of the program")
-    })?;
+    let program = Program::read_in(&text, args.units.as_deref().and_then(Units::named))
+        .map_err(|error| Failure::argument(format!("{name}: {error}"), REFUSED))?;
     let times = program.times(&drives);
     let mut shares: Vec<Share> = Vec::new();
     for (block, time) in program.blocks.iter().zip(&times) {
@@ -59,8 +61,10 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let total: f64 = times.iter().sum();
     if voice.json {
         let rows: Vec<Value> = shares.iter().map(Share::json).collect();
-        return voice
-            .json(&json!({ "schema": 1, "cycle_time [s]": total, "blocks": program.blocks.len(), "tools": rows }));
+        return voice.json(&json!({
+            "schema": 1, "cycle_time [s]": total, "blocks": program.blocks.len(),
+            "blocks_from_unknown_places": program.unknown, "tools": rows,
+        }));
     }
     let mut text = format!(
         "{:>6} {:>8} {:>10} {:>10} {:>9} {:>8} {:>6} {:>11}",

@@ -212,6 +212,19 @@ fn point_meets_the_reference_numbers_of_turning() {
 }
 
 #[test]
+fn an_edge_that_a_cut_overheats_at_once_has_no_life() {
+    let life = |speed: &str, model: &str| {
+        let speed = format!("cutting_speed={speed}");
+        let cut = ["--set", &speed, "--set", "feed_per_rev=0.4 mm", "--set", "depth_of_cut=3 mm"];
+        let point = json(&toolroom(&[&["point", "turning", "--life-model", model, "--json"][..], &cut].concat()));
+        (point["outputs"]["tool_life [min]"].as_f64().expect("a life"), point["outputs"]["life_ends_by"].clone())
+    };
+    let (slower, faster) = (life("80 m/min", "quasi_steady"), life("90 m/min", "quasi_steady"));
+    assert!((slower.0 - 0.0148).abs() < 1e-4 && slower.1 == "thermal_collapse", "{slower:?}");
+    assert_eq!(faster, (0.0, "thermal_collapse".into()));
+}
+
+#[test]
 fn point_takes_effects_and_refuses_slips() {
     let plain = json(&toolroom(&["point", "turning", "--set", "flank_wear=0.4 mm", "--json"]));
     let worn =

@@ -334,6 +334,85 @@ fn a_chart_is_the_same_from_any_number_of_shards() {
     assert!(stderr(&toolroom(&other)).contains("belongs to another plan"));
 }
 
+/// Both had lost their grid to the row of depth zero.
+#[test]
+fn the_shipped_turning_charts_have_a_verdict_at_every_point() {
+    for name in [BAR, "chatter/shaft"] {
+        let out = directory(&format!("whole-{}", name.replace('/', "-"))).join("out");
+        let small = ["--set", "chart.columns=12", "--set", "chart.rows=9"];
+        let output =
+            toolroom(&[&["lobes", &shipped(name), "--json", "--out", &out.display().to_string()][..], &small].concat());
+        let summary = json(&output);
+        assert!(!stderr(&output).contains("warning"), "{}", stderr(&output));
+        assert_eq!((&summary["holes"], summary["without_verdict"].as_array().map(Vec::len)), (&0.into(), Some(0)));
+        let table = fs::read_to_string(out.join("lobes.csv")).expect("a table");
+        let uncut: Vec<&str> = table.lines().filter(|line| line.split(',').nth(1) == Some("0")).collect();
+        assert_eq!((table.lines().count(), uncut.len()), (1 + 12 * 9, 12));
+        assert!(uncut.iter().all(|line| line.contains(",true,stable,")), "{uncut:?}");
+        assert!(!fs::read_to_string(out.join("lobes.svg")).expect("a picture").contains("no verdict"));
+    }
+}
+
+/// At 1e-300 mm the poles of the structure and the roots of the cut cannot be told apart in floating point.
+#[test]
+fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
+    let folder = directory("holes");
+    let place = |name: &str| folder.join(name).display().to_string();
+    let path = shipped(BAR);
+    let small =
+        ["--set", "chart.columns=6", "--set", "chart.rows=5", "--set", "chart.depth_of_cut=[\"1e-300 mm\", \"2 mm\"]"];
+    let output = toolroom(&[&["lobes", &path, "--json", "--out", &place("whole")][..], &small].concat());
+    let whole = json(&output);
+    let told = stderr(&output);
+    assert!(told.contains("6 of 30 points have no verdict") && told.contains("first 800 rpm"), "{told}");
+    assert_eq!(whole["holes"], 6);
+    let first = &whole["without_verdict"][0];
+    assert_eq!(first["spindle_speed [rpm]"], 800.0);
+    assert!(first["reason"].as_str().is_some_and(|reason| reason.contains("multiplier was not found")), "{first}");
+    let share = whole["stable_share"].as_f64().expect("a share");
+    let table = fs::read_to_string(folder.join("whole/lobes.csv")).expect("a table");
+    assert!(table.starts_with(
+        "spindle_speed [rpm],depth_of_cut [mm],spectral_radius,stable,type,chatter_frequency [Hz],hole\n"
+    ));
+    let holes = table.lines().filter(|line| line.contains(",,,,,\"the dominant multiplier was not found")).count();
+    let stable = table.lines().filter(|line| line.contains(",true,stable,")).count();
+    assert_eq!((table.lines().count(), holes), (31, 6));
+    assert!((share - stable as f64 / 24.0).abs() < 1e-12);
+    for name in ["lobes.svg", "report.html"] {
+        assert!(fs::read_to_string(folder.join("whole").join(name)).expect(name).contains("no verdict"), "{name}");
+    }
+    assert_eq!(
+        toolroom(&[&["lobes", &path, "--plan", &place("plan.json"), "--shards", "3"][..], &small].concat())
+            .status
+            .code(),
+        Some(0)
+    );
+    for shard in ["2", "0", "1"] {
+        let output = toolroom(&["shard", &place("plan.json"), shard, "--out", &place("parts")]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    let output = toolroom(&["merge", &place("parts"), "--json", "--out", &place("merged")]);
+    assert_eq!(json(&output), whole);
+    assert!(stderr(&output).contains("6 of 30 points have no verdict"), "{}", stderr(&output));
+    for name in ["lobes.csv", "lobes.svg", "lobes.png"] {
+        let [one, other] = ["whole", "merged"].map(|out| fs::read(folder.join(out).join(name)).expect(name));
+        assert_eq!(one, other, "{name}");
+    }
+    // A chart of nothing but holes is still a chart.
+    let none = [
+        "--set",
+        "chart.columns=3",
+        "--set",
+        "chart.rows=2",
+        "--set",
+        "chart.depth_of_cut=[\"1e-300 mm\", \"1e-299 mm\"]",
+    ];
+    let output = toolroom(&[&["lobes", &path, "--out", &place("none")][..], &none].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("no point of the chart has a verdict"));
+    assert!(fs::read_to_string(folder.join("none/lobes.svg")).expect("a picture").contains("Slender bar"));
+}
+
 /// A faulty structure is told through the scenario whose tool names it, with place, value and fix in
 /// either file.
 #[test]

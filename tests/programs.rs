@@ -85,7 +85,7 @@ fn what_is_no_log_and_another_version_of_a_program_are_refused_with_a_fix() {
     assert!(text.contains("another version"), "{text}");
     let text = refused(&["import", "mtconnect", &log_text, "--key", "tol=x", "--out", &out]);
     assert!(text.contains("spindle_override"), "{text}");
-    fs::write(&nc, "G0 X0\nG1 X1\n").expect("writable");
+    fs::write(&nc, "G21 G0 X0\nG1 X1\n").expect("writable");
     assert!(refused(&["program", &nc_text]).contains("line 2"), "the block without feed is named");
 }
 
@@ -123,6 +123,74 @@ fn the_time_of_a_program_is_told_by_tool() {
     let feed = summary["tools"][0]["feed_time [s]"].as_f64().expect("a number");
     assert!((feed - 13.2).abs() < 1e-6, "{feed}");
     assert_eq!(summary["tools"][1]["holes"].as_u64(), Some(2));
+}
+
+/// What the program leaves out or differs by control used to be passed over: minutes too many, holes and moves too few.
+#[test]
+fn a_program_that_cannot_be_timed_is_refused_with_line_word_and_fix() {
+    let nc = directory("program-refused").join("part.nc");
+    let name = nc.display().to_string();
+    let told = |text: &str, options: &[&str]| {
+        fs::write(&nc, text).expect("writable");
+        let output = toolroom(&[&["program", name.as_str()][..], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    for (text, expected) in [
+        ("G71 G90\nG0 X0 Y0 Z2\nG1 X30 F600\nG4 F2\nM30\n", "line 1, column 1: G71"),
+        ("G21 G90\nG0 X0 Y0 Z2\nG1 X30 F600\nG4 F2\nG1 X40\nM30\n", "line 4, column 1: the length of the dwell"),
+        ("%\nO5\nG21 G98\nG0 X0 Y0 Z30.\nG91 G83 X10. Z-11. R-28. Q4. K5 F200\n", "line 5, column 30: K5"),
+        ("G21\nG0 X0 Y0 Z3.\nM97 P100 L2\nM30\n", "line 3, column 1: M97"),
+        ("G21 G90 G94\nG0 X0 Y0 Z0\nG1 A360 F3600\n", "line 3, column 4: A360"),
+        ("G21\nG0 X10 Y0 Z2\nG2 X10 Y0 Z-4 I-10 J0 P3 F300\n", "line 3, column 23: P3"),
+        ("G21\nG0 X0 Y0\nG5 X1 Y1 I1 J0 P0 Q1\n", "line 3, column 1: G5"),
+        ("G0 X0 Y0\nG1 X30. F600\n", "line 2, column 4: nothing says whether lengths are millimetres or inches"),
+    ] {
+        let message = told(text, &[]);
+        assert!(message.contains(expected), "{message}, not {expected}");
+    }
+    assert!(told("G0 X0\nX1\n", &[]).contains("--units mm"));
+    assert!(told("G0 X0\nX1\n", &["--units", "cubits"]).contains("cubits"));
+    // With the fixes they are timed.
+    let time = |text: &str, options: &[&str]| {
+        fs::write(&nc, text).expect("writable");
+        let summary = json(&toolroom(&[&["program", name.as_str(), "--json"][..], options].concat()));
+        summary["cycle_time [s]"].as_f64().expect("a time")
+    };
+    let siemens = "%_N_PART_MPF\nG71 G90\nG0 X0 Y0 Z2\nG1 X30 F600\nG4 F2\nG1 X300\nM30\n";
+    assert!((time(siemens, &[]) - 32.0).abs() < 1e-9);
+    let plain = "G0 X0 Y0 Z0\nG1 X2 F60\n";
+    assert!((time(plain, &["--units", "mm"]) - 2.0).abs() < 1e-9);
+    assert!((time(plain, &["--units", "inch"]) - 2.0).abs() < 1e-9);
+}
+
+/// Programs in the words of six controls: timed as by hand, or refused; never something else.
+#[test]
+fn no_program_of_another_control_is_timed_wrong() {
+    let Some(folder) = data("programs") else { return };
+    let expected = fs::read_to_string(folder.join("expected.json")).expect("what the programs do");
+    let expected: serde_json::Map<String, Value> = serde_json::from_str(&expected).expect("JSON");
+    for (name, case) in &expected {
+        let file = folder.join(case["file"].as_str().expect("a file")).display().to_string();
+        let output = toolroom(&["program", &file, "--json"]);
+        if output.status.code() == Some(2) {
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert!(told.contains(": line "), "{name}: {told}");
+            let line = case["refused"]["line"].as_u64();
+            assert!(line.is_none_or(|line| told.contains(&format!(": line {line},"))), "{name}: {told}");
+            continue;
+        }
+        let summary = json(&output);
+        for key in ["feed_time [s]", "rapid_time [s]", "dwell [s]"] {
+            let sum: f64 =
+                summary["tools"].as_array().into_iter().flatten().filter_map(|tool| tool[key].as_f64()).sum();
+            assert!((sum - case[key].as_f64().unwrap_or(0.0)).abs() < 1e-5, "{name}: {key} is {sum}");
+        }
+    }
+    for operation in [1, 2, 3, 5] {
+        let Some(nc) = data(&format!("nist-box/box-op{operation}.nc")) else { continue };
+        assert!(toolroom(&["program", &nc.display().to_string()]).status.success(), "operation {operation}");
+    }
 }
 
 fn diagnosed(case: &Case) -> Diagnosis {

@@ -2,7 +2,7 @@
 
 use crate::configured::Configured;
 use crate::unit::Unit;
-use toolroom_process::{Field, Kind, ProcessEvent, Record};
+use toolroom_process::{Field, Kind, Record};
 
 /// What a variable stands for; also its value reference.
 ///
@@ -165,7 +165,7 @@ const fn field(name: &'static str, kind: Kind, start: f64, doc: &'static str) ->
 
 /// Whether a unit has events after which its edge cannot cut.
 pub(crate) fn can_be_lost<U: Unit>() -> bool {
-    U::EVENTS.iter().any(|event| matches!(event, ProcessEvent::ThermalCollapse | ProcessEvent::Chipping))
+    U::EVENTS.iter().any(|event| event.ends_cut())
 }
 
 /// Speed field of an adaptive unit's input.

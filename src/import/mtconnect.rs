@@ -3,13 +3,14 @@
 use crate::args::MtconnectArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
+use crate::program::REFUSED;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_contour::{Drives, Program};
+use toolroom_contour::{Drives, Program, Units};
 use toolroom_process::unit;
 use toolroom_records::mtconnect::{
     Lines, Passed, Role, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, whole,
@@ -80,8 +81,8 @@ fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<
     let name = nc.display().to_string();
     let text =
         fs::read_to_string(nc).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
-    let program = Program::read(&text)
-        .map_err(|error| Failure::argument(format!("{name}: {error}"), "`toolroom program` says what can be read"))?;
+    let program = Program::read_in(&text, args.units.as_deref().and_then(Units::named))
+        .map_err(|error| Failure::argument(format!("{name}: {error}"), REFUSED))?;
     let least = unit::quantity(&args.stretch, "s")
         .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
     let list: Vec<&Run> = own.iter().collect();

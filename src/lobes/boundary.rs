@@ -15,6 +15,8 @@ pub struct Curve {
     pub limit: Vec<(f64, f64)>,
     /// Where the cut becomes stable again or unstable once more.
     pub further: Vec<(f64, f64)>,
+    /// Speeds at which the search for the limit failed, and why.
+    pub holes: Vec<(f64, String)>,
 }
 
 /// The boundary of the cut first, then what it is compared with: other lags, other allowances, the
@@ -28,13 +30,13 @@ pub fn boundaries(cut: &Cut, chart: &Chart) -> Result<Vec<Curve>, ChatterError> 
             let curve = |lag: f64| {
                 let chuck = Reduced { lag, ..*chuck };
                 let at = |eta: f64| chuck.critical_modulation(eta, chart.depth.end);
-                Ok(curve(format!("limit at lag {} us", significant(lag * 1e6)), sampled(&finer(&chart.speed), at)?))
+                sampled(format!("limit at lag {} us", significant(lag * 1e6)), &finer(&chart.speed), at)
             };
             std::iter::once(chuck.lag).chain(others).map(curve).collect()
         }
         Cut::ChipLag(chuck) => {
             let at = |lag: f64| Ok(on_chart(Some(Reduced { lag, ..*chuck }.cutting_stiffness_limit()), chart));
-            Ok(vec![curve("Routh limit".to_owned(), sampled(&finer(&chart.speed), at)?)])
+            Ok(vec![sampled("Routh limit".to_owned(), &finer(&chart.speed), at)?])
         }
         Cut::Lathe(lathe) => {
             let reference = lathe.reference_frequency();
@@ -46,7 +48,7 @@ pub fn boundaries(cut: &Cut, chart: &Chart) -> Result<Vec<Curve>, ChatterError> 
                 lathe.mu_allowance[0] = allowance;
                 let at = |ratio: f64| lathe.critical_chuck_modulation(ratio * reference, chart.depth.end);
                 let label = format!("limit at allowance harmonic {}", significant(allowance));
-                Ok(curve(label, sampled(&chart.speed, at)?))
+                sampled(label, &chart.speed, at)
             };
             std::iter::once(first).chain(others).map(curve).collect()
         }
@@ -67,41 +69,54 @@ fn compared(
 
 fn milling(cut: &Milling, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
     let (speed, greatest, steps) = (&chart.speed, chart.depth.end, chart.depth.points);
-    let Boundary { columns } = match variation {
+    let Boundary { columns, holes } = match variation {
         Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest, steps)?,
         None => cut.boundary(speed, greatest, steps)?,
     };
     let first = |column: &BoundaryColumn| column.crossings.first().map_or(f64::NAN, |crossing| crossing.limit.depth);
-    let limit = columns.iter().map(|column| (column.speed, first(column))).collect();
+    // A line is not drawn across a hole.
+    let gaps = holes.iter().map(|hole| (hole.speed, f64::NAN));
+    let mut limit: Vec<_> = columns.iter().map(|column| (column.speed, first(column))).chain(gaps).collect();
+    limit.sort_by(|a, b| a.0.total_cmp(&b.0));
     let further = columns.iter().flat_map(|column| {
         let depths = column.crossings.iter().skip(1).map(|crossing| crossing.limit.depth);
         depths.map(|depth| (column.speed, depth))
     });
-    Ok(Curve { further: further.collect(), ..curve("stability limit".to_owned(), limit) })
+    let holes = holes.into_iter().map(|hole| (hole.speed, hole.reason)).collect();
+    Ok(Curve { label: "stability limit".to_owned(), limit, further: further.collect(), holes })
 }
 
 fn turning(cut: &Turning, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
     let (greatest, steps) = (chart.depth.end, chart.depth.points);
-    let limit = match variation {
+    let label = "stability limit".to_owned();
+    match variation {
         Some(variation) => {
             let at = |speed| found(cut.limit_at_varying_speed(speed, variation, greatest, steps));
-            sampled(&chart.speed, at)?
+            sampled(label, &chart.speed, at)
         }
-        None => sampled(&finer(&chart.speed), |speed| Ok(on_chart(found(cut.limit(speed))?, chart)))?,
-    };
-    Ok(curve("stability limit".to_owned(), limit))
+        None => sampled(label, &finer(&chart.speed), |speed| Ok(on_chart(found(cut.limit(speed))?, chart))),
+    }
 }
 
-fn curve(label: String, limit: Vec<(f64, f64)>) -> Curve {
-    Curve { label, limit, further: Vec::new() }
-}
-
-/// The limit at every value of the axis, in parallel.
+/// The limit at every value of the axis, in parallel; where the search for it fails there is a hole.
 fn sampled(
+    label: String,
     axis: &Axis,
     limit: impl Fn(f64) -> Result<Option<f64>, ChatterError> + Sync,
-) -> Result<Vec<(f64, f64)>, ChatterError> {
-    axis.values("speed")?.into_par_iter().map(|at| Ok((at, limit(at)?.unwrap_or(f64::NAN)))).collect()
+) -> Result<Curve, ChatterError> {
+    let at = |at: f64| match limit(at) {
+        Err(error) if !error.is_failed_search() => Err(error),
+        outcome => Ok((at, outcome)),
+    };
+    let outcomes: Result<Vec<_>, _> = axis.values("speed")?.into_par_iter().map(at).collect();
+    let mut curve = Curve { label, limit: Vec::new(), further: Vec::new(), holes: Vec::new() };
+    for (at, outcome) in outcomes? {
+        if let Err(error) = &outcome {
+            curve.holes.push((at, error.to_string()));
+        }
+        curve.limit.push((at, outcome.ok().flatten().unwrap_or(f64::NAN)));
+    }
+    Ok(curve)
 }
 
 fn on_chart(limit: Option<f64>, chart: &Chart) -> Option<f64> {

@@ -3,7 +3,7 @@
 use super::cut::Cut;
 use serde_json::{Map, Value, json};
 use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{ChatterKind, StabilityVerdict};
+use toolroom_chatter::{ChatterError, ChatterKind, StabilityVerdict};
 use toolroom_process::unit::convert;
 
 /// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
@@ -24,6 +24,9 @@ pub struct Judgement {
     /// Greatest depth that was searched; infinite where the limit is exact.
     pub searched: f64,
 }
+
+/// What was found out about an operating point; where the search failed, why.
+pub type Judged = Result<Judgement, ChatterError>;
 
 impl Judgement {
     /// `1 − depth/limit`; `None` without limit.

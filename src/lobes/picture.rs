@@ -1,13 +1,13 @@
 //! The chart as a picture and the report around it.
 
-use super::Computed;
 use super::boundary::Curve;
 use super::cut::Quantity;
 use super::file::LobesFile;
-use super::judgement::{Judgement, word};
+use super::judgement::{Judged, word};
+use super::{Computed, holes, with_unit};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
-use toolroom_scenario::file::{Echo, significant};
+use toolroom_scenario::file::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
 /// boundary (assumption).
@@ -21,7 +21,8 @@ pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
     let description =
         format!("{} over {}: stability boundary and operating points.", depth.label, speed.label.to_lowercase());
     let lobes = lobes(&computed.curves, &computed.judgements, speed, depth);
-    if let Some(grid) = &computed.grid {
+    // Without a single verdict there is nothing to colour.
+    if let Some(grid) = computed.grid.as_ref().filter(|grid| grid.verdicts.iter().any(Option::is_some)) {
         let rows = grid.depth.len();
         let growth = |row: usize, column: usize| {
             grid.at(column, row).map_or(f64::NAN, |verdict| verdict.spectral_radius.ln().clamp(-MOST, MOST))
@@ -31,7 +32,7 @@ pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
         let columns: Vec<f64> = grid.speed.iter().map(|value| speed.shown(*value)).collect();
         let depths: Vec<f64> = grid.depth.iter().map(|value| depth.shown(*value)).collect();
         let map = HeatMap::new(title, [axis(speed), axis(depth), value], columns, depths, values);
-        return Box::new(map.colours(ColourMap::Diverging).describe(description).lobes(&lobes));
+        return Box::new(map.colours(ColourMap::Diverging).missing("no verdict").describe(description).lobes(&lobes));
     }
     let chart = &file.chart;
     let range = |quantity: Quantity, axis_of: &toolroom_chatter::Axis| {
@@ -45,7 +46,7 @@ fn axis(quantity: Quantity) -> Axis {
     Axis::linear(quantity.label, if quantity.unit == "1" { "" } else { quantity.unit })
 }
 
-fn lobes(curves: &[Curve], judgements: &[Judgement], x: Quantity, y: Quantity) -> StabilityLobes {
+fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> StabilityLobes {
     let shown = |point: &(f64, f64)| (x.shown(point.0), y.shown(point.1));
     let mut lobes = StabilityLobes::default();
     for curve in curves {
@@ -53,7 +54,7 @@ fn lobes(curves: &[Curve], judgements: &[Judgement], x: Quantity, y: Quantity) -
             .boundary(curve.label.as_str(), curve.limit.iter().map(shown))
             .places("islands and pockets", curve.further.iter().map(shown));
     }
-    for judgement in judgements {
+    for judgement in judgements.iter().flatten() {
         let standing = Standing::of(judgement.verdict.stable, judgement.margin());
         lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
     }
@@ -66,21 +67,23 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
     let chart = picture(file, computed);
     let mut report = Report::new(file.title.as_str()).lead(lead(&computed.judgements));
     if let Some(grid) = &computed.grid {
-        let share = format!("{:.1} %", 100.0 * grid.stable_share());
-        let size = format!("{} × {} points", grid.speed.len(), grid.depth.len());
-        report = report.tile(Tile::new("stable", share, size));
+        if grid.holes.len() < grid.verdicts.len() {
+            let share = format!("{:.1} %", 100.0 * grid.stable_share());
+            let size = format!("{} × {} points", grid.speed.len(), grid.depth.len());
+            report = report.tile(Tile::new("stable", share, size));
+        }
+        if !grid.holes.is_empty() {
+            let of = format!("of {} points, hatched", grid.verdicts.len());
+            report = report.tile(Tile::new("no verdict", grid.holes.len().to_string(), of));
+        }
     }
     let finite = |curve: &Curve| {
         curve.limit.iter().copied().filter(|(_, depth)| depth.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
     };
     for curve in &computed.curves {
         let Some((speed, depth)) = finite(curve) else { continue };
-        let shown = |quantity: Quantity, value| {
-            let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
-            if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
-        };
-        let note = format!("at {} {}", axes.speed.label.to_lowercase(), shown(axes.speed, speed));
-        report = report.tile(Tile::new(format!("least {}", curve.label), shown(axes.depth, depth), note));
+        let note = format!("at {} {}", axes.speed.label.to_lowercase(), with_unit(&axes.speed, speed));
+        report = report.tile(Tile::new(format!("least {}", curve.label), with_unit(&axes.depth, depth), note));
     }
     let mut section = Section::new("Stability chart");
     if computed.grid.is_some() {
@@ -92,6 +95,9 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
     }
     let caption = "Below the line every cut is stable; marks beyond it are where a cut becomes stable again.";
     section = section.figure(Figure::new(chart.as_ref(), caption).data_in("lobes.csv"));
+    for lack in holes(file, computed) {
+        section = section.paragraph(format!("Missing: {lack}."));
+    }
     report = report.section(section);
     if !computed.judgements.is_empty() {
         report = report.section(points_section(file, &computed.judgements));
@@ -108,16 +114,19 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
     report.section(Section::new("Inputs").table("Every value as it was understood", inputs)).provenance(provenance)
 }
 
-fn lead(judgements: &[Judgement]) -> String {
-    let unstable = judgements.iter().filter(|judgement| !judgement.verdict.stable).count();
-    match (judgements.len(), unstable) {
-        (0, _) => "No operating point is given.".to_owned(),
-        (all, 0) => format!("All {all} operating points are stable."),
-        (all, unstable) => format!("{unstable} of {all} operating points are unstable."),
-    }
+fn lead(judgements: &[Judged]) -> String {
+    let all = judgements.len();
+    let unstable = judgements.iter().flatten().filter(|judgement| !judgement.verdict.stable).count();
+    let failed = judgements.iter().filter(|judged| judged.is_err()).count();
+    let told = match unstable {
+        _ if all == 0 => "No operating point is given.".to_owned(),
+        0 if failed == 0 => format!("All {all} operating points are stable."),
+        unstable => format!("{unstable} of {all} operating points are unstable."),
+    };
+    if failed == 0 { told } else { format!("{told} For {failed} of them no verdict was found.") }
 }
 
-fn points_section(file: &LobesFile, judgements: &[Judgement]) -> Section {
+fn points_section(file: &LobesFile, judgements: &[Judged]) -> Section {
     let axes = file.cut.axes();
     let unit = |quantity: Quantity| axis(quantity).caption();
     let mut table = Table::new([
@@ -130,7 +139,21 @@ fn points_section(file: &LobesFile, judgements: &[Judgement]) -> Section {
         "margin [%]".to_owned(),
         "chatter frequency [Hz]".to_owned(),
     ]);
-    for (point, judgement) in file.points.iter().zip(judgements) {
+    for (point, judged) in file.points.iter().zip(judgements) {
+        let Ok(judgement) = judged else {
+            let none = || f64::NAN.into();
+            table.push([
+                point.name.as_str().into(),
+                axes.speed.shown(point.speed).into(),
+                axes.depth.shown(point.depth).into(),
+                "no verdict".into(),
+                none(),
+                none(),
+                none(),
+                none(),
+            ]);
+            continue;
+        };
         let verdict = &judgement.verdict;
         table.push([
             point.name.as_str().into(),

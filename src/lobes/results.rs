@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chart::png;
+use toolroom_chatter::{Hole, Lobes};
 use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;
 
@@ -73,6 +74,7 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
                 "columns": [axes.speed.column(), axes.depth.column()],
                 "limit": pairs(&curve.limit),
                 "further": pairs(&curve.further),
+                "holes": curve.holes.iter().map(|(at, reason)| json!([axes.speed.shown(*at), reason])).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -80,38 +82,64 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
         .points
         .iter()
         .zip(&computed.judgements)
-        .map(|(point, judgement)| {
+        .map(|(point, judged)| {
             let mut object = serde_json::Map::from_iter([("name".to_owned(), json!(point.name))]);
-            object.extend(judgement.json(&file.cut));
+            match judged {
+                Ok(judgement) => object.extend(judgement.json(&file.cut)),
+                Err(error) => object.extend([
+                    (axes.speed.column(), json!(axes.speed.shown(point.speed))),
+                    (axes.depth.column(), json!(axes.depth.shown(point.depth))),
+                    ("reason".to_owned(), json!(error.to_string())),
+                ]),
+            }
             Value::Object(object)
         })
         .collect();
+    let hole = |hole: &Hole| {
+        json!({
+            (axes.speed.column()): axes.speed.shown(hole.speed),
+            (axes.depth.column()): axes.depth.shown(hole.depth),
+            "reason": hole.reason,
+        })
+    };
+    let holes: Vec<Value> = computed.grid.iter().flat_map(|grid| &grid.holes).map(hole).collect();
     json!({
         "schema": 1,
         "name": file.name,
         "process": file.cut.process(),
-        "stable_share": computed.grid.as_ref().map(toolroom_chatter::Lobes::stable_share),
+        "stable_share": computed.grid.as_ref().map(Lobes::stable_share),
+        "holes": holes.len(),
+        "without_verdict": holes,
         "points": points,
         "boundaries": boundaries,
     })
 }
 
-/// Every verdict of the grid, or the boundary where there is no grid.
+/// Every verdict of the grid, with the reason where there is none; the boundary where there is no grid.
 fn table(file: &LobesFile, computed: &Computed) -> String {
     let axes = file.cut.axes();
     let (speed, depth) = (axes.speed, axes.depth);
     let mut text = String::new();
     if let Some(grid) = &computed.grid {
-        let _ =
-            writeln!(text, "{},{},spectral_radius,stable,type,chatter_frequency [Hz]", speed.column(), depth.column());
+        let _ = writeln!(
+            text,
+            "{},{},spectral_radius,stable,type,chatter_frequency [Hz],hole",
+            speed.column(),
+            depth.column()
+        );
+        let mut holes = grid.holes.iter();
         for (i, at) in grid.speed.iter().enumerate() {
             for (j, deep) in grid.depth.iter().enumerate() {
-                let Some(verdict) = grid.at(i, j) else { continue };
+                let place = format!("{},{}", speed.shown(*at), depth.shown(*deep));
+                let Some(verdict) = grid.at(i, j) else {
+                    // They come in the order of the points.
+                    let reason = holes.next().map_or("", |hole| hole.reason.as_str()).replace('"', "\"\"");
+                    let _ = writeln!(text, "{place},,,,,\"{reason}\"");
+                    continue;
+                };
                 let _ = writeln!(
                     text,
-                    "{},{},{},{},{},{}",
-                    speed.shown(*at),
-                    depth.shown(*deep),
+                    "{place},{},{},{},{},",
                     verdict.spectral_radius,
                     verdict.stable,
                     word(verdict.kind),

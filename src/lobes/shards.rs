@@ -13,7 +13,7 @@ use crate::study::default_out;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_chatter::{ChatterError, Lobes, StabilityVerdict};
+use toolroom_chatter::{Hole, Lobes, StabilityVerdict};
 use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Computed, Plan, ShardError, fingerprint};
 
@@ -59,16 +59,21 @@ fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
     Ok(parse(&plan.file, &plan.text, &plan.overrides)?)
 }
 
-/// One shard of a planned chart: its verdicts, column by column; none where an eigenvalue was not
-/// found.
+/// What a shard leaves: verdicts column by column, and where there is none.
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Part {
+    verdicts: Vec<Option<StabilityVerdict>>,
+    holes: Vec<Hole>,
+}
+
+/// One shard of a planned chart.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let file = chart_of(plan)?;
     let mut refusal = None;
     let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
         let LobesFile { cut, chart, .. } = &file.content;
         let content = match cut.lobes(chart, from as usize..to as usize) {
-            Ok(lobes) => Some(lobes.verdicts),
-            Err(ChatterError::NotConverged { .. }) => None,
+            Ok(Lobes { verdicts, holes, .. }) => Part { verdicts, holes },
             Err(error) => {
                 refusal = Some(refused(error));
                 let source = std::io::Error::other("the chart was refused");
@@ -91,14 +96,15 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let chart = &file.content.chart;
-    let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
-        toolroom_shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
+    let parts: Vec<Part> = toolroom_shards::parts(plan, parts).map_err(failed)?;
     let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
     let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
-    let grid = verdicts.map(|verdicts| Lobes { speed, depth, verdicts: verdicts.concat() });
-    if grid.is_none() {
-        voice.say("warning: an eigenvalue was not found; the boundary alone is drawn");
+    let (mut verdicts, mut holes) = (Vec::new(), Vec::new());
+    for part in parts {
+        verdicts.extend(part.verdicts);
+        holes.extend(part.holes);
     }
+    let grid = Lobes { speed, depth, verdicts, holes };
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
-    finish(&file, grid, &origin, out, voice)
+    finish(&file, Some(grid), &origin, out, voice)
 }

@@ -67,6 +67,8 @@ pub struct HeatMap {
     rows: Vec<f64>,
     values: Vec<f64>,
     colours: ColourMap,
+    /// What a missing value is called, where each of them has to be seen.
+    missing: Option<String>,
     layers: Vec<Layer>,
 }
 
@@ -91,6 +93,7 @@ impl HeatMap {
             rows: rows.into_iter().collect(),
             values: values.into_iter().collect(),
             colours: ColourMap::Sequential,
+            missing: None,
             layers: Vec::new(),
         }
     }
@@ -101,6 +104,14 @@ impl HeatMap {
     #[must_use]
     pub fn colours(mut self, colours: ColourMap) -> Self {
         self.colours = colours;
+        self
+    }
+
+    /// Names missing values in the legend and shows each of them: where a grid is too fine to be drawn cell by
+    /// cell, a block with one missing value is hatched as a whole instead of averaged over the others.
+    #[must_use]
+    pub fn missing(mut self, label: impl Into<String>) -> Self {
+        self.missing = Some(label.into());
         self
     }
 
@@ -159,6 +170,9 @@ impl HeatMap {
         let (wide, tall) = (columns.len().div_ceil(MOST_CELLS.0), rows.len().div_ceil(MOST_CELLS.1));
         let mean = |rows: &[usize], columns: &[usize]| {
             let values = rows.iter().flat_map(|&r| columns.iter().map(move |&c| (r, c))).map(|(r, c)| self.value(r, c));
+            if self.missing.is_some() && values.clone().any(|value| !value.is_finite()) {
+                return f64::NAN;
+            }
             let (sum, n) = values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
             sum / n
         };
@@ -266,7 +280,11 @@ impl Chart for HeatMap {
         let mut canvas = Canvas::new();
         let mut entries: Vec<Entry> = self.layers.iter().filter_map(Layer::entry).collect();
         if missing > 0 {
-            entries.push(Entry { label: "no value", style: absent, sample: Sample::Block });
+            entries.push(Entry {
+                label: self.missing.as_deref().unwrap_or("no value"),
+                style: absent,
+                sample: Sample::Block,
+            });
         }
         let top = frame::header(&mut canvas, &self.title, &entries);
         let mut frame = frame::axes(&mut canvas, (&self.x, x), (&self.y, y), (top, 320.0), 92.0);

@@ -146,6 +146,12 @@ impl UnitProcess {
         let parts = (dt / self.longest_step(acceleration, dt)).ceil().max(1.0);
         let native_ramp = self.acceleration.is_some_and(|i| self.inputs.wires[i].is_some());
         let before = self.flags(instance)?;
+        // A lost edge cuts no more; flags that were up before a step would not rise in it.
+        let lost = self.events.iter().zip(&before).find(|((event, _), up)| **up && event.ends_cut());
+        let in_cut = self.inputs.fields.iter().position(|field| field.name == "engaged").is_none_or(|i| u[i] > 0.0);
+        if let (true, Some(((event, _), _))) = (in_cut, lost) {
+            return Ok((Advance { elapsed: 0.0, event: Some(*event) }, Some(time)));
+        }
         let locates = self.goes_back() && !self.events.is_empty();
         let mut saved = Vec::new();
         let mut elapsed = 0.0;
@@ -245,6 +251,16 @@ impl MachineProcess for UnitProcess {
             Ok(values) => y.copy_from_slice(&values),
             Err(_) => y.fill(f64::NAN),
         }
+    }
+    /// By the flag of the unit; false where it has none for the event or refuses.
+    fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
+        let Some(flag) = self.events.iter().position(|(each, _)| *each == event) else { return false };
+        let mut state = x[..self.keeping.length()].to_vec();
+        let flags = self.keeping.with(&self.maker(), &mut state, |instance, _| {
+            self.set_inputs(instance, u)?;
+            Ok((self.flags(instance)?, None))
+        });
+        flags.is_ok_and(|flags| flags[flag])
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         if !(dt.is_finite() && dt >= 0.0) {

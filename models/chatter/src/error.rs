@@ -76,6 +76,25 @@ pub enum ChatterError {
     },
 }
 
+impl ChatterError {
+    /// Whether the search for an answer failed at one point. Every other error refuses the question itself, at this
+    /// point and all others.
+    pub fn is_failed_search(&self) -> bool {
+        match self {
+            Self::NotConverged { .. } => true,
+            Self::NotFinite { .. }
+            | Self::NotPositive { .. }
+            | Self::OutOfRange { .. }
+            | Self::EmptyRange { .. }
+            | Self::TooFewPoints { .. }
+            | Self::NoModes
+            | Self::NoTeethInCut
+            | Self::UnstableStructure { .. }
+            | Self::NoLimit { .. } => false,
+        }
+    }
+}
+
 /// `value` if it is finite.
 pub(crate) fn finite(quantity: &'static str, value: f64) -> Result<f64, ChatterError> {
     if value.is_finite() { Ok(value) } else { Err(ChatterError::NotFinite { quantity, value }) }

@@ -100,7 +100,7 @@ mod verdict;
 
 pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
 pub use error::ChatterError;
-pub use lobes::{Axis, Boundary, BoundaryColumn, Crossing, Lobes};
+pub use lobes::{Axis, Boundary, BoundaryColumn, BoundaryHole, Crossing, Hole, Lobes};
 pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
 pub use simulate::{Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;

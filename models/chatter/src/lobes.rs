@@ -41,6 +41,17 @@ impl Axis {
     }
 }
 
+/// A point of a chart without verdict.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Hole {
+    /// Its place on the first axis.
+    pub speed: f64,
+    /// Its place on the second axis.
+    pub depth: f64,
+    /// Why no verdict was found.
+    pub reason: String,
+}
+
 /// A stability chart as plain data.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Lobes {
@@ -48,31 +59,49 @@ pub struct Lobes {
     pub speed: Vec<f64>,
     /// Depths or widths of cut (m), or modulations in the chart of a chuck.
     pub depth: Vec<f64>,
-    /// One verdict a point, all depths of the first speed first.
-    pub verdicts: Vec<StabilityVerdict>,
+    /// One verdict a point, all depths of the first speed first; none where the search for it failed.
+    pub verdicts: Vec<Option<StabilityVerdict>>,
+    /// The points without verdict, in the order of the verdicts.
+    pub holes: Vec<Hole>,
 }
 
 impl Lobes {
-    /// The verdict at speed number `i` and depth number `j`.
+    /// The verdict at speed number `i` and depth number `j`, where there is one.
     pub fn at(&self, i: usize, j: usize) -> Option<&StabilityVerdict> {
-        if j < self.depth.len() { self.verdicts.get(i * self.depth.len() + j) } else { None }
+        if j < self.depth.len() { self.verdicts.get(i * self.depth.len() + j)?.as_ref() } else { None }
     }
 
     /// Fills a chart column by column in parallel. A verdict depends on its point alone, neither on
-    /// the threads nor on the columns beside it, so that a chart can be filled in parts.
+    /// the threads nor on the columns beside it, so that a chart can be filled in parts. A point at which the
+    /// search for a verdict fails is a hole and costs no other point.
     fn fill<F, C>(speed: &[f64], depth: &[f64], column: F) -> Result<Self, ChatterError>
     where
         F: Fn(f64) -> Result<C, ChatterError> + Sync,
         C: FnMut(f64) -> Result<StabilityVerdict, ChatterError>,
     {
-        let columns: Result<Vec<Vec<_>>, _> = speed
+        type Outcome = Result<StabilityVerdict, ChatterError>;
+        // A question that is refused is refused for the whole chart.
+        let point = |outcome: Outcome| match outcome {
+            Err(error) if !error.is_failed_search() => Err(error),
+            outcome => Ok(outcome),
+        };
+        let columns: Result<Vec<Vec<Outcome>>, ChatterError> = speed
             .par_iter()
-            .map(|speed| {
-                let mut verdict = column(*speed)?;
-                depth.iter().map(|depth| verdict(*depth)).collect()
+            .map(|speed| match column(*speed) {
+                Ok(mut verdict) => depth.iter().map(|depth| point(verdict(*depth))).collect(),
+                Err(error) => depth.iter().map(|_| point(Err(error))).collect(),
             })
             .collect();
-        Ok(Self { speed: speed.to_vec(), depth: depth.to_vec(), verdicts: columns?.concat() })
+        let mut lobes = Self { speed: speed.to_vec(), depth: depth.to_vec(), verdicts: Vec::new(), holes: Vec::new() };
+        for (speed, column) in speed.iter().zip(columns?) {
+            for (depth, outcome) in depth.iter().zip(column) {
+                if let Err(error) = &outcome {
+                    lobes.holes.push(Hole { speed: *speed, depth: *depth, reason: error.to_string() });
+                }
+                lobes.verdicts.push(outcome.ok());
+            }
+        }
+        Ok(lobes)
     }
 }
 
@@ -145,21 +174,32 @@ fn trace<'a>(
     }
     let speeds = speed.values("speed")?;
     crate::error::positive("greatest depth", greatest)?;
-    let column = |i: &usize| -> Result<(usize, BoundaryColumn), ChatterError> {
-        let crossings = at(speeds[*i])?.up_to(greatest).crossings(greatest, steps)?;
-        Ok((*i, BoundaryColumn { speed: speeds[*i], crossings }))
+    let column = |i: &usize| -> Result<(usize, Result<BoundaryColumn, BoundaryHole>), ChatterError> {
+        let speed = speeds[*i];
+        match at(speed).and_then(|at| at.up_to(greatest).crossings(greatest, steps)) {
+            Ok(crossings) => Ok((*i, Ok(BoundaryColumn { speed, crossings }))),
+            Err(error) if error.is_failed_search() => Ok((*i, Err(BoundaryHole { speed, reason: error.to_string() }))),
+            Err(error) => Err(error),
+        }
     };
-    let mut columns = std::collections::BTreeMap::new();
+    let (mut columns, mut holes) = (std::collections::BTreeMap::new(), std::collections::BTreeMap::new());
     let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
     wanted.dedup();
     // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
     let tolerance = greatest / 400.0;
     while !wanted.is_empty() {
         let traced: Result<Vec<_>, _> = wanted.par_iter().map(column).collect();
-        columns.extend(traced?);
+        for (i, traced) in traced? {
+            match traced {
+                Ok(column) => drop(columns.insert(i, column)),
+                Err(hole) => drop(holes.insert(i, hole)),
+            }
+        }
         wanted = bends(&columns, tolerance);
+        // A speed that failed once fails again.
+        wanted.retain(|i| !holes.contains_key(i));
     }
-    Ok(Boundary { columns: columns.into_values().collect() })
+    Ok(Boundary { columns: columns.into_values().collect(), holes: holes.into_values().collect() })
 }
 
 /// Speeds that are still missing between columns whose crossings do not continue each other.
@@ -198,6 +238,17 @@ fn bends(columns: &std::collections::BTreeMap<usize, BoundaryColumn>, tolerance:
 pub struct Boundary {
     /// By ascending speed, closer where it bends.
     pub columns: Vec<BoundaryColumn>,
+    /// Speeds at which the search for the boundary failed, ascending.
+    pub holes: Vec<BoundaryHole>,
+}
+
+/// A spindle speed without boundary.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BoundaryHole {
+    /// Spindle speed (rad/s).
+    pub speed: f64,
+    /// Why the boundary was not found.
+    pub reason: String,
 }
 
 /// Where the boundary meets one spindle speed.
@@ -294,9 +345,41 @@ impl FiveDegrees {
 }
 
 impl Lobes {
-    /// Share of the points that are stable.
+    /// Share of the points with a verdict that are stable; not a number where none has one.
     pub fn stable_share(&self) -> f64 {
-        let stable = self.verdicts.iter().filter(|v| v.kind == ChatterKind::Stable).count();
-        stable as f64 / self.verdicts.len() as f64
+        let stable = self.verdicts.iter().flatten().filter(|v| v.kind == ChatterKind::Stable).count();
+        stable as f64 / self.verdicts.iter().flatten().count() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Complex;
+
+    #[test]
+    fn a_failed_point_is_a_hole_and_a_refused_question_is_none() {
+        let verdict = StabilityVerdict::from_multiplier(Complex::new(0.5, 0.0), 1.0, 0.0);
+        let judge = |speed: f64, depth: f64| match (speed, depth) {
+            (2.0, 0.2) => Err(ChatterError::NotConverged { residual: 0.25 }),
+            _ => Ok(verdict),
+        };
+        let lobes = Lobes::fill(&[1.0, 2.0, 3.0], &[0.1, 0.2], |speed| match speed {
+            3.0 => Err(ChatterError::NotConverged { residual: 0.5 }),
+            speed => Ok(move |depth| judge(speed, depth)),
+        })
+        .unwrap();
+        assert_eq!(
+            lobes.verdicts.iter().map(Option::is_some).collect::<Vec<_>>(),
+            [true, true, true, false, false, false]
+        );
+        let places: Vec<(f64, f64)> = lobes.holes.iter().map(|hole| (hole.speed, hole.depth)).collect();
+        assert_eq!(places, [(2.0, 0.2), (3.0, 0.1), (3.0, 0.2)]);
+        assert!(
+            lobes.holes[0].reason.contains("residual 0.25") && lobes.at(1, 1).is_none() && lobes.at(1, 0).is_some()
+        );
+        assert_eq!(lobes.stable_share(), 1.0);
+        let refused = Lobes::fill(&[1.0], &[0.1], |_| Ok(|_| Err(ChatterError::NoModes)));
+        assert_eq!(refused, Err(ChatterError::NoModes));
     }
 }

@@ -57,6 +57,12 @@ impl Mode {
         1.0 / (Complex::new(1.0 - r * r, 2.0 * self.damping_ratio * r) * self.stiffness)
     }
 
+    /// Rate of the free vibration (1/s): `−zeta w + i w sqrt(1 − zeta²)`.
+    fn pole(&self) -> Complex<f64> {
+        let (w, zeta) = (self.angular_frequency(), self.damping_ratio);
+        Complex::new(-zeta, (1.0 - zeta * zeta).sqrt()) * w
+    }
+
     /// `direction` at unit length.
     pub(crate) fn unit(&self) -> [f64; 2] {
         let length = self.direction[0].hypot(self.direction[1]);
@@ -96,4 +102,10 @@ pub(crate) fn check_modes(modes: &[Mode]) -> Result<(), ChatterError> {
         return Err(ChatterError::NoModes);
     }
     modes.iter().try_for_each(Mode::check)
+}
+
+/// Rate (1/s) of the free vibration that decays last: without cutting it is the rightmost root.
+pub(crate) fn last_to_decay<'a>(modes: impl IntoIterator<Item = &'a Mode>) -> Complex<f64> {
+    let rates = modes.into_iter().map(Mode::pole);
+    rates.max_by(|a, b| a.re.total_cmp(&b.re)).unwrap_or(Complex::new(f64::NEG_INFINITY, 0.0))
 }

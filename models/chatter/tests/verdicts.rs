@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use toolroom_chatter::{
-    Axis, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Scatter, SpeedVariation,
+    Axis, ChatterKind, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Scatter, SpeedVariation, Turning,
 };
 
 fn rpm(speed: f64) -> f64 {
@@ -237,7 +237,7 @@ fn a_chart_at_varying_speed_is_that_of_constant_speed_where_nothing_varies() {
         assert!((column.crossings[0].limit.depth - limit).abs() < 4e-3 / 12.0 * 2e-3, "{} rad/s", column.speed);
     }
     let chart = cut.lobes_at_varying_speed(&[rpm(12000.0)], still, &[0.2e-3, 3.9e-3]).unwrap();
-    assert_eq!(chart.verdicts.iter().map(|verdict| verdict.stable).collect::<Vec<_>>(), [true, false]);
+    assert_eq!(chart.verdicts.iter().flatten().map(|verdict| verdict.stable).collect::<Vec<_>>(), [true, false]);
     let varying = SpeedVariation { amplitude: 0.3, revolutions: 1 };
     assert!(cut.boundary_at_varying_speed(&speed, varying, 4e-3, 12).is_err());
 }
@@ -304,5 +304,45 @@ fn irregular_cutters_agree_with_semi_discretisation() {
         assert!((radius.powf(periods) / reference - 1.0).abs() < 3e-4, "{} {reference}", radius.powf(periods));
         let finer = at_speed.multipliers(depth, 8).unwrap()[0].norm();
         assert!((radius / finer - 1.0).abs() < 1e-6, "{radius} {finer}");
+    }
+}
+
+#[test]
+fn a_cut_of_no_depth_is_stable_and_decays_as_the_structure_does() {
+    let slow = Mode { direction: [1.0, 0.2], natural_frequency: 540.9, damping_ratio: 0.038, stiffness: 6.48e6 };
+    let fast = Mode { direction: [0.8, 1.0], natural_frequency: 911.0, damping_ratio: 0.011, stiffness: 2.1e7 };
+    let radius = |modes: &[Mode], time: f64| {
+        modes.iter().map(|mode| (-mode.damping_ratio * TAU * mode.natural_frequency * time).exp()).fold(0.0, f64::max)
+    };
+    let variation = SpeedVariation { amplitude: 0.2, revolutions: 5 };
+    for modes in [vec![slow], vec![fast], vec![slow, fast]] {
+        let turning = Turning { process_damping: 6e5, ..Turning::orthogonal(modes.clone(), 1384e6, 0.035) };
+        let milling = Milling { modes: modes.clone(), ..standard(2, 0.5, Direction::Down) };
+        for rpm_speed in [800.0, 6000.0, 23_456.0] {
+            let speed = rpm(rpm_speed);
+            let turn = TAU / speed;
+            let still = turning.verdict(speed, 0.0).unwrap();
+            let varying = turning.verdict_at_varying_speed(speed, variation, 0.0).unwrap();
+            let tooth = milling.verdict(speed, 0.0).unwrap();
+            let chart = milling.lobes(&[speed], &[0.0, 1e-9]).unwrap();
+            let of_teeth = milling.at_varying_speed(speed, variation).unwrap().verdict(0.0).unwrap();
+            for (verdict, time) in [
+                (still, turn),
+                (varying, turn),
+                (tooth, 0.5 * turn),
+                (*chart.at(0, 0).unwrap(), 0.5 * turn),
+                (of_teeth, turn),
+            ] {
+                let expected = radius(&modes, time);
+                assert!(
+                    verdict.stable && (verdict.spectral_radius / expected - 1.0).abs() < 1e-9,
+                    "{verdict:?} {expected}"
+                );
+            }
+            // A cut of a nanometre is no other.
+            let (none, nanometre) = (chart.at(0, 0).unwrap(), chart.at(0, 1).unwrap());
+            assert!((none.spectral_radius / nanometre.spectral_radius - 1.0).abs() < 1e-3, "{none:?} {nanometre:?}");
+            assert!((none.period - nanometre.period).abs() < 1e-12);
+        }
     }
 }

@@ -101,7 +101,7 @@ pub use path_error::{
 };
 pub use plan::{Plan, PlannedSection};
 pub use planner::{Evaluation, Planner, Setting, Warning};
-pub use program::{Block, Drives, Motion, Program, ProgramError, ProgramFault, Stretch, StretchKind};
+pub use program::{Block, Drives, Motion, Program, ProgramError, ProgramFault, Stretch, StretchKind, Units};
 pub use search::Objective;
 pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};

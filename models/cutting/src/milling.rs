@@ -132,7 +132,11 @@ impl Milling {
             if settled { self.rates_in(&first, &x) } else { self.rates(&x, u) }.write_to(&mut slope);
             slope
         };
-        let events = |_: f64, y: &[f64; STATES]| self.indicators(&MillingState::from_slice(y), u);
+        // A worn cutter goes on, and its wear limit is not met again.
+        let at_start = self.indicators(x, u);
+        let passed = std::array::from_fn(|i| at_start[i] >= 0.0 && !EVENTS[i].ends_cut());
+        let events =
+            |_: f64, y: &[f64; STATES]| ode::unless_passed(passed, self.indicators(&MillingState::from_slice(y), u));
         let tolerance = self.tolerance(ACCURACY);
         let mut state = [0.0; STATES];
         x.write_to(&mut state);
@@ -184,9 +188,6 @@ impl Process for Milling {
         self.check(u)?;
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(ModelError::Step { seconds: dt });
-        }
-        if u.engaged > 0.0 && self.indicators(x, u)[1] >= 0.0 {
-            return Ok(Advance { elapsed: 0.0, event: Some(ProcessEvent::Chipping) });
         }
         let (state, advance) = self.run(x, u, dt)?;
         *x = state;

@@ -112,6 +112,8 @@ impl Turning {
         if let Some(event) = lost_at_once(&first, x, u) {
             return Ok(Advance { elapsed: 0.0, event: Some(event) });
         }
+        // What holds now and does not end the cut, which is a worn edge, is not met again.
+        let passed = first.event_indicators(x, u.chipping_resistance).map(|value| value >= 0.0);
         if u.engaged == 0.0 {
             // Out of cut nothing happens but that the body cools, x' = -x/T.
             let cooled = |x: &TurningState, time: f64| {
@@ -141,7 +143,7 @@ impl Turning {
         };
         let events = |time: f64, y: &[f64; STATES]| {
             let x = TurningState::from_slice(y);
-            engagement(time, &x).event_indicators(&x, u.chipping_resistance)
+            ode::unless_passed(passed, engagement(time, &x).event_indicators(&x, u.chipping_resistance))
         };
         let stage =
             |slope: &[f64; STATES]| STAGE * self.pair.limits.wear_limit / TurningState::from_slice(slope).flank_wear;
@@ -179,11 +181,10 @@ fn position_after(u: &TurningInput, path: f64) -> f64 {
 /// The event that keeps an edge in this state from cutting at all. A worn edge may go on past
 /// its wear limit; a collapsed or chipped one may not.
 fn lost_at_once(at: &Engagement<'_>, x: &TurningState, u: &TurningInput) -> Option<ProcessEvent> {
-    let ends_cut = |event: ProcessEvent| event != ProcessEvent::WearLimit && u.engaged > 0.0;
     WEAR_EVENTS
         .into_iter()
         .zip(at.event_indicators(x, u.chipping_resistance))
-        .find(|(event, at)| ends_cut(*event) && *at >= 0.0)
+        .find(|(event, at)| u.engaged > 0.0 && event.ends_cut() && *at >= 0.0)
         .map(|(event, _)| event)
 }
 

@@ -43,6 +43,13 @@ fn points() -> Vec<(MillingInput, f64)> {
 process_contract!(nominal, Milling::default(), points());
 process_contract!(with_everything, everything(), points());
 
+#[test]
+fn a_cutter_without_resistance_chips_at_once() {
+    let u = MillingInput { chipping_rate: 1e-3, chipping_resistance: 0.0, ..MillingInput::default() };
+    let (life, event) = Milling::default().life(&u).expect("an end");
+    assert_eq!((life.cutting_time, event), (0.0, ProcessEvent::Chipping));
+}
+
 fn endmill_32(direction: f64, feed_per_tooth: f64, width_of_cut: f64, rpm: f64) -> (Milling, MillingInput) {
     let input = MillingInput {
         cutting_speed: PI * 0.032 * rpm / 60.0,

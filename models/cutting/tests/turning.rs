@@ -161,6 +161,51 @@ fn a_collapse_is_an_event_also_at_the_first_instant() {
     assert_eq!((hopeless.event, hopeless.elapsed), (Some(ProcessEvent::ThermalCollapse), 0.0));
 }
 
+/// A heavy cut is too hot for the edge from some speed on: there it collapses at once instead of living on.
+#[test]
+fn faster_is_never_longer_up_to_the_speed_at_which_an_edge_collapses_at_once() {
+    for (model, set) in [
+        (LifeModel::QuasiSteady, "ni_vk6om"),
+        (LifeModel::Ode, "ni_vk6om"),
+        (LifeModel::QuasiSteady, "ti_vk6"),
+        (LifeModel::QuasiSteady, "c45_t15k6"),
+    ] {
+        let turning = Turning::named(set).expect("a shipped set");
+        let life = |speed: f64| {
+            let cut = TurningInput { feed_per_rev: 0.4e-3, depth_of_cut: 3e-3, ..TurningInput::default() };
+            let (life, event) = turning.life(&TurningInput { cutting_speed: speed, ..cut }, model).expect("an end");
+            (life.cutting_time, event)
+        };
+        let speeds: Vec<f64> =
+            (0..60).map(|i| turning.pair.limits.reference_speed * (1.0 + 0.1 * f64::from(i))).collect();
+        let lives: Vec<(f64, ProcessEvent)> = speeds.iter().map(|speed| life(*speed)).collect();
+        for (pair, speed) in lives.windows(2).zip(&speeds) {
+            assert!(pair[1].0 <= pair[0].0, "{set} above {speed} m/s: {} s, then {} s", pair[0].0, pair[1].0);
+        }
+        let kinds = [ProcessEvent::WearLimit, ProcessEvent::ThermalCollapse];
+        let order: Vec<usize> =
+            lives.iter().filter_map(|(_, event)| kinds.iter().position(|kind| kind == event)).collect();
+        assert!(order.len() == 60 && order.is_sorted() && order[0] == 0 && order[59] == 1, "{set}: {order:?}");
+        if model == LifeModel::QuasiSteady {
+            assert_eq!(lives[59].0, 0.0, "{set}");
+        }
+    }
+    // 80 and 90 m/min of the reference set: 0.0148 min and nothing.
+    let at = |speed: f64| {
+        let cut = TurningInput { feed_per_rev: 0.4e-3, depth_of_cut: 3e-3, ..TurningInput::default() };
+        process().life(&TurningInput { cutting_speed: speed / 60.0, ..cut }, LifeModel::QuasiSteady).expect("an end")
+    };
+    assert!((at(80.0).0.cutting_time / 60.0 - 0.0148).abs() < 1e-4);
+    assert_eq!((at(90.0).0.cutting_time, at(90.0).1), (0.0, ProcessEvent::ThermalCollapse));
+}
+
+#[test]
+fn an_edge_without_resistance_chips_at_once() {
+    let u = TurningInput { chipping_rate: 1e-2, chipping_resistance: 0.0, ..TurningInput::default() };
+    let (life, event) = process().life(&u, LifeModel::Ode).expect("an end");
+    assert_eq!((life.cutting_time, event), (0.0, ProcessEvent::Chipping));
+}
+
 #[test]
 fn a_known_effect_changes_what_it_should() {
     let effect = |id: &str, size: f64| Turning {

@@ -2,7 +2,7 @@
 
 use crate::infeed::positive;
 use crate::{Infeed, Input, Output, State};
-use toolroom_process::ode::{Tolerance, integrate};
+use toolroom_process::ode::{Tolerance, integrate, unless_passed};
 use toolroom_process::{Advance, AnyRecord, ModelError, Number, Process, ProcessEvent, Record, record};
 
 /// Which property of the recursion the approximation keeps; none keeps both.
@@ -140,7 +140,10 @@ impl Process for InfeedFirstOrder {
         let tolerance = Tolerance { relative: 1e-10, absolute: [1e-15, 1e-15, 1e-15, 1e-12] };
         let mut start = [0.0; 4];
         x.write_to(&mut start);
-        let end = integrate(rhs, |_, values| self.indicators(&record(values), u), &start, dt, &tolerance)?;
+        // Grinding goes on past burn and past the dressing that is due; neither is met again.
+        let passed = self.indicators(x, u).map(|value| value >= 0.0);
+        let events = |_: f64, values: &[f64; 4]| unless_passed(passed, self.indicators(&record(values), u));
+        let end = integrate(rhs, events, &start, dt, &tolerance)?;
         *x = record(&end.state);
         Ok(match end.event {
             Some(index) => Advance { elapsed: end.time, event: Some(Self::EVENTS[index]) },

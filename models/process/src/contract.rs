@@ -1,6 +1,6 @@
 //! The contract suite that every process runs: [`process_contract!`](crate::process_contract!).
 
-use crate::{AnyRecord, Process, Record, unit};
+use crate::{AnyRecord, Field, Process, Record, unit};
 
 /// A point of the operating range at which the contract is checked: an input and the duration
 /// of a step, s.
@@ -104,6 +104,72 @@ pub fn events_stop_the_step<P: Process>(process: &P, points: &[Point<P>]) {
             }
         }
     }
+}
+
+/// Range of each element of a record.
+fn ranges(fields: &[Field]) -> impl Iterator<Item = [f64; 2]> + '_ {
+    fields.iter().flat_map(|field| std::iter::repeat_n([field.min, field.max], field.len))
+}
+
+/// An event that holds at the start and ends the cut is told at once; past any other the step goes on and
+/// does not tell it again.
+///
+/// Every component of the state is raised until an event holds, every input is set to either end of its range.
+/// Each declared event has to hold somewhere, so that the check is never empty.
+pub fn held_events_are_told_at_once<P: Process>(process: &P, points: &[Point<P>]) {
+    let held = |state: &P::State, input: &P::Input| -> Vec<bool> {
+        let mut indicators = vec![0.0; P::EVENTS.len()];
+        process.event_indicators(state, input, &mut indicators);
+        indicators.into_iter().map(|value| value >= 0.0).collect()
+    };
+    let mut seen = vec![false; P::EVENTS.len()];
+    for (input, duration) in points {
+        if P::Input::index_of("engaged").and_then(|i| input.get(i)) == Some(0.0) {
+            continue;
+        }
+        let mut cut = process.initial();
+        process.advance(&mut cut, input, 0.3 * duration).expect("contract points lie in the domain");
+        let mut starts: Vec<(P::State, P::Input, bool)> = Vec::new();
+        for (i, [_, most]) in ranges(P::State::FIELDS).enumerate() {
+            // Just past the event: the least power of ten of the range at which it holds.
+            let raised = (0..=120).map(|tenth| {
+                let mut state = cut;
+                state.set(i, most * 10f64.powf(0.1 * f64::from(tenth) - 12.0));
+                state
+            });
+            starts
+                .extend(raised.into_iter().find(|state| held(state, input).contains(&true)).map(|x| (x, *input, true)));
+        }
+        for (i, ends) in ranges(P::Input::FIELDS).enumerate() {
+            for end in ends {
+                let mut changed = *input;
+                changed.set(i, end);
+                starts.push((cut, changed, false));
+            }
+        }
+        for (start, input, in_domain) in starts {
+            let held = held(&start, &input);
+            if !held.contains(&true) {
+                continue;
+            }
+            let mut state = start;
+            let advance = match process.advance(&mut state, &input, *duration) {
+                Ok(advance) => advance,
+                // An input at the end of its range may contradict another.
+                Err(_) if !in_domain => continue,
+                Err(error) => panic!("{start:?}: {error}"),
+            };
+            seen.iter_mut().zip(&held).for_each(|(seen, held)| *seen |= held);
+            let told = advance.event.and_then(|event| P::EVENTS.iter().position(|each| *each == event));
+            if P::EVENTS.iter().zip(&held).any(|(event, held)| *held && event.ends_cut()) {
+                assert!(told.is_some_and(|i| held[i] && P::EVENTS[i].ends_cut()), "{start:?}: {advance:?}");
+                assert_eq!((advance.elapsed, state), (0.0, start));
+            } else {
+                assert!(told.is_none_or(|i| !held[i]), "{start:?}: {advance:?} was told before");
+            }
+        }
+    }
+    assert!(!seen.contains(&false), "of {:?} there held: {seen:?}", P::EVENTS);
 }
 
 /// Inputs out of range and broken steps are refused and leave the state alone.
@@ -219,6 +285,10 @@ macro_rules! process_contract {
             #[test]
             fn only_an_event_shortens_a_step() {
                 contract::events_stop_the_step(&$process, &$points);
+            }
+            #[test]
+            fn an_event_that_already_holds_is_told_at_once() {
+                contract::held_events_are_told_at_once(&$process, &$points);
             }
             #[test]
             fn what_lies_outside_the_domain_is_refused() {

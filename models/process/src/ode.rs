@@ -59,9 +59,10 @@ const LEAST_STEP: f64 = 1e-12;
 /// Integrates `y' = rhs(t, y)` from `y` over `[0, t_end]`, or up to the first instant at which
 /// one of the event functions reaches zero from below.
 ///
-/// Event functions that are zero or positive at the start are not watched until they have been
-/// negative. An event is located on the dense output by bisection to 1e-12 of the step; the
-/// returned state lies on or after the event, never before.
+/// An event function that is zero or positive at the start has happened already: the integration ends there, at
+/// time 0, whatever `t_end`. Whoever lets a system go on past such an event takes it out with [`unless_passed`].
+/// Any other event is located on the dense output by bisection to 1e-12 of the step; the returned state lies on or
+/// after the event, never before.
 ///
 /// # Errors
 /// [`ModelError::Step`] for a `t_end` that is negative or not finite,
@@ -134,11 +135,12 @@ fn integrate_from<const D: usize, const E: usize>(
     if !(t_end >= 0.0 && t_end.is_finite()) {
         return Err(ModelError::Step { seconds: t_end });
     }
-    let mut at = Integration { time: 0.0, state: *y, event: None, steps: 0, rejected: 0, evaluations: 1 };
-    if t_end == 0.0 {
+    let mut before = events(0.0, y);
+    let held = before.iter().position(|value| *value >= 0.0);
+    let mut at = Integration { time: 0.0, state: *y, event: held, steps: 0, rejected: 0, evaluations: 1 };
+    if held.is_some() || t_end == 0.0 {
         return Ok(at);
     }
-    let mut before = events(0.0, y);
     let mut k1 = *slope;
     let least = LEAST_STEP * t_end;
     let mut h = first_step(y, &k1, t_end, tolerance);
@@ -201,7 +203,7 @@ pub fn integrate_staged<const D: usize, const E: usize>(
     mut watch: impl FnMut(&Stretch<'_, D>),
 ) -> Result<Integration<D>, ModelError> {
     let mut total = integrate(&mut rhs, &mut events, y, if t_end > 0.0 { 0.0 } else { t_end }, tolerance)?;
-    while total.time < t_end {
+    while total.event.is_none() && total.time < t_end {
         let (start, rest) = (total.time, t_end - total.time);
         let slope = rhs(start, &total.state);
         let stage = stage(&slope);
@@ -222,11 +224,26 @@ pub fn integrate_staged<const D: usize, const E: usize>(
         total.evaluations += part.evaluations;
         total.event = part.event;
         total.time = if last && part.event.is_none() { t_end } else { start + part.time };
-        if part.event.is_some() {
-            break;
-        }
     }
     Ok(total)
+}
+
+/// Values of event functions without those that have `passed`: for systems that go on past an event, which would
+/// otherwise end every later integration at its start.
+///
+/// ```
+/// use toolroom_process::ode::{Tolerance, integrate, unless_passed};
+/// let tolerance = Tolerance { relative: 1e-9, absolute: [1e-12] };
+/// // Past the first of two marks: at once with it, at the second without it.
+/// let marks = |y: &[f64; 1]| [y[0] - 1.0, y[0] - 3.0];
+/// let past = [true, false];
+/// let with = integrate(|_, _| [1.0], |_, y| marks(y), &[2.0], 5.0, &tolerance).unwrap();
+/// let without = integrate(|_, _| [1.0], |_, y| unless_passed(past, marks(y)), &[2.0], 5.0, &tolerance).unwrap();
+/// assert_eq!((with.event, with.time), (Some(0), 0.0));
+/// assert_eq!(without.event, Some(1));
+/// ```
+pub fn unless_passed<const E: usize>(passed: [bool; E], events: [f64; E]) -> [f64; E] {
+    std::array::from_fn(|i| if passed[i] { f64::NEG_INFINITY } else { events[i] })
 }
 
 /// Greatest change of a component in a [`short_step`], share of its size and scale.
@@ -491,6 +508,23 @@ mod tests {
         .unwrap();
         assert_eq!(end.event, Some(1));
         assert!((end.time - 1.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_event_that_already_holds_ends_an_integration_at_once() {
+        let tolerance = Tolerance { relative: 1e-6, absolute: [1e-6] };
+        for (start, t_end) in [(2.0, 100.0), (1.5, 100.0), (2.0, 0.0)] {
+            let events = |_: f64, y: &[f64; 1]| [y[0] - 9.0, y[0] - 1.5];
+            let plain = integrate(|_, _| [1.0], events, &[start], t_end, &tolerance).unwrap();
+            let staged = integrate_staged(|_, _| [1.0], events, &[start], t_end, &tolerance, |_| 0.1, |_| ()).unwrap();
+            for end in [plain, staged] {
+                assert_eq!((end.event, end.time, end.state, end.steps), (Some(1), 0.0, [start], 0));
+            }
+        }
+        // Passed events are left out, the others still found, in stages as in one.
+        let beyond = |_: f64, y: &[f64; 1]| unless_passed([false, true], [y[0] - 9.0, y[0] - 1.5]);
+        let end = integrate_staged(|_, _| [1.0], beyond, &[2.0], 100.0, &tolerance, |_| 0.3, |_| ()).unwrap();
+        assert!(end.event == Some(0) && (end.time - 7.0).abs() < 1e-9, "{end:?}");
     }
 
     #[test]

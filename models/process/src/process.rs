@@ -29,6 +29,15 @@ impl ProcessEvent {
             Self::DressingDue => "dressing_due",
         }
     }
+
+    /// Whether nothing can be cut any more once it has happened. Past the others a cut may go on: a worn edge
+    /// still cuts, a burnt part is still ground.
+    pub fn ends_cut(self) -> bool {
+        match self {
+            Self::ThermalCollapse | Self::Chipping => true,
+            Self::WearLimit | Self::Burn | Self::DressingDue => false,
+        }
+    }
 }
 
 /// How far a step came.
@@ -65,6 +74,9 @@ pub trait Process: Send + Sync {
     fn output(&self, x: &Self::State, u: &Self::Input) -> Self::Output;
 
     /// Moves `x` by `dt` seconds under held input, or up to the first event.
+    ///
+    /// An event that already holds at `x` and ends the cut ([`ProcessEvent::ends_cut`]) is told at once, with
+    /// no time elapsed. Past any other that holds at `x` the step goes on without telling it again.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for an input outside its range, [`ModelError::Step`] for a
@@ -148,6 +160,9 @@ pub trait MachineProcess: Send + Sync {
     }
     /// Outputs at state `x` under input `u`, written to `y`.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]);
+    /// Whether `event` has happened by state `x` under input `u`, even where no step has crossed it: an edge may be
+    /// mounted past its wear limit. False for an event that the process does not know.
+    fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool;
     /// Moves `x` by `dt` seconds or up to the first event, and `u` to the input at that time.
     ///
     /// # Errors
@@ -228,6 +243,12 @@ impl<P: Process> MachineProcess for P {
     }
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
         Process::output(self, &P::State::from_slice(x), &P::Input::from_slice(u)).write_to(y);
+    }
+    fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
+        let Some(index) = P::EVENTS.iter().position(|each| *each == event) else { return false };
+        let mut indicators = vec![0.0; P::EVENTS.len()];
+        self.event_indicators(&P::State::from_slice(x), &P::Input::from_slice(u), &mut indicators);
+        indicators[index] >= 0.0
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         let mut state = P::State::from_slice(x);

@@ -139,17 +139,19 @@ impl<N: Number> Contact<'_, N> {
     #[inline]
     pub fn event_indicators(&self, state: &WearState<N>, chipping_resistance: f64) -> [N; 3] {
         let pair = self.pair;
+        let hazard = state.chipping_hazard;
         [
             state.flank_wear / pair.limits.wear_limit - 1.0,
             self.temperature_at(state) / pair.temperature.collapse_temperature - 1.0,
-            state.chipping_hazard / chipping_resistance - 1.0,
+            // An edge without any resistance has chipped: 0/0 would hide it.
+            if chipping_resistance > 0.0 { hazard / chipping_resistance - 1.0 } else { hazard },
         ]
     }
 }
 
 impl Pair {
-    /// Cuts from `start` for at most `longest` seconds, or until the edge is spent. `cut_at`
-    /// gives the cut at a time since the start and a state.
+    /// Cuts from `start` for at most `longest` seconds, or until the edge is spent; one that is spent at the start
+    /// ends there, without any time. `cut_at` gives the cut at a time since the start and a state.
     ///
     /// # Errors
     /// [`ModelError::Step`] for a `longest` that is negative or not finite,

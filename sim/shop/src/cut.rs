@@ -128,7 +128,7 @@ impl Segment {
                 continue;
             };
             time += advance.elapsed;
-            if matches!(event, ProcessEvent::Chipping | ProcessEvent::ThermalCollapse) {
+            if event.ends_cut() {
                 self.lost = Some(event);
                 break;
             }

@@ -363,7 +363,13 @@ impl<R: Recorder> Shop<'_, R> {
             vibration.note(row, &mut task.surface);
         }
         task.size_error = row.size_error;
-        for &(after, event) in &segment.passed {
+        // An edge that was mounted past its wear limit never crosses it.
+        let process = self.scenario.tools[place.tool].process.machine_process();
+        let worn = edge.spent.is_none()
+            && !segment.has(ProcessEvent::WearLimit)
+            && process.holds(ProcessEvent::WearLimit, &edge.state, &segment.input);
+        let mounted_worn = worn.then_some((0.0, ProcessEvent::WearLimit));
+        for (after, event) in mounted_worn.into_iter().chain(segment.passed.iter().copied()) {
             match event {
                 ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
                 ProcessEvent::Burn => task.burnt = true,

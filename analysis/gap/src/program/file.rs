@@ -2,7 +2,7 @@
 
 use super::ProgramModel;
 use std::path::Path;
-use toolroom_contour::Program;
+use toolroom_contour::{Program, Units};
 use toolroom_process::Record;
 use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
@@ -65,6 +65,7 @@ static PROGRAM: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Name under which its runs are recorded"),
         Key::required("file", Kind::Text, "G-code, from the directory of this file"),
+        Key::optional("units", Kind::Choice(&Units::NAMES), "Unit of a program without G20 or G21"),
     ],
 };
 
@@ -105,7 +106,7 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
         let text = std::fs::read_to_string(&path);
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
-            Ok(text) => match Program::read(&text) {
+            Ok(text) => match Program::read_in(&text, section.text("units").and_then(Units::named)) {
                 Ok(program) => model.programs.push((name.to_owned(), program)),
                 Err(reason) => walk.fault(span, Fault::PartProgram { file, reason }),
             },

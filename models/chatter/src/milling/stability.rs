@@ -10,6 +10,7 @@ use crate::lobes::Crossing;
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::speed_variation::SpeedVariation;
+use crate::structure::last_to_decay;
 use crate::verdict::{StabilityLimit, StabilityVerdict};
 use nalgebra::Complex;
 use std::borrow::Cow;
@@ -301,12 +302,22 @@ impl<'a> AtSpeed<'a> {
         self.judge(depth, Effort::Screening)
     }
 
+    /// The multiplier without a cut, and its period (s): the structure decays by itself.
+    fn uncut(&self) -> (Dominant, f64) {
+        let (repeats, speed) = match self.motion {
+            Motion::Constant(speed) => (1, speed),
+            Motion::Varying(speed, variation) => (variation.revolutions, speed),
+        };
+        let period = f64::from(repeats) * self.geometry.span / speed;
+        (Dominant { value: (last_to_decay(&self.cut.modes) * period).exp(), residual: 0.0 }, period)
+    }
+
     fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
         within("depth", depth, 0.0, f64::MAX)?;
-        let (mut dominant, mut period) = self.dominant(depth, effort)?;
+        let (mut dominant, mut period) = if depth == 0.0 { self.uncut() } else { self.dominant(depth, effort)? };
         let mut spent = effort;
         for next in [Effort::Verdict, Effort::Boundary] {
-            let near = (dominant.value.norm() - 1.0).abs() < spent.settings().2;
+            let near = depth > 0.0 && (dominant.value.norm() - 1.0).abs() < spent.settings().2;
             if near && next as usize > spent as usize {
                 (dominant, period) = self.dominant(depth, next)?;
                 spent = next;

@@ -3,6 +3,7 @@
 use super::Turning;
 use super::oriented::Oriented;
 use crate::error::ChatterError;
+use crate::structure::last_to_decay;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -31,6 +32,11 @@ impl Turning {
     /// revolution, so one start a wave, from `exp(−s tau) = 1 + 1/(b K_f G)`, finds them all
     /// where the structure answers; the structure's own poles complete the starts.
     pub(super) fn rightmost_root(&self, spindle_speed: f64, width: f64) -> Result<Root, ChatterError> {
+        if width == 0.0 {
+            // Nothing feeds the vibration back: the roots are the poles of the structure.
+            let rate = last_to_decay(self.modes.iter().filter(|mode| self.orientation(mode) != 0.0));
+            return Ok(Root { rate, residual: 0.0 });
+        }
         let tau = TAU / spindle_speed;
         let gain = width * self.force_slope();
         let structure = Oriented::new(self);

@@ -5,7 +5,7 @@ use super::Turning;
 use crate::SpeedVariation;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
-use crate::krylov::Krylov;
+use crate::krylov::{Dominant, Krylov};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{Modal, Modes};
@@ -115,10 +115,16 @@ impl Turning {
         variation.check()?;
         within("width", width, 0.0, f64::MAX)?;
         let revolutions = variation.revolutions;
-        let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
-        let mut storage = MapStorage::default();
-        let dominant = Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?;
         let length = TAU * f64::from(revolutions) / spindle_speed;
+        let dominant = if width == 0.0 {
+            // Without a cut the speed does not matter.
+            let root = self.rightmost_root(spindle_speed, width)?;
+            Dominant { value: (root.rate * length).exp(), residual: root.residual }
+        } else {
+            let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
+            let mut storage = MapStorage::default();
+            Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?
+        };
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, length, dominant.residual);
         verdict.name_frequency(&self.modes);
         verdict.spread_over(revolutions);

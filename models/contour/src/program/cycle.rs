@@ -23,8 +23,18 @@ impl Cycle {
         Self { number, bottom: None, level: None, peck: None, dwell: 0.0 }
     }
 
-    /// Takes the words of a block; `at` is the height where the cycle was called.
-    pub(super) fn take(&mut self, words: &Words, scale: f64, absolute: bool, at: f64) {
+    /// Letters that say something to it.
+    pub(super) fn letters(&self) -> &'static str {
+        match self.number {
+            73 | 83 => "XYZRQL",
+            84 => "XYZRQPL",
+            82 | 86 | 89 => "XYZRPL",
+            _ => "XYZRL",
+        }
+    }
+
+    /// Takes the words of a block; `at` is the height where the cycle was called, `dwell` what its P means, s.
+    pub(super) fn take(&mut self, words: &Words, scale: f64, absolute: bool, at: f64, dwell: Option<f64>) {
         if let Some(level) = words.number('R') {
             self.level = Some(if absolute { level * scale } else { at + level * scale });
         }
@@ -35,9 +45,7 @@ impl Cycle {
         if let Some(peck) = words.number('Q') {
             self.peck = Some(peck.abs() * scale);
         }
-        if let Some(dwell) = words.number('P') {
-            self.dwell = if words.pointed { dwell } else { dwell * 1e-3 }.max(0.0);
-        }
+        self.dwell = dwell.unwrap_or(self.dwell);
     }
 
     /// Motions of one hole; the answer is the height at which it is left.

@@ -43,7 +43,7 @@ impl Program {
     ///
     /// ```
     /// use toolroom_contour::Program;
-    /// let program = Program::read("T1 M6\nG0 X0 Y0 Z1\nG1 Z0 F60\nX10\nX20\nG81 Z-1 R1 X30\nG80\nM30").unwrap();
+    /// let program = Program::read("T1 M6\nG21 G0 X0 Y0 Z1\nG1 Z0 F60\nX10\nX20\nG81 Z-1 R1 X30\nG80\nM30").unwrap();
     /// let lengths: Vec<usize> = program.stretches(10.0, 0.5).iter().map(|stretch| stretch.blocks.len()).collect();
     /// // Where the first rapid starts is not known: it takes no time of its own.
     /// assert_eq!(lengths, [2, 2, 1, 2, 1]);

@@ -172,10 +172,11 @@ impl Ramp {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Units;
     use proptest::prelude::*;
 
     fn time(text: &str, drives: &Drives) -> f64 {
-        Program::read(text).expect("a program").times(drives).iter().sum()
+        Program::read_in(text, Some(Units::Millimetre)).expect("a program").times(drives).iter().sum()
     }
 
     fn with(inverse_acceleration: f64) -> Drives {

@@ -28,8 +28,8 @@ impl LifeModel {
 const LONGEST: f64 = 1e9;
 
 impl Turning {
-    /// What a new edge gives under `u`, held, until the first event that ends it. The ramp of
-    /// `u` does not count.
+    /// What a new edge gives under `u`, held, until the first event that ends it; nothing where the event
+    /// already holds, as in a cut too hot for the edge. The ramp of `u` does not count.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for an input outside its range; [`ModelError::NoSolution`]

@@ -37,6 +37,19 @@ fn an_edge_past_its_wear_limit_finishes_the_pass_and_goes() {
 }
 
 #[test]
+fn an_edge_that_is_mounted_past_its_wear_limit_is_found_after_its_first_pass() {
+    let mut shop = shop(NEVER);
+    shop.tools[0].scatter.initial_wear = 0.06e-3;
+    shop.tools[0].process =
+        ProcessModel::Other(Arc::new(Rubbing { wear_per_path: 1e-9, wear_limit: 0.055e-3, breaks_at: 1.0 }));
+    let log = run(&shop);
+    // Twelve parts of two passes, an edge a pass.
+    assert_eq!(passes_and_reasons(&log)[..24], [(1, ChangeReason::WearLimit); 24]);
+    let crossings: Vec<f64> = log.events.iter().filter(|row| row.event == "wear_limit").map(|row| row.time).collect();
+    assert_eq!((crossings.len(), crossings[0]), (24, 0.0));
+}
+
+#[test]
 fn part_count_and_cutting_time_change_before_the_next_pass() {
     let log = run(&shop(ToolChangeRule::PartCount { parts: 2 }));
     assert_eq!(log.edges.len(), 6);

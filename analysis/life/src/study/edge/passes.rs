@@ -96,7 +96,7 @@ impl<'a> Machining<'a> {
         let noise = Noise::new(&study.scatter, &mut draws.wear);
         let longest_step = if study.lagged { LONGEST_LAGGED_STEP } else { LONGEST_STEP };
         let mut machining = Self {
-            wear: edge.initial_wear.min(0.999 * limit),
+            wear: edge.initial_wear,
             body: 0.0,
             time: 0.0,
             path: 0.0,
@@ -127,6 +127,9 @@ impl<'a> Machining<'a> {
 
     /// Cuts until the edge ends; `planned` gets to know the path before every pass, and its speeds.
     pub fn run(mut self, mut planned: impl FnMut(f64, &Ramp)) -> Outcome {
+        if self.wear >= self.limit {
+            return self.outcome(self.study.limit_kind(self.pair));
+        }
         let mut pilot = self.policy.pilot(self.pair, self.edge.mean_cut());
         let (passes, scatter) = (self.study.passes, self.study.scatter);
         for _ in 0..MOST_PASSES {
@@ -156,7 +159,17 @@ impl<'a> Machining<'a> {
     }
 
     /// One pass; something where the edge ends in it.
-    fn pass(&mut self, contact: &Contact<'a>, ramp: &Ramp, path: f64, pilot: &mut Pilot<'_>) -> Option<Outcome> {
+    pub(super) fn pass(
+        &mut self,
+        contact: &Contact<'a>,
+        ramp: &Ramp,
+        path: f64,
+        pilot: &mut Pilot<'_>,
+    ) -> Option<Outcome> {
+        // A ramp down may be too hot at its start and not at the end of its first step, which is what is watched.
+        if contact.steady_temperature(self.wear) > self.pair.temperature.collapse_temperature {
+            return Some(self.outcome(End::Collapse));
+        }
         let duration = 2.0 * path / (ramp.start + ramp.end);
         let acceleration = (ramp.end - ramp.start) / duration;
         let sampling = self.policy.sampling(duration);

@@ -31,6 +31,9 @@ pub(super) fn life(study: &Study, pair: &Pair, edge: &Edge, speed: f64, stream: 
     let contact = pair.contact(&cut);
     let chips = Chips { chipping: pair.chipping, added: cut.chipping_rate };
     let course = Course { study, pair, edge, contact, speed, limit: study.wear_at_end(pair), parts };
+    if edge.initial_wear >= course.limit {
+        return course.done(0.0, edge.initial_wear, study.limit_kind(pair), [0.0; LEVELS]);
+    }
     if !chips.happen() {
         return course.run(None, stream);
     }
@@ -77,7 +80,7 @@ impl Course<'_> {
         let longest = study.ends.time.min(study.ends.path / speed);
         let mut passages = [f64::INFINITY; LEVELS];
         let (mut hazard, mut power, mut clock) = (0.0, 0.0, Clock::new(&study.scatter, stream));
-        let (mut from, mut time) = (edge.initial_wear.min(0.999 * limit), 0.0);
+        let (mut from, mut time) = (edge.initial_wear, 0.0);
         let mut at_start = pace(contact, speed, scale, 1.0 + from / scale);
         for (level, part) in (0..LEVELS).flat_map(|level| (1..=parts).map(move |part| (level, part))) {
             let below = if level == 0 { 0.0 } else { level_share(level - 1) };

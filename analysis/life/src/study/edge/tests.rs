@@ -1,5 +1,5 @@
 use super::super::points::Points;
-use super::super::policy::{Knows, Reading, Rule};
+use super::super::policy::{Knows, Ramp, Reading, Rule};
 use super::super::{Passes, cell};
 use super::*;
 use toolroom_scenario::SensorSheet;
@@ -68,4 +68,40 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
         }
     }
     assert!(faults.is_empty(), "{faults:?}");
+}
+
+#[test]
+fn an_edge_that_is_lost_or_spent_at_the_start_has_no_life() {
+    let calm = Scatter { initial_wear_scatter: 0.0, life_noise: 0.0, ..Scatter::shop() };
+    let first = |study: &Study| lives(study, 1, 1)[0];
+    for scatter in [calm, Scatter { allowance: 0.0, piece_hardness: 0.0, ..calm }] {
+        // Too hot from the first moment on, in passes and as a steady life.
+        let mut hot = study(scatter, Rule::Programmed, Reading::Pass, false);
+        hot.pair.temperature.collapse_temperature = 400.0;
+        assert_eq!((first(&hot).life, first(&hot).end), (0.0, End::Collapse));
+        // Mounted worn out.
+        let worn = study(Scatter { initial_wear: 0.7e-3, ..scatter }, Rule::Programmed, Reading::Pass, false);
+        let end = first(&worn);
+        assert_eq!((end.life, end.end, end.passages), (0.0, End::WearLimit, [0.0; LEVELS]));
+        assert!(end.flank_wear >= worn.pair.limits.wear_limit);
+    }
+}
+
+#[test]
+fn a_ramp_down_that_begins_too_hot_is_lost_at_its_start() {
+    let study = study(Scatter::none(), Rule::Programmed, Reading::Pass, false);
+    let (pair, cell) = (&study.pair, &study.cells[0]);
+    let mut draws = Draws::of(study.seed, 0);
+    let edge = Edge::of(&study, &cell.cut, &[0.5; COORDINATES.len()], &mut draws.wear);
+    let cold = pair.contact(&cell.cut).steady_temperature(0.0);
+    let mut hot = pair.clone();
+    let fast = pair.contact(&cell.cut.at_speed(2.0 * cell.cut.cutting_speed));
+    hot.temperature.collapse_temperature = 0.5 * (cold + fast.steady_temperature(0.0));
+    let ramp = Ramp { start: 2.0 * cell.cut.cutting_speed, end: 0.2 * cell.cut.cutting_speed };
+    let contact = hot.contact(&cell.cut.at_speed(ramp.start));
+    let mut pilot = cell.speed.pilot(&hot, cell.cut);
+    // A pass so short that its first step reaches the cool end.
+    let outcome =
+        Machining::new(&study, &hot, &edge, &cell.speed, &mut draws, 1).pass(&contact, &ramp, 1e-3, &mut pilot);
+    assert_eq!(outcome.map(|outcome| (outcome.life, outcome.end)), Some((0.0, End::Collapse)));
 }
