@@ -366,6 +366,44 @@ fn saved_states_of_others_and_broken_bytes_are_refused() {
 }
 
 #[test]
+fn a_saved_state_of_another_instance_is_refused_though_both_have_one() {
+    let (one, other) = (ready2("turning"), ready2("turning"));
+    let (mut of_one, mut of_other) = (null_mut(), null_mut());
+    // SAFETY: the arguments are what the standard asks for, but for whose they are.
+    unsafe {
+        assert_eq!((fmi2GetFMUstate(one, &mut of_one), fmi2GetFMUstate(other, &mut of_other)), (OK, OK));
+        assert_eq!(fmi2SetFMUstate(other, of_one), ERROR);
+        assert_eq!(fmi2GetFMUstate(other, &mut of_one), ERROR, "nor is it written over");
+        assert_eq!(fmi2FreeFMUstate(other, &mut of_one), ERROR);
+        assert_eq!((fmi2SetFMUstate(one, of_one), fmi2SetFMUstate(other, of_other)), (OK, OK));
+        fmi2FreeInstance(one);
+        fmi2FreeInstance(other);
+    }
+}
+
+#[test]
+fn as_many_states_as_there_are_places_can_be_kept_and_a_freed_place_is_used_again() {
+    let unit = ready3(&token("turning"));
+    let save = |state: &mut Handle| {
+        // SAFETY: the arguments are what the standard asks for.
+        unsafe { fmi3GetFMUState(unit, state) }
+    };
+    let mut states = vec![null_mut(); 1 << 16];
+    assert!(states.iter_mut().all(|state| save(state) == OK));
+    let (mut more, freed) = (null_mut(), states[777]);
+    assert_eq!(save(&mut more), ERROR, "all places are taken");
+    assert_eq!(save(&mut states[5]), OK, "but for one's own");
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(fmi3FreeFMUState(unit, &mut states[777]), OK);
+        assert_eq!((save(&mut more), save(&mut null_mut())), (OK, ERROR), "one place was free");
+        assert_eq!(fmi3SetFMUState(unit, freed), ERROR, "what comes after a state is another one");
+        assert_eq!((fmi3SetFMUState(unit, more), fmi3SetFMUState(unit, states[776])), (OK, OK));
+        fmi3FreeInstance(unit);
+    }
+}
+
+#[test]
 fn an_unknown_parameter_set_is_refused_and_names_no_file_outside() {
     let unit = make2("turning", 1);
     let set = reference("turning", "tool.set");
