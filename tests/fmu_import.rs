@@ -46,6 +46,25 @@ fn turning(folder: &Path) -> PathBuf {
     folder.join("toolroom_turning_fmi3.fmu")
 }
 
+#[test]
+fn forty_replications_with_a_unit_run_through_and_are_the_same_on_one_thread_and_two() {
+    let folder = folder();
+    let unit = format!("tool.insert.fmu={}", turning(folder.path()).display());
+    let digest = |threads: &str| {
+        let out = folder.path().join(threads);
+        let shown = out.display().to_string();
+        let file = shipped("fmu-lathe");
+        let study = ["run", &file, "--policy", "adaptive", "--set", &unit, "--set", "shop.horizon=5 h"];
+        expect(0, &[&study[..], &["--replications", "40", "--threads", threads, "--out", &shown]].concat());
+        let run = json(&out.join("run.json"));
+        assert!(run["complete"] == true && run["replications"] == 40, "{run}");
+        run["digest"].clone()
+    };
+    let alone = digest("1");
+    assert!(alone.is_string());
+    assert_eq!(alone, digest("2"));
+}
+
 /// `kpi.csv` as rows.
 fn figures(results: &Path) -> Vec<(String, Option<f64>)> {
     let text = fs::read_to_string(results.join("kpi.csv")).expect("results");

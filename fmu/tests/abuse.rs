@@ -5,7 +5,9 @@ mod importer;
 
 use importer::*;
 use std::ffi::{CString, c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::ScopedJoinHandle;
 use toolroom_fmu::units;
 
@@ -71,6 +73,71 @@ fn null_freed_and_foreign_instances_are_refused() {
         assert_eq!(fmi2DoStep(freed, 0.0, 0.1, 1), ERROR);
         assert_eq!(fmi2DoStep(next, 0.0, 0.1, 1), OK);
         fmi2FreeInstance(next);
+    }
+}
+
+/// Makes, initialises and frees instances by `live` while another thread resets and frees, by `reset`
+/// and `free`, what is no instance: NULL and the addresses beside it.
+fn undisturbed(live: impl Fn(), reset: unsafe extern "C" fn(Handle) -> i32, free: unsafe extern "C" fn(Handle)) {
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let resets = scope.spawn(|| {
+            let mut answers = [0u32; 2];
+            while !done.load(Ordering::Relaxed) {
+                for handle in 0..8 {
+                    // SAFETY: the handle is not followed, which is what is being tested.
+                    let status = unsafe { reset(handle as Handle) };
+                    answers[usize::from(status == ERROR)] += 1;
+                    // SAFETY: as above.
+                    unsafe { free(handle as Handle) };
+                }
+            }
+            answers
+        });
+        let lives = catch_unwind(AssertUnwindSafe(|| (0..2000).for_each(|_| live())));
+        done.store(true, Ordering::Relaxed);
+        let [others, errors] = resets.join().expect("no panic");
+        assert!(lives.is_ok(), "a fresh instance was refused");
+        assert!(others == 0 && errors > 0, "{others} answers were no error");
+    });
+}
+
+#[test]
+fn null_in_one_thread_does_not_disturb_instances_of_fmi_2_made_in_another() {
+    // SAFETY: the handle is that of `ready2`.
+    undisturbed(|| unsafe { fmi2FreeInstance(ready2("turning")) }, fmi2Reset, fmi2FreeInstance);
+}
+
+#[test]
+fn null_in_one_thread_does_not_disturb_instances_of_fmi_3_made_in_another() {
+    let token = token("turning");
+    // SAFETY: the handle is that of `ready3`.
+    undisturbed(|| unsafe { fmi3FreeInstance(ready3(&token)) }, fmi3Reset, fmi3FreeInstance);
+}
+
+#[test]
+fn an_instance_called_and_freed_in_many_threads_is_freed_once_and_brings_none_down() {
+    let token = token("turning");
+    for _ in 0..50 {
+        let unit = ready3(&token) as usize;
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..20 {
+                        // SAFETY: what is in use or freed is refused, which is what is being tested.
+                        let status = unsafe { fmi3Reset(unit as Handle) };
+                        assert!(status == OK || status == ERROR);
+                    }
+                    // SAFETY: as above.
+                    unsafe { fmi3FreeInstance(unit as Handle) };
+                });
+            }
+        });
+        // Freed under a call it lives on.
+        // SAFETY: as above.
+        unsafe { fmi3FreeInstance(unit as Handle) };
+        // SAFETY: as above.
+        assert_eq!(unsafe { fmi3Reset(unit as Handle) }, ERROR, "freed");
     }
 }
 
@@ -295,6 +362,44 @@ fn saved_states_of_others_and_broken_bytes_are_refused() {
         assert_eq!(fmi3SetFMUState(other, freed), ERROR, "a freed state");
         fmi3FreeInstance(one);
         fmi3FreeInstance(other);
+    }
+}
+
+#[test]
+fn a_saved_state_of_another_instance_is_refused_though_both_have_one() {
+    let (one, other) = (ready2("turning"), ready2("turning"));
+    let (mut of_one, mut of_other) = (null_mut(), null_mut());
+    // SAFETY: the arguments are what the standard asks for, but for whose they are.
+    unsafe {
+        assert_eq!((fmi2GetFMUstate(one, &mut of_one), fmi2GetFMUstate(other, &mut of_other)), (OK, OK));
+        assert_eq!(fmi2SetFMUstate(other, of_one), ERROR);
+        assert_eq!(fmi2GetFMUstate(other, &mut of_one), ERROR, "nor is it written over");
+        assert_eq!(fmi2FreeFMUstate(other, &mut of_one), ERROR);
+        assert_eq!((fmi2SetFMUstate(one, of_one), fmi2SetFMUstate(other, of_other)), (OK, OK));
+        fmi2FreeInstance(one);
+        fmi2FreeInstance(other);
+    }
+}
+
+#[test]
+fn as_many_states_as_there_are_places_can_be_kept_and_a_freed_place_is_used_again() {
+    let unit = ready3(&token("turning"));
+    let save = |state: &mut Handle| {
+        // SAFETY: the arguments are what the standard asks for.
+        unsafe { fmi3GetFMUState(unit, state) }
+    };
+    let mut states = vec![null_mut(); 1 << 16];
+    assert!(states.iter_mut().all(|state| save(state) == OK));
+    let (mut more, freed) = (null_mut(), states[777]);
+    assert_eq!(save(&mut more), ERROR, "all places are taken");
+    assert_eq!(save(&mut states[5]), OK, "but for one's own");
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(fmi3FreeFMUState(unit, &mut states[777]), OK);
+        assert_eq!((save(&mut more), save(&mut null_mut())), (OK, ERROR), "one place was free");
+        assert_eq!(fmi3SetFMUState(unit, freed), ERROR, "what comes after a state is another one");
+        assert_eq!((fmi3SetFMUState(unit, more), fmi3SetFMUState(unit, states[776])), (OK, OK));
+        fmi3FreeInstance(unit);
     }
 }
 

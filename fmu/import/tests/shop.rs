@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
 use toolroom_fmu::{Binary, Platform, Version, package, units};
-use toolroom_fmu_import::{Unit, UnitProcess};
+use toolroom_fmu_import::{Instance, Unit, UnitProcess};
 use toolroom_process::MachineProcess;
 use toolroom_scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
 use toolroom_shop as shop;
@@ -124,6 +124,22 @@ fn replications_side_by_side_are_the_same_as_one_by_one() {
             assert_eq!(&format!("{:?}", run.join().expect("no panic").passes), alone);
         }
     });
+}
+
+#[test]
+fn the_exported_unit_goes_back_more_often_than_it_has_places_for_states() {
+    for version in [Version::Two, Version::Three] {
+        let unit = Arc::new(Unit::load(&turning(version)).expect("it loads"));
+        let mut instance = Instance::new(&unit, &[], 0.0).expect("an instance");
+        let mut bytes = Vec::new();
+        instance.serialize(&mut bytes).expect("a state");
+        for _ in 0..=1 << 16 {
+            instance.deserialize(&bytes).unwrap_or_else(|error| panic!("{version:?}: {error}"));
+        }
+        let mut again = Vec::new();
+        instance.serialize(&mut again).expect("a state");
+        assert_eq!(again, bytes);
+    }
 }
 
 /// The shop with the unit made for the tests, without breakdowns where they are not wanted.

@@ -10,6 +10,8 @@ mod fmi3;
 mod fmi3_values;
 mod handles;
 mod pointer;
+mod sync;
+mod table;
 
 use crate::catalogue;
 use crate::component::{Component, Interface};

@@ -115,9 +115,7 @@ pub struct Instance<U: Unit> {
     states_valid: bool,
     /// Discrete inputs that wait for an event.
     waiting: Vec<(usize, f64)>,
-    saved: Vec<Option<Saved<U>>>,
-    /// Saves so far, which tells handles of one slot apart.
-    saves: u32,
+    saved: Saved<U>,
     text: CString,
     /// Index of the input that says whether the edge is in cut.
     engaged: Option<usize>,
@@ -147,8 +145,7 @@ impl<U: Unit> Instance<U> {
             states: vec![0.0; U::State::LEN],
             states_valid: false,
             waiting: Vec::new(),
-            saved: Vec::new(),
-            saves: 0,
+            saved: Saved::new(),
             text: CString::default(),
             engaged: U::Input::index_of("engaged"),
             speed: U::Input::index_of("cutting_speed"),

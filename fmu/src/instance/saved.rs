@@ -4,68 +4,87 @@ use super::{Core, Instance};
 use crate::fault::{Fault, Outcome};
 use crate::log::Status;
 use crate::unit::Unit;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Most saved states of an instance at one time.
+const PLACES: usize = 1 << 16;
+
+/// Number of the first saved state. It sets the top bit of every handle, which no address of a program
+/// has, so that a pointer is never taken for a handle.
+const FIRST: u64 = 1 << 47;
+
+/// Saved states of all instances so far. No two have the same number, so that a state of another
+/// instance is found out.
+static SAVES: AtomicU64 = AtomicU64::new(0);
 
 /// One saved state.
-pub(super) struct Saved<U: Unit> {
-    /// Tells it apart from an earlier one in the same place.
-    serial: u32,
+struct Kept<U: Unit> {
+    /// Tells it apart from every other one.
+    number: u64,
     core: Box<Core<U>>,
 }
 
-/// Handles are no addresses: place and serial number, so that a freed or foreign one is found
-/// out and never followed.
-const PLACES: usize = 1 << 16;
+/// The saved states of an instance. Their handles are no addresses: place and number, so that a
+/// freed or foreign one is found out and never followed.
+pub(super) struct Saved<U: Unit> {
+    places: Vec<Option<Kept<U>>>,
+    /// Places that were used and are free again, so that none has to be looked for.
+    free: Vec<usize>,
+}
+
+impl<U: Unit> Saved<U> {
+    pub fn new() -> Self {
+        Self { places: Vec::new(), free: Vec::new() }
+    }
+
+    fn get(&self, handle: usize) -> Outcome<&Core<U>> {
+        let kept = self.places.get(handle % PLACES).and_then(Option::as_ref);
+        let own = kept.filter(|kept| kept.number as usize == handle / PLACES);
+        own.map(|kept| &*kept.core).ok_or_else(|| Fault::State.into())
+    }
+
+    fn get_mut(&mut self, handle: usize) -> Outcome<&mut Core<U>> {
+        let kept = self.places.get_mut(handle % PLACES).and_then(Option::as_mut);
+        let own = kept.filter(|kept| kept.number as usize == handle / PLACES);
+        own.map(|kept| &mut *kept.core).ok_or_else(|| Fault::State.into())
+    }
+
+    fn remove(&mut self, handle: usize) -> Outcome<()> {
+        self.get(handle)?;
+        self.places[handle % PLACES] = None;
+        self.free.push(handle % PLACES);
+        Ok(())
+    }
+
+    /// Keeps `core` in a free place.
+    fn keep(&mut self, core: Core<U>) -> Outcome<usize> {
+        let place = match self.free.pop() {
+            Some(place) => place,
+            None if self.places.len() < PLACES => {
+                self.places.push(None);
+                self.places.len() - 1
+            }
+            None => return Err(Fault::NotOffered { feature: "more than 65536 saved states at one time" }.into()),
+        };
+        let number = FIRST | (SAVES.fetch_add(1, Ordering::Relaxed) % FIRST);
+        self.places[place] = Some(Kept { number, core: Box::new(core) });
+        Ok(number as usize * PLACES + place)
+    }
+}
 
 impl<U: Unit> Instance<U> {
-    fn saved_place(&self, handle: usize) -> Option<usize> {
-        let place = handle % PLACES;
-        let saved = self.saved.get(place)?.as_ref()?;
-        (saved.serial as usize == handle / PLACES).then_some(place)
-    }
-
-    pub(super) fn saved(&self, handle: usize) -> Outcome<&Core<U>> {
-        let place = self.saved_place(handle).ok_or(Fault::State)?;
-        self.saved[place].as_ref().map(|saved| &*saved.core).ok_or_else(|| Fault::State.into())
-    }
-
-    /// Keeps `core` over the saved state `over`, or in a new place; 0 is no handle.
-    fn keep(&mut self, core: Core<U>, over: usize) -> Outcome<usize> {
-        if over != 0 {
-            let place = self.saved_place(over).ok_or(Fault::State)?;
-            if let Some(saved) = &mut self.saved[place] {
-                *saved.core = core;
-            }
-            return Ok(over);
-        }
-        let free = self.saved.iter().position(Option::is_none);
-        let place = free.unwrap_or(self.saved.len());
-        if place == PLACES {
-            return Err(Fault::NotOffered { feature: "more than 65536 saved states" }.into());
-        }
-        self.saves = self.saves.wrapping_add(1).max(1);
-        let saved = Some(Saved { serial: self.saves, core: Box::new(core) });
-        if free.is_some() {
-            self.saved[place] = saved;
-        } else {
-            self.saved.push(saved);
-        }
-        Ok(self.saves as usize * PLACES + place)
-    }
-
+    /// Keeps the present state over the saved state `over`, or anew where that is 0.
     pub(super) fn keep_state(&mut self, over: usize) -> Outcome<usize> {
         if over == 0 {
-            return self.keep(self.core.clone(), 0);
+            return self.saved.keep(self.core.clone());
         }
         // In place: the common case of an importer that tries steps.
-        let place = self.saved_place(over).ok_or(Fault::State)?;
-        if let Some(saved) = &mut self.saved[place] {
-            (*saved.core).clone_from(&self.core);
-        }
+        self.saved.get_mut(over)?.clone_from(&self.core);
         Ok(over)
     }
 
     pub(super) fn go_back(&mut self, handle: usize) -> Outcome {
-        self.core = self.saved(handle)?.clone();
+        self.core = self.saved.get(handle)?.clone();
         self.waiting.clear();
         self.process_changed();
         Ok(Status::Ok)
@@ -73,18 +92,17 @@ impl<U: Unit> Instance<U> {
 
     pub(super) fn forget(&mut self, handle: usize) -> Outcome {
         if handle != 0 {
-            let place = self.saved_place(handle).ok_or(Fault::State)?;
-            self.saved[place] = None;
+            self.saved.remove(handle)?;
         }
         Ok(Status::Ok)
     }
 
     pub(super) fn to_bytes(&self, handle: usize) -> Outcome<Vec<u8>> {
-        Ok(super::serial::write(self.saved(handle)?))
+        Ok(super::serial::write(self.saved.get(handle)?))
     }
 
     pub(super) fn keep_bytes(&mut self, bytes: &[u8]) -> Outcome<usize> {
         let core = super::serial::read(bytes, self.resources.as_deref(), &self.core.model)?;
-        self.keep(core, 0)
+        self.saved.keep(core)
     }
 }

@@ -95,6 +95,17 @@ impl Three {
         }
     }
 
+    /// Frees the saved state, as for FMI 2.0.
+    fn free_state(&mut self) -> Result<(), CallError> {
+        let mut state = std::mem::replace(&mut self.state, std::ptr::null_mut());
+        if state.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the state is one of this instance, which is alive, and was not freed.
+        let status = unsafe { self.binding().fmi3FreeFMUState(self.instance, &mut state) };
+        self.judge("fmi3FreeFMUState", status)
+    }
+
     fn judge(&mut self, function: &'static str, status: u32) -> Result<(), CallError> {
         self.dead |= status == FATAL;
         self.messages.judge(function, status)
@@ -195,11 +206,12 @@ impl Calls for Three {
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        let (instance, mut state) = (self.instance, self.state);
+        self.free_state()?;
+        let (instance, mut state) = (self.instance, std::ptr::null_mut());
         let (start, size) = (bytes.as_ptr(), bytes.len());
         let status = unsafe { self.binding().fmi3DeserializeFMUState(instance, start, size, &mut state) };
-        self.state = state;
         self.judge("fmi3DeserializeFMUState", status)?;
+        self.state = state;
         let status = unsafe { self.binding().fmi3SetFMUState(instance, state) };
         self.judge("fmi3SetFMUState", status)
     }
@@ -210,12 +222,10 @@ impl Drop for Three {
         if self.instance.is_null() || self.dead {
             return;
         }
-        let mut state = self.state;
-        unsafe {
-            if !state.is_null() {
-                self.binding().fmi3FreeFMUState(self.instance, &mut state);
-            }
-            self.binding().fmi3FreeInstance(self.instance);
+        // An instance whose state cannot be freed still can, unless that was fatal.
+        _ = self.free_state();
+        if !self.dead {
+            unsafe { self.binding().fmi3FreeInstance(self.instance) };
         }
     }
 }

@@ -94,6 +94,18 @@ impl Two {
         }
     }
 
+    /// Frees the saved state. A unit that makes one of bytes makes a new one and does not look at what
+    /// the pointer held before, so that an old one would never be freed.
+    fn free_state(&mut self) -> Result<(), CallError> {
+        let mut state = std::mem::replace(&mut self.state, std::ptr::null_mut());
+        if state.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the state is one of this component, which is alive, and was not freed.
+        let status = unsafe { self.binding().fmi2FreeFMUstate(self.component, &mut state) };
+        self.judge("fmi2FreeFMUstate", status)
+    }
+
     fn judge(&mut self, function: &'static str, status: u32) -> Result<(), CallError> {
         self.dead |= status == FATAL;
         self.messages.judge(function, status)
@@ -179,11 +191,12 @@ impl Calls for Two {
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        let (component, mut state) = (self.component, self.state);
+        self.free_state()?;
+        let (component, mut state) = (self.component, std::ptr::null_mut());
         let (start, size) = (bytes.as_ptr().cast(), bytes.len());
         let status = unsafe { self.binding().fmi2DeSerializeFMUstate(component, start, size, &mut state) };
-        self.state = state;
         self.judge("fmi2DeSerializeFMUstate", status)?;
+        self.state = state;
         let status = unsafe { self.binding().fmi2SetFMUstate(component, state) };
         self.judge("fmi2SetFMUstate", status)
     }
@@ -195,12 +208,10 @@ impl Drop for Two {
         if self.component.is_null() || self.dead {
             return;
         }
-        let mut state = self.state;
-        unsafe {
-            if !state.is_null() {
-                self.binding().fmi2FreeFMUstate(self.component, &mut state);
-            }
-            self.binding().fmi2FreeInstance(self.component);
+        // An instance whose state cannot be freed still can, unless that was fatal.
+        _ = self.free_state();
+        if !self.dead {
+            unsafe { self.binding().fmi2FreeInstance(self.component) };
         }
     }
 }

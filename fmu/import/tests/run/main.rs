@@ -103,6 +103,21 @@ fn a_state_goes_back_branches_and_runs_in_threads() {
 }
 
 #[test]
+fn a_unit_holds_one_saved_state_for_each_instance_however_often_it_goes_back() {
+    let folder = TempDir::new().expect("a folder");
+    // 1 um for each metre, 1 m/s: 0.3 mm after 300 s, located by going back some forty times.
+    let process = machine(&unit(folder.path(), &["STATES=1"], ("", "")), &wiring()).expect("it fits");
+    let (fresh, mut y) = (process.initial(), vec![0.0]);
+    for _ in 0..3 {
+        let (mut x, mut u) = (fresh.clone(), input(&process, &[("cutting_speed", 1.0)]));
+        let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");
+        assert_eq!(advance.event, Some(ProcessEvent::WearLimit));
+        process.output(&fresh, &u, &mut y);
+        assert_eq!(y[0], 0.0, "a state is read where it was, not where the last step left it");
+    }
+}
+
+#[test]
 fn an_event_stops_the_step_where_it_happens_or_at_the_end_of_a_step_without_state() {
     let folder = TempDir::new().expect("a folder");
     // 1 um for each metre, 1 m/s: 0.3 mm after 300 s.

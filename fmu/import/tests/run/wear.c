@@ -2,7 +2,8 @@
    Compiled by the tests with -D switches:
    FAILS   steps fail from 100 s on          NO_STEP  fmi2DoStep is missing
    TIRES   steps fail after as many as it says, whatever the instance
-   DENIES  no instance is made               LOUD     messages without category, with %s */
+   DENIES  no instance is made               LOUD     messages without category, with %s
+   STATES  only as many saved states as it says are alive at one time, of all instances */
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,8 +91,19 @@ E int fmi2GetInteger(void *u, const unsigned *r, size_t n, int *v) { return 3; }
 E int fmi2GetString(void *u, const unsigned *r, size_t n, const char **v) { return 3; }
 E int fmi2SetInteger(void *u, const unsigned *r, size_t n, const int *v) { return 3; }
 E int fmi2SetString(void *u, const unsigned *r, size_t n, const char *const *v) { return 3; }
+static int alive;
+/* Memory for one more saved state. */
+static void *one_more(Unit *unit) {
+#ifdef STATES
+    if (__atomic_add_fetch(&alive, 1, __ATOMIC_RELAXED) > STATES) {
+        refuse(unit, "too many saved states");
+        return NULL;
+    }
+#endif
+    return malloc(sizeof(State));
+}
 E int fmi2GetFMUstate(void *u, void **s) {
-    if (!*s) *s = malloc(sizeof(State));
+    if (!*s && !(*s = one_more(u))) return 3;
     memcpy(*s, &((Unit *)u)->state, sizeof(State));
     return 0;
 }
@@ -100,6 +112,7 @@ E int fmi2SetFMUstate(void *u, void *s) {
     return 0;
 }
 E int fmi2FreeFMUstate(void *u, void **s) {
+    if (*s) __atomic_sub_fetch(&alive, 1, __ATOMIC_RELAXED);
     free(*s);
     *s = NULL;
     return 0;
@@ -114,7 +127,8 @@ E int fmi2SerializeFMUstate(void *u, void *s, char *b, size_t n) {
 }
 E int fmi2DeSerializeFMUstate(void *u, const char *b, size_t n, void **s) {
     if (n != sizeof(State)) return 3;
-    if (!*s) *s = malloc(sizeof(State));
+    /* The standard has it make a copy: what the pointer held before is the importer's. */
+    if (!(*s = one_more(u))) return 3;
     memcpy(*s, b, n);
     return 0;
 }
