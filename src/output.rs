@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toolroom_analysis::page::Provenance;
 use toolroom_analysis::results::fingerprint;
+use toolroom_process::table::{Cell, csv_text};
 
 /// A directory that is filled under another name and takes its own when it is complete, so that
 /// nothing half-written can be taken for a result.
@@ -59,6 +60,16 @@ impl OutputDir {
         fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
     }
 
+    /// Writes a CSV table of the draft.
+    pub fn put_table<'a, R: IntoIterator<Item = Cell<'a>>>(
+        &self,
+        name: &str,
+        header: impl IntoIterator<Item = impl AsRef<str>>,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), Failure> {
+        self.put(name, &csv_text(header, rows).map_err(|error| no_table(name, &error))?)
+    }
+
     /// Writes a JSON file of the draft.
     pub fn put_json(&self, name: &str, value: &Value) -> Result<(), Failure> {
         self.put(name, &(serde_json::to_string_pretty(value).map_err(Failure::Json)? + "\n"))
@@ -103,6 +114,11 @@ impl OutputDir {
         }
         Ok(self.target.clone())
     }
+}
+
+/// A table that has no form as CSV.
+pub fn no_table(name: &str, error: &dyn std::fmt::Display) -> Failure {
+    Failure::Work { message: format!("{name}: {error}") }
 }
 
 /// The command as it has to be typed, and the input files with their hashes. `arguments` follow

@@ -150,6 +150,15 @@ fn shards_threads_and_interruptions_change_nothing() {
     let whole = run("whole", &["--threads", "1"]);
     assert_eq!(whole["cells"].as_array().map(Vec::len), Some(2));
     assert_eq!(run("threads", &["--threads", "2"]), whole);
+    // A name of a column has a comma in it.
+    let mut cells = csv::Reader::from_path(at.join("whole/cells.csv")).expect("a table");
+    let names = cells.headers().expect("a header").clone();
+    let b10 = names.iter().position(|name| name == "B10 [min]").expect("the column");
+    let rows: Vec<csv::StringRecord> = cells.records().map(|row| row.expect("as long as the header")).collect();
+    assert_eq!((names.len(), rows.len()), (12, 2));
+    for (row, cell) in rows.iter().zip(whole["cells"].as_array().expect("cells")) {
+        close(&cell["b10 [min]"]["value"], row[b10].parse().expect("a number"), 1e-12);
+    }
     assert_eq!(run("seven", &["--shards", "7"]), whole);
 
     let plan = at.join("plan.json");

@@ -3,6 +3,7 @@
 use super::file::StudyFile;
 use super::{pretty, put};
 use crate::failure::Failure;
+use crate::output::no_table;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -21,6 +22,7 @@ use toolroom_analysis::life::study::{Cell, End, Study};
 use toolroom_analysis::page::{Figure, Provenance, Report, Section};
 use toolroom_analysis::results::fingerprint;
 use toolroom_analysis::shards::Plan;
+use toolroom_process::table::{Cell as CsvCell, csv_text};
 use toolroom_sim::scenario::file::{FormFile, significant};
 
 /// What a result is made of.
@@ -69,7 +71,7 @@ pub fn write(directory: &Path, inputs: &Inputs<'_>) -> Result<Written, Failure> 
     let indices = inputs.parsed.content.sensitivity.map(|(samples, paths)| sensitivity(study, samples, paths));
     let summary = summary(inputs, &worked, regression.as_ref(), indices.as_ref());
     put(directory, "summary.json", &pretty(&summary)?)?;
-    put(directory, "cells.csv", &csv(&overview(&worked)))?;
+    put(directory, "cells.csv", &csv(&overview(&worked))?)?;
     put(directory, "report.html", &report(inputs, &worked, regression.as_ref(), indices.as_ref()).html())?;
     let plan = inputs.plan;
     let run = json!({
@@ -153,18 +155,15 @@ fn overview(worked: &[Worked<'_>]) -> Table {
     table
 }
 
-fn csv(table: &Table) -> String {
+fn csv(table: &Table) -> Result<String, Failure> {
     use toolroom_analysis::chart::Cell::{Number, Text};
-    let mut text = table.columns().join(",") + "\n";
-    for row in table.rows() {
-        let cells = row.iter().map(|cell| match cell {
-            Text(text) if text.contains([',', '"']) => format!("\"{}\"", text.replace('"', "\"\"")),
-            Text(text) => text.clone(),
-            Number(value) => value.to_string(),
-        });
-        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(","));
-    }
-    text
+    let rows = table.rows().iter().map(|row| {
+        row.iter().map(|cell| match cell {
+            Number(value) => CsvCell::Number(*value),
+            Text(text) => CsvCell::Text(text),
+        })
+    });
+    csv_text(table.columns(), rows).map_err(|error| no_table("cells.csv", &error))
 }
 
 /// The extended Taylor law over the grid of conditions at programmed speed, every condition with

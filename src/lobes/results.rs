@@ -5,12 +5,12 @@ use super::file::LobesFile;
 use super::judgement::word;
 use super::picture::{picture, report};
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
+use crate::output::{OutputDir, no_table, provenance};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Instant;
 use toolroom_analysis::chart::png;
 use toolroom_analysis::results::fingerprint;
+use toolroom_process::table::{Cell, csv_text};
 use toolroom_sim::scenario::file::FormFile;
 
 /// Width of the PNG: sharp over a column of print.
@@ -40,7 +40,7 @@ pub fn write(
     let picture = picture(&file.content, computed);
     out.put("lobes.svg", &picture.svg())?;
     out.put_bytes("lobes.png", &png(picture.as_ref(), PIXELS))?;
-    let table = table(&file.content, computed);
+    let table = table(&file.content, computed)?;
     out.put("lobes.csv", &table)?;
     let mut summary = summary(&file.content, computed);
     // Of every verdict and boundary: the same, however many threads or shards there were.
@@ -94,37 +94,45 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
 }
 
 /// Every verdict of the grid, or the boundary where there is no grid.
-fn table(file: &LobesFile, computed: &Computed) -> String {
+fn table(file: &LobesFile, computed: &Computed) -> Result<String, Failure> {
     let axes = file.cut.axes();
     let (speed, depth) = (axes.speed, axes.depth);
-    let mut text = String::new();
-    if let Some(grid) = &computed.grid {
-        let _ =
-            writeln!(text, "{},{},spectral_radius,stable,type,chatter_frequency [Hz]", speed.column(), depth.column());
-        for (i, at) in grid.speed.iter().enumerate() {
-            for (j, deep) in grid.depth.iter().enumerate() {
-                let Some(verdict) = grid.at(i, j) else { continue };
-                let _ = writeln!(
-                    text,
-                    "{},{},{},{},{},{}",
-                    speed.shown(*at),
-                    depth.shown(*deep),
-                    verdict.spectral_radius,
-                    verdict.stable,
-                    word(verdict.kind),
-                    file.cut.chatter_frequency(verdict)
-                );
+    let columns = [speed.column(), depth.column()];
+    let [at, deep] = columns.each_ref().map(String::as_str);
+    let text = match &computed.grid {
+        Some(grid) => {
+            let mut rows: Vec<[Cell<'_>; 6]> = Vec::new();
+            for (i, at) in grid.speed.iter().enumerate() {
+                for (j, deep) in grid.depth.iter().enumerate() {
+                    let Some(verdict) = grid.at(i, j) else { continue };
+                    rows.push([
+                        speed.shown(*at).into(),
+                        depth.shown(*deep).into(),
+                        verdict.spectral_radius.into(),
+                        verdict.stable.into(),
+                        word(verdict.kind).into(),
+                        file.cut.chatter_frequency(verdict).into(),
+                    ]);
+                }
             }
+            csv_text([at, deep, "spectral_radius", "stable", "type", "chatter_frequency [Hz]"], rows)
         }
-        return text;
-    }
-    let _ = writeln!(text, "boundary,crossing,{},{}", speed.column(), depth.column());
-    for curve in &computed.curves {
-        for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
-            for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
-                let _ = writeln!(text, "{},{crossing},{},{}", curve.label, speed.shown(*at), depth.shown(*deep));
+        None => {
+            let mut rows: Vec<[Cell<'_>; 4]> = Vec::new();
+            for curve in &computed.curves {
+                for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
+                    for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
+                        rows.push([
+                            (&curve.label).into(),
+                            crossing.into(),
+                            speed.shown(*at).into(),
+                            depth.shown(*deep).into(),
+                        ]);
+                    }
+                }
             }
+            csv_text(["boundary", "crossing", at, deep], rows)
         }
-    }
-    text
+    };
+    text.map_err(|error| no_table("lobes.csv", &error))
 }
