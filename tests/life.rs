@@ -39,6 +39,25 @@ fn directory(name: &str) -> PathBuf {
     path
 }
 
+/// Changes and cuts a part at some places, and asks that it is refused by its name each time; it is then as
+/// it was.
+fn damaged_parts_are_refused(part: &Path, merge: &[&str]) {
+    let whole = fs::read(part).expect("a part");
+    let name = part.file_name().and_then(|name| name.to_str()).expect("a name");
+    for k in 0..6 {
+        // Spread over the file by the golden ratio, the same on every run.
+        let at = (whole.len() as f64 * (0.618 * f64::from(k + 1)).fract()) as usize;
+        let mut changed = whole.clone();
+        changed[at] ^= 1 << k;
+        for bytes in [&whole[..at], &changed] {
+            fs::write(part, bytes).expect("writable");
+            let said = refused(merge);
+            assert!(said.contains(name) && said.contains("run its shard again"), "{at}: {said}");
+        }
+    }
+    fs::write(part, whole).expect("writable");
+}
+
 fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
@@ -199,6 +218,7 @@ fn shards_threads_and_interruptions_change_nothing() {
     fs::write(parts.join("part-000001.parquet"), b"cut short").unwrap();
     assert!(refused(&arguments).contains("run shard 1 again"));
     assert_eq!(shard("1").status.code(), Some(0));
+    damaged_parts_are_refused(&parts.join("part-000002.json"), &arguments);
     assert_eq!(json(&arguments), whole);
     let error = shard("5");
     assert_eq!(error.status.code(), Some(2));
@@ -369,6 +389,9 @@ fn a_shop_in_shards_is_the_shop_in_one_piece() {
     }
     let merged = json(&["merge", text(&parts), "--json", "--out", text(&at.join("merged"))]);
     assert_eq!(merged, whole);
+    let out = at.join("merged");
+    let merge = ["merge", text(&parts), "--out", text(&out)];
+    damaged_parts_are_refused(&parts.join("part-000001.json"), &merge);
     fs::remove_file(parts.join("part-000001.json")).unwrap();
-    assert!(refused(&["merge", text(&parts), "--out", text(&at.join("merged"))]).contains("missing: 1"));
+    assert!(refused(&merge).contains("missing: 1"));
 }

@@ -175,7 +175,7 @@ fn finish(
     request: &toolroom_analysis::life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let merged = shard::merge(plan, parts).map_err(refused)?;
+    let merged = shard::merge(plan, parsed.content.study.cells.len(), parts).map_err(refused)?;
     // Parts that lie within the results stay where they are.
     let within = parts.parent() == Some(out);
     let draft = if within { None } else { Some(OutputDir::create(out)?) };

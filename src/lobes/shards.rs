@@ -74,7 +74,7 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
                 return Err(ShardError::File { path: out.to_owned(), source });
             }
         };
-        let digest = u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0);
+        let digest = digest(&content);
         Ok(Computed { content, digest, rows: false })
     });
     match refusal {
@@ -83,15 +83,26 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     }
 }
 
+fn digest(content: &Option<Vec<StabilityVerdict>>) -> u64 {
+    u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0)
+}
+
 /// Merges the parts of a planned chart: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let file = chart_of(plan)?;
     let chart = &file.content.chart;
-    let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
-        shards::parts::<Option<Vec<StabilityVerdict>>>(plan, parts).map_err(failed)?.into_iter().collect();
     let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
     let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
+    let checked = |content: &Option<Vec<StabilityVerdict>>, (from, to): (u64, u64)| {
+        let due = (to - from) as usize * depth.len();
+        match content.as_ref().map(Vec::len).filter(|found| *found != due) {
+            Some(found) => Err(format!("it holds {found} verdicts, not {due}")),
+            None => Ok(digest(content)),
+        }
+    };
+    let verdicts: Option<Vec<Vec<StabilityVerdict>>> =
+        shards::parts(plan, parts, checked).map_err(failed)?.into_iter().collect();
     let grid = verdicts.map(|verdicts| Lobes { speed, depth, verdicts: verdicts.concat() });
     if grid.is_none() {
         voice.say("warning: an eigenvalue was not found; the boundary alone is drawn");
