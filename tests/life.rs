@@ -159,6 +159,70 @@ fn public_wear_data_give_their_known_numbers() {
 }
 
 #[test]
+fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
+    let at = directory("extremes");
+    let file = at.join("lives.csv");
+    let out = at.join("out");
+    let fit = ["life", "--fit", text(&file), "--out", text(&out), "--bootstrap", "20", "--goodness", "19", "--json"];
+    // Each among lives that are fine: line, value and fix are told.
+    for wrong in ["0", "-3", "1e200", "1e300", "1e-300", "1e13", "inf", "-inf", "NaN", "1e400", "", "x"] {
+        fs::write(&file, format!("life [min],group\n12,a\n{wrong},a\n17,a\n21,a\n")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains("lives.csv:3: `life` is") && said.contains(wrong) && said.contains("is due"), "{said}");
+    }
+    for (wrong, column) in [("14,20", "inspected"), ("14,-1", "inspected"), ("14,1e300", "inspected")] {
+        fs::write(&file, format!("life [min],inspected\n12,\n{wrong}\n17,\n")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains("lives.csv:3:") && said.contains(column), "{said}");
+    }
+    fs::write(&file, "tool,t,VB\n1,0,0\n1,1e300,1\n").unwrap();
+    let readings = ["--edge", "tool", "--age", "t", "--wear", "VB", "--limit", "0.3"];
+    assert!(refused(&[&fit[..], &readings].concat()).contains("lives.csv:3: `t` is `1e300`"));
+    fs::write(&file, "tool,t,VB\n1,0,0\n1,1,1e12\n").unwrap();
+    assert!(refused(&[&fit[..], &readings].concat()).contains("edge `1` is"));
+    fs::write(&file, "life,f\n1,1\n2,1e300\n3,3\n").unwrap();
+    assert!(refused(&[&fit[..], &["--regress", "f"]].concat()).contains("lives.csv:3: `f` is `1e300`"));
+    // Too little for any law, each in its own words.
+    for (lives, words) in [
+        ("5\n", "1 different lives"),
+        ("5\n5\n5\n5\n", "1 different lives"),
+        ("5,1\n7,1\n", "all 2 lives are censored"),
+        ("5,1\n", "all 1 lives are censored"),
+    ] {
+        let header = if lives.contains(',') { "life,censored" } else { "life" };
+        fs::write(&file, format!("{header}\n{lives}")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains(words), "{said}");
+    }
+    // As small, large and far apart, or as near to each other, as a file may have them.
+    for lives in [
+        ["1e-9", "2e-9", "3e-9", "5e-9", "8e-9"],
+        ["1e11", "2e11", "3e11", "5e11", "1e12"],
+        ["1e-9", "1", "10", "1e6", "1e12"],
+        ["1e-9", "1e-9", "1e-9", "1e-9", "1e12"],
+        ["5", "5", "5", "5", "5.0000000001"],
+        ["5", "5", "5", "5", "1e12"],
+    ] {
+        fs::write(&file, format!("life\n{}\n", lives.join("\n"))).unwrap();
+        let found = json(&fit);
+        let (least, most) = (lives[0].parse::<f64>().unwrap(), lives[4].parse::<f64>().unwrap());
+        let mean = found["mean"].as_f64().expect("a number");
+        assert!(least <= mean && mean <= most, "{lives:?}: {mean}");
+        assert!(found["fits"].as_array().is_some_and(|fits| !fits.is_empty()), "{lives:?}");
+        assert!(fs::read_to_string(out.join("report.html")).unwrap().contains("Probability paper"), "{lives:?}");
+    }
+}
+
+#[test]
+fn a_broken_quote_is_refused_with_its_line() {
+    let at = directory("quotes");
+    let file = at.join("lives.csv");
+    fs::write(&file, "life,group\n12,a\n17,\"a\n21,b\n").unwrap();
+    let said = refused(&["life", "--fit", text(&file), "--out", text(&at.join("out"))]);
+    assert!(said.contains("lives.csv:3:") && said.contains("never closed"), "{said}");
+}
+
+#[test]
 fn shards_threads_and_interruptions_change_nothing() {
     let at = directory("shards");
     let file = study(&at, "");
@@ -303,7 +367,7 @@ fn input_that_makes_no_sense_is_refused() {
     };
     assert!(csv("censored.csv", "life,censored\n5,1\n7,1\n").contains("all 2 lives are censored"));
     assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine 2 parameters"));
-    assert!(csv("negative.csv", "life\n5\n-3\n").contains("life number 2 is -3"));
+    assert!(csv("negative.csv", "life\n5\n-3\n").contains("negative.csv:3: `life` is -3"));
     assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
     assert!(refused(&["merge", text(&at)]).contains("plan.json"));
     assert!(refused(&["life"]).contains("FILE") || refused(&["life"]).contains("required"));
