@@ -35,6 +35,11 @@ pub enum Failure {
         /// What is there.
         help: String,
     },
+    /// Done, but too little data for an answer: it is written, and may not be taken for one.
+    TooLittle {
+        /// What is too little.
+        message: String,
+    },
     /// Stopped by the user; what was complete is written.
     Interrupted { replications: u32, path: PathBuf },
     /// A path that cannot be written.
@@ -66,6 +71,10 @@ impl Failure {
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
+            Self::TooLittle { message } => {
+                voice.error(format_args!("warning: too little data for an answer: {message}"));
+                ExitCode::from(3)
+            }
             Self::Interrupted { replications, path } => {
                 let plural = if *replications == 1 { " is" } else { "s are" };
                 let message = format!(

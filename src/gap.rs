@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
 use toolroom_analysis::gap::{ModelFileError, NominalModel};
-use toolroom_analysis::records::{self, RecordError, Records};
+use toolroom_analysis::records::{self, ReadReport, RecordError, Records};
 
 pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -39,8 +39,14 @@ fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
 
 /// Records of the model's kind; what was read is said.
 fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records, Failure> {
-    let (records, report) = records::read(path, model.kind()).map_err(|error| match error {
+    said(records::read(path, model.kind()), voice)
+}
+
+/// Records that were read, and a line about it.
+fn said(read: Result<(Records, ReadReport), RecordError>, voice: &Voice) -> Result<Records, Failure> {
+    let (records, report) = read.map_err(|error| match error {
         RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
+        RecordError::Quote { .. } => Failure::argument(error, "mend that line; nothing was diagnosed"),
         other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
     })?;
     voice.say(report.to_string().trim_end());

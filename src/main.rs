@@ -1,7 +1,8 @@
 //! `toolroom`, the command line: glue between scenario files, the shop and the analysis.
 //!
 //! One file a verb; data go to standard output, narration and progress to standard error.
-//! Exit code 0: done; 1: the work failed or was interrupted; 2: the input is wrong.
+//! Exit code 0: done; 1: the work failed or was interrupted; 2: the input is wrong; 3: done, but the answer must
+//! not be overlooked, such as too little data.
 
 mod args;
 mod asked;

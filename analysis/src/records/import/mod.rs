@@ -13,7 +13,8 @@ mod tests;
 
 pub use mapping::{Combine, Keep, MAPPING, Mapped, Mapping, Origin};
 
-use super::csv_table::{self, RawTable};
+use super::csv_table::RawTable;
+use super::read::parsed;
 use super::{ReadReport, RecordError, RecordKind, Records, parquet_table};
 use std::path::Path;
 
@@ -56,7 +57,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<(Records, ReadReport), I
         parquet_table::read(path).map_err(|source| RecordError::Parquet { path: path.to_owned(), source })?
     } else {
         let bytes = std::fs::read(path).map_err(|source| RecordError::Unreadable { path: path.to_owned(), source })?;
-        csv_table::parse(&bytes)
+        parsed(&path.display().to_string(), &bytes)?
     };
     import_table(&path.display().to_string(), &table, mapping)
 }
@@ -77,7 +78,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<(Records, ReadReport), I
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn import_csv(file: &str, bytes: &[u8], mapping: &Mapping) -> Result<(Records, ReadReport), ImportError> {
-    import_table(file, &csv_table::parse(bytes), mapping)
+    import_table(file, &parsed(file, bytes)?, mapping)
 }
 
 fn import_table(file: &str, table: &RawTable, mapping: &Mapping) -> Result<(Records, ReadReport), ImportError> {
