@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 use toolroom_scenario::file::{ScenarioFile, parse, read};
 use toolroom_shards::{self, Computed, Plan, ShardError};
-use toolroom_study::study::{KnownRuns, StoredRun, stored_runs};
+use toolroom_study::study::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -101,7 +101,8 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
             let source = std::io::Error::other("the shop stopped");
             return Err(ShardError::File { path: out.to_owned(), source });
         }
-        let digest = runs.iter().fold(0, |digest: u64, run| digest.wrapping_add(run.digest));
+        let digest = stored_digest(&file.scenario, &policies, (from, to), &runs)
+            .map_err(|why| ShardError::Malformed { path: out.to_owned(), why })?;
         Ok(Computed { content: runs, digest, rows: false })
     });
     match failed {
@@ -113,7 +114,8 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
 /// Merges the parts of a planned comparison: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let (file, policies) = planned(plan)?;
-    let runs = toolroom_shards::parts::<Vec<StoredRun>>(plan, parts).map_err(refused)?.into_iter().flatten();
+    let digest = |runs: &Vec<StoredRun>, range| stored_digest(&file.scenario, &policies, range, runs);
+    let runs = toolroom_shards::parts(plan, parts, digest).map_err(refused)?.into_iter().flatten();
     let known: KnownRuns = runs.map(|run| ((run.replication, run.policy), run)).collect();
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs {

@@ -36,6 +36,11 @@ pub enum Failure {
         /// What is there.
         help: String,
     },
+    /// Done, but too little data for an answer: it is written, and may not be taken for one.
+    TooLittle {
+        /// What is too little.
+        message: String,
+    },
     /// Stopped by the user.
     Interrupted {
         /// How far the work came and what is kept.
@@ -61,6 +66,7 @@ impl Failure {
             Self::Argument { message, help } => Self::Argument { message: message + more, help },
             Self::Work { message } => Self::Work { message: message + more },
             Self::Stopped { message, help } => Self::Stopped { message: message + more, help },
+            Self::TooLittle { message } => Self::TooLittle { message: message + more },
             Self::Interrupted { message, help } => Self::Interrupted { message: message + more, help },
             Self::Unwritable { path, source } => {
                 Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
@@ -86,6 +92,10 @@ impl Failure {
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
+            Self::TooLittle { message } => {
+                voice.error(format_args!("warning: too little data for an answer: {message}"));
+                ExitCode::from(3)
+            }
             Self::Interrupted { message, help } => self.plain(voice, message, Some(help), stop::exit_code()),
             Self::Unwritable { path, source } => {
                 let message = format!("{} cannot be written: {source}", path.display());

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
 use toolroom_gap::{ModelFileError, NominalModel};
-use toolroom_records::{RecordError, Records};
+use toolroom_records::{ReadReport, RecordError, Records};
 
 pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
     match command {
@@ -39,11 +39,16 @@ fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
 
 /// Records of the model's kind; what was read is said.
 fn recorded(path: &Path, model: &NominalModel, voice: &Voice) -> Result<Records, Failure> {
-    let (records, report) =
-        toolroom_records::read(path, model.kind(), &toolroom_parquet::read_cells).map_err(|error| match error {
-            RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
-            other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
-        })?;
+    said(toolroom_records::read(path, model.kind(), &toolroom_parquet::read_cells), voice)
+}
+
+/// Records that were read, and a line about it.
+fn said(read: Result<(Records, ReadReport), RecordError>, voice: &Voice) -> Result<Records, Failure> {
+    let (records, report) = read.map_err(|error| match error {
+        RecordError::Unreadable { .. } => Failure::argument(error, "check the path"),
+        RecordError::Quote { .. } => Failure::argument(error, "mend that line; nothing was diagnosed"),
+        other => Failure::argument(other, "`toolroom import csv` maps other tables to records"),
+    })?;
     voice.say(report.to_string().trim_end());
     Ok(records)
 }

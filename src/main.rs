@@ -1,7 +1,8 @@
 //! `toolroom`, the command line: glue between scenario files, the shop and the analysis.
 //!
 //! One file a verb; data go to standard output, narration and progress to standard error.
-//! Exit code 0: done; 1: the work failed; 2: the input is wrong; 130 and 143: interrupted by SIGINT and SIGTERM.
+//! Exit code 0: done; 1: the work failed; 2: the input is wrong; 3: done, but the answer must not be overlooked, such
+//! as too little data; 130 and 143: interrupted by SIGINT and SIGTERM.
 
 mod args;
 mod asked;

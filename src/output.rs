@@ -23,6 +23,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 use toolroom_chart::page::Provenance;
+use toolroom_process::table::{Cell, csv_text};
 use toolroom_shards::fingerprint;
 
 /// A folder of results while it is written.
@@ -157,6 +158,16 @@ impl OutputDir {
     pub fn put_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.draft.join(name);
         fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
+    }
+
+    /// Writes a CSV table of the draft.
+    pub fn put_table<'a, R: IntoIterator<Item = Cell<'a>>>(
+        &self,
+        name: &str,
+        header: impl IntoIterator<Item = impl AsRef<str>>,
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), Failure> {
+        self.put(name, &csv_text(header, rows).map_err(|error| no_table(name, &error))?)
     }
 
     /// Writes a JSON file of the draft.
@@ -326,6 +337,11 @@ fn earlier(place: &Path) -> Earlier {
         None => Earlier::Nothing,
         Some(run) => Listed::of(&run).map_or(Earlier::Unlisted, Earlier::Listed),
     }
+}
+
+/// A table that has no form as CSV.
+pub fn no_table(name: &str, error: &dyn std::fmt::Display) -> Failure {
+    Failure::Work { message: format!("{name}: {error}") }
 }
 
 /// The command as it has to be typed, and the input files with their hashes. `arguments` follow

@@ -2,12 +2,13 @@
 
 use crate::args::ProgramArgs;
 use crate::failure::Failure;
-use crate::output::Files;
+use crate::output::{Files, no_table};
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::fs;
 use toolroom_contour::{Block, Drives, Program, Units};
+use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::{AnyRecord, Record, unit};
 
 /// What a refused program is about.
@@ -48,7 +49,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &args.blocks {
-        files.put(path, table(&program, &times, &drives).as_bytes())?;
+        files.put(path, table(&program, &times, &drives)?.as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
     }
     if !program.unknown.is_empty() {
@@ -120,20 +121,21 @@ fn drives(set: &[String]) -> Result<Drives, Failure> {
     Ok(drives)
 }
 
-fn table(program: &Program, times: &[f64], drives: &Drives) -> String {
-    let mut text = String::from("line,tool,feed_time [s],rapid_time [s],dwell [s],tool_change,holes,time [s]\n");
-    for (block, time) in program.blocks.iter().zip(times) {
-        let tool = block.tool.map_or(String::new(), |tool| tool.to_string());
+fn table(program: &Program, times: &[f64], drives: &Drives) -> Result<String, Failure> {
+    let columns = ["line", "tool", "feed_time [s]", "rapid_time [s]", "dwell [s]", "tool_change", "holes", "time [s]"];
+    let row = |(block, time): (&Block, &f64)| -> [Cell<'_>; 8] {
         let rapid = block.nominal(drives.rapid_speed) - block.feed_time() - block.dwell;
-        let _ = writeln!(
-            text,
-            "{},{tool},{:.6},{rapid:.6},{:.3},{},{},{time:.6}",
-            block.line,
-            block.feed_time(),
-            block.dwell,
-            u8::from(block.tool_change),
-            block.holes
-        );
-    }
-    text
+        [
+            block.line.into(),
+            block.tool.into(),
+            Cell::Fixed(block.feed_time(), 6),
+            Cell::Fixed(rapid, 6),
+            Cell::Fixed(block.dwell, 3),
+            u32::from(block.tool_change).into(),
+            block.holes.into(),
+            Cell::Fixed(*time, 6),
+        ]
+    };
+    csv_text(columns, program.blocks.iter().zip(times).map(row))
+        .map_err(|error| no_table("the table of blocks", &error))
 }

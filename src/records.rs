@@ -1,4 +1,4 @@
-//! Records as rows of a table of inputs; cells of a table of results.
+//! Records as rows of a table of inputs.
 
 use toolroom_chart::Table;
 use toolroom_process::AnyRecord;
@@ -16,9 +16,4 @@ pub fn push_record(table: &mut Table, group: &str, record: &dyn AnyRecord) {
         let text = if field.display == "1" { value } else { format!("{value} {}", field.display) };
         table.push([group.into(), field.name.into(), text.into()]);
     }
-}
-
-/// A text as a cell of a CSV file.
-pub fn cell(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

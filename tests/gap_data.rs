@@ -150,10 +150,8 @@ fn milling_in_wrong_units_is_said() {
 #[test]
 fn few_groups_and_constant_channels_name_nothing() {
     let (_dir, model) = empirical();
-    for edges in [1, 4] {
-        let (found, _) = diagnosis(&model, &lookalike(edges, 0.5, 1.0));
-        assert!(ids(&found).is_empty(), "{edges}: {found:#}");
-    }
+    let (found, _) = diagnosis(&model, &lookalike(4, 0.5, 1.0));
+    assert!(ids(&found).is_empty() && found["verdict"] != "cannot_tell", "{found:#}");
     let constant: String = lookalike(8, 0.0, 1.0)
         .lines()
         .enumerate()
@@ -173,11 +171,70 @@ fn few_groups_and_constant_channels_name_nothing() {
 fn a_table_without_any_channel_is_refused() {
     let (dir, model) = empirical();
     let path = dir.path().join("operations.csv");
-    fs::write(&path, "operation_id,tool_id,sequence,cutting_force [N]\n1,A,1,\n2,A,2,n/a\n")
-        .expect("a writable folder");
+    fs::write(&path, "operation_id,tool_id,sequence,room\n1,A,1,\n2,A,2,n/a\n").expect("a writable folder");
     let run = toolroom(&["gap", "diagnose", "--model", &model, "--data", &path.display().to_string()]);
     assert_eq!(run.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&run.stderr).contains("no channel"), "{run:?}");
+}
+
+#[test]
+fn too_little_data_is_the_answer_that_it_is() {
+    let (dir, model) = empirical();
+    let path = dir.path().join("operations.csv");
+    let out = dir.path().join("gap");
+    let head = "operation_id,tool_id,sequence,cutting_force [N]\n";
+    let rows = |edges: usize, each: usize| -> String {
+        let row = |i: usize| format!("{i},T{},{},{}\n", i / each, i % each + 1, 700 + i % 5);
+        (0..edges * each).map(row).collect()
+    };
+    let cases = [
+        // No row; rows without an edge; no value; one edge; two edges of three values each.
+        ("none of 0 rows", String::new()),
+        ("tool_id is empty", "1,,1,700\n2,,2,710\n".to_owned()),
+        ("no row has a value", "1,A,1,\n2,A,2,n/a\n3,B,1,nan\n".to_owned()),
+        ("1 group of rows", rows(1, 40)),
+        ("cutting_force has 6 values", rows(2, 3)),
+    ];
+    for (words, rows) in cases {
+        fs::write(&path, format!("{head}{rows}")).expect("a writable folder");
+        let (data, target) = (path.display().to_string(), out.display().to_string());
+        let run = toolroom(&["gap", "diagnose", "--model", &model, "--data", &data, "--out", &target, "--json"]);
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(3), "{words}: {said}");
+        assert!(said.contains("too little data") && said.contains(words), "{words}: {said}");
+        let found: Value = serde_json::from_slice(&run.stdout).expect("JSON");
+        assert_eq!(found["verdict"], "cannot_tell", "{found:#}");
+        assert!(ids(&found).is_empty() && found["notes"].to_string().contains(words), "{found:#}");
+        let written = fs::read_to_string(out.join("diagnosis.json")).expect("a diagnosis");
+        assert_eq!(serde_json::from_str::<Value>(&written).expect("JSON"), found);
+        assert!(fs::read_to_string(out.join("report.html")).expect("a report").contains("too little was measured"));
+    }
+    // From two edges and eight values on there is another answer.
+    fs::write(&path, format!("{head}{}", rows(2, 4))).expect("a writable folder");
+    let run = toolroom(&["gap", "diagnose", "--model", &model, "--data", &path.display().to_string()]);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    assert!(!String::from_utf8_lossy(&run.stdout).contains("too little"), "{run:?}");
+}
+
+#[test]
+fn a_broken_quote_is_refused_with_its_line() {
+    let (dir, model) = empirical();
+    let path = dir.path().join("operations.csv");
+    let rows = lookalike(4, 0.0, 1.0);
+    let broken: Vec<String> =
+        rows.lines().enumerate().map(|(i, line)| if i == 5 { format!("\"{line}") } else { line.to_owned() }).collect();
+    fs::write(&path, broken.join("\n")).expect("a writable folder");
+    let data = path.display().to_string();
+    let out = dir.path().join("out").display().to_string();
+    for arguments in [
+        vec!["gap", "diagnose", "--model", &model, "--data", &data],
+        vec!["import", "csv", &data, "--map", &shipped("map-18-tools"), "--out", &out],
+    ] {
+        let run = toolroom(&arguments);
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(2), "{said}");
+        assert!(said.contains("operations.csv:6:") && said.contains("never closed"), "{said}");
+    }
 }
 
 #[test]

@@ -39,6 +39,25 @@ fn directory(name: &str) -> PathBuf {
     path
 }
 
+/// Changes and cuts a part at some places, and asks that it is refused by its name each time; it is then as
+/// it was.
+fn damaged_parts_are_refused(part: &Path, merge: &[&str]) {
+    let whole = fs::read(part).expect("a part");
+    let name = part.file_name().and_then(|name| name.to_str()).expect("a name");
+    for k in 0..6 {
+        // Spread over the file by the golden ratio, the same on every run.
+        let at = (whole.len() as f64 * (0.618 * f64::from(k + 1)).fract()) as usize;
+        let mut changed = whole.clone();
+        changed[at] ^= 1 << k;
+        for bytes in [&whole[..at], &changed] {
+            fs::write(part, bytes).expect("writable");
+            let said = refused(merge);
+            assert!(said.contains(name) && said.contains("run its shard again"), "{at}: {said}");
+        }
+    }
+    fs::write(part, whole).expect("writable");
+}
+
 fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
@@ -140,6 +159,70 @@ fn public_wear_data_give_their_known_numbers() {
 }
 
 #[test]
+fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
+    let at = directory("extremes");
+    let file = at.join("lives.csv");
+    let out = at.join("out");
+    let fit = ["life", "--fit", text(&file), "--out", text(&out), "--bootstrap", "20", "--goodness", "19", "--json"];
+    // Each among lives that are fine: line, value and fix are told.
+    for wrong in ["0", "-3", "1e200", "1e300", "1e-300", "1e13", "inf", "-inf", "NaN", "1e400", "", "x"] {
+        fs::write(&file, format!("life [min],group\n12,a\n{wrong},a\n17,a\n21,a\n")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains("lives.csv:3: `life` is") && said.contains(wrong) && said.contains("is due"), "{said}");
+    }
+    for (wrong, column) in [("14,20", "inspected"), ("14,-1", "inspected"), ("14,1e300", "inspected")] {
+        fs::write(&file, format!("life [min],inspected\n12,\n{wrong}\n17,\n")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains("lives.csv:3:") && said.contains(column), "{said}");
+    }
+    fs::write(&file, "tool,t,VB\n1,0,0\n1,1e300,1\n").unwrap();
+    let readings = ["--edge", "tool", "--age", "t", "--wear", "VB", "--limit", "0.3"];
+    assert!(refused(&[&fit[..], &readings].concat()).contains("lives.csv:3: `t` is `1e300`"));
+    fs::write(&file, "tool,t,VB\n1,0,0\n1,1,1e12\n").unwrap();
+    assert!(refused(&[&fit[..], &readings].concat()).contains("edge `1` is"));
+    fs::write(&file, "life,f\n1,1\n2,1e300\n3,3\n").unwrap();
+    assert!(refused(&[&fit[..], &["--regress", "f"]].concat()).contains("lives.csv:3: `f` is `1e300`"));
+    // Too little for any law, each in its own words.
+    for (lives, words) in [
+        ("5\n", "1 different lives"),
+        ("5\n5\n5\n5\n", "1 different lives"),
+        ("5,1\n7,1\n", "all 2 lives are censored"),
+        ("5,1\n", "all 1 lives are censored"),
+    ] {
+        let header = if lives.contains(',') { "life,censored" } else { "life" };
+        fs::write(&file, format!("{header}\n{lives}")).unwrap();
+        let said = refused(&fit);
+        assert!(said.contains(words), "{said}");
+    }
+    // As small, large and far apart, or as near to each other, as a file may have them.
+    for lives in [
+        ["1e-9", "2e-9", "3e-9", "5e-9", "8e-9"],
+        ["1e11", "2e11", "3e11", "5e11", "1e12"],
+        ["1e-9", "1", "10", "1e6", "1e12"],
+        ["1e-9", "1e-9", "1e-9", "1e-9", "1e12"],
+        ["5", "5", "5", "5", "5.0000000001"],
+        ["5", "5", "5", "5", "1e12"],
+    ] {
+        fs::write(&file, format!("life\n{}\n", lives.join("\n"))).unwrap();
+        let found = json(&fit);
+        let (least, most) = (lives[0].parse::<f64>().unwrap(), lives[4].parse::<f64>().unwrap());
+        let mean = found["mean"].as_f64().expect("a number");
+        assert!(least <= mean && mean <= most, "{lives:?}: {mean}");
+        assert!(found["fits"].as_array().is_some_and(|fits| !fits.is_empty()), "{lives:?}");
+        assert!(fs::read_to_string(out.join("report.html")).unwrap().contains("Probability paper"), "{lives:?}");
+    }
+}
+
+#[test]
+fn a_broken_quote_is_refused_with_its_line() {
+    let at = directory("quotes");
+    let file = at.join("lives.csv");
+    fs::write(&file, "life,group\n12,a\n17,\"a\n21,b\n").unwrap();
+    let said = refused(&["life", "--fit", text(&file), "--out", text(&at.join("out"))]);
+    assert!(said.contains("lives.csv:3:") && said.contains("never closed"), "{said}");
+}
+
+#[test]
 fn shards_threads_and_interruptions_change_nothing() {
     let at = directory("shards");
     let file = study(&at, "");
@@ -150,6 +233,15 @@ fn shards_threads_and_interruptions_change_nothing() {
     let whole = run("whole", &["--threads", "1"]);
     assert_eq!(whole["cells"].as_array().map(Vec::len), Some(2));
     assert_eq!(run("threads", &["--threads", "2"]), whole);
+    // A name of a column has a comma in it.
+    let mut cells = csv::Reader::from_path(at.join("whole/cells.csv")).expect("a table");
+    let names = cells.headers().expect("a header").clone();
+    let b10 = names.iter().position(|name| name == "B10 [min]").expect("the column");
+    let rows: Vec<csv::StringRecord> = cells.records().map(|row| row.expect("as long as the header")).collect();
+    assert_eq!((names.len(), rows.len()), (12, 2));
+    for (row, cell) in rows.iter().zip(whole["cells"].as_array().expect("cells")) {
+        close(&cell["b10 [min]"]["value"], row[b10].parse().expect("a number"), 1e-12);
+    }
     assert_eq!(run("seven", &["--shards", "7"]), whole);
 
     let plan = at.join("plan.json");
@@ -190,6 +282,7 @@ fn shards_threads_and_interruptions_change_nothing() {
     fs::write(parts.join("part-000001.parquet"), b"cut short").unwrap();
     assert!(refused(&arguments).contains("run shard 1 again"));
     assert_eq!(shard("1").status.code(), Some(0));
+    damaged_parts_are_refused(&parts.join("part-000002.json"), &arguments);
     assert_eq!(json(&arguments), whole);
     let error = shard("5");
     assert_eq!(error.status.code(), Some(2));
@@ -274,7 +367,7 @@ fn input_that_makes_no_sense_is_refused() {
     };
     assert!(csv("censored.csv", "life,censored\n5,1\n7,1\n").contains("all 2 lives are censored"));
     assert!(csv("one.csv", "life\n5\n").contains("1 different lives that ended do not determine 2 parameters"));
-    assert!(csv("negative.csv", "life\n5\n-3\n").contains("life number 2 is -3"));
+    assert!(csv("negative.csv", "life\n5\n-3\n").contains("negative.csv:3: `life` is -3"));
     assert!(csv("words.csv", "life\n5\nlong\n").contains("words.csv:3: `life` is `long`"));
     assert!(refused(&["merge", text(&at)]).contains("plan.json"));
     assert!(refused(&["life"]).contains("FILE") || refused(&["life"]).contains("required"));
@@ -409,6 +502,9 @@ fn a_shop_in_shards_is_the_shop_in_one_piece() {
     }
     let merged = json(&["merge", text(&parts), "--json", "--out", text(&at.join("merged"))]);
     assert_eq!(merged, whole);
+    let out = at.join("merged");
+    let merge = ["merge", text(&parts), "--out", text(&out)];
+    damaged_parts_are_refused(&parts.join("part-000001.json"), &merge);
     fs::remove_file(parts.join("part-000001.json")).unwrap();
-    assert!(refused(&["merge", text(&parts), "--out", text(&at.join("merged"))]).contains("missing: 1"));
+    assert!(refused(&merge).contains("missing: 1"));
 }

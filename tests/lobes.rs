@@ -325,6 +325,19 @@ fn a_chart_is_the_same_from_any_number_of_shards() {
         assert_eq!(merged["digest"].as_str().map(str::len), Some(16));
         assert_eq!(fs::read(folder.join("merged/lobes.csv")).expect("a table"), table);
     }
+    let part = folder.join("parts4/part-000001.json");
+    let whole = fs::read(&part).expect("a part");
+    for at in (0..whole.len()).step_by(whole.len() / 5) {
+        let mut changed = whole.clone();
+        changed[at] ^= 4;
+        for bytes in [&whole[..at], &changed] {
+            fs::write(&part, bytes).expect("writable");
+            let output = toolroom(&["merge", &place("parts4"), "--out", &place("merged")]);
+            let said = stderr(&output);
+            assert!(output.status.code() == Some(2) && said.contains("part-000001.json"), "{at}: {said}");
+        }
+    }
+    fs::write(&part, whole).expect("writable");
     fs::remove_file(folder.join("parts4/part-000002.json")).expect("a part");
     let output = toolroom(&["merge", &place("parts4"), "--out", &place("merged")]);
     assert!(output.status.code() == Some(2) && stderr(&output).contains("1 of 4 shards are missing: 2"));

@@ -9,7 +9,9 @@ pub enum GapCommand {
     #[command(before_help = "Examples:
   toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --out out/gap
   toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json
-  toolroom gap diagnose --model turning.toml --model grinding.toml --data records      every table with its model")]
+  toolroom gap diagnose --model turning.toml --model grinding.toml --data records      every table with its model
+
+Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel with eight values")]
     Diagnose(DiagnoseArgs),
     /// What such runs could show before anything is measured
     #[command(before_help = "Examples:

@@ -8,11 +8,10 @@ use super::text::rpm;
 use crate::args::ContourArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
-use crate::records::cell;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Duration;
 use toolroom_contour::{Constraint, Plan, PlannedSection, Sensitivity};
+use toolroom_process::table::Cell;
 use toolroom_shards::fingerprint;
 
 const MM: f64 = 1e3;
@@ -44,10 +43,10 @@ pub fn write(
     let mut provenance = provenance("contour", &setup, arguments, Some(args.seed));
     let programs = task.inputs[1..].iter();
     provenance.inputs.extend(programs.map(|input| (input.name.clone(), fingerprint(input.text.as_bytes()))));
-    out.put("sections.csv", &sections(task, studies))?;
-    out.put("conditions.csv", &conditions(studies))?;
+    sections(out, task, studies)?;
+    conditions(out, studies)?;
     if studies.iter().any(|study| !study.scatter.is_empty()) {
-        out.put("draws.csv", &draws(studies))?;
+        draws(out, studies)?;
     }
     for study in studies {
         for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
@@ -202,16 +201,30 @@ fn scatter_json(study: &PassStudy<'_>, scattered: &Scattered) -> Value {
 }
 
 /// Every section of every regime.
-fn sections(task: &Task, studies: &[PassStudy<'_>]) -> String {
-    let mut text = "pass,regime,section,shape,radius [mm],length [mm],spindle_speed [rpm],feed_per_tooth [mm],feed \
-                    [mm/min],time [s],edge_life,active_constraint,deflection [um],path_error [um],roughness [um],power \
-                    [kW],normal_force [N]"
-        .to_owned();
-    for constraint in Constraint::ALL {
-        let _ = write!(text, ",{constraint}_ratio");
-    }
-    text.push('\n');
+fn sections(out: &OutputDir, task: &Task, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+    let columns = [
+        "pass",
+        "regime",
+        "section",
+        "shape",
+        "radius [mm]",
+        "length [mm]",
+        "spindle_speed [rpm]",
+        "feed_per_tooth [mm]",
+        "feed [mm/min]",
+        "time [s]",
+        "edge_life",
+        "active_constraint",
+        "deflection [um]",
+        "path_error [um]",
+        "roughness [um]",
+        "power [kW]",
+        "normal_force [N]",
+    ];
+    let ratios = Constraint::ALL.iter().map(|constraint| format!("{constraint}_ratio"));
+    let header = columns.map(str::to_owned).into_iter().chain(ratios);
     let contour = &task.file.contour;
+    let mut rows: Vec<Vec<Cell<'_>>> = Vec::new();
     for study in studies {
         let baselines =
             study.baselines.iter().filter_map(|each| Some((each.name.to_owned(), each.plan.as_ref().ok()?)));
@@ -219,75 +232,85 @@ fn sections(task: &Task, studies: &[PassStudy<'_>]) -> String {
         for (regime, plan) in baselines.chain(plans) {
             for (i, (drawn, section)) in contour.sections.iter().zip(&plan.sections).enumerate() {
                 let (shape, at) = (contour.shape(drawn), &section.evaluation);
-                let _ = write!(
-                    text,
-                    "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
-                    cell(study.name),
-                    cell(&regime),
-                    i + 1,
-                    shape.name(),
-                    shape.radius().map_or_else(String::new, |radius| (radius * MM).to_string()),
-                    drawn.length * MM,
-                    rpm(section),
-                    section.setting.feed_per_tooth * MM,
-                    at.feed * 60.0 * MM,
-                    section.time,
-                    section.life_fraction,
-                    section.active.map_or("", Constraint::name),
-                    at.deflection * UM,
-                    at.path_error * UM,
-                    at.roughness * UM,
-                    at.power * 1e-3,
-                    at.forces.normal,
-                );
-                for (_, ratio) in at.ratios.iter() {
-                    let _ = write!(text, ",{ratio}");
-                }
-                text.push('\n');
+                let mut row: Vec<Cell<'_>> = vec![
+                    study.name.into(),
+                    regime.clone().into(),
+                    (i + 1).into(),
+                    shape.name().into(),
+                    shape.radius().map(|radius| radius * MM).into(),
+                    (drawn.length * MM).into(),
+                    rpm(section).into(),
+                    (section.setting.feed_per_tooth * MM).into(),
+                    (at.feed * 60.0 * MM).into(),
+                    section.time.into(),
+                    section.life_fraction.into(),
+                    section.active.map(Constraint::name).into(),
+                    (at.deflection * UM).into(),
+                    (at.path_error * UM).into(),
+                    (at.roughness * UM).into(),
+                    (at.power * 1e-3).into(),
+                    at.forces.normal.into(),
+                ];
+                row.extend(at.ratios.iter().map(|(_, ratio)| Cell::Number(ratio)));
+                rows.push(row);
             }
         }
     }
-    text
+    out.put_table("sections.csv", header, rows)
 }
 
-fn conditions(studies: &[PassStudy<'_>]) -> String {
-    let mut text = "pass,condition,objective,productivity_gain,cost_change\n".to_owned();
+fn conditions(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+    let mut rows: Vec<[Cell<'_>; 5]> = Vec::new();
     for study in studies {
         for condition in &study.conditions {
             for ((objective, _), gain) in OBJECTIVES.iter().zip(condition.gains) {
-                let [gain, cost] = [gain.map(|gain| gain.productivity), gain.map(|gain| gain.cost)]
-                    .map(|value| value.map_or_else(String::new, |value| value.to_string()));
-                let _ = writeln!(text, "{},{},{objective},{gain},{cost}", cell(study.name), cell(&condition.name));
+                rows.push([
+                    study.name.into(),
+                    (&condition.name).into(),
+                    (*objective).into(),
+                    gain.map(|gain| gain.productivity).into(),
+                    gain.map(|gain| gain.cost).into(),
+                ]);
             }
         }
     }
-    text
+    out.put_table("conditions.csv", ["pass", "condition", "objective", "productivity_gain", "cost_change"], rows)
 }
 
-fn draws(studies: &[PassStudy<'_>]) -> String {
-    let mut text = "pass,scatter,objective,draw,allowance [mm],hardness_ratio,table_feed [mm],productivity_gain,\
-                    cost_change,nominal_plan_breaks\n"
-        .to_owned();
+fn draws(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+    let columns = [
+        "pass",
+        "scatter",
+        "objective",
+        "draw",
+        "allowance [mm]",
+        "hardness_ratio",
+        "table_feed [mm]",
+        "productivity_gain",
+        "cost_change",
+        "nominal_plan_breaks",
+    ];
+    let mut rows: Vec<[Cell<'_>; 10]> = Vec::new();
     for study in studies {
         for scattered in &study.scatter {
             for ((objective, _), sensitivity) in OBJECTIVES.iter().zip(&scattered.by_objective) {
                 for (k, draw) in sensitivity.draws.iter().enumerate() {
-                    let [gain, cost] = [draw.productivity_gain, draw.cost_change]
-                        .map(|value| value.map_or_else(String::new, |value| value.to_string()));
                     let broken: Vec<&str> = draw.broken.iter().map(|constraint| constraint.name()).collect();
-                    let _ = writeln!(
-                        text,
-                        "{},{},{objective},{k},{},{},{},{gain},{cost},{}",
-                        cell(study.name),
-                        cell(&scattered.name),
-                        draw.pass.allowance * MM,
-                        draw.pass.hardness_ratio,
-                        draw.pass.table_feed * MM,
-                        broken.join(" "),
-                    );
+                    rows.push([
+                        study.name.into(),
+                        (&scattered.name).into(),
+                        (*objective).into(),
+                        k.into(),
+                        (draw.pass.allowance * MM).into(),
+                        draw.pass.hardness_ratio.into(),
+                        (draw.pass.table_feed * MM).into(),
+                        draw.productivity_gain.into(),
+                        draw.cost_change.into(),
+                        broken.join(" ").into(),
+                    ]);
                 }
             }
         }
     }
-    text
+    out.put_table("draws.csv", columns, rows)
 }

@@ -11,8 +11,8 @@ use std::path::Path;
 use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{queues, visits};
-use toolroom_gap::{Answers, Asked, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
-use toolroom_records::Records;
+use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
+use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
@@ -21,8 +21,17 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let names = &["diagnosis.json", "report.html"];
     let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let mut asked: Vec<Asked> = Vec::new();
-    let mut rest: Vec<(NominalModel, Records)> = Vec::new();
-    for Table { model, mut records } in tables(&args.models, &args.set, &args.data, voice)? {
+    let mut rest: Vec<Option<(NominalModel, Records)>> = Vec::new();
+    for Table { model, records } in tables(&args.models, &args.set, &args.data, voice)? {
+        let mut records = match records {
+            Ok(records) => records,
+            Err(why) => {
+                let process = model.kind().name();
+                asked.push(Asked { process, parts: Vec::new(), notes: vec![why], impossible: 0 });
+                rest.push(None);
+                continue;
+            }
+        };
         let mut outside: Vec<String> = Vec::new();
         if let Some(path) = &args.holdout_data {
             (records, outside) = with_more(&model, &records, path, group, voice)?;
@@ -33,14 +42,17 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         let one = model.asked(&records, group, |index, name| {
             outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
         });
-        if one.parts.iter().all(|part| part.frame().measured.is_empty()) {
+        if one.parts.iter().all(|part| part.frame().measured.is_empty())
+            && !only_values_are_missing(&model, &records, &one)
+        {
             return Err(super::nothing_measured(&one.notes));
         }
         asked.push(one);
-        rest.push((model, records));
+        rest.push(Some((model, records)));
     }
     let mut answers = diagnose_processes(&asked, args.seed);
-    for ((_, diagnosis), (model, records)) in answers.processes.iter_mut().zip(rest) {
+    for ((_, diagnosis), rest) in answers.processes.iter_mut().zip(rest) {
+        let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else { continue };
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
@@ -51,7 +63,23 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
         }
     }
-    write(args, out, &answers, voice)
+    write(args, out, &answers, voice)?;
+    let untold: Vec<String> = answers
+        .processes
+        .iter()
+        .filter(|(_, own)| own.verdict == GapVerdict::CannotTell)
+        .map(|(process, own)| format!("{process}: {}", own.notes.join("; ")))
+        .collect();
+    if untold.is_empty() { Ok(()) } else { Err(Failure::TooLittle { message: untold.join("; ") }) }
+}
+
+/// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.
+fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Asked) -> bool {
+    if let NominalProcess::Shop(_) = model.process {
+        return visits(records).list.is_empty();
+    }
+    let mut channels = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    asked.impossible == 0 && channels.any(|column| records.numbers(column.name).is_some())
 }
 
 /// The records followed by those of another set, and the groups that only the other has.

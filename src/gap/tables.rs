@@ -1,16 +1,16 @@
 //! Which model reads which table of a data set.
 
-use super::{nominal_of, recorded};
+use super::{nominal_of, said};
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use toolroom_gap::NominalModel;
-use toolroom_records::{RecordKind, Records};
+use toolroom_records::{RecordError, RecordKind, Records};
 
-/// A nominal model with the records of its table.
+/// A nominal model with the records of its table, or why the table, in which nothing is wrong, has none.
 pub struct Table {
     pub model: NominalModel,
-    pub records: Records,
+    pub records: Result<Records, String>,
 }
 
 /// Every model with its table. Of several models each needs one of its own and every table one of
@@ -60,6 +60,14 @@ pub fn tables(paths: &[PathBuf], set: &[String], data: &Path, voice: &Voice) -> 
             voice.say(format_args!("not diagnosed, since no model reads it: {}", words(&left)));
         }
     }
-    let read = |(_, model): (&PathBuf, NominalModel)| Ok(Table { records: recorded(data, &model, voice)?, model });
+    let read = |(_, model): (&PathBuf, NominalModel)| Ok(Table { records: usable(data, &model, voice)?, model });
     models.into_iter().map(read).collect()
+}
+
+/// The records of a table, or why none of its rows is of use.
+fn usable(data: &Path, model: &NominalModel, voice: &Voice) -> Result<Result<Records, String>, Failure> {
+    match toolroom_records::read(data, model.kind(), &toolroom_parquet::read_cells) {
+        Err(error @ RecordError::NoRows { wrong: false, .. }) => Ok(Err(error.to_string())),
+        read => said(read, voice).map(Ok),
+    }
 }

@@ -7,9 +7,9 @@ use crate::args::GrindArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Duration;
-use toolroom_infeed::DressingInterval;
+use toolroom_infeed::{CyclePoint, DressingInterval};
+use toolroom_process::table::Cell;
 
 const UM: f64 = 1e6;
 
@@ -22,9 +22,9 @@ pub fn write(out: &OutputDir, args: &GrindArgs, design: &Design, wall: Duration)
     let inputs = [(args.file.display().to_string(), design.text.as_bytes())];
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let provenance = provenance("grind", &inputs, changes, None);
-    out.put("cycle.csv", &course(design))?;
+    course(out, design)?;
     if let Some(intervals) = &design.dressing {
-        out.put("dressing.csv", &dressing(intervals))?;
+        dressing(out, intervals)?;
     }
     out.put_json("grind.json", &summary(design))?;
     out.put("report.html", &report(design, provenance.clone()).html())?;
@@ -78,41 +78,45 @@ pub fn summary(design: &Design) -> Value {
 }
 
 /// The cycle at the end of every revolution.
-fn course(design: &Design) -> String {
-    let mut text = "revolution,time [s],commanded_infeed [um],stock_removed [um],depth_of_cut [um],size_error [um],\
-                    normal_force [N],temperature_rise [K]\n"
-        .to_owned();
-    for (revolution, point) in design.cycle.course.iter().enumerate() {
-        let _ = writeln!(
-            text,
-            "{revolution},{},{},{},{},{},{},{}",
-            point.time,
-            point.commanded_infeed * UM,
-            point.stock_removed * UM,
-            point.depth_of_cut * UM,
-            point.size_error * UM,
-            point.normal_force,
-            point.temperature_rise,
-        );
-    }
-    text
+fn course(out: &OutputDir, design: &Design) -> Result<(), Failure> {
+    let columns = [
+        "revolution",
+        "time [s]",
+        "commanded_infeed [um]",
+        "stock_removed [um]",
+        "depth_of_cut [um]",
+        "size_error [um]",
+        "normal_force [N]",
+        "temperature_rise [K]",
+    ];
+    let row = |(revolution, point): (usize, &CyclePoint)| -> [Cell<'_>; 8] {
+        [
+            revolution.into(),
+            point.time.into(),
+            (point.commanded_infeed * UM).into(),
+            (point.stock_removed * UM).into(),
+            (point.depth_of_cut * UM).into(),
+            (point.size_error * UM).into(),
+            point.normal_force.into(),
+            point.temperature_rise.into(),
+        ]
+    };
+    out.put_table("cycle.csv", columns, design.cycle.course.iter().enumerate().map(row))
 }
 
 /// Mean time of a part by the number of parts between dressings.
-fn dressing([estimate, exact]: &[DressingInterval; 2]) -> String {
-    let mut text =
-        "parts,cycle_time [s],time_per_part [s],estimated_cycle_time [s],estimated_time_per_part [s]\n".to_owned();
-    let cell = |values: &[f64], i: usize| values.get(i).map_or_else(String::new, f64::to_string);
-    for i in 0..exact.course.len().max(estimate.course.len()) {
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{}",
-            i + 1,
+fn dressing(out: &OutputDir, [estimate, exact]: &[DressingInterval; 2]) -> Result<(), Failure> {
+    let columns =
+        ["parts", "cycle_time [s]", "time_per_part [s]", "estimated_cycle_time [s]", "estimated_time_per_part [s]"];
+    let cell = |values: &[f64], i: usize| values.get(i).copied().into();
+    let row = |i: usize| -> [Cell<'_>; 5] {
+        [
+            (i + 1).into(),
             cell(&exact.cycle_times, i),
             cell(&exact.course, i),
             cell(&estimate.cycle_times, i),
-            cell(&estimate.course, i)
-        );
-    }
-    text
+            cell(&estimate.course, i),
+        ]
+    };
+    out.put_table("dressing.csv", columns, (0..exact.course.len().max(estimate.course.len())).map(row))
 }

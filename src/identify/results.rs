@@ -5,11 +5,10 @@ use super::picture::report;
 use crate::args::IdentifyArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
-use crate::records::cell;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Duration;
-use toolroom_infeed::{Estimate, Scatter, Shifted};
+use toolroom_infeed::{Estimate, Scatter, Shifted, TrialLag};
+use toolroom_process::table::Cell;
 
 const UM: f64 = 1e6;
 /// N/m to N/um.
@@ -32,7 +31,7 @@ pub fn write(out: &OutputDir, args: &IdentifyArgs, study: &Study, wall: Duration
     provenance
         .inputs
         .extend(inputs[1..].iter().map(|(name, bytes)| (name.clone(), toolroom_shards::fingerprint(bytes))));
-    out.put("trials.csv", &table(study))?;
+    out.put_table("trials.csv", COLUMNS, study.found.trials.iter().map(row))?;
     out.put_json("identify.json", &summary(study))?;
     out.put("report.html", &report(study, provenance.clone()).html())?;
     out.record(&provenance, wall)
@@ -119,24 +118,19 @@ fn half_revolution([less, more]: &[Option<Shifted>; 2]) -> Value {
     })
 }
 
-/// One line a trial.
-fn table(study: &Study) -> String {
-    let mut text =
-        "trial_id,K,sd,K_stock,K_force,process_stiffness [N/um],system_stiffness [N/um],force_ratio\n".to_owned();
-    let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    for trial in &study.found.trials {
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{}",
-            cell(&trial.trial_id),
-            trial.lag.value,
-            trial.lag.sd,
-            number(trial.from_stock.map(|estimate| estimate.value)),
-            number(trial.from_force.map(|estimate| estimate.value)),
-            number(trial.process_stiffness.map(|value| value * N_PER_UM)),
-            number(trial.system_stiffness.map(|value| value * N_PER_UM)),
-            number(trial.force_ratio),
-        );
-    }
-    text
+const COLUMNS: [&str; 8] =
+    ["trial_id", "K", "sd", "K_stock", "K_force", "process_stiffness [N/um]", "system_stiffness [N/um]", "force_ratio"];
+
+/// One trial.
+fn row(trial: &TrialLag) -> [Cell<'_>; 8] {
+    [
+        (&trial.trial_id).into(),
+        trial.lag.value.into(),
+        trial.lag.sd.into(),
+        trial.from_stock.map(|estimate| estimate.value).into(),
+        trial.from_force.map(|estimate| estimate.value).into(),
+        trial.process_stiffness.map(|value| value * N_PER_UM).into(),
+        trial.system_stiffness.map(|value| value * N_PER_UM).into(),
+        trial.force_ratio.into(),
+    ]
 }

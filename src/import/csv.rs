@@ -46,6 +46,7 @@ fn perform(
 fn refused(error: ImportError) -> Failure {
     let help = match &error {
         ImportError::Record(RecordError::Unreadable { .. }) => "check the path",
+        ImportError::Record(RecordError::Quote { .. }) => "mend that line; nothing was imported",
         ImportError::NoColumn { .. } => "`from` in the mapping is a header of the file",
         ImportError::NotMapped { .. } => "a constant will do, such as constant = \"L1\"",
         _ => "the mapping says what each column is: name, from, unit",

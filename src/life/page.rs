@@ -2,7 +2,7 @@
 
 use super::file::StudyFile;
 use crate::failure::Failure;
-use crate::output::OutputDir;
+use crate::output::{OutputDir, no_table};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
@@ -18,9 +18,9 @@ use toolroom_life::study::sensitivity::{SobolIndex, morris, sobol};
 use toolroom_life::study::shard::{Merged, sample};
 use toolroom_life::study::tally::ERROR;
 use toolroom_life::study::{Cell, End, Study};
+use toolroom_process::table::{Cell as CsvCell, csv_text};
 use toolroom_scenario::file::{FormFile, significant};
-use toolroom_shards::Plan;
-use toolroom_shards::fingerprint;
+use toolroom_shards::{Plan, fingerprint};
 
 /// What a result is made of.
 pub struct Inputs<'a> {
@@ -71,7 +71,7 @@ pub fn write(out: &OutputDir, inputs: &Inputs<'_>) -> Result<Written, Failure> {
     let indices = inputs.parsed.content.sensitivity.map(|(samples, paths)| sensitivity(study, samples, paths));
     let summary = summary(inputs, &worked, regression.as_ref(), indices.as_ref());
     out.put_json("summary.json", &summary)?;
-    out.put("cells.csv", &csv(&overview(&worked)))?;
+    out.put("cells.csv", &csv(&overview(&worked))?)?;
     out.put("report.html", &report(inputs, &worked, regression.as_ref(), indices.as_ref()).html())?;
     let plan = inputs.plan;
     let run = json!({
@@ -155,18 +155,15 @@ fn overview(worked: &[Worked<'_>]) -> Table {
     table
 }
 
-fn csv(table: &Table) -> String {
+fn csv(table: &Table) -> Result<String, Failure> {
     use toolroom_chart::Cell::{Number, Text};
-    let mut text = table.columns().join(",") + "\n";
-    for row in table.rows() {
-        let cells = row.iter().map(|cell| match cell {
-            Text(text) if text.contains([',', '"']) => format!("\"{}\"", text.replace('"', "\"\"")),
-            Text(text) => text.clone(),
-            Number(value) => value.to_string(),
-        });
-        let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join(","));
-    }
-    text
+    let rows = table.rows().iter().map(|row| {
+        row.iter().map(|cell| match cell {
+            Number(value) => CsvCell::Number(*value),
+            Text(text) => CsvCell::Text(text),
+        })
+    });
+    csv_text(table.columns(), rows).map_err(|error| no_table("cells.csv", &error))
 }
 
 /// The extended Taylor law over the grid of conditions at programmed speed, every condition with

@@ -199,7 +199,7 @@ fn finish(
     request: &toolroom_life::analysis::Request,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let merged = shard::merge(plan, parts).map_err(refused)?;
+    let merged = shard::merge(plan, parsed.content.study.cells.len(), parts).map_err(refused)?;
     let inputs = Inputs { plan, parsed, merged: &merged, request };
     let result = write(&out, &inputs)?;
     // Parts that lie within the results stay where they are.

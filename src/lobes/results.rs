@@ -5,12 +5,12 @@ use super::file::LobesFile;
 use super::judgement::word;
 use super::picture::{picture, report};
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
+use crate::output::{OutputDir, no_table, provenance};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chart::png;
 use toolroom_chatter::{Hole, Lobes};
+use toolroom_process::table::{Cell, csv_text};
 use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;
 
@@ -44,7 +44,7 @@ pub fn write(
     let picture = picture(&file.content, computed);
     out.put("lobes.svg", &picture.svg())?;
     out.put_bytes("lobes.png", &png(picture.as_ref(), PIXELS))?;
-    let table = table(&file.content, computed);
+    let table = table(&file.content, computed)?;
     out.put("lobes.csv", &table)?;
     let mut summary = summary(&file.content, computed);
     // Of every verdict and boundary: the same, however many threads or shards there were.
@@ -116,46 +116,50 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
 }
 
 /// Every verdict of the grid, with the reason where there is none; the boundary where there is no grid.
-fn table(file: &LobesFile, computed: &Computed) -> String {
+fn table(file: &LobesFile, computed: &Computed) -> Result<String, Failure> {
     let axes = file.cut.axes();
     let (speed, depth) = (axes.speed, axes.depth);
-    let mut text = String::new();
-    if let Some(grid) = &computed.grid {
-        let _ = writeln!(
-            text,
-            "{},{},spectral_radius,stable,type,chatter_frequency [Hz],hole",
-            speed.column(),
-            depth.column()
-        );
-        let mut holes = grid.holes.iter();
-        for (i, at) in grid.speed.iter().enumerate() {
-            for (j, deep) in grid.depth.iter().enumerate() {
-                let place = format!("{},{}", speed.shown(*at), depth.shown(*deep));
-                let Some(verdict) = grid.at(i, j) else {
-                    // They come in the order of the points.
-                    let reason = holes.next().map_or("", |hole| hole.reason.as_str()).replace('"', "\"\"");
-                    let _ = writeln!(text, "{place},,,,,\"{reason}\"");
-                    continue;
-                };
-                let _ = writeln!(
-                    text,
-                    "{place},{},{},{},{},",
-                    verdict.spectral_radius,
-                    verdict.stable,
-                    word(verdict.kind),
-                    file.cut.chatter_frequency(verdict)
-                );
+    let columns = [speed.column(), depth.column()];
+    let [at, deep] = columns.each_ref().map(String::as_str);
+    let text = match &computed.grid {
+        Some(grid) => {
+            let mut rows: Vec<[Cell<'_>; 7]> = Vec::new();
+            // They come in the order of the points.
+            let mut holes = grid.holes.iter();
+            for (i, at) in grid.speed.iter().enumerate() {
+                for (j, deep) in grid.depth.iter().enumerate() {
+                    let [at, deep] = [speed.shown(*at).into(), depth.shown(*deep).into()];
+                    let none = || [Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty];
+                    let (verdict, hole) = match grid.at(i, j) {
+                        Some(verdict) => {
+                            let frequency = file.cut.chatter_frequency(verdict).into();
+                            let radius = verdict.spectral_radius.into();
+                            ([radius, verdict.stable.into(), word(verdict.kind).into(), frequency], Cell::Empty)
+                        }
+                        None => (none(), holes.next().map(|hole| hole.reason.as_str()).into()),
+                    };
+                    let [radius, stable, kind, frequency] = verdict;
+                    rows.push([at, deep, radius, stable, kind, frequency, hole]);
+                }
             }
+            csv_text([at, deep, "spectral_radius", "stable", "type", "chatter_frequency [Hz]", "hole"], rows)
         }
-        return text;
-    }
-    let _ = writeln!(text, "boundary,crossing,{},{}", speed.column(), depth.column());
-    for curve in &computed.curves {
-        for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
-            for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
-                let _ = writeln!(text, "{},{crossing},{},{}", curve.label, speed.shown(*at), depth.shown(*deep));
+        None => {
+            let mut rows: Vec<[Cell<'_>; 4]> = Vec::new();
+            for curve in &computed.curves {
+                for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
+                    for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
+                        rows.push([
+                            (&curve.label).into(),
+                            crossing.into(),
+                            speed.shown(*at).into(),
+                            depth.shown(*deep).into(),
+                        ]);
+                    }
+                }
             }
+            csv_text(["boundary", "crossing", at, deep], rows)
         }
-    }
-    text
+    };
+    text.map_err(|error| no_table("lobes.csv", &error))
 }

@@ -80,13 +80,17 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
                 return Err(ShardError::File { path: out.to_owned(), source });
             }
         };
-        let digest = u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0);
+        let digest = digest(&content);
         Ok(Computed { content, digest, rows: false })
     });
     match refusal {
         Some(refusal) => Err(refusal),
         None => ran.map_err(failed),
     }
+}
+
+fn digest(content: &Part) -> u64 {
+    u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0)
 }
 
 /// Merges the parts of a planned chart: the same files and digest as without a plan.
@@ -96,9 +100,13 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let chart = &file.content.chart;
-    let parts: Vec<Part> = toolroom_shards::parts(plan, parts).map_err(failed)?;
     let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
     let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
+    let checked = |content: &Part, (from, to): (u64, u64)| {
+        let (found, due) = (content.verdicts.len(), (to - from) as usize * depth.len());
+        if found == due { Ok(digest(content)) } else { Err(format!("it holds {found} verdicts, not {due}")) }
+    };
+    let parts = toolroom_shards::parts(plan, parts, checked).map_err(failed)?;
     let (mut verdicts, mut holes) = (Vec::new(), Vec::new());
     for part in parts {
         verdicts.extend(part.verdicts);

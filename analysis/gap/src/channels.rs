@@ -3,19 +3,21 @@
 use super::closure::pooled;
 use super::decide::GATE;
 use super::diagnose::{CELLS, Diagnosed, diagnose_by};
+use super::enough::too_little;
 use super::{Budget, Diagnosis, Forward, GapVerdict, Method, NextExperiment};
 
 /// Diagnoses parts that know nothing of each other, such as the channels of an empirical model.
-/// Effects of several parts carry the channel in their shape, and pay for the choice among them.
-///
-/// # Panics
-/// Without parts.
+/// Effects of several parts carry the channel in their shape, and pay for the choice among them. Where
+/// fewer than two groups or fewer than eight values of any channel were measured, that is the answer.
 pub fn diagnose_parts(parts: &[Box<dyn Forward>], seed: u64) -> Diagnosis {
     diagnose_among(parts, 1, seed).0
 }
 
 /// [`diagnose_parts`] of one of `processes` of a data set, with what the answer rests on.
 pub(super) fn diagnose_among(parts: &[Box<dyn Forward>], processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
+    if let Some(why) = too_little(parts) {
+        return (Diagnosis::cannot_tell(why), Vec::new());
+    }
     let method = Method { processes, ..Method::default() };
     let mut diagnosed: Vec<Diagnosed> = parts.iter().map(|part| diagnose_by(part.as_ref(), method, seed)).collect();
     if diagnosed.len() == 1 {
@@ -89,11 +91,11 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
     }
 }
 
-/// Every channel or process counts alike.
+/// Every channel or process of which something is known counts alike.
 pub(super) fn mean_budget<'a>(each: impl Iterator<Item = &'a Diagnosis>) -> Budget {
     let mut sum = Budget::default();
     let mut count = 0.0;
-    for own in each {
+    for own in each.filter(|own| own.verdict != GapVerdict::CannotTell) {
         let budget = &own.budget;
         sum.calibration += budget.calibration;
         sum.form_allowance += budget.form_allowance;

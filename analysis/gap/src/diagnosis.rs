@@ -14,6 +14,8 @@ pub enum GapVerdict {
     Masked,
     /// Nothing is left that calibration and noise do not explain.
     NoGap,
+    /// Too little was measured for any answer.
+    CannotTell,
 }
 
 impl GapVerdict {
@@ -24,6 +26,7 @@ impl GapVerdict {
             Self::Unknown => "unknown",
             Self::Masked => "masked",
             Self::NoGap => "no_gap",
+            Self::CannotTell => "cannot_tell",
         }
     }
 }
@@ -189,6 +192,15 @@ fn number(value: f64) -> Value {
 }
 
 impl Budget {
+    /// Of a gap of which nothing is known.
+    const UNKNOWN: Self = Self {
+        calibration: f64::NAN,
+        form_allowance: f64::NAN,
+        effects: f64::NAN,
+        unexplained: f64::NAN,
+        noise_floor: f64::NAN,
+    };
+
     pub(super) fn json(&self) -> Value {
         json!({
             "calibration": number(self.calibration), "form_allowance": number(self.form_allowance),
@@ -199,6 +211,10 @@ impl Budget {
 }
 
 impl Closure {
+    /// Of a gap of which nothing is known.
+    pub(super) const UNKNOWN: Self =
+        Self { before: f64::NAN, after: f64::NAN, closed: f64::NAN, ci90: [f64::NAN; 2], of_closable: f64::NAN };
+
     pub(super) fn json(&self, with_groups: Option<&[String]>) -> Value {
         let mut value = json!({
             "before": number(self.before), "after": number(self.after), "closed": number(self.closed),
@@ -212,6 +228,25 @@ impl Closure {
 }
 
 impl Diagnosis {
+    /// Too little was measured, and why that is too little.
+    pub(super) fn cannot_tell(why: String) -> Self {
+        Self {
+            verdict: GapVerdict::CannotTell,
+            effects: Vec::new(),
+            cells: Vec::new(),
+            total: Closure::UNKNOWN,
+            channels: Vec::new(),
+            held_out: Vec::new(),
+            budget: Budget::UNKNOWN,
+            masked: Vec::new(),
+            next: NextExperiment::default(),
+            calibration: Vec::new(),
+            ranking: Vec::new(),
+            tried: Vec::new(),
+            notes: vec![why],
+        }
+    }
+
     /// The document `diagnosis.json`.
     pub fn json(&self) -> Value {
         let effect = |effect: &NamedEffect| {

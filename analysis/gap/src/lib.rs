@@ -9,7 +9,7 @@
 //!                │
 //!        fit ─► Gram by group ─► scores (where), evidence on groups left out (which)
 //!                                      │
-//!                                      ▼ decide: effect · unknown · masked · no gap
+//!                                      ▼ decide: effect · unknown · masked · no gap (or cannot tell, unfitted)
 //!                                   Diagnosis: effects, classes, closure, budget, next experiment
 //! ```
 //!
@@ -39,6 +39,7 @@ mod diagnose;
 mod diagnosis;
 pub mod empirical;
 mod empirical_effects;
+mod enough;
 mod evidence;
 pub mod features;
 mod fit;

@@ -28,7 +28,7 @@ const LISTS: [&str; 6] = ["effects", "where", "masked", "calibration", "ranking"
 pub struct Asked {
     /// `turning`, `grinding` …
     pub process: &'static str,
-    /// The model, in parts that know nothing of each other; at least one.
+    /// The model, in parts that know nothing of each other; none where no row is of use.
     pub parts: Vec<Box<dyn Forward>>,
     /// What is said of the records whatever is found.
     pub notes: Vec<String>,
@@ -50,7 +50,7 @@ pub struct Answers {
 /// [`diagnose_parts`](super::diagnose_parts()).
 ///
 /// # Panics
-/// Without processes, or of one without parts.
+/// Without processes.
 pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
     let all: Vec<(Diagnosis, Vec<Diagnosed>)> = asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
     let total = match &all[..] {
@@ -60,7 +60,7 @@ pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
             for (process, (own, (_, diagnosed))) in asked.iter().zip(&all).enumerate() {
                 pool.extend(own.parts.iter().zip(diagnosed).map(|(part, each)| (process, part.as_ref(), each)));
             }
-            pooled(&pool, seed)
+            if pool.is_empty() { Closure::UNKNOWN } else { pooled(&pool, seed) }
         }
     };
     let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
@@ -82,9 +82,10 @@ fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagn
 }
 
 impl Answers {
-    /// The answer in one word: that of the process where most is found.
+    /// The answer in one word: that of the process where most is found; no gap is answered only where
+    /// every process could be told.
     pub fn verdict(&self) -> GapVerdict {
-        let order = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked];
+        let order = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked, GapVerdict::CannotTell];
         let any = |verdict: &GapVerdict| self.processes.iter().any(|(_, own)| own.verdict == *verdict);
         order.into_iter().find(any).unwrap_or(GapVerdict::NoGap)
     }
@@ -247,7 +248,9 @@ impl Answers {
         let all = self.processes.iter().map(|(process, own)| (*process, Some(own), &own.total));
         for (process, own, closure) in all.chain([("in all", None, &self.total)]) {
             let [closed, low, high] = [closure.closed, closure.ci90[0], closure.ci90[1]].map(|share| 100.0 * share);
-            chart = chart.row(process, Estimate::new(closed, low, high));
+            if closed.is_finite() {
+                chart = chart.row(process, Estimate::new(closed, low, high));
+            }
             let effects = |own: &Diagnosis| {
                 own.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect::<Vec<_>>().join(", ")
             };

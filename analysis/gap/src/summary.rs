@@ -34,6 +34,7 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
         GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
         GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
         GapVerdict::NoGap => "no gap beyond calibration and noise".to_owned(),
+        GapVerdict::CannotTell => "too little was measured for any answer".to_owned(),
     }
 }
 
@@ -71,15 +72,9 @@ impl Diagnosis {
                 percent(self.total.of_closable)
             );
         }
-        let _ = writeln!(
-            text,
-            "budget   calibration {}, form {}, effects {}, unexplained {}, noise and scatter {}",
-            percent(self.budget.calibration),
-            percent(self.budget.form_allowance),
-            percent(self.budget.effects),
-            percent(self.budget.unexplained),
-            percent(self.budget.noise_floor)
-        );
+        if self.verdict != GapVerdict::CannotTell {
+            text += &self.budget_line();
+        }
         let hidden: Vec<String> = self
             .masked
             .iter()
@@ -97,6 +92,17 @@ impl Diagnosis {
             let _ = writeln!(text, "note     {note}");
         }
         text.trim_end().to_owned()
+    }
+
+    fn budget_line(&self) -> String {
+        format!(
+            "budget   calibration {}, form {}, effects {}, unexplained {}, noise and scatter {}\n",
+            percent(self.budget.calibration),
+            percent(self.budget.form_allowance),
+            percent(self.budget.effects),
+            percent(self.budget.unexplained),
+            percent(self.budget.noise_floor)
+        )
     }
 
     /// The report.
@@ -119,6 +125,9 @@ impl Diagnosis {
             ("", _) => text.to_owned(),
             (of, (first, rest)) => format!("{of}: {}{rest}", first.to_lowercase()),
         };
+        if self.verdict == GapVerdict::CannotTell {
+            return vec![Section::new(heading("Too little data")).list(self.notes.clone())];
+        }
         vec![
             self.waterfall(heading("The gap and its causes")),
             self.places(heading("Localisation")),

@@ -2,6 +2,7 @@
 
 use super::sample::Observation;
 use std::collections::BTreeMap;
+use toolroom_process::table::{BrokenQuote, broken_quote};
 
 /// Why a file of measured lives was not read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,6 +15,14 @@ pub enum MeasuredError {
         file: String,
         /// Position of the byte.
         byte: usize,
+    },
+    /// A quote that cannot be read.
+    #[error("{file}:{}: {fault}", .fault.line())]
+    Quote {
+        /// File.
+        file: String,
+        /// The quote.
+        fault: BrokenQuote,
     },
     /// No header or no rows under it.
     #[error("{file}: no rows; expected a header such as `life [min],censored,group` and one life a line")]
@@ -67,6 +76,21 @@ pub enum MeasuredError {
         /// What was read.
         read: String,
     },
+    /// An age that no edge has.
+    #[error(
+        "{file}:{line}: `{column}` is {read}, but a life from {LEAST:e} to {GREATEST:e} is due; take the row out, or \
+         check its unit"
+    )]
+    Age {
+        /// File.
+        file: String,
+        /// Line.
+        line: usize,
+        /// Column.
+        column: String,
+        /// What was read or found.
+        read: String,
+    },
     /// Readings of an edge out of order.
     #[error("{file}:{line}: edge `{edge}` was read at {age} after a reading at {before}: ages rise from row to row")]
     Backwards {
@@ -82,6 +106,12 @@ pub enum MeasuredError {
         before: f64,
     },
 }
+
+/// Lives that occur, in the unit of their column: from less than a microsecond in hours to thirty thousand
+/// years in seconds (assumption). Squares and quotients of such numbers are far from the ends of what a
+/// number can be.
+const LEAST: f64 = 1e-9;
+const GREATEST: f64 = 1e12;
 
 /// One edge as measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,11 +187,15 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
             let [censored, inspected, group] = ["censored", "inspected", "group"].map(|name| table.find(name));
             let mut lives = Vec::new();
             for row in &table.rows {
-                let age = table.number(row, life)?;
+                let age = table.life(row, life)?;
                 let observed = match (censored, inspected) {
                     (Some(column), _) if table.flag(row, column)? => Observation::Censored(age),
                     (_, Some(column)) if !row.cells[column].is_empty() => {
-                        Observation::Between(table.number(row, column)?, age)
+                        let before = table.number(row, column)?;
+                        if !(before >= 0.0 && before < age) {
+                            return Err(table.refuse(row, column, "an inspection before the end of the life"));
+                        }
+                        Observation::Between(before, age)
                     }
                     _ => Observation::Failed(age),
                 };
@@ -202,6 +236,10 @@ pub fn read(file: &str, bytes: &[u8], layout: &Layout, covariates: &[String]) ->
                     continue;
                 };
                 let row = readings[0].0;
+                if !(LEAST..=GREATEST).contains(&life.age()) {
+                    let column = format!("{}` of edge `{name}", table.names[age]);
+                    return Err(table.no_life(row, column, life.age().to_string()));
+                }
                 let covariates =
                     columns.iter().map(|column| table.covariate_of(row, column)).collect::<Result<_, _>>()?;
                 let group = group.map_or(String::new(), |column| row.cells[column].clone());
@@ -222,7 +260,7 @@ type Reading<'a> = (&'a Row, f64, Option<f64>);
 pub fn numbers(file: &str, bytes: &[u8], column: &str) -> Result<Vec<f64>, MeasuredError> {
     let table = Table::read(file, bytes)?;
     let column = table.column(column)?;
-    table.rows.iter().map(|row| table.number(row, column)).collect()
+    table.rows.iter().map(|row| table.finite(row, column)).collect()
 }
 
 /// The age at which readings (age, wear) first reach a limit. Before the first reading an edge is
@@ -268,6 +306,9 @@ impl Table {
             .map_err(|error| MeasuredError::Encoding { file: file.to_owned(), byte: error.valid_up_to() })?;
         let first = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
         let delimiter = [b';', b'\t', b','].into_iter().find(|c| first.as_bytes().contains(c)).unwrap_or(b',');
+        if let Some(fault) = broken_quote(text, delimiter) {
+            return Err(MeasuredError::Quote { file: file.to_owned(), fault });
+        }
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(delimiter)
             .has_headers(false)
@@ -332,13 +373,32 @@ impl Table {
         }
     }
 
-    fn number(&self, row: &Row, column: usize) -> Result<f64, MeasuredError> {
+    fn finite(&self, row: &Row, column: usize) -> Result<f64, MeasuredError> {
         let cell = &row.cells[column];
         let text = if self.decimal_comma { cell.replace(',', ".") } else { cell.clone() };
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             _ => Err(self.refuse(row, column, "a finite number")),
         }
+    }
+
+    /// A number of which squares and sums can be taken.
+    fn number(&self, row: &Row, column: usize) -> Result<f64, MeasuredError> {
+        let value = self.finite(row, column)?;
+        if value.abs() <= GREATEST { Ok(value) } else { Err(self.refuse(row, column, "a number up to 1e12")) }
+    }
+
+    /// A number that can be a life.
+    fn life(&self, row: &Row, column: usize) -> Result<f64, MeasuredError> {
+        let value = self.finite(row, column)?;
+        if (LEAST..=GREATEST).contains(&value) {
+            return Ok(value);
+        }
+        Err(self.no_life(row, self.names[column].clone(), row.cells[column].clone()))
+    }
+
+    fn no_life(&self, row: &Row, column: String, read: String) -> MeasuredError {
+        MeasuredError::Age { file: self.file.clone(), line: row.line, column, read }
     }
 
     fn flag(&self, row: &Row, column: usize) -> Result<bool, MeasuredError> {

@@ -2,6 +2,7 @@
 
 use crate::RecordError;
 use std::path::Path;
+use toolroom_process::table::{BrokenQuote, broken_quote};
 use toolroom_process::unit;
 
 /// Cells as they stand in a file.
@@ -19,7 +20,7 @@ pub struct RawTable {
 pub type OtherTable<'a> = &'a dyn Fn(&Path) -> Result<RawTable, RecordError>;
 
 /// Reads comma, semicolon or tab separated text; lines that start with `#` are comments.
-pub(super) fn parse(bytes: &[u8]) -> RawTable {
+pub(super) fn parse(bytes: &[u8]) -> Result<RawTable, BrokenQuote> {
     let (text, encoding) = decode(bytes);
     let mut table = RawTable::default();
     if let Some(encoding) = encoding {
@@ -28,6 +29,10 @@ pub(super) fn parse(bytes: &[u8]) -> RawTable {
     let head = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default();
     let count = |sign: char| head.matches(sign).count();
     let delimiter = [b';', b'\t', b','].into_iter().max_by_key(|sign| count(char::from(*sign))).unwrap_or(b',');
+    // A lenient reader would take the rows after a broken quote for the rest of its cell.
+    if let Some(fault) = broken_quote(&text, delimiter) {
+        return Err(fault);
+    }
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .has_headers(false)
@@ -55,7 +60,7 @@ pub(super) fn parse(bytes: &[u8]) -> RawTable {
             }
         }
     }
-    table
+    Ok(table)
 }
 
 /// Text, and what it was read as unless UTF-8.

@@ -6,6 +6,7 @@ use super::table::TableError;
 use super::{ReadReport, RecordKind, Records};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use toolroom_process::table::BrokenQuote;
 
 /// Why records were not read.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +35,14 @@ pub enum RecordError {
         path: PathBuf,
         /// Name of the file that was looked for.
         stem: &'static str,
+    },
+    /// A quote that cannot be read.
+    #[error("{file}:{}: {fault}", .fault.line())]
+    Quote {
+        /// The file.
+        file: String,
+        /// The quote.
+        fault: BrokenQuote,
     },
     /// A column that must be there.
     #[error("{file}: the column `{column}` is missing; expected `{example}`{}", .nearest.as_ref().map(|near| format!(", is it `{near}`?")).unwrap_or_default())]
@@ -68,6 +77,8 @@ pub enum RecordError {
         rows: usize,
         /// Why the first was left out.
         first: Option<String>,
+        /// Whether some row was left out for what it holds; otherwise there is only nothing in them.
+        wrong: bool,
     },
 }
 
@@ -89,7 +100,7 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
         parquet(&path)?
     } else {
         let bytes = std::fs::read(&path).map_err(|source| RecordError::Unreadable { path: path.clone(), source })?;
-        csv_table::parse(&bytes)
+        parsed(&file, &bytes)?
     };
     understand(&file, &table, kind)
 }
@@ -108,7 +119,12 @@ pub fn read(path: &Path, kind: RecordKind, parquet: OtherTable<'_>) -> Result<(R
 /// assert_eq!(report.notes, ["numbers have a decimal comma"]);
 /// ```
 pub fn parse_csv(file: &str, bytes: &[u8], kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
-    understand(file, &csv_table::parse(bytes), kind)
+    understand(file, &parsed(file, bytes)?, kind)
+}
+
+/// The cells of delimited text.
+pub(super) fn parsed(file: &str, bytes: &[u8]) -> Result<RawTable, RecordError> {
+    csv_table::parse(bytes).map_err(|fault| RecordError::Quote { file: file.to_owned(), fault })
 }
 
 /// Kinds of which a directory holds a table, by itself or in its folders. Of tables that two kinds
@@ -177,10 +193,10 @@ fn understand(file: &str, table: &RawTable, kind: RecordKind) -> Result<(Records
             });
         }
     }
-    let rows = rows(table, &used, kind, &mut report);
+    let (rows, wrong) = rows(table, &used, kind, &mut report);
     if rows.is_empty() {
         let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
-        return Err(RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first });
+        return Err(RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first, wrong });
     }
     let mut records = Records::new(kind, rows.len());
     for (index, each) in used.iter().enumerate() {
@@ -242,7 +258,9 @@ struct Kept {
     numbers: Vec<f64>,
 }
 
-fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadReport) -> Vec<Kept> {
+/// Rows that are used, and whether some are not for what they hold.
+fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadReport) -> (Vec<Kept>, bool) {
+    let mut wrong = false;
     let mut kept = Vec::with_capacity(table.rows.len());
     let mut first_of: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
     // Ids may start anew with each edge: a record is the same only on the same edge.
@@ -273,6 +291,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 let reason =
                     format!("{} is {read}, beyond {} {}: check its unit", each.name, column.greatest, column.display);
                 if must {
+                    wrong = true;
                     report.dropped.push((*line, reason));
                     continue 'rows;
                 }
@@ -282,6 +301,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
                 report.unreadable.push((*line, each.name.clone(), read.to_owned()));
             }
             if must && number.is_none() {
+                wrong |= !missing;
                 report.dropped.push((*line, format!("{} is {}", each.name, if missing { "empty" } else { read })));
                 continue 'rows;
             }
@@ -307,7 +327,7 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
             row.numbers[column] = f64::NAN;
         }
     }
-    kept
+    (kept, wrong)
 }
 
 /// A finite number.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  Plan ─► shard k of N ─► part-K.parquet (rows, where there are some)
-//!                     └──► part-K.json: hash of the plan, range, hash of the rows, content ─► merge
+//!                     └──► part-K.json: hash of the plan, range, hash of the rows, content, hash of all that ─► merge
 //! ```
 //!
 //! A part is written under another name and renamed when it is whole, its sidecar last: what has
@@ -13,6 +13,8 @@ mod fingerprint;
 pub use fingerprint::{FNV_OFFSET, fingerprint, fnv};
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -100,10 +102,10 @@ impl Plan {
     }
 }
 
-/// What stands beside a part.
+/// What stands beside a part, followed in its file by the hash of its text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar<C> {
-    /// Version of the format, 1.
+    /// Version of the format, 2.
     pub schema: u32,
     /// Hash of the plan.
     pub plan: String,
@@ -125,6 +127,9 @@ pub struct Sidecar<C> {
     pub content: C,
 }
 
+/// Version of the format of sidecars: from 2 on they end with the hash of their text.
+const SIDECAR: u32 = 2;
+
 /// Why a shard was not run or parts were not merged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -145,13 +150,27 @@ pub enum ShardError {
         /// What the format of the table said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// A sidecar or plan that is no JSON of this kind.
-    #[error("{path} is not readable: {source}; remove it and run its shard again")]
+    /// A plan that is no JSON of this kind, or a plan or sidecar that has no form as JSON.
+    #[error("{path} is no plan that can be read: {source}; make it again with --plan")]
     Damaged {
         /// The file.
         path: PathBuf,
         /// What serde said.
         source: serde_json::Error,
+    },
+    /// A sidecar that is not what was written.
+    #[error("{path} was changed, cut or not written by this version; remove it and run its shard again")]
+    Altered {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A sidecar that is whole, but whose content is not that of its shard.
+    #[error("{path} is no part of this plan: {why}; remove it and run its shard again")]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
     },
     /// A file in the place of a plan that is none.
     #[error("{path} is there and is no plan: nothing was changed")]
@@ -184,10 +203,12 @@ pub enum ShardError {
         path: PathBuf,
     },
     /// Parts that are not there.
-    #[error("{} of {shards} shards are missing: {}", .missing.len(), list(.missing))]
+    #[error("{missing} of {shards} shards are missing: {}", list(.first, *.missing))]
     Missing {
-        /// Their numbers.
-        missing: Vec<u64>,
+        /// How many.
+        missing: u64,
+        /// Numbers of the first of them.
+        first: Vec<u64>,
         /// How many there should be.
         shards: u64,
     },
@@ -217,9 +238,12 @@ pub enum ShardError {
     },
 }
 
-fn list(numbers: &[u64]) -> String {
-    let shown: Vec<String> = numbers.iter().take(10).map(u64::to_string).collect();
-    if numbers.len() > 10 { format!("{}, …", shown.join(", ")) } else { shown.join(", ") }
+/// Missing shards that are listed.
+const LISTED: usize = 10;
+
+fn list(first: &[u64], of: u64) -> String {
+    let shown = first.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    if of > first.len() as u64 { shown + ", …" } else { shown }
 }
 
 /// The failure of the file system at a path, for `map_err`.
@@ -273,21 +297,72 @@ pub fn write_plan(path: &Path, plan: &Plan) -> Result<(), ShardError> {
 /// # Errors
 /// [`ShardError`].
 pub fn read_plan(path: &Path) -> Result<Plan, ShardError> {
-    let text = fs::read_to_string(path).map_err(at(path))?;
-    serde_json::from_str(&text).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
+    let bytes = fs::read(path).map_err(at(path))?;
+    serde_json::from_slice(&bytes).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
 }
 
 /// Whether the part of a shard is there, whole and of this plan.
 pub fn is_done<C: DeserializeOwned>(plan: &Plan, shard: u64, directory: &Path) -> bool {
     let Ok(sidecar) = read_sidecar::<C>(&part(directory, shard, "json")) else { return false };
-    sidecar.plan == plan.hash()
+    wrong(plan, &sidecar).is_none()
+        && sidecar.shard == shard
         && (sidecar.file_hash.is_empty()
             || hash_of(&part(directory, shard, "parquet")).is_ok_and(|hash| hash == sidecar.file_hash))
 }
 
+/// What stands between the content of a sidecar and the 16 digits of its hash, and after them.
+const TAIL: [&str; 2] = [",\"hash\":\"", "\"}"];
+
+/// A sidecar as text. Its hash is that of every byte before it, so that no byte can change unseen.
+fn sealed<C: Serialize>(sidecar: &Sidecar<C>) -> Result<String, serde_json::Error> {
+    let mut text = serde_json::to_string(sidecar)?;
+    text.pop(); // the last brace comes after the hash
+    let hash = fingerprint(text.as_bytes());
+    Ok(text + TAIL[0] + &hash + TAIL[1])
+}
+
+/// The text of a sidecar without its hash; `None` where that is not its own.
+fn unsealed(bytes: &[u8]) -> Option<String> {
+    let text = std::str::from_utf8(bytes).ok()?.strip_suffix(TAIL[1])?;
+    let (text, hash) = text.split_at_checked(text.len().checked_sub(16)?)?;
+    let text = text.strip_suffix(TAIL[0])?;
+    (fingerprint(text.as_bytes()) == hash).then(|| text.to_owned() + "}")
+}
+
 fn read_sidecar<C: DeserializeOwned>(path: &Path) -> Result<Sidecar<C>, ShardError> {
-    let text = fs::read_to_string(path).map_err(at(path))?;
-    serde_json::from_str(&text).map_err(|source| ShardError::Damaged { path: path.to_owned(), source })
+    let bytes = fs::read(path).map_err(at(path))?;
+    let altered = || ShardError::Altered { path: path.to_owned() };
+    let text = unsealed(&bytes).ok_or_else(altered)?;
+    let malformed = |error: serde_json::Error| ShardError::Malformed { path: path.to_owned(), why: error.to_string() };
+    serde_json::from_str(&text).map_err(malformed)
+}
+
+/// What a sidecar says of itself that its plan does not, where anything.
+fn wrong<C>(plan: &Plan, sidecar: &Sidecar<C>) -> Option<String> {
+    let Sidecar { schema, plan: hash, version, shard, shards, range, seed, file_hash: _, digest: _, content: _ } =
+        sidecar;
+    let differs =
+        |what: &str, found: &dyn Display, due: &dyn Display| Some(format!("its {what} is {found}, not {due}"));
+    if *schema != SIDECAR {
+        return differs("schema", schema, &SIDECAR);
+    }
+    if *hash != plan.hash() {
+        return differs("plan", hash, &plan.hash());
+    }
+    if *version != plan.version {
+        return differs("version", version, &plan.version);
+    }
+    if *shards != plan.shards {
+        return differs("number of shards", shards, &plan.shards);
+    }
+    if *seed != plan.seed {
+        return differs("seed", seed, &plan.seed);
+    }
+    if *shard >= plan.shards {
+        return Some(format!("it is shard {shard} of {shards}, numbered from 0"));
+    }
+    let due = plan.range(*shard);
+    (*range != due).then(|| format!("it holds the pieces {} … {}, not {} … {}", range.0, range.1, due.0, due.1))
 }
 
 /// What a shard computes: its content, the digest of it, and whether it wrote rows to the file
@@ -342,7 +417,7 @@ pub fn run<C: Serialize + DeserializeOwned>(
         fs::rename(&draft, &path).map_err(at(&path))?;
     }
     let sidecar = Sidecar {
-        schema: 1,
+        schema: SIDECAR,
         plan: plan.hash(),
         version: plan.version.clone(),
         shard,
@@ -353,8 +428,7 @@ pub fn run<C: Serialize + DeserializeOwned>(
         digest: format!("{:016x}", computed.digest),
         content: computed.content,
     };
-    let text =
-        serde_json::to_string(&sidecar).map_err(|source| ShardError::Damaged { path: sidecar_path.clone(), source })?;
+    let text = sealed(&sidecar).map_err(|source| ShardError::Damaged { path: sidecar_path.clone(), source })?;
     atomically(&sidecar_path, text.as_bytes())
 }
 
@@ -390,11 +464,16 @@ pub fn discard(directory: &Path, force: bool) -> Result<(), ShardError> {
     files.iter().try_for_each(|file| fs::remove_file(file).map_err(at(file)))
 }
 
-/// Reads the content of every part of a plan, in the order of the shards.
+/// Reads the content of every part of a plan, in the order of the shards. `digest` says what is wrong with
+/// the content of a range of pieces, and gives its digest where nothing is.
 ///
 /// # Errors
-/// [`ShardError`] for missing, doubled, foreign and changed parts.
-pub fn parts<C: DeserializeOwned>(plan: &Plan, directory: &Path) -> Result<Vec<C>, ShardError> {
+/// [`ShardError`] for missing, doubled, foreign, changed and malformed parts.
+pub fn parts<C: DeserializeOwned>(
+    plan: &Plan,
+    directory: &Path,
+    digest: impl Fn(&C, (u64, u64)) -> Result<u64, String>,
+) -> Result<Vec<C>, ShardError> {
     let mut paths: Vec<PathBuf> = fs::read_dir(directory)
         .map_err(at(directory))?
         .filter_map(|entry| Some(entry.ok()?.path()))
@@ -408,7 +487,7 @@ pub fn parts<C: DeserializeOwned>(plan: &Plan, directory: &Path) -> Result<Vec<C
         return Err(ShardError::NoParts { path: directory.to_owned() });
     }
     let expected = plan.hash();
-    let mut found: Vec<Option<(PathBuf, C)>> = (0..plan.shards).map(|_| None).collect();
+    let mut found: BTreeMap<u64, (PathBuf, C)> = BTreeMap::new();
     let mut files = Vec::new();
     for path in paths {
         let sidecar = read_sidecar::<C>(&path)?;
@@ -416,27 +495,40 @@ pub fn parts<C: DeserializeOwned>(plan: &Plan, directory: &Path) -> Result<Vec<C
             return Err(ShardError::OtherPlan { path, found: sidecar.plan, expected });
         }
         let shard = sidecar.shard;
+        if shard >= plan.shards {
+            return Err(ShardError::NoSuchShard { shard, shards: plan.shards });
+        }
+        if let Some((first, _)) = found.get(&shard) {
+            return Err(ShardError::Duplicate { shard, first: first.clone(), second: path });
+        }
+        let computed = match wrong(plan, &sidecar) {
+            Some(why) => Err(why),
+            None => digest(&sidecar.content, sidecar.range),
+        };
+        match computed {
+            Ok(digest) if format!("{digest:016x}") == sidecar.digest => {}
+            Ok(_) => {
+                let why = "its digest is not that of its content".to_owned();
+                return Err(ShardError::Malformed { path, why });
+            }
+            Err(why) => return Err(ShardError::Malformed { path, why }),
+        }
         if !sidecar.file_hash.is_empty() {
             files.push((path.with_extension("parquet"), shard, sidecar.file_hash));
         }
-        match found.get_mut(shard as usize) {
-            None => return Err(ShardError::NoSuchShard { shard, shards: plan.shards }),
-            Some(Some((first, _))) => {
-                return Err(ShardError::Duplicate { shard, first: first.clone(), second: path });
-            }
-            Some(slot) => *slot = Some((path, sidecar.content)),
-        }
+        found.insert(shard, (path, sidecar.content));
     }
     for (path, shard, hash) in files {
         if hash_of(&path).ok() != Some(hash) {
             return Err(ShardError::Changed { path, shard });
         }
     }
-    let missing: Vec<u64> = (0..plan.shards).filter(|shard| found[*shard as usize].is_none()).collect();
-    if !missing.is_empty() {
-        return Err(ShardError::Missing { missing, shards: plan.shards });
+    let missing = plan.shards - found.len() as u64;
+    if missing > 0 {
+        let first = (0..plan.shards).filter(|shard| !found.contains_key(shard)).take(LISTED).collect();
+        return Err(ShardError::Missing { missing, first, shards: plan.shards });
     }
-    Ok(found.into_iter().flatten().map(|(_, content)| content).collect())
+    Ok(found.into_values().map(|(_, content)| content).collect())
 }
 
 /// FNV-1a of a file as 16 hexadecimal digits, read in pieces.
@@ -454,3 +546,6 @@ pub fn hash_of(path: &Path) -> Result<String, ShardError> {
         hash = fnv(hash, &buffer[..read]);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -11,6 +11,7 @@ use columns::{Column, Row};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use toolroom_parquet::{ParquetTable, PolarsError};
+use toolroom_process::table::{Cell, CsvWriter};
 use toolroom_records::table::Value;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::{EdgeRow, EventRow, JobRow, PassRow, RunLog, StateRow};
@@ -224,7 +225,7 @@ struct Table<R> {
 
 enum Sink {
     Parquet(Box<ParquetTable>),
-    Csv(Box<csv::Writer<File>>),
+    Csv(Box<CsvWriter<File>>),
 }
 
 impl<R> Table<R> {
@@ -237,10 +238,8 @@ impl<R> Table<R> {
                 Sink::Parquet(Box::new(table.map_err(|source| LogError::Parquet { path: path.clone(), source })?))
             }
             Format::Csv => {
-                let mut writer = csv::Writer::from_writer(file);
-                let header = writer.write_record(columns.iter().map(Column::header));
-                header.map_err(|source| LogError::Csv { path: path.clone(), source })?;
-                Sink::Csv(Box::new(writer))
+                let writer = CsvWriter::new(file, columns.iter().map(Column::header));
+                Sink::Csv(Box::new(writer.map_err(|source| LogError::Csv { path: path.clone(), source })?))
             }
         };
         Ok(Self { path, columns, sink })
@@ -254,7 +253,7 @@ impl<R> Table<R> {
             Sink::Csv(writer) => csv::Reader::from_path(&path).map_err(Into::into).and_then(|mut reader| {
                 let mut record = csv::ByteRecord::new();
                 while reader.read_byte_record(&mut record)? {
-                    writer.write_byte_record(&record)?;
+                    writer.copy(&record)?;
                 }
                 Ok(())
             }),
@@ -273,10 +272,10 @@ impl<R> Table<R> {
                 written.map_err(|source| LogError::Parquet { path: self.path.clone(), source })
             }
             Sink::Csv(writer) => {
-                let written = (0_u32..).zip(rows).map(row).try_for_each(|row| {
-                    let cells = self.columns.iter().map(|column| text(column.value(&row)));
-                    writer.write_record(cells)
-                });
+                let written = (0_u32..)
+                    .zip(rows)
+                    .map(row)
+                    .try_for_each(|row| writer.row(self.columns.iter().map(|column| cell(column.value(&row)))));
                 written.map_err(|source| LogError::Csv { path: self.path.clone(), source })
             }
         }
@@ -286,19 +285,16 @@ impl<R> Table<R> {
         let path = self.path;
         match self.sink {
             Sink::Parquet(table) => table.finish().map_err(|source| LogError::Parquet { path, source }),
-            Sink::Csv(mut writer) => {
-                writer.flush().map_err(|source| LogError::Csv { path, source: csv::Error::from(source) })
-            }
+            Sink::Csv(mut writer) => writer.flush().map_err(|source| LogError::Csv { path, source }),
         }
     }
 }
 
-fn text(value: Value<'_>) -> String {
+fn cell(value: Value<'_>) -> Cell<'_> {
     match value {
-        Value::Real(Some(value)) => value.to_string(),
-        Value::Count(Some(value)) => value.to_string(),
-        Value::Real(None) | Value::Count(None) => String::new(),
-        Value::Text(value) => value.to_owned(),
+        Value::Real(value) => value.into(),
+        Value::Count(value) => value.into(),
+        Value::Text(value) => value.into(),
     }
 }
 

@@ -26,6 +26,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use toolroom_process::table::CsvWriter;
 use toolroom_scenario::Scenario;
 
 /// How a study came to be run.
@@ -226,8 +227,7 @@ fn pretty(out: &mut impl Write, value: &Value) -> io::Result<()> {
 /// One row a policy, replication and figure; the value is in the unit beside it and empty where it
 /// is not defined.
 fn write_kpis(scenario: &Scenario, study: &Study, out: impl Write) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["policy", "replication", "machine", "kpi", "unit", "value"])?;
+    let mut csv = CsvWriter::new(out, ["policy", "replication", "machine", "kpi", "unit", "value"])?;
     for (position, &policy) in study.policies.iter().enumerate() {
         for replication in 0..study.replications {
             for (kpi, value) in study.kpis.iter().zip(study.replication(position, replication)) {
@@ -235,19 +235,18 @@ fn write_kpis(scenario: &Scenario, study: &Study, out: impl Write) -> io::Result
                     "currency" => scenario.currency.as_str(),
                     unit => unit,
                 };
-                let value = value * kpi.definition.file_scale();
-                csv.write_record([
-                    scenario.policies[policy].name.as_str(),
-                    &replication.to_string(),
-                    kpi.machine.map_or("", |machine| scenario.machines[machine].name.as_str()),
-                    kpi.definition.id,
-                    unit,
-                    &if value.is_finite() { value.to_string() } else { String::new() },
+                csv.row([
+                    (&scenario.policies[policy].name).into(),
+                    replication.into(),
+                    kpi.machine.map(|machine| &scenario.machines[machine].name).into(),
+                    kpi.definition.id.into(),
+                    unit.into(),
+                    (value * kpi.definition.file_scale()).into(),
                 ])?;
             }
         }
     }
-    csv.flush()
+    Ok(csv.flush()?)
 }
 
 fn run_json(scenario: &Scenario, study: &Study, info: &RunInfo, threads: usize, wall: Duration) -> Value {

@@ -14,7 +14,7 @@ pub use finished::{Finished, FinishedError};
 
 mod stored;
 
-pub use stored::{KnownRuns, StoredRun, stored_runs};
+pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};

@@ -7,6 +7,7 @@ use crate::wire::{WiringError, start_values};
 use std::io::{Read, Write};
 use std::sync::Arc;
 use toolroom_process::Wiring;
+use toolroom_process::table::{Cell, CsvWriter, broken_quote};
 
 /// What is to be simulated.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,13 +93,18 @@ impl Inputs {
     ///
     /// # Errors
     /// [`SimulateError::Input`] with the line.
-    pub fn read(description: &ModelDescription, table: impl Read) -> Result<Self, SimulateError> {
+    pub fn read(description: &ModelDescription, mut table: impl Read) -> Result<Self, SimulateError> {
         let refused = |line, message: String| SimulateError::Input { line, message };
+        let mut text = String::new();
+        table.read_to_string(&mut text).map_err(|error| refused(1, error.to_string()))?;
+        if let Some(fault) = broken_quote(&text, b',') {
+            return Err(refused(fault.line() as u64, fault.to_string()));
+        }
         let broken = |error: csv::Error| {
             let line = error.position().map_or(1, csv::Position::line);
             refused(line, error.to_string())
         };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(table);
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader.headers().map_err(broken)?.clone();
         let bare = |name: &str| {
             let name = name.trim_start_matches('\u{FEFF}');
@@ -199,12 +205,11 @@ pub fn simulate(
         .iter()
         .filter(|variable| variable.causality == "output" && variable.dimensions == 0 && is_number(variable))
         .collect();
-    let mut table = csv::Writer::from_writer(table);
     let header = |variable: &&Variable| match &variable.unit {
         Some(unit) if unit != "1" => format!("{} [{unit}]", variable.name),
         _ => variable.name.clone(),
     };
-    table.write_record(std::iter::once("time [s]".to_owned()).chain(outputs.iter().map(header)))?;
+    let mut table = CsvWriter::new(table, std::iter::once("time [s]".to_owned()).chain(outputs.iter().map(header)))?;
     let failed = |time| move |source| SimulateError::Call { time, source };
     let mut instance = Instance::new(unit, &start_values, start).map_err(failed(start))?;
     let mut time = start;
@@ -214,19 +219,19 @@ pub fn simulate(
         if number > 0
             && let Err(source) = instance.step(time, goal - time)
         {
-            table.flush().map_err(csv::Error::from)?;
+            table.flush()?;
             return Err(SimulateError::Call { time, source });
         }
         time = goal;
         if let Some(inputs) = inputs {
             inputs.set(&mut instance, time).map_err(failed(time))?;
         }
-        let mut row = vec![time.to_string()];
+        let mut row: Vec<Cell<'_>> = vec![time.into()];
         for variable in &outputs {
-            row.push(instance.get(Port::of(variable)).map_err(failed(time))?.to_string());
+            row.push(instance.get(Port::of(variable)).map_err(failed(time))?.into());
         }
-        table.write_record(row)?;
+        table.row(row)?;
     }
-    table.flush().map_err(csv::Error::from)?;
+    table.flush()?;
     Ok(Done { start, stop, step, steps: steps as u64 })
 }

@@ -6,7 +6,7 @@ use crate::component::Interface;
 use crate::description::{Description, TOOL};
 use crate::log::Log;
 use crate::variable::{Role, ValueType, Variable};
-use std::fmt::Write as _;
+use toolroom_process::table::{Cell, csv_text};
 
 /// Rows of the reference result.
 const ROWS: usize = 100;
@@ -23,7 +23,7 @@ pub(super) fn files(unit: &Entry, description: &Description) -> Result<Vec<(Stri
         .filter(|variable| !variable.name.starts_with("process."))
         .collect();
     let (stop, step) = description.experiment;
-    let input = input(&renewals, stop);
+    let input = input(&renewals, stop)?;
     let output = output(unit, description, &renewals, stop, step)?;
     let manifest = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
@@ -41,19 +41,17 @@ pub(super) fn files(unit: &Entry, description: &Description) -> Result<Vec<(Stri
 }
 
 /// The renewal inputs over time; everything else stays at its start value.
-fn input(renewals: &[&Variable], stop: f64) -> String {
-    let mut text = header(renewals);
-    for (time, value) in
-        [(0.0, 0), (RENEWAL.0 * stop, 0), (RENEWAL.0 * stop, 1), (RENEWAL.1 * stop, 1), (RENEWAL.1 * stop, 0)]
-    {
-        let _ = write!(text, "\n{time:?}");
-        text.push_str(&format!(",{value}").repeat(renewals.len()));
-    }
-    text + "\n"
+fn input(renewals: &[&Variable], stop: f64) -> Result<String, PackageError> {
+    let (rise, fall) = (RENEWAL.0 * stop, RENEWAL.1 * stop);
+    let rows = [(0.0, 0_u32), (rise, 0), (rise, 1), (fall, 1), (fall, 0)];
+    let cells = |(time, value): (f64, u32)| {
+        std::iter::once(Cell::Scientific(time)).chain(renewals.iter().map(move |_| value.into()))
+    };
+    csv_text(header(renewals), rows.map(cells)).map_err(|error| PackageError::Write(error.into()))
 }
 
-fn header(variables: &[&Variable]) -> String {
-    std::iter::once("time").chain(variables.iter().map(|variable| variable.name.as_str())).collect::<Vec<_>>().join(",")
+fn header<'a>(variables: &[&'a Variable]) -> impl Iterator<Item = &'a str> {
+    std::iter::once("time").chain(variables.iter().map(|variable| variable.name.as_str()))
 }
 
 fn output(
@@ -69,17 +67,18 @@ fn output(
     let mut instance = unit.instantiate(held, None, Log::new(None, false));
     instance.enter_initialization()?;
     instance.exit_initialization()?;
-    let mut text = header(&outputs);
+    let mut rows: Vec<Vec<Cell<'_>>> = Vec::new();
     let steps = (stop / step).round() as usize;
     for i in 0..=steps {
         let time = i as f64 * step;
         if i.is_multiple_of((steps / ROWS).max(1)) {
-            let _ = write!(text, "\n{time:?}");
+            let mut row = vec![Cell::Scientific(time)];
             for variable in &outputs {
                 let mut value = [0.0];
                 instance.read(variable.value_type, &[variable.slot.reference()], &mut value)?;
-                let _ = write!(text, ",{:?}", value[0]);
+                row.push(Cell::Scientific(value[0]));
             }
+            rows.push(row);
         }
         let raised = time >= RENEWAL.0 * stop && time < RENEWAL.1 * stop;
         for renewal in renewals {
@@ -89,5 +88,5 @@ fn output(
             instance.do_step(time, step)?;
         }
     }
-    Ok(text + "\n")
+    csv_text(header(&outputs), rows).map_err(|error| PackageError::Write(error.into()))
 }

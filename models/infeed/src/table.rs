@@ -1,6 +1,7 @@
 //! Measured tables: any encoding, delimiter and decimal sign that occurs in practice, every fault
 //! with its place.
 
+use toolroom_process::table::{BrokenQuote, broken_quote};
 use toolroom_process::unit;
 
 /// A column that a reader knows.
@@ -76,6 +77,9 @@ pub enum TableReason {
     /// There is no header, or nothing under it.
     #[error("no rows; expected a header `name [unit], ...` and a line for each record")]
     NoRows,
+    /// A quote that cannot be read.
+    #[error(transparent)]
+    Quote(BrokenQuote),
     /// A row with too many or too few cells.
     #[error("{found} cells where the header has {expected}; with decimal commas, separate columns by semicolons")]
     CellCount {
@@ -162,7 +166,7 @@ impl TableReason {
     /// Short name of the fault, for programs.
     pub fn code(&self) -> &'static str {
         match self {
-            Self::NoRows | Self::CellCount { .. } | Self::Empty { .. } => "table",
+            Self::NoRows | Self::Quote(_) | Self::CellCount { .. } | Self::Empty { .. } => "table",
             Self::MissingColumn { .. } => "missing-key",
             Self::Misspelt { .. } | Self::TwoColumns { .. } => "unknown-key",
             Self::Unit { .. } | Self::NotANumber { .. } | Self::AmbiguousComma { .. } => "quantity",
@@ -180,6 +184,10 @@ pub(crate) fn read(file: &str, bytes: &[u8], specs: &[ColumnSpec]) -> Result<(Ve
     let (text, encoding) = decode(bytes);
     let mut notes: Vec<TableNote> = encoding.map(|encoding| TableNote::Encoding { encoding }).into_iter().collect();
     let delimiter = delimiter(&text);
+    if let Some(fault) = broken_quote(&text, delimiter) {
+        let faults = vec![TableFault { line: fault.line(), column: 1, reason: TableReason::Quote(fault) }];
+        return Err(TableError { file: file.to_owned(), faults });
+    }
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .has_headers(false)

@@ -23,6 +23,7 @@
 //! | [`Number`] | `f64` or a dual number: equations are written once |
 //! | [`mod@unit`] | `"60 m/min"` to SI and back |
 //! | [`ode`] | Runge–Kutta 4, Dormand–Prince 5(4), event location |
+//! | [`table`] | the one writer of CSV files, and the check of their quotes |
 //! | [`parameters`] | named parameter sets with units and sources |
 //! | [`contract`], [`process_contract!`] | the tests that every process passes |
 //!
@@ -48,6 +49,7 @@ pub mod ode;
 pub mod parameters;
 mod process;
 mod record;
+pub mod table;
 pub mod unit;
 mod wiring;
 

@@ -78,7 +78,7 @@ fn recorded(case: &Case, model: &NominalModel) -> Result<Records, Failure> {
 fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
     match verdict {
         GapVerdict::Unknown => return Mark::Unknown,
-        GapVerdict::Masked => return Mark::Masked,
+        GapVerdict::Masked | GapVerdict::CannotTell => return Mark::Masked,
         GapVerdict::NoGap => return Mark::NoGap,
         GapVerdict::Effect => {}
     }

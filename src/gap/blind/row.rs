@@ -1,8 +1,10 @@
 //! One case with its answer, as a line of the table of all cases.
 
 use crate::failure::Failure;
+use crate::output::no_table;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use toolroom_process::table::{csv_of, defined};
 
 /// How right an answer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -50,31 +52,43 @@ pub struct Row {
     /// Hidden causes with their strengths.
     pub hidden: String,
     /// Size of a single hidden effect as its generator has it, display unit.
+    #[serde(serialize_with = "defined")]
     pub hidden_size: Option<f64>,
     /// Score that the design of the records promised for the hidden cause of its size; of several,
     /// the least. Nothing where nothing of the catalogue is hidden.
+    #[serde(serialize_with = "defined")]
     pub promised_z: Option<f64>,
     pub mark: Mark,
     pub named: String,
     pub class: String,
     pub shape: String,
+    #[serde(serialize_with = "defined")]
     pub size: Option<f64>,
+    #[serde(serialize_with = "defined")]
     pub size_low: Option<f64>,
+    #[serde(serialize_with = "defined")]
     pub size_high: Option<f64>,
     pub unit: String,
     /// Size that new edges ask for.
+    #[serde(serialize_with = "defined")]
     pub size_on_new_edges: Option<f64>,
     pub probability: String,
     pub z: String,
     /// Closure as the diagnosis says, with its 90 % interval.
+    #[serde(serialize_with = "defined")]
     pub closed: Option<f64>,
+    #[serde(serialize_with = "defined")]
     pub closed_low: Option<f64>,
+    #[serde(serialize_with = "defined")]
     pub closed_high: Option<f64>,
     /// The same measured on new edges.
+    #[serde(serialize_with = "defined")]
     pub closed_on_new_edges: Option<f64>,
     /// On new edges, over the channels that the hidden effect touches: by what was named, and by the
     /// hidden effect, had it been known.
+    #[serde(serialize_with = "defined")]
     pub closed_by_named: Option<f64>,
+    #[serde(serialize_with = "defined")]
     pub closed_by_hidden: Option<f64>,
     pub notes: String,
 }
@@ -103,11 +117,7 @@ impl Row {
 
 /// All rows as CSV.
 pub fn csv(rows: &[Row]) -> Result<String, Failure> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let failed = |error: &dyn std::fmt::Display| Failure::Work { message: format!("cases.csv: {error}") };
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| failed(&error))?;
-    let bytes = writer.into_inner().map_err(|error| failed(&error))?;
-    String::from_utf8(bytes).map_err(|error| failed(&error))
+    csv_of(rows).map_err(|error| no_table("cases.csv", &error))
 }
 
 /// Rows of a finished run.

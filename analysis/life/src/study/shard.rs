@@ -117,18 +117,26 @@ pub struct Merged {
     pub digest: u64,
 }
 
-/// Merges the parts in a directory.
+/// Merges the parts in a directory; the study has so many `cells`.
 ///
 /// # Errors
-/// [`ShardError`] for missing, doubled, foreign and changed parts.
-pub fn merge(plan: &Plan, directory: &Path) -> Result<Merged, ShardError> {
-    let mut cells: Vec<Tally> = Vec::new();
-    for part in parts::<Vec<Tally>>(plan, directory)? {
-        cells.resize(part.len().max(cells.len()), Tally::default());
-        cells.iter_mut().zip(&part).for_each(|(own, other)| own.merge(other));
+/// [`ShardError`] for missing, doubled, foreign, changed and malformed parts.
+pub fn merge(plan: &Plan, cells: usize, directory: &Path) -> Result<Merged, ShardError> {
+    let checked = |part: &Vec<Tally>, (from, to): (u64, u64)| {
+        if part.len() != cells {
+            return Err(format!("it holds {} conditions and policies, not {cells}", part.len()));
+        }
+        match part.iter().find(|cell| cell.life.count() != to - from) {
+            Some(cell) => Err(format!("it holds {} lives, not {}", cell.life.count(), to - from)),
+            None => Ok(digest(part)),
+        }
+    };
+    let mut merged = vec![Tally::default(); cells];
+    for part in parts(plan, directory, checked)? {
+        merged.iter_mut().zip(&part).for_each(|(own, other)| own.merge(other));
     }
-    let digest = digest(&cells);
-    Ok(Merged { cells, digest })
+    let digest = digest(&merged);
+    Ok(Merged { cells: merged, digest })
 }
 
 /// Lives of a merged cell as a sample for fits, in minutes: classes of the sketch, edges that

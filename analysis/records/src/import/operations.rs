@@ -207,7 +207,9 @@ fn complete(
     }
     if rows.is_empty() {
         let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
-        return Err(RecordError::NoRows { file: report.file.clone(), rows: source.lines.len(), first }.into());
+        return Err(
+            RecordError::NoRows { file: report.file.clone(), rows: source.lines.len(), first, wrong: true }.into()
+        );
     }
     report.dropped.sort();
     Ok(records.select(&rows))

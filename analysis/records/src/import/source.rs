@@ -32,7 +32,9 @@ impl Source {
         let rows = kept(file, table, &mapping.keep, report)?;
         if rows.is_empty() {
             let first = report.dropped.first().map(|(line, reason)| format!("line {line}, {reason}"));
-            return Err(RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first }.into());
+            return Err(
+                RecordError::NoRows { file: file.to_owned(), rows: table.rows.len(), first, wrong: true }.into()
+            );
         }
         let cells = mapping.columns.iter().map(|mapped| column(file, table, &rows, mapped, report));
         let cells = cells.collect::<Result<Vec<_>, _>>()?;

@@ -2,6 +2,7 @@
 
 use crate::{RecordKind, Records};
 use std::collections::BTreeMap;
+use toolroom_process::table::{BrokenQuote, broken_quote};
 
 /// Columns of the table: machine, day, hour, program, mode, time active, time active at 100 % override
 /// (the integral of the recorded override: it says what the override was, no more), time held, tool
@@ -15,6 +16,9 @@ pub enum RunTableError {
     /// Not delimited text.
     #[error(transparent)]
     Csv(#[from] csv::Error),
+    /// A quote that cannot be read.
+    #[error(transparent)]
+    Quote(#[from] BrokenQuote),
     /// A column is missing.
     #[error("the column `{column}` is missing; the table has {}", COLUMNS.join(", "))]
     MissingColumn {
@@ -46,6 +50,9 @@ pub fn run_table(
     machine: Option<&str>,
     program: Option<&str>,
 ) -> Result<(Records, usize), RunTableError> {
+    if let Some(fault) = broken_quote(&String::from_utf8_lossy(bytes), b',') {
+        return Err(fault.into());
+    }
     let mut reader = csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(bytes);
     let header = reader.headers()?.clone();
     let mut at = [0; COLUMNS.len()];

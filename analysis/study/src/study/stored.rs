@@ -50,6 +50,37 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
     runs.collect::<Vec<_>>().into_iter().collect()
 }
 
+/// Digest of the runs of replications `from..to`, as [`stored_runs`] leaves them.
+///
+/// # Errors
+/// What is wrong with them, in words: a run that is missing, doubled, out of order, or not of this scenario.
+pub fn stored_digest(
+    scenario: &Scenario,
+    policies: &[usize],
+    (from, to): (u64, u64),
+    runs: &[StoredRun],
+) -> Result<u64, String> {
+    let figures = kpi::kpis(scenario).len();
+    let due = (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy)));
+    let mut found = runs.iter();
+    for (replication, policy) in due {
+        let name = &scenario.policies[policy].name;
+        let run = found.next().filter(|run| u64::from(run.replication) == replication && run.policy == policy);
+        let run = run.ok_or_else(|| format!("replication {replication} of `{name}` is not where it should be"))?;
+        if run.values.len() != figures {
+            let found = run.values.len();
+            return Err(format!("replication {replication} of `{name}` has {found} key figures, not {figures}"));
+        }
+        if run.lives.iter().any(|life| EdgeLife::of_named(life).is_none()) {
+            return Err(format!("an edge of replication {replication} of `{name}` ended for no known reason"));
+        }
+    }
+    match found.next() {
+        Some(run) => Err(format!("replication {} is one too many", run.replication)),
+        None => Ok(runs.iter().fold(0, |digest: u64, run| digest.wrapping_add(run.digest))),
+    }
+}
+
 impl StoredRun {
     /// The run as if it had been made here.
     pub(super) fn run(&self) -> Run {
@@ -68,6 +99,26 @@ mod tests {
     use super::*;
     use crate::fixture;
     use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn runs_that_are_missing_doubled_or_short_are_told() {
+        let scenario = fixture::scenario();
+        let policies: Vec<usize> = (0..scenario.policies.len()).collect();
+        let runs = stored_runs(&scenario, &policies, 1, 3).expect("runs");
+        let said = |change: &dyn Fn(&mut Vec<StoredRun>)| {
+            let mut runs = runs.clone();
+            change(&mut runs);
+            stored_digest(&scenario, &policies, (1, 3), &runs).expect_err("changed runs")
+        };
+        assert!(stored_digest(&scenario, &policies, (1, 3), &runs).is_ok());
+        assert!(said(&|runs| drop(runs.pop())).contains("is not where it should be"));
+        assert!(said(&|runs| drop(runs.remove(0))).contains("replication 1"));
+        assert!(said(&|runs| runs.swap(0, 1)).contains("is not where it should be"));
+        assert!(said(&|runs| runs.push(runs[0].clone())).contains("one too many"));
+        assert!(said(&|runs| runs[0].policy = usize::MAX).contains("replication 1"));
+        assert!(said(&|runs| _ = runs[1].values.pop()).contains("key figures"));
+        assert!(stored_digest(&scenario, &policies, (0, 2), &runs).is_err());
+    }
 
     #[test]
     fn runs_made_elsewhere_are_the_same_study() {
