@@ -211,6 +211,17 @@ fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
         assert!(found["fits"].as_array().is_some_and(|fits| !fits.is_empty()), "{lives:?}");
         assert!(fs::read_to_string(out.join("report.html")).unwrap().contains("Probability paper"), "{lives:?}");
     }
+    // The search for a gamma law went beyond the range of numbers here, and the program panicked.
+    for lives in [
+        "3.3471834061730865e-08,1,\n0.16872578601802418,0,\n5.004999999999999,1,\n3.347183406176434e-08,0,\n1.3e-09,0,\n\
+         1000000000000.0,0,\n1e-09,0,5e-10\n",
+        "1.7465057488474325e-05,1,\n0.01967495001034625,1,\n0.019655294715630624,1,\n1000000000000.0,0,\n1e-09,0,\n\
+         1.001e-09,0,\n0.019655294715630624,0,0.0\n",
+    ] {
+        fs::write(&file, format!("life,censored,inspected\n{lives}")).unwrap();
+        let output = toolroom(&fit);
+        assert!(matches!(output.status.code(), Some(0 | 2)), "{lives}: {}", stderr(&output));
+    }
 }
 
 #[test]

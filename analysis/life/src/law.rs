@@ -1,7 +1,7 @@
 //! Distributions of lives.
 
 use super::normal;
-use statrs::function::gamma::{gamma, gamma_lr, gamma_ur, ln_gamma};
+use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur, gamma, ln_gamma};
 
 /// A family of laws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,7 +220,10 @@ impl Law {
             return 1.0;
         }
         match *self {
-            Self::Gamma { shape, scale } => gamma_ur(shape, age / scale),
+            Self::Gamma { shape, scale } => {
+                let x = age / scale;
+                checked_gamma_ur(shape, x).unwrap_or_else(|_| 1.0 - gamma_limit(shape, x))
+            }
             Self::InverseGaussian { mean, shape } => {
                 (normal::below(-first_passage(age, mean, shape)) - second_passage(age, mean, shape)).clamp(0.0, 1.0)
             }
@@ -251,7 +254,10 @@ impl Law {
             return 0.0;
         }
         match *self {
-            Self::Gamma { shape, scale } => gamma_lr(shape, age / scale),
+            Self::Gamma { shape, scale } => {
+                let x = age / scale;
+                checked_gamma_lr(shape, x).unwrap_or_else(|_| gamma_limit(shape, x))
+            }
             Self::InverseGaussian { mean, shape } => {
                 normal::below(first_passage(age, mean, shape)) + second_passage(age, mean, shape)
             }
@@ -351,6 +357,12 @@ fn weibull_ln_density(x: f64, shape: f64, scale: f64) -> f64 {
     (shape / scale).ln() + (shape - 1.0) * x.ln() - x.powf(shape)
 }
 
+/// Limit of the share that has failed under a gamma law where shape or x = age/scale has left the range of
+/// numbers: a search that is far from its goal asks for such laws.
+fn gamma_limit(shape: f64, x: f64) -> f64 {
+    if x <= 0.0 || shape == f64::INFINITY { 0.0 } else { 1.0 }
+}
+
 fn first_passage(age: f64, mean: f64, shape: f64) -> f64 {
     (shape / age).sqrt() * (age / mean - 1.0)
 }
@@ -437,6 +449,18 @@ mod tests {
             assert!((found - cv).abs() < 1.5e-3, "{shape}: {found}");
         }
         assert!((Law::Gamma { shape: 9.0, scale: 2.2 }.variation() - 1.0 / 3.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_gamma_law_beyond_the_range_of_numbers_has_its_limits() {
+        let shares = |shape: f64, scale: f64, age: f64| {
+            let law = Law::Gamma { shape, scale };
+            (law.failed(age), law.survival(age))
+        };
+        assert_eq!(shares(0.5, 1e300, 1e-300), (0.0, 1.0));
+        assert_eq!(shares(0.5, 1e-300, 1e300), (1.0, 0.0));
+        assert_eq!(shares(f64::INFINITY, 1.0, 5.0), (0.0, 1.0));
+        assert_eq!(shares(0.0, 1.0, 5.0), (1.0, 0.0));
     }
 
     #[test]
