@@ -1,8 +1,6 @@
 //! `toolroom life`: tool lives, measured or simulated.
 
-mod file;
 mod fit;
-mod keys;
 mod page;
 mod study;
 
@@ -13,7 +11,6 @@ use crate::speak::Voice;
 use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
-pub use keys::STUDY;
 pub use study::{merge, shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {

@@ -1,9 +1,5 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
-mod boundary;
-mod cut;
-mod file;
-mod judgement;
 mod picture;
 mod results;
 mod shards;
@@ -14,15 +10,12 @@ use crate::output::OutputDir;
 use crate::shard::{perform, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
-use boundary::{Curve, boundaries};
-use cut::Cut;
-use file::LobesFile;
-use judgement::{Judged, word};
 use results::Origin;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Hole, Lobes};
+use toolroom_planning::lobes::{Curve, Cut, Judged, LobesFile, Point, Quantity, boundaries, read, word};
 use toolroom_process::unit;
 use toolroom_scenario::file::{FormFile, significant};
 
@@ -47,7 +40,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
         };
         return perform(plan, number, out, args.threads, voice);
     };
-    let file = file::read(path, &args.set)?;
+    let file = read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {
         return verdict(&file.content, speed, depth, voice);
     }
@@ -81,7 +74,7 @@ fn finish(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let LobesFile { cut, chart, points, .. } = &file.content;
-    let judge = |point: &file::Point| match cut.judge(point.speed, point.depth, chart) {
+    let judge = |point: &Point| match cut.judge(point.speed, point.depth, chart) {
         Err(error) if !error.is_failed_search() => Err(error),
         judged => Ok(judged),
     };
@@ -132,7 +125,7 @@ fn holes(file: &LobesFile, computed: &Computed) -> Vec<String> {
 }
 
 /// A quantity for people, to four decimals.
-fn with_unit(quantity: &cut::Quantity, value: f64) -> String {
+fn with_unit(quantity: &Quantity, value: f64) -> String {
     let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
     if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
 }

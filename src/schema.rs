@@ -2,8 +2,8 @@
 
 use crate::args::{FileKind, SchemaArgs};
 use crate::failure::Failure;
-use crate::life::STUDY;
 use crate::speak::Voice;
+use toolroom_life::file::STUDY;
 use toolroom_scenario::file::{SCENARIO, schema};
 use toolroom_scenario::lobes::LOBES;
 

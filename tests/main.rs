@@ -4,6 +4,7 @@ mod architecture;
 mod blind;
 mod cli;
 mod determinism;
+mod examples;
 mod fmu_files;
 mod fmu_import;
 mod gap_data;

@@ -1,6 +1,5 @@
 //! The results of a study: summary, table of cells, report.
 
-use super::file::StudyFile;
 use crate::failure::Failure;
 use crate::output::{OutputDir, no_table};
 use serde_json::{Map, Value, json};
@@ -8,6 +7,7 @@ use std::fmt::Write;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
 use toolroom_chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table, number};
 use toolroom_life::analysis::{Analysis, Request, analyse};
+use toolroom_life::file::StudyFile;
 use toolroom_life::page::{self, Words};
 use toolroom_life::regression::{Regression, regress};
 use toolroom_life::replacement::{Costs, Cycles};

@@ -1,6 +1,5 @@
 //! `toolroom life FILE`: plan, shards, merge.
 
-use super::file::{StudyFile, parse};
 use super::page::{Inputs, NAMES, write};
 use super::request;
 use crate::args::{LifeArgs, Statistics};
@@ -14,6 +13,7 @@ use crate::study::default_out;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use toolroom_life::file::{StudyFile, parse};
 use toolroom_life::study::run::lives;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;

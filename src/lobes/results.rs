@@ -1,8 +1,6 @@
 //! The files of a chart.
 
 use super::Computed;
-use super::file::LobesFile;
-use super::judgement::word;
 use super::picture::{picture, report};
 use crate::failure::Failure;
 use crate::output::{OutputDir, no_table, provenance};
@@ -10,6 +8,7 @@ use serde_json::{Value, json};
 use std::time::Instant;
 use toolroom_chart::png;
 use toolroom_chatter::{Hole, Lobes};
+use toolroom_planning::lobes::{LobesFile, word};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;

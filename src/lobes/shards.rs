@@ -1,7 +1,6 @@
 //! Charts in shards: the columns of the grid are cut into parts. Boundaries, which are traced from
 //! column to column, and operating points cost a tenth of the grid and are worked out at the merge.
 
-use super::file::{LobesFile, parse};
 use super::results::{NAMES, Origin};
 use super::{finish, refused};
 use crate::args::LobesArgs;
@@ -14,6 +13,7 @@ use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{Hole, Lobes, StabilityVerdict};
+use toolroom_planning::lobes::{LobesFile, parse};
 use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Computed, Plan, ShardError, fingerprint};
 

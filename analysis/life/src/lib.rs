@@ -23,6 +23,7 @@
 //! | [`measured`] | lives and wear readings from CSV files |
 //! | [`picture`], [`page`] | the same as charts, report sections and JSON |
 //! | [`study`] | Monte Carlo studies |
+//! | [`mod@file`] | files of such studies |
 //! | [`maximise`] | the search that the fits use |
 //!
 //! Times are in any one unit; results come in the same.
@@ -30,6 +31,7 @@
 pub mod analysis;
 pub mod bootstrap;
 mod claims;
+pub mod file;
 pub mod fit;
 pub mod goodness;
 pub mod law;

@@ -202,7 +202,7 @@ pub fn paired(values: &[f64], baseline: &[f64], confidence: f64) -> Paired {
 ///
 /// # Examples
 /// ```
-/// let interval = crate::welch(&[1.0, 2.0, 3.0, 4.0, 5.0], &[2.0, 4.0, 6.0], 0.95);
+/// let interval = toolroom_statistics::welch(&[1.0, 2.0, 3.0, 4.0, 5.0], &[2.0, 4.0, 6.0], 0.95);
 /// assert!((interval.mean + 1.0).abs() < 1e-15 && interval.count == 8);
 /// ```
 pub fn welch(values: &[f64], baseline: &[f64], confidence: f64) -> Interval {

@@ -244,7 +244,7 @@ fn milling_has_the_cutting_speed_of_its_circumference() {
 
 #[test]
 fn planned_busy_time_is_busy_and_idle_time_in_every_shipped_scenario() {
-    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios"));
+    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios"));
     let mut files: Vec<_> =
         std::fs::read_dir(folder).expect("scenarios").map(|entry| entry.expect("a file").path()).collect();
     files.push(folder.join("gap/shop.toml"));

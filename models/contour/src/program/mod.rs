@@ -265,7 +265,7 @@ mod tests {
             ("X8 X9", "X9"),
             ("T1 T2", "T2"),
             ("/X30", "/"),
-            ("GOTO 1", "GOTO"),
+            ("GOTO 1", "GOTO1"),
             ("o100 call", "CALL"),
             ("TRANS X10", "TRANS"),
             ("G1 X1 RND2", "RND2"),

@@ -15,8 +15,11 @@ const CHIP_PRESSURE: f64 = 300.0 * 9.80665e6;
 /// Verdict at a point and its distance from the boundary.
 #[derive(Clone, Debug)]
 pub struct Judgement {
+    /// Position on the first axis in the unit of [`Cut::axes`], SI.
     pub speed: f64,
+    /// Position on the second axis, SI.
     pub depth: f64,
+    /// What the stability model says.
     pub verdict: StabilityVerdict,
     /// Least unstable depth, m, or what stands for it on the second axis; `None` if there is none
     /// up to `searched`.
@@ -87,6 +90,7 @@ impl Judgement {
     }
 }
 
+/// The kind of chatter in a word.
 pub fn word(kind: ChatterKind) -> &'static str {
     match kind {
         ChatterKind::Stable => "stable",

@@ -21,7 +21,7 @@ const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
 const COST: Kind = positive("EUR", "EUR", 1e9, "12 EUR");
 
 /// Rules by which a study chooses speed.
-pub const SPEEDS: &[&str] =
+const SPEEDS: &[&str] =
     &["programmed", "best_path", "best_life", "best_rate", "makarov", "schedule", "minimum_wear", "price", "oracle"];
 
 /// The whole file.

@@ -10,6 +10,7 @@ use toolroom_scenario::file::significant;
 /// One boundary of a chart: (speed, depth) in the units of [`Chart`].
 #[derive(Clone, Debug)]
 pub struct Curve {
+    /// What it bounds, for legends.
     pub label: String,
     /// Least unstable depth at each speed; NaN where there is none on the chart.
     pub limit: Vec<(f64, f64)>,
@@ -21,6 +22,9 @@ pub struct Curve {
 
 /// The boundary of the cut first, then what it is compared with: other lags, other allowances, the
 /// same cut at constant speed.
+///
+/// # Errors
+/// [`ChatterError`] where the chart lies outside the domain of the model.
 pub fn boundaries(cut: &Cut, chart: &Chart) -> Result<Vec<Curve>, ChatterError> {
     match cut {
         Cut::Milling(cut, variation) => compared(*variation, |variation| milling(cut, variation, chart)),

@@ -1,14 +1,17 @@
 //! From the sections of a study file to a study.
 
-use super::keys::STUDY;
+mod keys;
+
+pub use keys::STUDY;
+
+use crate::measured::numbers;
+use crate::replacement::Costs;
+use crate::study::edge::COORDINATES;
+use crate::study::points::Sampling;
+use crate::study::policy::{Knows, Reading, Rule};
+use crate::study::spread::{Copula, Spread};
+use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use std::path::Path;
-use toolroom_life::measured::numbers;
-use toolroom_life::replacement::Costs;
-use toolroom_life::study::edge::COORDINATES;
-use toolroom_life::study::points::Sampling;
-use toolroom_life::study::policy::{Knows, Reading, Rule};
-use toolroom_life::study::spread::{Copula, Spread};
-use toolroom_life::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::{
     Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,
@@ -21,16 +24,22 @@ const GROUPS: &str = "GROUP.NAME as in [parameters], such as limits.wear_limit; 
 /// What a study file says.
 #[derive(Clone, Debug)]
 pub struct StudyFile {
+    /// The study.
     pub study: Study,
     /// Relative half-width at which the study stops.
     pub until: Option<f64>,
+    /// Costs of replacing edges, where they are given.
     pub costs: Option<Costs>,
     /// Rows of Sobol indices and paths of Morris.
     pub sensitivity: Option<(u64, u64)>,
+    /// Whether every life is written, or their statistics alone.
     pub write_lives: bool,
 }
 
 /// Reads the text of a study; `file` is its name in messages, `directory` where its paths start.
+///
+/// # Errors
+/// [`ReadError::Faults`] with every fault found.
 pub fn parse(file: &str, text: &str, directory: &Path, overrides: &[String]) -> Result<FormFile<StudyFile>, ReadError> {
     parse_form(file, text, overrides, &STUDY, |walk, root| resolve(walk, root, directory))
 }

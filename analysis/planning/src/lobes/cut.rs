@@ -14,7 +14,9 @@ use toolroom_scenario::lobes::{LobesCut, axes};
 /// A cut without its operating point, with the variation of its spindle speed.
 #[derive(Clone, Debug)]
 pub enum Cut {
+    /// Over spindle speed and depth of cut.
     Milling(Milling, Option<SpeedVariation>),
+    /// Over spindle speed and depth of cut.
     Turning(Turning, Option<SpeedVariation>),
     /// Over speed ratio and modulation.
     Chuck(Reduced),
@@ -27,16 +29,22 @@ pub enum Cut {
 /// Words and units of the axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Axes {
+    /// The first axis: spindle speed, or what stands for it.
     pub speed: Quantity,
+    /// The second axis: depth of cut, or what stands for it.
     pub depth: Quantity,
 }
 
 /// One quantity as it is shown and written.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
+    /// Words on an axis.
     pub label: &'static str,
+    /// Name in files.
     pub key: &'static str,
+    /// Unit of the numbers in memory.
     pub si: &'static str,
+    /// Unit that is shown and written.
     pub unit: &'static str,
 }
 
@@ -53,6 +61,7 @@ impl Quantity {
 }
 
 impl Cut {
+    /// What a file says, with the variation of its spindle speed.
     pub fn new(cut: LobesCut, variation: Option<SpeedVariation>) -> Self {
         match cut {
             LobesCut::Milling(cut) => Self::Milling(cut, variation),
@@ -68,6 +77,7 @@ impl Cut {
         }
     }
 
+    /// What is cut, in a word.
     pub fn process(&self) -> &'static str {
         match self {
             Self::Milling(..) => "milling",
@@ -78,6 +88,7 @@ impl Cut {
         }
     }
 
+    /// Words and units of both axes.
     pub fn axes(&self) -> Axes {
         let labels = match self {
             Self::Milling(..) | Self::Turning(..) => ["Spindle speed", "Depth of cut"],
@@ -102,6 +113,9 @@ impl Cut {
 
     /// Verdict, limit and margin at a point; limits are searched up to the chart's greatest depth
     /// and at least to twice `depth`.
+    ///
+    /// # Errors
+    /// [`ChatterError`] where the point lies outside the domain of the model or its search fails.
     pub fn judge(&self, speed: f64, depth: f64, chart: &Chart) -> Result<Judgement, ChatterError> {
         let searched = chart.depth.end.max(2.0 * depth);
         let (verdict, limit, searched) = match self {
@@ -129,7 +143,10 @@ impl Cut {
         Ok(Judgement { speed, depth, verdict, limit, searched })
     }
 
-    /// Verdicts over some columns of the chart's grid.
+    /// Verdicts over some columns of the chart's grid; a point whose search fails is a hole.
+    ///
+    /// # Errors
+    /// [`ChatterError`] where the chart lies outside the domain of the model.
     pub fn lobes(&self, chart: &Chart, columns: Range<usize>) -> Result<Lobes, ChatterError> {
         let (speeds, depths) = (chart.speed.values("speed")?, chart.depth.values("depth")?);
         let speeds = &speeds[columns];
@@ -170,7 +187,11 @@ impl Cut {
 }
 
 /// A milling cut at a speed that may vary.
-pub fn prepared(cut: &Milling, variation: Option<SpeedVariation>, speed: f64) -> Result<AtSpeed<'_>, ChatterError> {
+pub(super) fn prepared(
+    cut: &Milling,
+    variation: Option<SpeedVariation>,
+    speed: f64,
+) -> Result<AtSpeed<'_>, ChatterError> {
     match variation {
         Some(variation) => cut.at_varying_speed(speed, variation),
         None => cut.at_speed(speed),
@@ -178,7 +199,7 @@ pub fn prepared(cut: &Milling, variation: Option<SpeedVariation>, speed: f64) ->
 }
 
 /// A limit, or none within the depths that were searched.
-pub fn found(limit: Result<StabilityLimit, ChatterError>) -> Result<Option<f64>, ChatterError> {
+pub(super) fn found(limit: Result<StabilityLimit, ChatterError>) -> Result<Option<f64>, ChatterError> {
     match limit {
         Ok(limit) => Ok(Some(limit.depth)),
         Err(ChatterError::NoLimit { .. }) => Ok(None),

@@ -9,18 +9,30 @@ pub use toolroom_scenario::lobes::{Chart, Point};
 /// What a lobes file says.
 #[derive(Clone, Debug)]
 pub struct LobesFile {
+    /// Short name, also of the output folder.
     pub name: String,
+    /// One line for people.
     pub title: String,
+    /// What is cut.
     pub cut: Cut,
+    /// Range and resolution of the chart.
     pub chart: Chart,
+    /// Operating points that are judged beside the chart.
     pub points: Vec<Point>,
 }
 
+/// Reads a lobes file; `overrides` are `path=value`.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
 pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
     lobes::read(path, overrides).map(judged)
 }
 
 /// A file from its text; `file` is its name in messages.
+///
+/// # Errors
+/// As [`read`].
 pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
     lobes::parse(file, text, overrides).map(judged)
 }

@@ -1,0 +1,10 @@
+//! Questions that are planned before chips fly, worked out from a file of the user's.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
+//!
+//! # What is not modelled
+//! Pictures and reports are made by the command line from what stands here.
+
+pub mod lobes;

@@ -1,0 +1,102 @@
+//! toolroom as a library: shops, policies, tool lives and gap diagnosis from one dependency.
+//!
+//! The rooms of the project are modules here under their short names, so that a program names
+//! nothing but `toolroom`; the functions below do in one call what a verb of the command line does.
+//!
+//! | want | call | verb |
+//! |---|---|---|
+//! | a scenario from its file | [`read_scenario`] | `toolroom check` |
+//! | one replication with its log | [`run`] | `toolroom run` |
+//! | policies on common random numbers | [`compare`] | `toolroom compare` |
+//! | laws of tool lives | [`life::analysis::analyse`] | `toolroom life --fit` |
+//! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
+//! | a process at one point | [`cutting`], [`infeed`] | `toolroom point` |
+//! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
+//!
+//! Quantities are SI numbers (rad, K) unless a name says otherwise. Each has an example in the
+//! folder `examples`.
+//!
+//! # What is not modelled
+//! The functions write no files and draw nothing; reports and folders of results are those of the
+//! command line, made from the same values.
+
+pub use toolroom_chart as chart;
+pub use toolroom_chatter as chatter;
+pub use toolroom_contour as contour;
+pub use toolroom_cutting as cutting;
+pub use toolroom_effects as effects;
+pub use toolroom_fmu as fmu;
+pub use toolroom_gap as gap;
+pub use toolroom_infeed as infeed;
+pub use toolroom_kernel as kernel;
+pub use toolroom_life as life;
+pub use toolroom_process as process;
+pub use toolroom_records as records;
+pub use toolroom_scenario as scenario;
+pub use toolroom_shards as shards;
+pub use toolroom_shop as shop;
+pub use toolroom_statistics as statistics;
+pub use toolroom_study as study;
+pub use toolroom_wear as wear;
+
+use gap::{Answers, ModelFileError, NominalModel};
+use records::{ReadReport, RecordError, RecordKind, Records};
+use scenario::Scenario;
+use scenario::file::ReadError;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use study::compare::Comparison;
+use study::study::{Study, StudyError, StudyOptions, run_study};
+
+pub use shop::run;
+
+/// Reads a scenario file.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it, with its place.
+pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, ReadError> {
+    scenario::file::read(path.as_ref(), &[]).map(|file| file.scenario)
+}
+
+/// Compares every policy of a scenario on common random numbers, over so many replications; the
+/// result depends on the seed of the scenario alone, whatever the number of threads.
+///
+/// # Errors
+/// [`StudyError`] where a policy cannot be worked out or a run stops.
+pub fn compare(scenario: &Scenario, replications: u32) -> Result<(Study, Comparison), StudyError> {
+    let options = StudyOptions { replications, ..StudyOptions::of(scenario) };
+    let study = run_study(scenario, &options, None, &|_| {}, &AtomicBool::new(false))?;
+    let comparison = Comparison::new(scenario, &study);
+    Ok((study, comparison))
+}
+
+/// Reads measured records from a CSV or Parquet file, or from the file of `kind` in a folder.
+///
+/// # Errors
+/// [`RecordError`]: a file that cannot be read, a missing column, a unit that does not fit.
+pub fn read_records(path: impl AsRef<Path>, kind: RecordKind) -> Result<(Records, ReadReport), RecordError> {
+    records::read(path.as_ref(), kind, &toolroom_parquet::read_cells)
+}
+
+/// Why records were not diagnosed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DiagnoseError {
+    /// The nominal model.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// The records.
+    #[error(transparent)]
+    Records(#[from] RecordError),
+}
+
+/// Diagnoses records against a nominal model: which effect is missing, how far the gap shrinks on
+/// groups left out, or that it cannot be told. `seed` draws the null distributions.
+///
+/// # Errors
+/// [`DiagnoseError`]: a model or records that cannot be read.
+pub fn diagnose(model: impl AsRef<Path>, data: impl AsRef<Path>, seed: u64) -> Result<Answers, DiagnoseError> {
+    let model = NominalModel::read(model.as_ref(), &[])?;
+    let (records, _) = read_records(data, model.kind())?;
+    Ok(gap::diagnose_processes(&[model.asked(&records, None, |_, _| false)], seed))
+}
