@@ -16,6 +16,9 @@
 //! # What is not modelled
 //! What controllers leave out is listed in [`policies`].
 
+#[macro_use]
+mod vocabulary;
+
 mod calendar;
 mod contour;
 mod deviation;

@@ -118,6 +118,18 @@ impl<'d> Section<'d> {
         }
     }
 
+    /// The variant of the word under `key`, by the `from_word` of the vocabulary whose words the key
+    /// admits; `None` where the key is left out without a default, and where a problem was noted.
+    ///
+    /// # Panics
+    /// Where the key admits a word that is not in that vocabulary.
+    pub(crate) fn chosen<T>(&self, key: &str, from_word: fn(&str) -> Option<T>) -> Option<T> {
+        let word = self.text(key)?;
+        let variant = from_word(word);
+        assert!(variant.is_some(), "{}: `{key}` admits `{word}`, which its vocabulary lacks", self.form.title);
+        variant
+    }
+
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
         match self.got(key)?.value {
@@ -144,6 +156,29 @@ impl<'d> Section<'d> {
             Some(Value::List(list)) => list,
             _ => &[],
         }
+    }
+}
+
+/// The numbers of a rule: none where the rule is only a word.
+pub(super) struct RuleTable<'d>(Option<Section<'d>>);
+
+impl<'d> RuleTable<'d> {
+    /// The table, where there is one.
+    pub(super) fn get(&self) -> Option<&Section<'d>> {
+        self.0.as_ref()
+    }
+
+    /// The table of a rule that cannot do without numbers.
+    ///
+    /// # Panics
+    /// Where the key admits the bare word of such a rule.
+    pub(super) fn due(&self) -> &Section<'d> {
+        self.get().expect("a key admits no bare word of a rule with required numbers")
+    }
+
+    /// A quantity that may be left out, SI.
+    pub(super) fn si(&self, key: &str) -> Option<f64> {
+        self.get().and_then(|table| table.si(key))
     }
 }
 
@@ -283,6 +318,19 @@ impl Walk {
     /// The table under `key`, where it is a table.
     pub fn table<'d>(&mut self, of: &Section<'d>, key: &str) -> Option<Section<'d>> {
         self.table_in(of, key, None)
+    }
+
+    /// The rule under `key`, a word or a table with the word under `rule`, and that table; `None` where
+    /// a problem was noted.
+    pub(super) fn rule<'d, T>(
+        &mut self,
+        of: &Section<'d>,
+        key: &str,
+        from_word: fn(&str) -> Option<T>,
+    ) -> Option<(T, RuleTable<'d>)> {
+        let table = self.table(of, key);
+        let word = table.as_ref().map_or_else(|| of.chosen(key, from_word), |table| table.chosen("rule", from_word));
+        word.map(|word| (word, RuleTable(table)))
     }
 
     /// The table under `key` with a `case` as in [`Walk::sections`].
