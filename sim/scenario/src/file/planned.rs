@@ -48,7 +48,9 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
                 }
             }
         }
-        _ => return None,
+        Value::Si(_) | Value::Count(_) | Value::Flag(_) | Value::List(_) | Value::Raw(_) | Value::Faulty => {
+            return None; // a problem was noted
+        }
     };
     match CycleWork::new(believed, conditions, limits, wear_compensation) {
         Ok(work) => Some(Work::Cycle(Arc::new(work))),

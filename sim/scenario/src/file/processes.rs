@@ -207,15 +207,12 @@ pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static
             walk.fault(group.span(), fault);
             continue;
         };
-        match values.get_ref() {
-            DeValue::Table(values) => {
-                let title = format!("{}, {}", tool.path, group.get_ref());
-                set_record(walk, &title, values, *record);
-            }
-            other => {
-                walk.wrong_type(group.get_ref(), other, "a table of parameters", values.span(), example.to_owned())
-            }
-        }
+        let DeValue::Table(table) = values.get_ref() else {
+            let expected = "a table of parameters";
+            walk.wrong_type(group.get_ref(), values.get_ref(), expected, values.span(), example.to_owned());
+            continue;
+        };
+        set_record(walk, &format!("{}, {}", tool.path, group.get_ref()), table, *record);
     }
 }
 

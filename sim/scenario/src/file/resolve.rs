@@ -267,7 +267,12 @@ pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Dist
         Distribution::Triangular { low, high, .. } | Distribution::Uniform { low, high } if low >= high => {
             Some(("low", low, "high", high))
         }
-        _ => None,
+        Distribution::Constant(_)
+        | Distribution::Exponential { .. }
+        | Distribution::Lognormal { .. }
+        | Distribution::Weibull { .. }
+        | Distribution::Triangular { .. }
+        | Distribution::Uniform { .. } => None,
     };
     if let Some((first, first_value, second, second_value)) = disorder {
         let fault = Fault::Contradiction {

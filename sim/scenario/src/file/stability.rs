@@ -45,7 +45,7 @@ pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, turning: &mut 
 pub(super) fn around_milling(walk: &mut Walk, tool: &Section<'_>, milling: &mut Milling) -> Option<Cutter> {
     let cut = match structure(walk, tool)? {
         LobesCut::Milling(cut) => cut,
-        _ => {
+        LobesCut::Turning { .. } | LobesCut::Chuck(_) | LobesCut::ChipLag(_) | LobesCut::Lathe(_) => {
             refused(walk, tool, "it describes no milling; process = \"milling\" is due");
             return None;
         }

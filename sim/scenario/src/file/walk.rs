@@ -86,10 +86,7 @@ impl<'d> Section<'d> {
 
     /// A quantity in SI units.
     pub fn si(&self, key: &str) -> Option<f64> {
-        match self.got(key)?.value {
-            Value::Si(value) => Some(value),
-            _ => None,
-        }
+        if let Value::Si(value) = self.got(key)?.value { Some(value) } else { None }
     }
 
     /// A value that must be there; NaN only where a problem was noted.
@@ -99,10 +96,7 @@ impl<'d> Section<'d> {
 
     /// A whole number.
     pub fn count(&self, key: &str) -> Option<u64> {
-        match self.got(key)?.value {
-            Value::Count(count) => Some(count),
-            _ => None,
-        }
+        if let Value::Count(count) = self.got(key)?.value { Some(count) } else { None }
     }
 
     /// A count within `u32` by its form.
@@ -112,10 +106,7 @@ impl<'d> Section<'d> {
 
     /// A name, word or line.
     pub fn text(&self, key: &str) -> Option<&str> {
-        match &self.got(key)?.value {
-            Value::Text(text) => Some(text),
-            _ => None,
-        }
+        if let Value::Text(text) = &self.got(key)?.value { Some(text) } else { None }
     }
 
     /// The variant of the word under `key`, by the `from_word` of the vocabulary whose words the key
@@ -132,10 +123,7 @@ impl<'d> Section<'d> {
 
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
-        match self.got(key)?.value {
-            Value::Flag(flag) => Some(flag),
-            _ => None,
-        }
+        if let Value::Flag(flag) = self.got(key)?.value { Some(flag) } else { None }
     }
 
     /// The quantities of a list in SI units; `None` where one of them has a problem.
@@ -295,6 +283,7 @@ impl Walk {
 
     /// Every entry of the tables under `key`. `case`, a key with its value, decides keys that
     /// depend on something outside the entry.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub fn sections<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
         let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
         let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
@@ -344,6 +333,7 @@ impl Walk {
 
     /// A table of names and texts; numbers and truth values may stand without quotes. `example` is
     /// shown where the value is no such table.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub fn texts(&mut self, section: &Section<'_>, key: &str, example: &str) -> BTreeMap<String, String> {
         let mut texts = BTreeMap::new();
         let Some(got) = section.got(key) else { return texts };
@@ -463,6 +453,7 @@ impl Walk {
     }
 
     /// A quantity with its unit; ratios may be bare numbers.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub(super) fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let number = match raw.get_ref() {
             DeValue::String(text) => text.to_string(),
@@ -534,6 +525,17 @@ impl Walk {
 fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
     match of.key(key)?.kind {
         Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
-        _ => None,
+        Kind::Name
+        | Kind::Text
+        | Kind::Quantity(_)
+        | Kind::Count { .. }
+        | Kind::Flag
+        | Kind::Choice(_)
+        | Kind::Reference(_)
+        | Kind::List(_)
+        | Kind::Fields { .. }
+        | Kind::Parameters
+        | Kind::Texts
+        | Kind::Effects => None,
     }
 }
