@@ -39,6 +39,8 @@
 //! shop simulator lists them. Effects act independently: none raises the size of another. Sensor
 //! effects are those of the readings named in [`Terms`]; vibration has none.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod built_up_edge;
 mod catalogue;
 mod chipping;

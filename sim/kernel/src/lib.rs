@@ -57,6 +57,8 @@
 //! finer order than class and order of scheduling. One run is one thread; replications run side by
 //! side.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod calendar;
 mod digest;
 mod error;

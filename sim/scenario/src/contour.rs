@@ -5,19 +5,21 @@ use crate::policies::{ContourPlan, PlanError};
 use std::sync::Arc;
 use toolroom_contour::{ContourFile, Pass};
 
-/// How spindle speeds and feeds of a contour are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContourRule {
-    /// The handbook regime: one table feed for the whole contour.
-    HandbookOneFeed,
-    /// The handbook regime with a feed override for each section.
-    HandbookPerSection,
-    /// The one spindle speed and feed of least cost.
-    BestConstant,
-    /// Least time, section by section.
-    Time,
-    /// Least cost, section by section.
-    Cost,
+vocabulary! {
+    /// How spindle speeds and feeds of a contour are found.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum ContourRule {
+        /// The handbook regime: one table feed for the whole contour.
+        HandbookOneFeed = "handbook_one_feed",
+        /// The handbook regime with a feed override for each section.
+        HandbookPerSection = "handbook_per_section",
+        /// The one spindle speed and feed of least cost.
+        BestConstant = "best_constant",
+        /// Least time, section by section.
+        Time = "time",
+        /// Least cost, section by section.
+        Cost = "cost",
+    }
 }
 
 /// Passes around a contour. The contour file says what the programmer believes of cutter, work and

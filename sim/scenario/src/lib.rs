@@ -16,6 +16,12 @@
 //! # What is not modelled
 //! What controllers leave out is listed in [`policies`].
 
+#![deny(clippy::wildcard_enum_match_arm)]
+#![cfg_attr(test, allow(clippy::wildcard_enum_match_arm))]
+
+#[macro_use]
+mod vocabulary;
+
 mod calendar;
 mod contour;
 mod deviation;

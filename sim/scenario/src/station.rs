@@ -79,7 +79,7 @@ impl ProcessModel {
     pub fn pair(&self) -> Option<&Pair> {
         match self {
             Self::Turning(process) => Some(&process.pair),
-            _ => None,
+            Self::Milling(_) | Self::Infeed(_) | Self::Other(_) => None,
         }
     }
 
@@ -140,17 +140,19 @@ pub struct ToolType {
     pub structure_scatter: StructureScatter,
 }
 
-/// What becomes of an operation that is interrupted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interruption {
-    /// Finish it first (shift ends only).
-    Finish,
-    /// Go on from where it stopped.
-    Resume,
-    /// Start the operation again.
-    Repeat,
-    /// The part is lost.
-    Scrap,
+vocabulary! {
+    /// What becomes of an operation that is interrupted.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Interruption {
+        /// Finish it first (shift ends only).
+        Finish = "finish",
+        /// Go on from where it stopped.
+        Resume = "resume",
+        /// Start the operation again.
+        Repeat = "repeat",
+        /// The part is lost.
+        Scrap = "scrap",
+    }
 }
 
 /// A way for a machine to break down.
@@ -168,26 +170,30 @@ pub struct FailureMode {
     pub part: Interruption,
 }
 
-/// The clock of a failure mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FailureClock {
-    /// All time counts.
-    Calendar,
-    /// Only time in which the machine works on a part.
-    Busy,
+vocabulary! {
+    /// The clock of a failure mode.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum FailureClock {
+        /// Only time in which the machine works on a part.
+        Busy = "busy",
+        /// All time counts.
+        Calendar = "calendar",
+    }
 }
 
-/// Which waiting job a free machine takes; ties by arrival at the queue, then job number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DispatchRule {
-    /// First in, first out.
-    Fifo,
-    /// Shortest (nominal) processing time of the operation.
-    ShortestProcessingTime,
-    /// Earliest due date.
-    EarliestDueDate,
-    /// Least ratio of time left to work left.
-    CriticalRatio,
-    /// Same setup group first, then first in, first out.
-    LeastSetup,
+vocabulary! {
+    /// Which waiting job a free machine takes; ties by arrival at the queue, then job number.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum DispatchRule {
+        /// First in, first out.
+        Fifo = "fifo",
+        /// Shortest (nominal) processing time of the operation.
+        ShortestProcessingTime = "shortest_processing_time",
+        /// Earliest due date.
+        EarliestDueDate = "earliest_due_date",
+        /// Least ratio of time left to work left.
+        CriticalRatio = "critical_ratio",
+        /// Same setup group first, then first in, first out.
+        LeastSetup = "least_setup",
+    }
 }

@@ -49,7 +49,10 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         match self.scenario.dispatch {
             DispatchRule::Fifo => state.queue.take_first(|waiting| here(waiting).is_some()),
-            rule => {
+            rule @ (DispatchRule::ShortestProcessingTime
+            | DispatchRule::EarliestDueDate
+            | DispatchRule::CriticalRatio
+            | DispatchRule::LeastSetup) => {
                 let group = state.setup_group;
                 state.queue.take_least(|waiting| here(waiting).map(|job| key(rule, job, layout, group, now)))
             }

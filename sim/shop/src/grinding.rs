@@ -21,7 +21,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn clamp_ground_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let compensation = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cycle(cycle) => cycle.wear_compensation,
-            _ => 0.0,
+            Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) => 0.0,
         };
         let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process else { return };
         let state = &mut self.world.machines[machine];

@@ -20,7 +20,12 @@ impl<R: Recorder> Shop<'_, R> {
         let regular = self.deviation("breakdown_shape", failure.machine);
         let between = match failure.time_between {
             Distribution::Exponential { mean } if regular > 0.0 => Distribution::Weibull { mean, shape: 1.0 + regular },
-            other => other,
+            other @ (Distribution::Constant(_)
+            | Distribution::Exponential { .. }
+            | Distribution::Lognormal { .. }
+            | Distribution::Weibull { .. }
+            | Distribution::Triangular { .. }
+            | Distribution::Uniform { .. }) => other,
         };
         let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
         self.world.modes[mode].left = time;

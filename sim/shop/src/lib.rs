@@ -30,6 +30,8 @@
 //! another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod arrival;
 mod chatter;
 mod contour;

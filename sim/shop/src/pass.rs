@@ -373,7 +373,9 @@ impl<R: Recorder> Shop<'_, R> {
             match event {
                 ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
                 ProcessEvent::Burn => task.burnt = true,
-                _ => {}
+                // These end the cut or say that the wheel is due, which is seen to elsewhere.
+                ProcessEvent::ThermalCollapse | ProcessEvent::Chipping | ProcessEvent::DressingDue => {}
+                _ => unreachable!("the shop does not know the event {event:?}"),
             }
             self.recorder.event(EventRow {
                 time: now - segment.elapsed + after,
@@ -404,7 +406,11 @@ impl<R: Recorder> Shop<'_, R> {
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
         edge.spent = Some(match event {
             ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
-            _ => ChangeReason::Chipping,
+            ProcessEvent::Chipping => ChangeReason::Chipping,
+            ProcessEvent::WearLimit | ProcessEvent::Burn | ProcessEvent::DressingDue => {
+                unreachable!("{event:?} does not end a cut")
+            }
+            _ => unreachable!("the shop does not know the event {event:?}"),
         });
         let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(task.lost_edges)).random();
         task.lost_edges += 1;

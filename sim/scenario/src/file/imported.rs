@@ -1,5 +1,6 @@
 //! Tools whose process is an imported unit.
 
+use super::choices::ProcessKind;
 use super::fault::Fault;
 use super::walk::{Section, Walk};
 use crate::ProcessModel;
@@ -8,7 +9,7 @@ use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput}
 use toolroom_process::{Field, Record, Wiring};
 
 /// The unit in `file` as the process of a tool; `None` where a problem was noted.
-pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: &str) -> Option<ProcessModel> {
+pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: ProcessKind, file: &str) -> Option<ProcessModel> {
     for key in ["parameter_set", "parameters", "effects", "structure", "structure_scatter"] {
         if tool.given(key) {
             let rule = "a unit brings its own parameters and effects; set them in wiring.start";
@@ -16,11 +17,12 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: &str, file: 
         }
     }
     let wiring = wiring(walk, tool);
-    let (process, inputs, outputs): (&'static str, &'static [Field], &'static [Field]) = match process {
-        "turning" => ("turning", TurningInput::FIELDS, TurningOutput::FIELDS),
-        "milling" => ("milling", MillingInput::FIELDS, MillingOutput::FIELDS),
-        _ => return None, // the key does not apply, which is noted
+    let (inputs, outputs): (&'static [Field], &'static [Field]) = match process {
+        ProcessKind::Turning => (TurningInput::FIELDS, TurningOutput::FIELDS),
+        ProcessKind::Milling => (MillingInput::FIELDS, MillingOutput::FIELDS),
+        ProcessKind::Infeed => return None, // the key does not apply, which is noted
     };
+    let process = process.word();
     let path = walk.folder.join(file);
     walk.files.push(path.clone());
     match import(&UnitRequest { path: &path, process, inputs, outputs, wiring: &wiring }) {

@@ -4,8 +4,10 @@ mod policy;
 
 pub use policy::SENSORS;
 
+use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKind, ScatterWord};
 use super::form::{Form, Key, Kind, Quantity};
-use policy::{CONTOUR_RULES, POLICY};
+use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
+use policy::POLICY;
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
 use toolroom_wear::Scatter;
@@ -39,19 +41,15 @@ const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
 
 /// Currencies whose amounts can be read.
 pub(super) const CURRENCIES: &[&str] = &["EUR", "USD", "GBP", "CHF", "JPY", "CNY", "INR", "RUB"];
-/// Processes that a machine can run.
-pub(super) const PROCESSES: &[&str] = &["turning", "milling", "infeed"];
+/// What may become of a part in a machine that breaks down: nobody can finish it first.
+const AFTER_FAILURE: &[&str] = &[Interruption::Resume.word(), Interruption::Repeat.word(), Interruption::Scrap.word()];
 
 /// A positive random time; a plain duration in its place is a constant.
 pub(super) static DISTRIBUTION: Form = Form {
     title: "distribution",
     doc: "A positive random time",
     keys: &[
-        Key::required(
-            "distribution",
-            Kind::Choice(&["constant", "exponential", "lognormal", "weibull", "triangular", "uniform"]),
-            "Family",
-        ),
+        Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
         Key::required("mean", DURATION, "Mean")
             .when("distribution", &["constant", "exponential", "lognormal", "weibull"]),
         Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
@@ -100,8 +98,8 @@ static CALENDAR: Form = Form {
         Key::required("shift", Kind::Tables(&SHIFT), "Working intervals inside one period, in order"),
         Key::default(
             "at_end",
-            Kind::Choice(&["finish", "resume", "repeat", "scrap"]),
-            "finish",
+            Kind::Choice(Interruption::WORDS),
+            Interruption::Finish.word(),
             "What happens to the part in the machine when a shift ends",
         ),
     ],
@@ -127,7 +125,7 @@ static MACHINE: Form = Form {
             Kind::Count { min: 1, max: 1000 },
             "Number of machines of this kind; left out: one, called as it is",
         ),
-        Key::required("process", Kind::Choice(PROCESSES), "Process that it can run"),
+        Key::required("process", Kind::Choice(ProcessKind::WORDS), "Process that it can run"),
         Key::required("rate", RATE, "Cost of an hour of machine and operator"),
         Key::required("load_time", RANDOM_TIME, "Fastening a part"),
         Key::required("unload_time", RANDOM_TIME, "Taking it off"),
@@ -162,7 +160,7 @@ static TOOL: Form = Form {
     doc: "A kind of tool with its process model",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
-        Key::required("process", Kind::Choice(PROCESSES), "Process"),
+        Key::required("process", Kind::Choice(ProcessKind::WORDS), "Process"),
         Key::optional(
             "parameter_set",
             Kind::Name,
@@ -190,8 +188,8 @@ static TOOL: Form = Form {
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
             "scatter",
-            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
-            "shop",
+            Kind::Fields { word: &Kind::Choice(ScatterWord::WORDS), fields: Scatter::<f64>::FIELDS },
+            ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
     ],
@@ -291,7 +289,7 @@ static OPERATION: Form = Form {
             .when("process", &["milling"]),
         Key::optional(
             "plan",
-            Kind::Choice(CONTOUR_RULES),
+            Kind::Choice(ContourRule::WORDS),
             "Regime that is programmed, where the policy has none of its own; left out: handbook_one_feed",
         )
         .when("process", &["milling"]),
@@ -353,7 +351,7 @@ static ARRIVALS: Form = Form {
     doc: "A source of jobs",
     keys: &[
         Key::required("part", Kind::Reference("part"), "Part"),
-        Key::required("pattern", Kind::Choice(&["poisson", "batch", "schedule", "constant_work"]), "When jobs come"),
+        Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
         Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
         Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
             .when("pattern", &["batch"]),
@@ -378,8 +376,8 @@ static DISPATCH: Form = Form {
     doc: "Which waiting job a free machine takes",
     keys: &[Key::default(
         "rule",
-        Kind::Choice(&["fifo", "shortest_processing_time", "earliest_due_date", "critical_ratio", "least_setup"]),
-        "fifo",
+        Kind::Choice(DispatchRule::WORDS),
+        DispatchRule::Fifo.word(),
         "Rule; ties by arrival at the queue, then job number",
     )],
 };
@@ -393,14 +391,14 @@ static FAILURE: Form = Form {
         Key::required("time_to_repair", RANDOM_TIME, "Time to repair"),
         Key::default(
             "clock",
-            Kind::Choice(&["busy", "calendar"]),
-            "busy",
+            Kind::Choice(FailureClock::WORDS),
+            FailureClock::Busy.word(),
             "Whether only working time counts towards the failure, or all",
         ),
         Key::default(
             "part",
-            Kind::Choice(&["resume", "repeat", "scrap"]),
-            "resume",
+            Kind::Choice(AFTER_FAILURE),
+            Interruption::Resume.word(),
             "What becomes of the part in the machine",
         ),
     ],
@@ -410,7 +408,7 @@ static OUTPUT: Form = Form {
     title: "[output]",
     doc: "What is written",
     keys: &[
-        Key::default("format", Kind::Choice(&["parquet", "csv"]), "parquet", "Format of the log tables"),
+        Key::default("format", Kind::Choice(FormatWord::WORDS), FormatWord::Parquet.word(), "Format of the log tables"),
         Key::default("logs", Kind::Flag, "true", "Whether the log tables are written at all"),
     ],
 };
@@ -482,8 +480,8 @@ pub static GAP: Form = Form {
         ),
         Key::default(
             "wear_growth",
-            Kind::Choice(&["power", "constant_rate"]),
-            "power",
+            Kind::Choice(GrowthWord::WORDS),
+            GrowthWord::Power.word(),
             "How wear grows with the age of an edge in an empirical model",
         ),
         Key::optional("sensor", Kind::Tables(&SENSOR), "Sensors that differ from the usual sheet"),

@@ -11,6 +11,7 @@
 //! meaning. Reader, JSON schema ([`schema`]), the echo of `toolroom check` and the error texts
 //! are made from them.
 
+mod choices;
 mod error;
 mod explain;
 mod fault;

@@ -39,10 +39,8 @@ fn segments(path: &str) -> Option<Vec<String>> {
     let mut table = root.get_ref();
     while let Some((key, value)) = table.iter().next() {
         segments.push(key.get_ref().to_string());
-        match value.get_ref() {
-            DeValue::Table(inner) => table = inner,
-            _ => return Some(segments),
-        }
+        let DeValue::Table(inner) = value.get_ref() else { return Some(segments) };
+        table = inner;
     }
     None
 }
@@ -72,6 +70,7 @@ fn insert<'d>(walk: &mut Walk, table: &mut DeTable<'d>, path: &[String], value: 
     descend(walk, inner.get_mut(), segment, rest, value, whole);
 }
 
+#[expect(clippy::wildcard_enum_match_arm, reason = "of TOML's values only tables and lists have something inside")]
 fn descend<'d>(
     walk: &mut Walk,
     inner: &mut DeValue<'d>,

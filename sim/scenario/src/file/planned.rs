@@ -1,5 +1,6 @@
 //! Work that is planned: cycles designed to limits, contours, and the policies that run them.
 
+use super::choices::{DressingWord, GrindingWord};
 use super::fault::Fault;
 use super::processes::set_record;
 use super::walk::{Section, Span, Value, Walk};
@@ -47,7 +48,9 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
                 }
             }
         }
-        _ => return None,
+        Value::Si(_) | Value::Count(_) | Value::Flag(_) | Value::List(_) | Value::Raw(_) | Value::Faulty => {
+            return None; // a problem was noted
+        }
     };
     match CycleWork::new(believed, conditions, limits, wear_compensation) {
         Ok(work) => Some(Work::Cycle(Arc::new(work))),
@@ -80,7 +83,7 @@ pub(super) fn contour(
         }
     };
     let passes = contour_passes(walk, section, &content)?;
-    let rule = contour_rule(section.text("plan")).unwrap_or(ContourRule::HandbookOneFeed);
+    let rule = section.chosen("plan", ContourRule::from_word).unwrap_or(ContourRule::HandbookOneFeed);
     match ContourWork::new(path, content, passes, rule, tool?, machine?) {
         Ok(work) => Some(Work::Contour(Arc::new(work))),
         Err(reason) => {
@@ -129,37 +132,27 @@ pub(super) fn not_beside(walk: &mut Walk, section: &Section<'_>, key: &'static s
 }
 
 pub(super) fn grinding_rule(walk: &mut Walk, section: &Section<'_>) -> GrindingRule {
-    let table = walk.table(section, "grinding");
-    let rule = table.as_ref().map_or(section.text("grinding"), |table| table.text("rule"));
-    let si = |key| table.as_ref().and_then(|table| table.si(key));
-    let dulling = si("dulling").unwrap_or(1.0);
-    match rule {
-        Some("force_adaptive") => GrindingRule::ForceAdaptive { dulling, rough_force: si("rough_force") },
-        Some("time_constant_adaptive") => {
-            let redesign = table.as_ref().and_then(|table| table.flag("redesign")).unwrap_or(false);
+    let Some((word, table)) = walk.rule(section, "grinding", GrindingWord::from_word) else {
+        return GrindingRule::default(); // a problem was noted
+    };
+    let dulling = table.si("dulling").unwrap_or(1.0);
+    match word {
+        GrindingWord::Fixed => GrindingRule::Fixed { dulling },
+        GrindingWord::ForceAdaptive => GrindingRule::ForceAdaptive { dulling, rough_force: table.si("rough_force") },
+        GrindingWord::TimeConstantAdaptive => {
+            let redesign = table.get().and_then(|table| table.flag("redesign")).unwrap_or(false);
             GrindingRule::TimeConstantAdaptive { dulling, redesign }
         }
-        _ => GrindingRule::Fixed { dulling },
     }
 }
 
 pub(super) fn dressing_rule(walk: &mut Walk, section: &Section<'_>) -> DressingRule {
-    let table = walk.table(section, "dressing");
-    let rule = table.as_ref().map_or(section.text("dressing"), |table| table.text("rule"));
-    match (rule, &table) {
-        (Some("part_count"), Some(table)) => DressingRule::PartCount { parts: table.count32("parts") },
-        (Some("dulling"), Some(table)) => DressingRule::Dulling { ratio: table.required("ratio") },
-        _ => DressingRule::Limit,
+    let Some((word, table)) = walk.rule(section, "dressing", DressingWord::from_word) else {
+        return DressingRule::default(); // a problem was noted
+    };
+    match word {
+        DressingWord::Limit => DressingRule::Limit,
+        DressingWord::PartCount => DressingRule::PartCount { parts: table.due().count32("parts") },
+        DressingWord::Dulling => DressingRule::Dulling { ratio: table.due().required("ratio") },
     }
-}
-
-/// A regime of contours by its name in files.
-pub(super) fn contour_rule(word: Option<&str>) -> Option<ContourRule> {
-    Some(match word? {
-        "handbook_per_section" => ContourRule::HandbookPerSection,
-        "best_constant" => ContourRule::BestConstant,
-        "time" => ContourRule::Time,
-        "cost" => ContourRule::Cost,
-        _ => ContourRule::HandbookOneFeed,
-    })
 }

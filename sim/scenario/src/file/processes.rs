@@ -1,5 +1,6 @@
 //! Tools: parameter sets, deviations from them, effects, scatter.
 
+use super::choices::{ProcessKind, ScatterWord};
 use super::fault::{Fault, nearest};
 use super::form::Quantity;
 use super::imported;
@@ -19,7 +20,7 @@ use toolroom_wear::{Chipping, Pair, Scatter};
 /// The process of a tool; `None` where a problem was noted.
 pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
     let effects = effects(walk, tool);
-    let process = tool.text("process")?;
+    let process = tool.chosen("process", ProcessKind::from_word)?;
     if let Some(file) = tool.text("fmu") {
         return imported::process(walk, tool, process, file);
     }
@@ -32,7 +33,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
         return None;
     };
     match process {
-        "turning" => {
+        ProcessKind::Turning => {
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, &mut turning);
@@ -46,7 +47,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
             }
             Some(ProcessModel::Turning(Arc::new(turning)))
         }
-        "milling" => {
+        ProcessKind::Milling => {
             let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, &mut milling);
@@ -62,7 +63,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
             }
             Some(ProcessModel::Milling(Arc::new(milling)))
         }
-        _ => {
+        ProcessKind::Infeed => {
             let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
             let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
             deviations(walk, tool, infeed.parameters_mut());
@@ -140,10 +141,11 @@ fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
 /// The key `scatter` of a section: `scatter = "lab"`, or a table of deviations from the shop's
 /// scatter.
 pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
-    let mut scatter = match tool.text("scatter") {
-        Some("none") => Scatter::none(),
-        Some("lab") => Scatter::lab(),
-        _ => Scatter::shop(),
+    let mut scatter = match tool.chosen("scatter", ScatterWord::from_word) {
+        Some(ScatterWord::None) => Scatter::none(),
+        Some(ScatterWord::Lab) => Scatter::lab(),
+        // A table changes values of the shop's; else a problem was noted.
+        Some(ScatterWord::Shop) | None => Scatter::shop(),
     };
     if let Some(Value::Raw(DeValue::Table(table))) = tool.got("scatter").map(|got| &got.value) {
         set_record(walk, &format!("{}, scatter", tool.path), table, &mut scatter);
@@ -174,8 +176,8 @@ fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
         }
     }
     let checked = Effects::new(effects).and_then(|effects| {
-        let process = super::keys::PROCESSES.iter().find(|process| tool.text("process") == Some(**process));
-        process.map_or(Ok(()), |process| effects.check(process))?;
+        let process = tool.chosen("process", ProcessKind::from_word);
+        process.map_or(Ok(()), |process| effects.check(process.word()))?;
         Ok(effects)
     });
     checked.unwrap_or_else(|reason| {
@@ -205,15 +207,12 @@ pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static
             walk.fault(group.span(), fault);
             continue;
         };
-        match values.get_ref() {
-            DeValue::Table(values) => {
-                let title = format!("{}, {}", tool.path, group.get_ref());
-                set_record(walk, &title, values, *record);
-            }
-            other => {
-                walk.wrong_type(group.get_ref(), other, "a table of parameters", values.span(), example.to_owned())
-            }
-        }
+        let DeValue::Table(table) = values.get_ref() else {
+            let expected = "a table of parameters";
+            walk.wrong_type(group.get_ref(), values.get_ref(), expected, values.span(), example.to_owned());
+            continue;
+        };
+        set_record(walk, &format!("{}, {}", tool.path, group.get_ref()), table, *record);
     }
 }
 

@@ -1,5 +1,6 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
+use super::choices::{FamilyWord, ProcessKind};
 use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Value, Walk};
 use super::{Output, planned, processes, routing, rules, stability};
@@ -79,7 +80,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.
 pub(super) struct NamedTool {
-    pub process: Option<String>,
+    pub process: Option<ProcessKind>,
     pub span: super::walk::Span,
     pub tool: Option<ToolType>,
 }
@@ -166,19 +167,11 @@ fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Shif
             }
             shifts.push(shift);
         }
-        let at_end = interruption(section.text("at_end"));
+        // Without a word a problem was noted.
+        let at_end = section.chosen("at_end", Interruption::from_word).unwrap_or(Interruption::Finish);
         calendars.push(ShiftCalendar { name, period, shifts, at_end });
     }
     calendars
-}
-
-fn interruption(word: Option<&str>) -> Interruption {
-    match word {
-        Some("resume") => Interruption::Resume,
-        Some("repeat") => Interruption::Repeat,
-        Some("scrap") => Interruption::Scrap,
-        _ => Interruption::Finish,
-    }
 }
 
 fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<MachineType> {
@@ -254,13 +247,18 @@ pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Dist
     }
     let Some(table) = walk.table(of, key) else { return Distribution::Constant(f64::NAN) };
     let value = |key: &str| table.required(key);
-    let drawn = match table.text("distribution") {
-        Some("exponential") => Distribution::Exponential { mean: value("mean") },
-        Some("lognormal") => Distribution::Lognormal { mean: value("mean"), cv: value("cv") },
-        Some("weibull") => Distribution::Weibull { mean: value("mean"), shape: value("shape") },
-        Some("triangular") => Distribution::Triangular { low: value("low"), mode: value("mode"), high: value("high") },
-        Some("uniform") => Distribution::Uniform { low: value("low"), high: value("high") },
-        _ => Distribution::Constant(value("mean")),
+    let Some(family) = table.chosen("distribution", FamilyWord::from_word) else {
+        return Distribution::Constant(f64::NAN); // a problem was noted
+    };
+    let drawn = match family {
+        FamilyWord::Constant => Distribution::Constant(value("mean")),
+        FamilyWord::Exponential => Distribution::Exponential { mean: value("mean") },
+        FamilyWord::Lognormal => Distribution::Lognormal { mean: value("mean"), cv: value("cv") },
+        FamilyWord::Weibull => Distribution::Weibull { mean: value("mean"), shape: value("shape") },
+        FamilyWord::Triangular => {
+            Distribution::Triangular { low: value("low"), mode: value("mode"), high: value("high") }
+        }
+        FamilyWord::Uniform => Distribution::Uniform { low: value("low"), high: value("high") },
     };
     let minutes = |seconds: f64| format!("{} min", seconds / 60.0);
     let disorder = match drawn {
@@ -269,7 +267,12 @@ pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Dist
         Distribution::Triangular { low, high, .. } | Distribution::Uniform { low, high } if low >= high => {
             Some(("low", low, "high", high))
         }
-        _ => None,
+        Distribution::Constant(_)
+        | Distribution::Exponential { .. }
+        | Distribution::Lognormal { .. }
+        | Distribution::Weibull { .. }
+        | Distribution::Triangular { .. }
+        | Distribution::Uniform { .. } => None,
     };
     if let Some((first, first_value, second, second_value)) = disorder {
         let fault = Fault::Contradiction {
@@ -302,7 +305,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             structure_scatter,
         });
         tools.push(NamedTool {
-            process: section.text("process").map(str::to_owned),
+            process: section.chosen("process", ProcessKind::from_word),
             span: section.span_of("name"),
             tool,
         });
@@ -315,11 +318,9 @@ fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMo
     for section in walk.sections(root, "failure", None) {
         let time_between = distribution(walk, &section, "time_between");
         let time_to_repair = distribution(walk, &section, "time_to_repair");
-        let clock = match section.text("clock") {
-            Some("calendar") => FailureClock::Calendar,
-            _ => FailureClock::Busy,
-        };
-        let part = interruption(section.text("part"));
+        // Without a word a problem was noted.
+        let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
+        let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
         for machine in machine_indices(walk, &section, names) {
             failures.push(FailureMode { machine, time_between, time_to_repair, clock, part });
         }

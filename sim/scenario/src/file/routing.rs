@@ -1,5 +1,6 @@
 //! Parts and their operations.
 
+use super::choices::ProcessKind;
 use super::fault::Fault;
 use super::form::{Kind, Quantity};
 use super::planned::{contour, cycle};
@@ -65,10 +66,10 @@ fn operations(
         // Which keys apply hangs on the process of the tool, which the section only names.
         let tool_name = table.get("tool").and_then(|tool| tool.get_ref().as_str());
         let tool_index = names.tools.iter().position(|name| Some(name.as_str()) == tool_name);
-        let process = tool_index.and_then(|tool| tools[tool].process.as_deref());
+        let process = tool_index.and_then(|tool| tools[tool].process);
         let unnamed = if table.contains_key("name") { String::new() } else { format!(" {}", i + 1) };
         let path = format!("{}, operation{unnamed}", part.path);
-        let case = process.map(|process| ("process", process));
+        let case = process.map(|process| ("process", process.word()));
         let section = walk.section(form, &path, table, entry.span(), case);
         let name = section.text("name").unwrap_or_default().to_owned();
         if operations.iter().any(|other| other.name == name) {
@@ -83,12 +84,14 @@ fn operations(
         let known = tool.and_then(|tool| tools[tool].tool.as_ref());
         let model = known.map(|tool| &tool.process);
         let work = match process {
-            Some("infeed") => grinding(walk, &section, model),
-            Some("milling") if section.given("contour") => {
+            Some(ProcessKind::Infeed) => grinding(walk, &section, model),
+            Some(ProcessKind::Milling) if section.given("contour") => {
                 let machine = able.first().map(|machine| &machines[*machine]);
                 contour(walk, &section, known, machine).unwrap_or(Work::Cutting(Vec::new()))
             }
-            Some(process) => cutting(walk, &section, process, &able, machines, model),
+            Some(process @ (ProcessKind::Turning | ProcessKind::Milling)) => {
+                cutting(walk, &section, process, &able, machines, model)
+            }
             None => Work::Cutting(Vec::new()),
         };
         operations.push(Operation {
@@ -114,9 +117,10 @@ fn able_machines(
     candidates: &[usize],
     machines: &[MachineType],
     tool: &str,
-    process: Option<&str>,
+    process: Option<ProcessKind>,
 ) -> Vec<usize> {
     let Some(process) = process else { return candidates.to_vec() };
+    let process = process.word();
     let fits = |machine: &&usize| machines[**machine].process == process || machines[**machine].process.is_empty();
     let able: Vec<usize> = candidates.iter().filter(fits).copied().collect();
     for machine in candidates.iter().filter(|machine| !fits(machine)) {
@@ -171,12 +175,12 @@ fn grinding(walk: &mut Walk, section: &Section<'_>, model: Option<&ProcessModel>
 fn cutting(
     walk: &mut Walk,
     section: &Section<'_>,
-    process: &str,
+    process: ProcessKind,
     able: &[usize],
     machines: &[MachineType],
     model: Option<&ProcessModel>,
 ) -> Work {
-    let passes = walk.sections(section, "pass", Some(("process", process)));
+    let passes = walk.sections(section, "pass", Some(("process", process.word())));
     if section.given("passes") && section.given("pass") {
         let case = "an operation with [[part.operation.pass]]".to_owned();
         let fault = Fault::NotApplicable { key: "passes", case, applicable: "one of passes, pass".to_owned() };
@@ -203,11 +207,11 @@ fn cutting(
 }
 
 /// One pass; what it leaves out is the operation's.
-fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: &str) -> Cut {
+fn cut(walk: &mut Walk, pass: &Section<'_>, operation: &Section<'_>, process: ProcessKind) -> Cut {
     let mut due = |key, example| due(walk, pass, operation, key, example);
     let cutting_speed = due("cutting_speed", "60 m/min");
     let depth_of_cut = due("depth_of_cut", "0.75 mm");
-    let turning = process == "turning";
+    let turning = process == ProcessKind::Turning;
     let (feed, width_of_cut) = if turning {
         (due("feed_per_rev", "0.12 mm/rev"), 0.0)
     } else {

@@ -1,16 +1,17 @@
 //! Arrivals, dispatching, policies, output.
 
 use super::Output;
+use super::choices::{FormatWord, GrowthWord, PatternWord, ProcessKind, SpeedWord, ToolChangeWord};
 use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
-use super::planned::{contour_rule, dressing_rule, grinding_rule};
+use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
 use super::stability;
 use super::walk::{Section, Span, Value, Walk};
 use crate::effects::SHOP_EFFECTS;
 use crate::{
-    Arrival, ArrivalPattern, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet,
-    SpeedChoice, SpeedRule, ToolChangeRule,
+    Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
+    SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_process::unit;
@@ -24,19 +25,20 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     let mut arrivals = Vec::new();
     for section in sections {
         let part = reference(walk, "part", section.got("part"), names.parts.iter().map(String::as_str));
-        let pattern = match section.text("pattern") {
-            Some("batch") => {
+        let pattern = match section.chosen("pattern", PatternWord::from_word) {
+            Some(PatternWord::Batch) => {
                 ArrivalPattern::Batch { interval: section.required("interval"), size: section.count32("size") }
             }
-            Some("schedule") => {
+            Some(PatternWord::Schedule) => {
                 let lots = walk.sections(&section, "lot", None);
                 let mut lots: Vec<(f64, u32)> =
                     lots.iter().map(|lot| (lot.required("time"), lot.count32("size"))).collect();
                 lots.sort_by(|a, b| a.0.total_cmp(&b.0));
                 ArrivalPattern::Schedule(lots)
             }
-            Some("constant_work") => ArrivalPattern::ConstantWork { jobs: section.count32("jobs") },
-            _ => ArrivalPattern::Poisson { rate: section.required("rate") },
+            Some(PatternWord::ConstantWork) => ArrivalPattern::ConstantWork { jobs: section.count32("jobs") },
+            Some(PatternWord::Poisson) => ArrivalPattern::Poisson { rate: section.required("rate") },
+            None => ArrivalPattern::Poisson { rate: f64::NAN }, // a problem was noted
         };
         arrivals.push(Arrival { part: part.unwrap_or(0), pattern });
     }
@@ -45,13 +47,8 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
 
 pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> DispatchRule {
     let section = walk.table(root, "dispatch");
-    match section.as_ref().and_then(|section| section.text("rule")) {
-        Some("shortest_processing_time") => DispatchRule::ShortestProcessingTime,
-        Some("earliest_due_date") => DispatchRule::EarliestDueDate,
-        Some("critical_ratio") => DispatchRule::CriticalRatio,
-        Some("least_setup") => DispatchRule::LeastSetup,
-        _ => DispatchRule::Fifo,
-    }
+    // Left out with the whole section, the rule is the default of its key.
+    section.and_then(|section| section.chosen("rule", DispatchRule::from_word)).unwrap_or(DispatchRule::Fifo)
 }
 
 pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {
@@ -64,7 +61,7 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         let sensors = sensors(walk, &section);
         let grinding = grinding_rule(walk, &section);
         let dressing = dressing_rule(walk, &section);
-        let contour = contour_rule(section.text("contour"));
+        let contour = section.chosen("contour", ContourRule::from_word);
         let stability = stability::rule(walk, &section);
         let rule =
             PolicyRule { name, speed, stability, tool_change, grinding, dressing, contour, believed_model, sensors };
@@ -73,13 +70,17 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
     policies
 }
 
-fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {
+pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {
     let constant = SpeedRule::Constant;
-    match section.text("speed") {
-        Some("constant") => {
+    let Some(word) = section.chosen("speed", SpeedWord::from_word) else {
+        return SpeedRule::Programmed; // a problem was noted
+    };
+    match word {
+        SpeedWord::Constant => {
             let speed = section.required("cutting_speed");
             let within = |machine: &MachineType| (machine.speed_range.0..=machine.speed_range.1).contains(&speed);
-            let mut lathes = machines.iter().filter(|machine| machine.process == "turning").peekable();
+            let mut lathes =
+                machines.iter().filter(|machine| machine.process == ProcessKind::Turning.word()).peekable();
             if speed.is_finite() && lathes.peek().is_some() && !lathes.any(within) {
                 let fault = Fault::OutOfRange {
                     key: "cutting_speed".to_owned(),
@@ -91,30 +92,30 @@ fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) 
             }
             constant(SpeedChoice::Given(speed))
         }
-        Some("best_path") => constant(SpeedChoice::BestPath),
-        Some("best_life") => constant(SpeedChoice::BestLife),
-        Some("best_rate") => constant(SpeedChoice::BestRate),
-        Some("best_cost") => constant(SpeedChoice::BestCost),
-        Some("makarov") => constant(SpeedChoice::Makarov(section.required("at_flank_wear"))),
-        Some("schedule") => SpeedRule::Schedule,
-        Some("minimum_wear") => SpeedRule::MinimumWear { literal: false },
-        Some("minimum_wear_literal") => SpeedRule::MinimumWear { literal: true },
-        Some("set_increment") => SpeedRule::SetIncrement { path_per_edge: section.required("path_per_edge") },
-        Some("productivity") => SpeedRule::Productivity { price: section.si("price") },
-        Some("oracle") => SpeedRule::Oracle,
-        _ => SpeedRule::Programmed,
+        SpeedWord::BestPath => constant(SpeedChoice::BestPath),
+        SpeedWord::BestLife => constant(SpeedChoice::BestLife),
+        SpeedWord::BestRate => constant(SpeedChoice::BestRate),
+        SpeedWord::BestCost => constant(SpeedChoice::BestCost),
+        SpeedWord::Makarov => constant(SpeedChoice::Makarov(section.required("at_flank_wear"))),
+        SpeedWord::Schedule => SpeedRule::Schedule,
+        SpeedWord::MinimumWear => SpeedRule::MinimumWear { literal: false },
+        SpeedWord::MinimumWearLiteral => SpeedRule::MinimumWear { literal: true },
+        SpeedWord::SetIncrement => SpeedRule::SetIncrement { path_per_edge: section.required("path_per_edge") },
+        SpeedWord::Productivity => SpeedRule::Productivity { price: section.si("price") },
+        SpeedWord::Oracle => SpeedRule::Oracle,
+        SpeedWord::Programmed => SpeedRule::Programmed,
     }
 }
 
-fn tool_change(walk: &mut Walk, section: &Section<'_>) -> ToolChangeRule {
-    let table = walk.table(section, "tool_change");
-    let rule = table.as_ref().map_or(section.text("tool_change"), |table| table.text("rule"));
-    let limit = table.as_ref().and_then(|table| table.si("limit"));
-    match (rule, &table) {
-        (Some("predicted"), _) => ToolChangeRule::Predicted { limit },
-        (Some("part_count"), Some(table)) => ToolChangeRule::PartCount { parts: table.count32("parts") },
-        (Some("cutting_time"), Some(table)) => ToolChangeRule::CuttingTime { time: table.required("time") },
-        _ => ToolChangeRule::WearLimit { limit },
+pub(super) fn tool_change(walk: &mut Walk, section: &Section<'_>) -> ToolChangeRule {
+    let Some((word, table)) = walk.rule(section, "tool_change", ToolChangeWord::from_word) else {
+        return ToolChangeRule::WearLimit { limit: None }; // a problem was noted
+    };
+    match word {
+        ToolChangeWord::WearLimit => ToolChangeRule::WearLimit { limit: table.si("limit") },
+        ToolChangeWord::PartCount => ToolChangeRule::PartCount { parts: table.due().count32("parts") },
+        ToolChangeWord::CuttingTime => ToolChangeRule::CuttingTime { time: table.due().required("time") },
+        ToolChangeWord::Predicted => ToolChangeRule::Predicted { limit: table.si("limit") },
     }
 }
 
@@ -173,7 +174,7 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         process: text(&section, "process"),
         conditions: section.given("conditions").then(|| section.texts("conditions")),
         channels: section.texts("channels"),
-        constant_rate: section.text("wear_growth") == Some("constant_rate"),
+        constant_rate: section.chosen("wear_growth", GrowthWord::from_word) == Some(GrowthWord::ConstantRate),
         force: section.required("force"),
         temperature: section.required("temperature"),
         wear_level: section.required("wear_level"),
@@ -213,7 +214,8 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>) -> Vec<Deviation> 
 
 pub(super) fn output(walk: &mut Walk, root: &Section<'_>) -> Output {
     let section = walk.table(root, "output");
-    let csv = section.as_ref().and_then(|section| section.text("format")) == Some("csv");
+    let format = section.as_ref().and_then(|section| section.chosen("format", FormatWord::from_word));
+    let csv = format == Some(FormatWord::Csv);
     let logs = section.as_ref().and_then(|section| section.flag("logs")).unwrap_or(true);
     Output { csv, logs }
 }

@@ -69,7 +69,19 @@ fn property(key: &'static Key) -> Value {
     if let Need::Default(text) = key.need {
         body["default"] = match key.kind {
             Kind::Count { .. } | Kind::Flag => serde_json::from_str(text).unwrap_or(json!(text)),
-            _ => json!(text),
+            Kind::Name
+            | Kind::Text
+            | Kind::Quantity(_)
+            | Kind::Choice(_)
+            | Kind::Reference(_)
+            | Kind::List(_)
+            | Kind::Table(_)
+            | Kind::Tables(_)
+            | Kind::Shorthand { .. }
+            | Kind::Fields { .. }
+            | Kind::Parameters
+            | Kind::Texts
+            | Kind::Effects => json!(text),
         };
     }
     body

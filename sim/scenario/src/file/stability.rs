@@ -1,5 +1,6 @@
 //! Structures of tools, and what policies do about chatter.
 
+use super::choices::ChatterWord;
 use super::fault::Fault;
 use super::walk::{Section, Walk};
 use crate::lobes::{self, LobesCut};
@@ -44,7 +45,7 @@ pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, turning: &mut 
 pub(super) fn around_milling(walk: &mut Walk, tool: &Section<'_>, milling: &mut Milling) -> Option<Cutter> {
     let cut = match structure(walk, tool)? {
         LobesCut::Milling(cut) => cut,
-        _ => {
+        LobesCut::Turning { .. } | LobesCut::Chuck(_) | LobesCut::ChipLag(_) | LobesCut::Lathe(_) => {
             refused(walk, tool, "it describes no milling; process = \"milling\" is due");
             return None;
         }
@@ -81,28 +82,29 @@ pub(super) fn scatter(walk: &mut Walk, tool: &Section<'_>) -> StructureScatter {
 
 /// `chatter = "best_lobe"`, or a table with the rule's numbers.
 pub(super) fn rule(walk: &mut Walk, policy: &Section<'_>) -> StabilityRule {
-    let table = walk.table(policy, "chatter");
-    let word = table.as_ref().map_or(policy.text("chatter"), |table| table.text("rule"));
-    let value = |key: &str, otherwise: f64| table.as_ref().and_then(|table| table.si(key)).unwrap_or(otherwise);
+    let Some((word, table)) = walk.rule(policy, "chatter", ChatterWord::from_word) else {
+        return StabilityRule::Ignore; // a problem was noted
+    };
+    let value = |key: &str, otherwise: f64| table.si(key).unwrap_or(otherwise);
     match word {
-        Some("best_lobe") => StabilityRule::BestLobe,
-        Some("reactive") => StabilityRule::Reactive { reaction_time: value("reaction_time", 2.0) },
-        Some("speed_variation") => StabilityRule::SpeedVariation {
+        ChatterWord::Ignore => StabilityRule::Ignore,
+        ChatterWord::BestLobe => StabilityRule::BestLobe,
+        ChatterWord::Reactive => StabilityRule::Reactive { reaction_time: value("reaction_time", 2.0) },
+        ChatterWord::SpeedVariation => StabilityRule::SpeedVariation {
             amplitude: value("amplitude", 0.2),
             revolutions: table
-                .as_ref()
+                .get()
                 .filter(|table| table.given("revolutions"))
-                .map_or(5, |t| t.count32("revolutions")),
+                .map_or(5, |table| table.count32("revolutions")),
         },
-        Some("depth_reduction") => StabilityRule::DepthReduction { share: value("share", 0.9) },
-        Some("robust_lobe") => StabilityRule::RobustLobe {
+        ChatterWord::DepthReduction => StabilityRule::DepthReduction { share: value("share", 0.9) },
+        ChatterWord::RobustLobe => StabilityRule::RobustLobe {
             uncertainty: Uncertainty {
                 natural_frequency: value("natural_frequency", 0.02),
                 damping_ratio: value("damping_ratio", 0.2),
                 coefficients: value("coefficients", 0.1),
             },
         },
-        Some("constraint") => StabilityRule::Constraint { margin: value("margin", 0.1) },
-        _ => StabilityRule::Ignore,
+        ChatterWord::Constraint => StabilityRule::Constraint { margin: value("margin", 0.1) },
     }
 }

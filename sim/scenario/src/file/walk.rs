@@ -86,10 +86,7 @@ impl<'d> Section<'d> {
 
     /// A quantity in SI units.
     pub fn si(&self, key: &str) -> Option<f64> {
-        match self.got(key)?.value {
-            Value::Si(value) => Some(value),
-            _ => None,
-        }
+        if let Value::Si(value) = self.got(key)?.value { Some(value) } else { None }
     }
 
     /// A value that must be there; NaN only where a problem was noted.
@@ -99,10 +96,7 @@ impl<'d> Section<'d> {
 
     /// A whole number.
     pub fn count(&self, key: &str) -> Option<u64> {
-        match self.got(key)?.value {
-            Value::Count(count) => Some(count),
-            _ => None,
-        }
+        if let Value::Count(count) = self.got(key)?.value { Some(count) } else { None }
     }
 
     /// A count within `u32` by its form.
@@ -112,18 +106,24 @@ impl<'d> Section<'d> {
 
     /// A name, word or line.
     pub fn text(&self, key: &str) -> Option<&str> {
-        match &self.got(key)?.value {
-            Value::Text(text) => Some(text),
-            _ => None,
-        }
+        if let Value::Text(text) = &self.got(key)?.value { Some(text) } else { None }
+    }
+
+    /// The variant of the word under `key`, by the `from_word` of the vocabulary whose words the key
+    /// admits; `None` where the key is left out without a default, and where a problem was noted.
+    ///
+    /// # Panics
+    /// Where the key admits a word that is not in that vocabulary.
+    pub(crate) fn chosen<T>(&self, key: &str, from_word: fn(&str) -> Option<T>) -> Option<T> {
+        let word = self.text(key)?;
+        let variant = from_word(word);
+        assert!(variant.is_some(), "{}: `{key}` admits `{word}`, which its vocabulary lacks", self.form.title);
+        variant
     }
 
     /// `true` or `false`.
     pub fn flag(&self, key: &str) -> Option<bool> {
-        match self.got(key)?.value {
-            Value::Flag(flag) => Some(flag),
-            _ => None,
-        }
+        if let Value::Flag(flag) = self.got(key)?.value { Some(flag) } else { None }
     }
 
     /// The quantities of a list in SI units; `None` where one of them has a problem.
@@ -144,6 +144,29 @@ impl<'d> Section<'d> {
             Some(Value::List(list)) => list,
             _ => &[],
         }
+    }
+}
+
+/// The numbers of a rule: none where the rule is only a word.
+pub(super) struct RuleTable<'d>(Option<Section<'d>>);
+
+impl<'d> RuleTable<'d> {
+    /// The table, where there is one.
+    pub(super) fn get(&self) -> Option<&Section<'d>> {
+        self.0.as_ref()
+    }
+
+    /// The table of a rule that cannot do without numbers.
+    ///
+    /// # Panics
+    /// Where the key admits the bare word of such a rule.
+    pub(super) fn due(&self) -> &Section<'d> {
+        self.get().expect("a key admits no bare word of a rule with required numbers")
+    }
+
+    /// A quantity that may be left out, SI.
+    pub(super) fn si(&self, key: &str) -> Option<f64> {
+        self.get().and_then(|table| table.si(key))
     }
 }
 
@@ -260,6 +283,7 @@ impl Walk {
 
     /// Every entry of the tables under `key`. `case`, a key with its value, decides keys that
     /// depend on something outside the entry.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub fn sections<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Vec<Section<'d>> {
         let (Some(form), Some(got)) = (table_form(of.form, key), of.got(key)) else { return Vec::new() };
         let Value::Raw(DeValue::Array(entries)) = &got.value else { return Vec::new() };
@@ -285,6 +309,19 @@ impl Walk {
         self.table_in(of, key, None)
     }
 
+    /// The rule under `key`, a word or a table with the word under `rule`, and that table; `None` where
+    /// a problem was noted.
+    pub(super) fn rule<'d, T>(
+        &mut self,
+        of: &Section<'d>,
+        key: &str,
+        from_word: fn(&str) -> Option<T>,
+    ) -> Option<(T, RuleTable<'d>)> {
+        let table = self.table(of, key);
+        let word = table.as_ref().map_or_else(|| of.chosen(key, from_word), |table| table.chosen("rule", from_word));
+        word.map(|word| (word, RuleTable(table)))
+    }
+
     /// The table under `key` with a `case` as in [`Walk::sections`].
     pub fn table_in<'d>(&mut self, of: &Section<'d>, key: &str, case: Option<(&str, &str)>) -> Option<Section<'d>> {
         let form = table_form(of.form, key)?;
@@ -296,6 +333,7 @@ impl Walk {
 
     /// A table of names and texts; numbers and truth values may stand without quotes. `example` is
     /// shown where the value is no such table.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub fn texts(&mut self, section: &Section<'_>, key: &str, example: &str) -> BTreeMap<String, String> {
         let mut texts = BTreeMap::new();
         let Some(got) = section.got(key) else { return texts };
@@ -415,6 +453,7 @@ impl Walk {
     }
 
     /// A quantity with its unit; ratios may be bare numbers.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
     pub(super) fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let number = match raw.get_ref() {
             DeValue::String(text) => text.to_string(),
@@ -486,6 +525,17 @@ impl Walk {
 fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
     match of.key(key)?.kind {
         Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
-        _ => None,
+        Kind::Name
+        | Kind::Text
+        | Kind::Quantity(_)
+        | Kind::Count { .. }
+        | Kind::Flag
+        | Kind::Choice(_)
+        | Kind::Reference(_)
+        | Kind::List(_)
+        | Kind::Fields { .. }
+        | Kind::Parameters
+        | Kind::Texts
+        | Kind::Effects => None,
     }
 }

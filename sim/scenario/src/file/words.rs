@@ -69,6 +69,7 @@ pub(super) fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
 }
 
 /// A value that would do in place of one that could not be read.
+#[expect(clippy::wildcard_enum_match_arm, reason = "whatever else is wrong, an example of the key would do")]
 pub(super) fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
     match reason {
         UnitError::DecimalComma { fix, .. } => fix.clone(),

@@ -239,7 +239,7 @@ impl Controller {
             (Speed::Schedule(schedule), _) => schedule::conditions(schedule, seen),
             (Speed::Planned(planned), Some(believed)) => planned.conditions(believed, seen),
             (Speed::SetIncrement(set), Some(believed)) => set.conditions(believed, seen),
-            (_, None) => Conditions::constant(self.range.1), // only made with a believed model
+            (Speed::Planned(_) | Speed::SetIncrement(_), None) => Conditions::constant(self.range.1), // only made with a believed model
         };
         let limited = |speed: f64| speed.max(self.range.0).min(self.range.1);
         let conditions = Conditions::ramp(limited(conditions.start_speed), limited(conditions.end_speed));
@@ -296,7 +296,7 @@ impl Controller {
     pub fn reading_limit(&self) -> Option<f64> {
         match self.change {
             ChangeRule::WearLimit(limit) => Some(limit),
-            _ => None,
+            ChangeRule::PartCount(_) | ChangeRule::CuttingTime(_) | ChangeRule::Predicted(_) => None,
         }
     }
 }

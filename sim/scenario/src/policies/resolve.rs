@@ -67,7 +67,7 @@ impl ResolvedPolicy {
                             let plan = ContourPlan::new(work, pass, regime, tool, machine);
                             Some(Arc::new(plan.map_err(|source| refuse(source.into()))?))
                         }
-                        _ => None,
+                        Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
                     };
                     resolved.contour[index].push(contour);
                     if !able {
@@ -182,9 +182,26 @@ fn controller(
             Speed::Fixed(constant::speed(choice, believed.as_ref(), &cost).unwrap_or(programmed))
         }
         (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
-        (None, _) => Speed::Fixed(programmed),
         (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
-        (Some(believed), rule) => Speed::Planned(Arc::new(Planned { law: law(rule, believed, &cost) })),
+        (Some(Believed { pair, cut, .. }), SpeedRule::MinimumWear { literal: true }) => {
+            planned(pair, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
+        }
+        (Some(Believed { pair, cut, .. }), SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle) => {
+            planned(pair, |flank_wear| pair.minimum_wear_speed(cut, flank_wear))
+        }
+        (Some(Believed { pair, cut, .. }), SpeedRule::Productivity { price }) => {
+            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
+            planned(pair, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        }
+        // Nothing to plan with.
+        (
+            None,
+            SpeedRule::Schedule
+            | SpeedRule::MinimumWear { .. }
+            | SpeedRule::SetIncrement { .. }
+            | SpeedRule::Productivity { .. }
+            | SpeedRule::Oracle,
+        ) => Speed::Fixed(programmed),
     };
     let own_limit = tool.process.wear_limit();
     let change = match rule.tool_change {
@@ -245,20 +262,9 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
     controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
 }
 
-/// The law by which passes are planned.
-fn law(rule: SpeedRule, believed: &Believed, cost: &ChangeCost) -> SpeedTable {
-    let Believed { pair, cut, .. } = believed;
-    let limit = pair.limits.wear_limit;
-    match rule {
-        SpeedRule::MinimumWear { literal: true } => {
-            SpeedTable::tabulate(limit, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
-        }
-        SpeedRule::Productivity { price } => {
-            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
-            SpeedTable::tabulate(limit, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
-        }
-        _ => SpeedTable::tabulate(limit, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)),
-    }
+/// Passes planned by a law of speed against flank wear.
+fn planned(pair: &Pair, law: impl Fn(f64) -> f64) -> Speed {
+    Speed::Planned(Arc::new(Planned { law: SpeedTable::tabulate(pair.limits.wear_limit, law) }))
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.

@@ -121,7 +121,7 @@ impl Stability {
     pub fn reaction_time(&self) -> Option<f64> {
         match self.plan {
             Plan::Reactive { reaction_time } => Some(reaction_time),
-            _ => None,
+            Plan::Fixed(_) | Plan::Variation(_) | Plan::Layers { .. } | Plan::Constraint { .. } => None,
         }
     }
 
@@ -177,7 +177,9 @@ impl Nominal {
                 let process = Arc::new(Milling { effects: Effects::default(), ..Milling::clone(milling) });
                 Some(Self::Milling { process, input })
             }
-            _ => None,
+            ProcessModel::Turning(_) | ProcessModel::Milling(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) => {
+                None
+            }
         }
     }
 

@@ -1,38 +1,21 @@
 //! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
 
 use super::{BIAS, DEVIATION, DURATION, PATH, SPEED, WEAR, positive, quantity};
+use crate::ContourRule;
+use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, SpeedWord, ToolChangeWord};
 use crate::file::form::{Form, Key, Kind};
 
-/// Rules of speed.
-const SPEED_RULES: &[&str] = &[
-    "programmed",
-    "constant",
-    "best_path",
-    "best_life",
-    "best_rate",
-    "best_cost",
-    "makarov",
-    "schedule",
-    "minimum_wear",
-    "minimum_wear_literal",
-    "set_increment",
-    "productivity",
-    "oracle",
-];
-
-/// Rules of grinding cycles.
-const GRINDING_RULES: &[&str] = &["fixed", "force_adaptive", "time_constant_adaptive"];
-
-/// Regimes of contours.
-pub(super) const CONTOUR_RULES: &[&str] =
-    &["handbook_one_feed", "handbook_per_section", "best_constant", "time", "cost"];
+/// Rules of tool change that need no number of their own.
+const TOOL_CHANGES_BY_WORD: &[&str] = &[ToolChangeWord::WearLimit.word(), ToolChangeWord::Predicted.word()];
+/// Rules of dressing that need no number of their own.
+const DRESSINGS_BY_WORD: &[&str] = &[DressingWord::Limit.word()];
 
 pub(super) static POLICY: Form = Form {
     title: "[[policy]]",
     doc: "One policy; the first is the baseline of every difference",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
-        Key::required("speed", Kind::Choice(SPEED_RULES), "How the cutting speed of turning passes is chosen"),
+        Key::required("speed", Kind::Choice(SpeedWord::WORDS), "How the cutting speed of turning passes is chosen"),
         Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
         Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
         Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
@@ -44,31 +27,31 @@ pub(super) static POLICY: Form = Form {
         .when("speed", &["productivity"]),
         Key::default(
             "chatter",
-            Kind::Shorthand { word: &Kind::Choice(CHATTER_RULES), form: &CHATTER },
-            "ignore",
+            Kind::Shorthand { word: &Kind::Choice(ChatterWord::WORDS), form: &CHATTER },
+            ChatterWord::Ignore.word(),
             "What is done about chatter, where tools have a structure",
         ),
         Key::default(
             "tool_change",
-            Kind::Shorthand { word: &Kind::Choice(&["wear_limit", "predicted"]), form: &TOOL_CHANGE },
-            "wear_limit",
+            Kind::Shorthand { word: &Kind::Choice(TOOL_CHANGES_BY_WORD), form: &TOOL_CHANGE },
+            ToolChangeWord::WearLimit.word(),
             "When an edge is changed",
         ),
         Key::default(
             "grinding",
-            Kind::Shorthand { word: &Kind::Choice(GRINDING_RULES), form: &GRINDING },
-            "fixed",
+            Kind::Shorthand { word: &Kind::Choice(GrindingWord::WORDS), form: &GRINDING },
+            GrindingWord::Fixed.word(),
             "How designed grinding cycles are run",
         ),
         Key::default(
             "dressing",
-            Kind::Shorthand { word: &Kind::Choice(&["limit"]), form: &DRESSING },
-            "limit",
+            Kind::Shorthand { word: &Kind::Choice(DRESSINGS_BY_WORD), form: &DRESSING },
+            DressingWord::Limit.word(),
             "When a wheel is dressed",
         ),
         Key::optional(
             "contour",
-            Kind::Choice(CONTOUR_RULES),
+            Kind::Choice(ContourRule::WORDS),
             "How contours are planned; left out: as each operation says",
         ),
         Key::optional(
@@ -80,16 +63,12 @@ pub(super) static POLICY: Form = Form {
     ],
 };
 
-/// Rules against chatter.
-const CHATTER_RULES: &[&str] =
-    &["ignore", "best_lobe", "reactive", "speed_variation", "depth_reduction", "robust_lobe", "constraint"];
-
 /// What is done about chatter.
 static CHATTER: Form = Form {
     title: "chatter",
     doc: "What is done about chatter; only `reactive` listens to the true structure",
     keys: &[
-        Key::required("rule", Kind::Choice(CHATTER_RULES), "Rule"),
+        Key::required("rule", Kind::Choice(ChatterWord::WORDS), "Rule"),
         Key::default(
             "reaction_time",
             quantity("s", "s", 0.0, 3600.0, "2 s"),
@@ -129,7 +108,7 @@ static TOOL_CHANGE: Form = Form {
     title: "tool_change",
     doc: "When an edge is changed; decided between passes",
     keys: &[
-        Key::required("rule", Kind::Choice(&["wear_limit", "part_count", "cutting_time", "predicted"]), "Rule"),
+        Key::required("rule", Kind::Choice(ToolChangeWord::WORDS), "Rule"),
         Key::optional("limit", WEAR, "Flank wear; left out: the tool's wear limit")
             .when("rule", &["wear_limit", "predicted"]),
         Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per edge").when("rule", &["part_count"]),
@@ -141,7 +120,7 @@ static GRINDING: Form = Form {
     title: "grinding",
     doc: "How designed cycles are run",
     keys: &[
-        Key::required("rule", Kind::Choice(GRINDING_RULES), "Rule"),
+        Key::required("rule", Kind::Choice(GrindingWord::WORDS), "Rule"),
         Key::default(
             "dulling",
             quantity("1", "1", 0.2, 10.0, "1.3"),
@@ -163,7 +142,7 @@ static DRESSING: Form = Form {
     title: "dressing",
     doc: "When a wheel is dressed; decided after each part",
     keys: &[
-        Key::required("rule", Kind::Choice(&["limit", "part_count", "dulling"]), "Rule"),
+        Key::required("rule", Kind::Choice(DressingWord::WORDS), "Rule"),
         Key::required("parts", Kind::Count { min: 1, max: 1_000_000 }, "Parts per dressing; 1 dresses for every part")
             .when("rule", &["part_count"]),
         Key::required(

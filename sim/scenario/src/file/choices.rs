@@ -1,0 +1,186 @@
+//! Words that choose among rules, processes and families of a scenario file.
+//!
+//! Each list is one table of word, meaning and variant. The key admits its words, and the reader
+//! matches its variants without a wildcard: a new word does not compile before it has a reader.
+//! Rules without numbers of their own, such as [`DispatchRule`](crate::DispatchRule), are such
+//! lists themselves.
+
+vocabulary! {
+    /// Processes that a machine can run.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum ProcessKind {
+        /// Longitudinal turning.
+        Turning = "turning",
+        /// Peripheral and face milling.
+        Milling = "milling",
+        /// Cylindrical plunge grinding.
+        Infeed = "infeed",
+    }
+}
+
+vocabulary! {
+    /// Families of positive random times.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum FamilyWord {
+        /// Always the mean.
+        Constant = "constant",
+        /// Exponential by its mean.
+        Exponential = "exponential",
+        /// Lognormal by mean and coefficient of variation.
+        Lognormal = "lognormal",
+        /// Weibull by mean and shape.
+        Weibull = "weibull",
+        /// Triangular by least, most likely and greatest.
+        Triangular = "triangular",
+        /// Uniform by least and greatest.
+        Uniform = "uniform",
+    }
+}
+
+vocabulary! {
+    /// Scatter of edges, workpieces and wear.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum ScatterWord {
+        /// All edges and workpieces alike.
+        None = "none",
+        /// That of a laboratory.
+        Lab = "lab",
+        /// That of a shop.
+        Shop = "shop",
+    }
+}
+
+vocabulary! {
+    /// When jobs come.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum PatternWord {
+        /// Poisson process.
+        Poisson = "poisson",
+        /// Lots at a fixed interval.
+        Batch = "batch",
+        /// Lots at given times.
+        Schedule = "schedule",
+        /// A constant number of jobs in the shop.
+        ConstantWork = "constant_work",
+    }
+}
+
+vocabulary! {
+    /// Formats of the log tables.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum FormatWord {
+        /// Parquet.
+        Parquet = "parquet",
+        /// Comma-separated values.
+        Csv = "csv",
+    }
+}
+
+vocabulary! {
+    /// How wear grows with the age of an edge in an empirical model.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum GrowthWord {
+        /// With a power of the age.
+        Power = "power",
+        /// At a constant rate.
+        ConstantRate = "constant_rate",
+    }
+}
+
+vocabulary! {
+    /// How the cutting speed is chosen.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum SpeedWord {
+        /// As programmed.
+        Programmed = "programmed",
+        /// A constant speed that the file gives.
+        Constant = "constant",
+        /// The constant speed of the longest cutting path per edge.
+        BestPath = "best_path",
+        /// The constant speed of the longest tool life.
+        BestLife = "best_life",
+        /// The constant speed of the greatest production rate.
+        BestRate = "best_rate",
+        /// The constant speed of least cost.
+        BestCost = "best_cost",
+        /// Makarov's constant speed.
+        Makarov = "makarov",
+        /// Speed against cumulative path.
+        Schedule = "schedule",
+        /// Minimum wear per path.
+        MinimumWear = "minimum_wear",
+        /// Minimum wear by the paper's literal rule.
+        MinimumWearLiteral = "minimum_wear_literal",
+        /// A set wear increment per pass.
+        SetIncrement = "set_increment",
+        /// Greatest production rate at a shadow price of edges.
+        Productivity = "productivity",
+        /// Minimum wear with the true wear known.
+        Oracle = "oracle",
+    }
+}
+
+vocabulary! {
+    /// What is done about chatter.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum ChatterWord {
+        /// Nothing.
+        Ignore = "ignore",
+        /// The nearby speed of the greatest nominal limit.
+        BestLobe = "best_lobe",
+        /// Another speed once chatter is heard.
+        Reactive = "reactive",
+        /// Sinusoidal spindle speed.
+        SpeedVariation = "speed_variation",
+        /// Layers below the nominal limit.
+        DepthReduction = "depth_reduction",
+        /// The nearby speed of most probable stability.
+        RobustLobe = "robust_lobe",
+        /// The nearest speed that leaves a margin.
+        Constraint = "constraint",
+    }
+}
+
+vocabulary! {
+    /// When an edge is changed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum ToolChangeWord {
+        /// When the wear that is read reaches a limit.
+        WearLimit = "wear_limit",
+        /// After a number of parts.
+        PartCount = "part_count",
+        /// Before a cutting time is exceeded.
+        CuttingTime = "cutting_time",
+        /// Before the predicted wear exceeds a limit.
+        Predicted = "predicted",
+    }
+}
+
+vocabulary! {
+    /// How designed grinding cycles are run.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum GrindingWord {
+        /// As designed.
+        Fixed = "fixed",
+        /// Phases switch on the measured normal force.
+        ForceAdaptive = "force_adaptive",
+        /// Spark-out follows the measured time constant.
+        TimeConstantAdaptive = "time_constant_adaptive",
+    }
+}
+
+vocabulary! {
+    /// When a wheel is dressed.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum DressingWord {
+        /// At the wheel's own dressing limit.
+        Limit = "limit",
+        /// After a number of parts.
+        PartCount = "part_count",
+        /// At a measured dulling.
+        Dulling = "dulling",
+    }
+}
+
+#[cfg(test)]
+mod tests;
