@@ -1,6 +1,7 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
+use super::constants::{CONVINCING, DETECTABLE};
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::{Remainder, Trial, remainder};
 use super::{Basis, Closure, Forward, GapVerdict};
@@ -28,9 +29,6 @@ const REMAINDER: f64 = 0.5;
 /// Size over its standard error between groups that a named effect needs, and lead over it that speaks
 /// for a generic signature in its place: all groups must say so, not one.
 const AGREED: f64 = 2.0;
-/// Score, at the size that was fitted, that a named effect needs: smaller ones are as often the
-/// work of causes that no catalogue has (blind checks on shops that were used for development).
-pub(super) const CONVINCING: f64 = 4.5;
 /// Share of its gain by which an effect may fall behind a generic signature: the function of an
 /// effect is as little exact as any other (assumption).
 const FORM: f64 = 0.1;
@@ -218,7 +216,7 @@ fn early(
     for place in order {
         let single = &mut singles[place];
         let score = scores.score[single.candidate];
-        if tried.len() == EARLY || score < super::diagnose::DETECTABLE {
+        if tried.len() == EARLY || score < DETECTABLE {
             break;
         }
         if tried.contains(&single.id) {

@@ -1,22 +1,20 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
+use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
 use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
+use super::settle::settled;
 use super::trial::Trial;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
-    Transform, Tried, report_units,
+    Transform, Tried,
 };
 use rayon::prelude::*;
-use toolroom_effects::{CatalogueEntry, Effect};
-use toolroom_scenario::effects::SHOP_EFFECTS;
 
-/// Score at which an effect counts as detectable.
-pub(crate) const DETECTABLE: f64 = 5.0;
 /// Normal quantile of a 90 % interval.
 const NINETY: f64 = 1.645;
 /// Cells of the map that are reported.
@@ -36,11 +34,6 @@ pub struct Diagnosed {
     pub(super) held_out: [LeftOut; 2],
 }
 
-/// Catalogue row of an id.
-pub(crate) fn entry(id: &str) -> Option<&'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(super::EMPIRICAL_EFFECTS).find(|entry| entry.id == id)
-}
-
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
 pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     diagnose_by(model, Method::default(), seed)
@@ -52,29 +45,6 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
         return diagnosed(model, method, seed);
     }
     diagnosed(&Bare::new(model, method), method, seed)
-}
-
-/// Noise and scatter as the data show them, and the nominal model calibrated beside them.
-pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, super::Fit) {
-    let sheet = Basis::of_sheet(model, method);
-    let first = sheet.start(model);
-    let rough = Basis::new(model, &first, &sheet);
-    // A strong effect may not be taken for noise: the noise is read off beside the best effect, again
-    // as long as it falls, since what is best is judged by the noise.
-    let mut probe = Trial::of(model, &rough, &[], first);
-    let mut basis = beside_best(model, &rough, &probe);
-    for _ in 0..NOISES {
-        let fit = super::fit::fit(model, &basis.noise, probe.fit.linear.clone(), &[], &basis.local_scale);
-        probe = Trial::of(model, &basis, &[], fit.complete(model));
-        let next = beside_best(model, &basis, &probe);
-        let fell = basis.noise.scale.iter().zip(&next.noise.scale).any(|(before, after)| *after < 0.8 * before);
-        if !fell {
-            break;
-        }
-        basis = next;
-    }
-    let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale).complete(model);
-    (basis, refit)
 }
 
 fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
@@ -98,7 +68,10 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
         || {
             let rest = || tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
-            rayon::join(|| named(model, &basis, &decision), || rayon::join(|| hidden(model, &basis, &decision), rest))
+            rayon::join(
+                || named(model, &basis, &decision),
+                || rayon::join(|| hidden(model, &basis, &decision.base), rest),
+            )
         },
     );
     let mut notes = decision.reasons.clone();
@@ -124,29 +97,13 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         notes,
     };
     if diagnosis.verdict == GapVerdict::NoGap
-        && let Some(why) = hidden_by_calibration(model, &decision, &hidden)
+        && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)
     {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
     }
     diagnosis.next = next(&diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
-}
-
-/// Times that the noise is read off anew.
-const NOISES: usize = 3;
-
-/// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
-fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
-    let scores = probe.scores();
-    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
-    match best.filter(|index| scores.score[*index] > DETECTABLE) {
-        Some(index) => {
-            let best = Trial::fitted(model, basis, &probe.fit, &[index]);
-            Basis::new(model, &best.complete(model), basis)
-        }
-        None => Basis::new(model, &probe.fit, basis),
-    }
 }
 
 /// What every fitted model would close, by falling gain.

@@ -1,10 +1,10 @@
 //! What records of a design can show of each effect, before and beside a diagnosis.
 
-use super::decide::{CONVINCING, Decision};
-use super::diagnose::{DETECTABLE, entry};
+use super::catalogue::{entry, report_units};
+use super::constants::{CONVINCING, DETECTABLE};
 use super::score::Scores;
 use super::trial::Trial;
-use super::{Basis, Forward, Method, report_units};
+use super::{Basis, Forward, Method};
 use nalgebra::DVector;
 
 /// What records of such a design can show of one effect.
@@ -75,9 +75,9 @@ pub(super) struct Shown {
 }
 
 /// Effects that such data can hardly show at their ordinary size.
-pub(super) fn hidden(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<Shown> {
+pub(super) fn hidden(model: &dyn Forward, basis: &Basis, base: &Trial) -> Vec<Shown> {
     let mut list: Vec<Shown> = Vec::new();
-    for shown in identified(model, basis, &decision.base) {
+    for shown in identified(model, basis, base) {
         // Of several shapes of an effect the one that shows best speaks for all.
         match list.iter_mut().find(|other| other.row.id == shown.row.id) {
             Some(other) if shown.row.minimal_detectable < other.row.minimal_detectable => *other = shown,
@@ -97,8 +97,8 @@ const LARGE: f64 = 4.0;
 const WHOLLY: f64 = 0.97;
 
 /// What calibration went far for, if a masked effect of a size that occurs pushes it there.
-pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hidden: &[Shown]) -> Option<String> {
-    let point = &decision.base.fit.linear.point;
+pub(super) fn hidden_by_calibration(model: &dyn Forward, base: &Trial, hidden: &[Shown]) -> Option<String> {
+    let point = &base.fit.linear.point;
     let moved = point.parameters.iter().chain(&point.surfaces).enumerate();
     let pushed = |(i, x): (usize, &f64)| {
         let by = hidden.iter().find(|own| own.row.masking > WHOLLY && pushes(own.moves[i], *x))?;
