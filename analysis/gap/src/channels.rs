@@ -1,6 +1,6 @@
 //! Channels that are models of their own, diagnosed one by one and answered for together.
 
-use super::decide::GATE;
+use super::constants::GATE;
 use super::diagnose::{CELLS, Diagnosed, diagnose_by};
 use super::enough::too_little;
 use super::pooled::pooled;

@@ -1,6 +1,7 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
 use super::catalogue::entry;
+use super::constants::{NINETY, TOO_FEW};
 use super::left_out::LeftOut;
 use super::noise::HUBER;
 use super::settle::settled;
@@ -218,8 +219,8 @@ pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
     // Resampling few groups gives intervals that are too short: those of Student against those of
     // the normal, with one degree of freedom less for the mean.
     let count = groups.len() as f64;
-    let wider = toolroom_statistics::student(0.9, count - 1.0) / 1.645 * (count / (count - 1.0)).sqrt();
-    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { 3.0 }).min(1.0);
+    let wider = toolroom_statistics::student(0.9, count - 1.0) / NINETY * (count / (count - 1.0)).sqrt();
+    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { TOO_FEW }).min(1.0);
     let closable = before * before - floor * floor;
     Closure {
         before,

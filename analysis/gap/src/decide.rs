@@ -1,53 +1,15 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
-use super::constants::{CONVINCING, DETECTABLE};
+use super::constants::{
+    AGREED, CLEAR, CLEARLY_LEFT_OUT, CONVINCING, DETECTABLE, EARLY, EVIDENT, FEWEST_GROUPS, FORM, GATE, IMITATED,
+    PAIR_GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, PROMISED, REFITTED, REFITTED_SCORE, REMAINDER, RIVAL, SAME,
+    SCATTERED, SHAPES, SLACK, STRAINED,
+};
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::trial::{Remainder, Trial, remainder};
 use super::{Basis, Closure, Forward, GapVerdict};
 use rayon::prelude::*;
-
-/// Gain of log posterior density that a named effect needs beside the price of having been chosen.
-pub(crate) const GATE: f64 = 4.0;
-/// Single effects that are fitted anew.
-const REFITTED: usize = 5;
-/// Shapes of one effect among them.
-const SHAPES: usize = 2;
-/// Single effects to which a second one is sought.
-const PAIRED: usize = 3;
-/// Lead of a pair over its best single effect, the choice among pairs paid for, that names both.
-const PAIR_GATE: f64 = 8.0;
-/// Share of the gain of an effect by which a second one that moves the same readings has to lead
-/// more: the occurrences of a cause scatter, and what they leave looks like something else
-/// (assumption).
-const SCATTERED: f64 = 0.05;
-/// Single effects that are fitted anew because the nominal point asks for them, where the
-/// calibrated nominal model is strained.
-const EARLY: usize = 2;
-/// Share of the gain that structure beside a named effect may have.
-const REMAINDER: f64 = 0.5;
-/// Size over its standard error between groups that a named effect needs, and lead over it that speaks
-/// for a generic signature in its place: all groups must say so, not one.
-const AGREED: f64 = 2.0;
-/// Share of its gain by which an effect may fall behind a generic signature: the function of an
-/// effect is as little exact as any other (assumption).
-const FORM: f64 = 0.1;
-/// Lead over another effect beyond which groups left out need not be asked.
-const CLEAR: f64 = 8.0;
-/// Gain beyond which an effect needs not be certain to shrink the gap of groups left out, and the share
-/// of its signature that the form allowance takes from which it has to (assumption).
-const EVIDENT: f64 = 2.0 * CLEAR;
-const IMITATED: f64 = 0.5;
-/// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
-const PROMISED: f64 = 4.0;
-const SLACK: f64 = 20.0;
-/// Prior standard deviations of a form allowance beside a named effect beyond which the equations
-/// themselves are not believed any more.
-const STRAINED: f64 = 5.0;
-/// Cosine of projected signatures above which two effects are the same to the data.
-pub(crate) const SAME: f64 = 0.95;
-/// Fewest groups that can name an effect.
-pub const FEWEST_GROUPS: usize = 5;
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -123,11 +85,11 @@ impl Decision {
             let lead = gain(&own.evidence, &other.evidence);
             let (left_out, error) = predictive_gain(&own.evidence, &other.evidence);
             let other_gain = gain(&other.evidence, &self.base.evidence);
-            let close = lead < GATE || (lead < CLEAR && left_out < 2.0 * error);
+            let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
             let alike = cosine[(candidate, other.candidate)];
             if alike > SAME {
                 class.push((other_id, format!("{other_id} leaves the same signature (cosine {alike:.2})")));
-            } else if other.evidence.admissible && close && other_gain > own_gain / 3.0 {
+            } else if other.evidence.admissible && close && other_gain > own_gain / RIVAL {
                 class.push((other_id, format!("{other_id} explains nearly as much (log evidence {lead:.1} less)")));
             }
         }
@@ -163,7 +125,7 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
     singles.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut refitted: Vec<usize> = Vec::new();
     for (place, single) in singles.iter().enumerate() {
-        if refitted.len() == REFITTED || single.score < 2.0 {
+        if refitted.len() == REFITTED || single.score < REFITTED_SCORE {
             break;
         }
         if refitted.iter().filter(|known| singles[**known].id == single.id).count() < SHAPES {
@@ -289,14 +251,14 @@ fn second(model: &dyn Forward, single: &Trial) -> Option<Vec<usize>> {
     let scores = single.scores();
     let first = single.fit.active[0];
     let (second, lead) = (0..candidates.len())
-        .filter(|other| candidates[*other].id != candidates[first].id && scores.score[*other] > 2.5)
+        .filter(|other| candidates[*other].id != candidates[first].id && scores.score[*other] > PAIRED_SCORE)
         .map(|other| (other, single.with(other)))
         .filter(|(_, evidence)| evidence.admissible)
         .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let mut active = vec![first, second];
     active.sort_unstable();
-    (lead >= 2.0).then_some(active)
+    (lead >= PAIRED_LEAD).then_some(active)
 }
 
 /// Whether the gain of a trial is of the order that the scores of its effects at the nominal fit

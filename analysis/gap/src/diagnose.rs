@@ -2,6 +2,7 @@
 
 use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
+use super::constants::NINETY;
 use super::decide::{Decision, decide};
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{hidden, hidden_by_calibration};
@@ -15,8 +16,6 @@ use super::{
 };
 use rayon::prelude::*;
 
-/// Normal quantile of a 90 % interval.
-const NINETY: f64 = 1.645;
 /// Cells of the map that are reported.
 pub(super) const CELLS: usize = 12;
 /// Calibration that went further than this is reported, in prior standard deviations.

@@ -74,7 +74,8 @@ pub use basis::Basis;
 pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
-pub use decide::{Decision, FEWEST_GROUPS};
+pub use constants::FEWEST_GROUPS;
+pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
