@@ -2,6 +2,7 @@
 
 use super::catalogue::entry;
 use super::constants::{NINETY, TOO_FEW};
+use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
 use super::noise::HUBER;
 use super::settle::settled;
@@ -162,16 +163,9 @@ pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
 
 /// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
 /// the others; what is kept out of the fit altogether has no part in a decision.
-pub fn crossed(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    trial: &Trial,
-    seed: u64,
-) -> Closure {
-    let left = |trial: &Trial| LeftOut::of(model, basis, trial, folds);
-    let (before, after) = rayon::join(|| left(base), || left(trial));
+pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
+    let Diagnosing { model, basis, seed, .. } = context;
+    let (before, after) = rayon::join(|| context.left_out(base), || context.left_out(trial));
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }

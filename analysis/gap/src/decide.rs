@@ -6,8 +6,9 @@ use super::constants::{
     PAIR_GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, PROMISED, REFITTED, REFITTED_SCORE, REMAINDER, RIVAL, SAME,
     SCATTERED, SHAPES, SLACK, STRAINED,
 };
+use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
-use super::trial::{Remainder, Trial, remainder};
+use super::trial::{Remainder, Trial};
 use super::{Basis, Closure, Forward, GapVerdict};
 use rayon::prelude::*;
 
@@ -60,10 +61,10 @@ impl Decision {
     }
 
     /// Whether the strongest generic signature is nothing but the image of one of `effects`.
-    pub(super) fn imaged(&self, model: &dyn Forward, basis: &Basis, effects: &[usize]) -> bool {
+    pub(super) fn imaged(&self, context: Diagnosing<'_>, effects: &[usize]) -> bool {
         let base = &self.base.fit;
         let Some(signature) = self.before.dictionary.get(self.before.strongest) else { return false };
-        let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()], &[]);
+        let gram = super::trial::gram(context.model, context.basis, base, &[], &[signature.column.as_slice()], &[]);
         let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
         let generic = cosine.nrows() - 1;
         effects.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
@@ -108,8 +109,8 @@ fn price(candidates: usize, effects: usize) -> f64 {
 }
 
 /// Chooses a model and says why.
-pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Trial, seed: u64) -> Decision {
-    let count = model.frame().candidates.len();
+pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
+    let (model, count) = (context.model, context.candidates());
     let scores = base.scores();
     let single = |candidate: usize| Single {
         candidate,
@@ -118,10 +119,8 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         evidence: base.with(candidate),
         trial: None,
     };
-    let (before, mut singles): (Remainder, Vec<Single>) = rayon::join(
-        || remainder(model, basis, folds, &base, seed),
-        || (0..count).into_par_iter().map(single).collect(),
-    );
+    let (before, mut singles): (Remainder, Vec<Single>) =
+        rayon::join(|| context.remainder(&base), || (0..count).into_par_iter().map(single).collect());
     singles.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut refitted: Vec<usize> = Vec::new();
     for (place, single) in singles.iter().enumerate() {
@@ -133,8 +132,8 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         }
     }
     let mut trials: Vec<Trial> = Vec::new();
-    refit(model, basis, folds, &base, &mut singles, &refitted, &mut trials);
-    early(model, basis, folds, &base, &mut singles, &mut trials);
+    refit(context, &base, &mut singles, &refitted, &mut trials);
+    early(context, &base, &mut singles, &mut trials);
     let base_evidence = base.evidence.clone();
     let value = |evidence: &Evidence| {
         if evidence.admissible { gain(evidence, &base_evidence) } else { f64::NEG_INFINITY }
@@ -149,28 +148,21 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         before,
         after: None,
         reasons: Vec::new(),
-        share: basis.method.share(),
+        share: context.basis.method.share(),
     };
-    pairs(model, basis, folds, &mut decision);
-    choose(model, basis, folds, &mut decision, seed);
+    pairs(context, &mut decision);
+    choose(context, &mut decision);
     decision
 }
 
 /// Where the nominal model was bent out of shape to follow the data, the scores beside it are not
 /// what an effect promises: those at the nominal point are asked too.
-fn early(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    singles: &mut [Single],
-    trials: &mut Vec<Trial>,
-) {
-    if strain(model, base).is_none_or(|(_, x)| x < STRAINED) {
+fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: &mut Vec<Trial>) {
+    if strain(context.model, base).is_none_or(|(_, x)| x < STRAINED) {
         return;
     }
-    let unbent = super::Fit::at(basis.nominal.clone(), f64::INFINITY);
-    let scores = Trial::of(model, basis, folds, unbent).scores();
+    let unbent = super::Fit::at(context.basis.nominal.clone(), f64::INFINITY);
+    let scores = context.trial_of(unbent).scores();
     let mut order: Vec<usize> = (0..singles.len()).collect();
     order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
     let mut tried: Vec<&'static str> = Vec::new();
@@ -190,20 +182,12 @@ fn early(
             refitted.push(place);
         }
     }
-    refit(model, basis, folds, base, singles, &refitted, trials);
+    refit(context, base, singles, &refitted, trials);
 }
 
 /// Fits the singles at `places` anew, side by side.
-fn refit(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    singles: &mut [Single],
-    places: &[usize],
-    trials: &mut Vec<Trial>,
-) {
-    let one = |place: &usize| Trial::new(model, basis, folds, &base.fit, &[singles[*place].candidate]);
+fn refit(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], places: &[usize], trials: &mut Vec<Trial>) {
+    let one = |place: &usize| context.trial(&base.fit, &[singles[*place].candidate]);
     let fitted: Vec<Trial> = places.par_iter().map(one).collect();
     for (place, trial) in places.iter().zip(fitted) {
         let single = &mut singles[*place];
@@ -214,8 +198,9 @@ fn refit(
 }
 
 /// Adds the best second effect to each of the best singles.
-fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision) {
-    let count = model.frame().candidates.len();
+fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
+    let Diagnosing { model, basis, folds, .. } = context;
+    let count = context.candidates();
     let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
     let promising = |first: &usize| {
         let trial = &decision.trials[*first];
@@ -239,8 +224,7 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
             sought.push((first, active));
         }
     }
-    let one =
-        |(first, active): &(usize, Vec<usize>)| Trial::new(model, basis, folds, &decision.trials[*first].fit, active);
+    let one = |(first, active): &(usize, Vec<usize>)| context.trial(&decision.trials[*first].fit, active);
     let fitted: Vec<Trial> = sought.par_iter().map(one).collect();
     decision.trials.extend(fitted);
 }
@@ -336,15 +320,8 @@ fn shrinks(model: &dyn Forward, decision: &Decision, trial: &Trial, closed: &Clo
 /// Another shape of the effect of trial `index` that shrinks the gap clearly further on groups left
 /// out, and what to say about it. The gain is judged beside the form allowance, which is no part of
 /// the model that a user goes on with: a shape that needs the allowance is the worse one there.
-fn shape(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    decision: &Decision,
-    index: usize,
-    closed: &Closure,
-    seed: u64,
-) -> Option<(usize, String)> {
+fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Closure) -> Option<(usize, String)> {
+    let model = context.model;
     let candidates = &model.frame().candidates;
     let [own] = decision.trials[index].fit.active[..] else { return None };
     let stands = |other: usize| {
@@ -359,12 +336,12 @@ fn shape(
     // Group by group against the first shape: what both leave of a group, they leave alike.
     let further = |other: usize| {
         let (first, second) = (&decision.trials[index], &decision.trials[other]);
-        (other, crossed(model, basis, folds, first, second, seed))
+        (other, crossed(context, first, second))
     };
     let others = (0..decision.trials.len()).filter(|other| stands(*other)).map(further);
     let clearly = others.filter(|(_, further)| further.ci90[0] > 0.0);
     let (other, _) = clearly.max_by(|a, b| a.1.closed.total_cmp(&b.1.closed))?;
-    let further = crossed(model, basis, folds, &decision.base, &decision.trials[other], seed);
+    let further = crossed(context, &decision.base, &decision.trials[other]);
     let name = |index: usize| match candidates[index].shape.as_str() {
         "" => "the plain form",
         shape => shape,
@@ -380,8 +357,9 @@ fn shape(
     Some((other, note))
 }
 
-fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
-    let count = model.frame().candidates.len();
+fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
+    let Diagnosing { model, basis, .. } = context;
+    let count = context.candidates();
     let groups = model.frame().measured.fitted_groups().count();
     // Where groups disagree about the best effect, the next may be the one they agree on.
     let spoken: Vec<bool> =
@@ -403,7 +381,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         if lead > PAIR_GATE && stands {
             // Beside the first, the second has to shrink the gap of groups left out by itself; where both
             // move the same readings it has to be certain of that, or to lead by more.
-            let further = crossed(model, basis, folds, &decision.trials[single], both, seed);
+            let further = crossed(context, &decision.trials[single], both);
             let gained = decision.gain_of(&decision.trials[single], count);
             let scattered = SCATTERED * gained * overlap(model, basis, both, first);
             let sure = lead > PAIR_GATE + scattered || further.ci90[0] > 0.0;
@@ -423,8 +401,8 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let abstains = basis.method.abstention;
         let passes = value > GATE && agreed(model, trial) && convincing(model, trial, &decision.base);
         let (after, closed) = rayon::join(
-            || remainder(model, basis, folds, trial, seed),
-            || (passes && abstains).then(|| crossed(model, basis, folds, &decision.base, trial, seed)),
+            || context.remainder(trial),
+            || (passes && abstains).then(|| crossed(context, &decision.base, trial)),
         );
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
@@ -432,7 +410,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         // groups: it has to be the better one for all of them, and more than an image of the effect.
         let (lead, error) = predictive_gain(&decision.before.evidence, &trial.evidence);
         let stronger = generic_gain - value > GATE + FORM * value && lead > AGREED * error;
-        let beaten = abstains && stronger && !decision.imaged(model, basis, &trial.fit.active);
+        let beaten = abstains && stronger && !decision.imaged(context, &trial.fit.active);
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
         if value > GATE && groups < FEWEST_GROUPS {
@@ -470,10 +448,10 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
                     "the form of the equations drowns what it closes on groups left out; beside the form allowance";
                 decision.reasons.push(format!("{id}: {why} they are predicted better for certain"));
             }
-            let shape = closed.and_then(|closed| shape(model, basis, folds, decision, index, &closed, seed));
+            let shape = closed.and_then(|closed| shape(context, decision, index, &closed));
             if let Some((other, note)) = shape {
                 decision.reasons.push(note);
-                decision.after = Some(remainder(model, basis, folds, &decision.trials[other], seed));
+                decision.after = Some(context.remainder(&decision.trials[other]));
                 decision.chosen = Some(other);
             } else {
                 decision.chosen = Some(index);

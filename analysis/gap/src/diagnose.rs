@@ -4,6 +4,7 @@ use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
 use super::constants::NINETY;
 use super::decide::{Decision, decide};
+use super::diagnosing::Diagnosing;
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
@@ -49,28 +50,24 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
 fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let (basis, refit) = settled(model, method);
     let folds = folds(&model.frame().measured);
-    let base = Trial::of(model, &basis, &folds, refit);
-    let mut decision = decide(model, &basis, &folds, base, seed);
+    let context = Diagnosing { model, basis: &basis, folds: &folds, seed };
+    let mut decision = decide(context, context.trial_of(refit));
     for _ in 0..RESTARTS {
-        let Some(better) = restarted(model, &basis, &folds, &decision) else { break };
-        decision = decide(model, &basis, &folds, better, seed);
+        let Some(better) = restarted(context, &decision) else { break };
+        decision = decide(context, better);
     }
-    let left_out = if decision.verdict == GapVerdict::Effect { LeftOut::with_moves } else { LeftOut::of };
-    let (base_left, chosen_left) = rayon::join(
-        || left_out(model, &basis, &decision.base, &folds),
-        || left_out(model, &basis, decision.model(), &folds),
-    );
+    let left_out =
+        if decision.verdict == GapVerdict::Effect { Diagnosing::left_out_with_moves } else { Diagnosing::left_out };
+    let (base_left, chosen_left) =
+        rayon::join(|| left_out(context, &decision.base), || left_out(context, decision.model()));
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
     let ((total, channels), (named, (hidden, tried))) = rayon::join(
         || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
         || {
-            let rest = || tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
-            rayon::join(
-                || named(model, &basis, &decision),
-                || rayon::join(|| hidden(model, &basis, &decision.base), rest),
-            )
+            let rest = || tried(context, &decision, &base_left, &scored);
+            rayon::join(|| named(context, &decision), || rayon::join(|| hidden(model, &basis, &decision.base), rest))
         },
     );
     let mut notes = decision.reasons.clone();
@@ -106,22 +103,15 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
 }
 
 /// What every fitted model would close, by falling gain.
-fn tried(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    decision: &Decision,
-    base_left: &LeftOut,
-    scored: &[usize],
-    seed: u64,
-) -> Vec<Tried> {
+fn tried(context: Diagnosing<'_>, decision: &Decision, base_left: &LeftOut, scored: &[usize]) -> Vec<Tried> {
+    let Diagnosing { model, basis, seed, .. } = context;
     let candidates = &model.frame().candidates;
     let word = |index: &usize| match candidates[*index].shape.as_str() {
         "" => candidates[*index].id.to_owned(),
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
-        let left = LeftOut::of(model, basis, trial, folds);
+        let left = context.left_out(trial);
         Tried {
             effects: trial.fit.active.iter().map(word).collect(),
             gain: decision.gain_of(trial, candidates.len()),
@@ -139,7 +129,8 @@ const RESTARTS: usize = 3;
 
 /// A better fit of the nominal model, started where the fits with effects ended: a model that lacks
 /// something may have been caught far away, and its gap may not be blamed on an effect.
-fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &Decision) -> Option<Trial> {
+fn restarted(context: Diagnosing<'_>, decision: &Decision) -> Option<Trial> {
+    let Diagnosing { model, basis, .. } = context;
     let near = |trial: &Trial| trial.fit.cost < decision.base.fit.cost - 1.0;
     let nearer: Vec<&Trial> = decision.trials.iter().filter(|trial| near(trial)).take(3).collect();
     let fits = nearer.into_par_iter().map(|trial| {
@@ -148,17 +139,18 @@ fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision:
         super::fit::fit(model, &basis.noise, super::Linear::with(model, point, &[]), &[], &basis.local_scale)
     });
     let best = fits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
+    (best.cost < decision.base.fit.cost - 1.0).then(|| context.trial_of(best.complete(model)))
 }
 
-fn named(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<NamedEffect> {
+fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
+    let model = context.model;
     if decision.verdict != GapVerdict::Effect {
         return Vec::new();
     }
     let trial = decision.model();
     let posterior = trial.deviations();
     let between = trial.jackknife();
-    let probabilities = inclusion(model, basis, decision);
+    let probabilities = inclusion(context, decision);
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
     let one = |(place, index): (usize, &usize)| {
@@ -187,13 +179,13 @@ fn named(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<NamedEf
 
 /// Probability of each id: models weighted by their gain, the choice among many paid for, with the
 /// nominal model and the best generic signature among them.
-fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'static str, f64)> {
-    let count = model.frame().candidates.len();
+fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(&'static str, f64)> {
+    let (model, count) = (context.model, context.candidates());
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
         - (decision.before.dictionary.len().max(1) as f64).ln()
         - decision.share;
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
-    if !decision.imaged(model, basis, &decision.model().fit.active) {
+    if !decision.imaged(context, &decision.model().fit.active) {
         models.push((Vec::new(), generic));
     }
     let single = |single: &super::decide::Single| {

@@ -38,6 +38,7 @@ pub mod cutting;
 mod cutting_effects;
 mod decide;
 mod diagnose;
+mod diagnosing;
 mod diagnosis;
 pub mod empirical;
 mod empirical_effects;
