@@ -3,13 +3,9 @@
 //! Where wear runs away, its slopes by everything grow without bound: a reading says that the edge
 //! has broken, and nothing about the equations before. A few such readings would decide a fit.
 
+use super::constants::{BREAKING, BROKEN};
 use super::{Channel, Measured};
 
-/// Land beyond which an edge counts as broken, m: the end of a life where wear is irregular
-/// (ISO 3685).
-const BROKEN: f64 = 0.6e-3;
-/// Growth of the land from one operation to the next of an edge that breaks, m (assumption).
-const BREAKING: f64 = 0.15e-3;
 /// Share of the growth since the reading before by which growth scatters (assumption).
 const RAPID: f64 = 0.1;
 /// The channel of the land.

@@ -1,9 +1,9 @@
 //! Channels that are models of their own, diagnosed one by one and answered for together.
 
-use super::closure::pooled;
-use super::decide::GATE;
+use super::constants::GATE;
 use super::diagnose::{CELLS, Diagnosed, diagnose_by};
 use super::enough::too_little;
+use super::pooled::pooled;
 use super::{Budget, Diagnosis, Forward, GapVerdict, Method, NextExperiment};
 
 /// Diagnoses parts that know nothing of each other, such as the channels of an empirical model.

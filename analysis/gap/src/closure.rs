@@ -1,14 +1,16 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
-use super::diagnose::{entry, settled};
+use super::catalogue::entry;
+use super::constants::{NINETY, TOO_FEW};
+use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
 use super::noise::HUBER;
+use super::settle::settled;
 use super::trial::Trial;
-use super::{Basis, Closure, Diagnosed, Direction, Forward, Frame, Measured, Method, Point};
+use super::{Basis, Closure, Direction, Forward, Frame, Measured, Method, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
@@ -77,15 +79,19 @@ impl Forward for Turned<'_> {
 }
 
 /// Sums of squares of the groups on which a closure is scored.
-struct Sums {
-    before: Vec<f64>,
-    after: Vec<f64>,
-    floor: Vec<f64>,
-    count: Vec<f64>,
+pub(super) struct Sums {
+    /// Of the nominal model.
+    pub before: Vec<f64>,
+    /// Of the model with effects.
+    pub after: Vec<f64>,
+    /// Of noise alone.
+    pub floor: Vec<f64>,
+    /// Number of readings.
+    pub count: Vec<f64>,
 }
 
 /// Fits to other groups that an interval allows for.
-const FITS: usize = 100;
+pub(super) const FITS: usize = 100;
 
 /// Closure by channel and over those that are `touched` (all, if none is named); the total is in
 /// units of noise.
@@ -142,36 +148,8 @@ pub fn closures(
     (one(channels), by_channel)
 }
 
-/// Closure over several models, in units of noise; those of one process share groups of one name.
-/// Where an effect is named only the channels count that it touches.
-pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure {
-    let sums = |draw: Option<usize>| {
-        let mut sums: BTreeMap<(usize, &str), [f64; 4]> = BTreeMap::new();
-        for (process, model, diagnosed) in parts {
-            let measured = &model.frame().measured;
-            let of = |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
-            let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(of);
-            let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
-            let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
-            let counts = counted(measured, &touched);
-            for group in scored(measured) {
-                let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
-                for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
-                    let unit = diagnosed.basis.noise.deviation(measured, i);
-                    let each = [huber(base[i] / unit), huber(chosen[i] / unit), 1.0, 1.0];
-                    own.iter_mut().zip(each).for_each(|(sum, value)| *sum += value);
-                }
-            }
-        }
-        let column = |at: usize| sums.values().map(|own| own[at]).collect();
-        Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }
-    };
-    let fits: Vec<Sums> = (0..FITS).into_par_iter().map(|draw| sums(Some(draw))).collect();
-    closure(&sums(None), &fits.iter().collect::<Vec<_>>(), seed)
-}
-
 /// Whether each channel counts for effects that touch some: all, if none of them is measured.
-fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
+pub(super) fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
     let own: Vec<bool> = measured.channels.iter().map(|channel| touched.contains(&channel.name)).collect();
     // An effect may act where the catalogue does not list it: then everything counts.
     if own.iter().any(|counts| *counts) { own } else { vec![true; own.len()] }
@@ -185,16 +163,9 @@ pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
 
 /// Closure of `trial` over the nominal `base` on the groups of the fit, each predicted by a fit to
 /// the others; what is kept out of the fit altogether has no part in a decision.
-pub fn crossed(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    trial: &Trial,
-    seed: u64,
-) -> Closure {
-    let left = |trial: &Trial| LeftOut::of(model, basis, trial, folds);
-    let (before, after) = rayon::join(|| left(base), || left(trial));
+pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
+    let Diagnosing { model, basis, seed, .. } = context;
+    let (before, after) = rayon::join(|| context.left_out(base), || context.left_out(trial));
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }
@@ -208,13 +179,13 @@ pub fn scored(measured: &Measured) -> Vec<usize> {
 }
 
 /// Square up to far outliers, then linear: a single reading does not decide about a gap.
-fn huber(standard: f64) -> f64 {
+pub(super) fn huber(standard: f64) -> f64 {
     let far = 4.0 * HUBER;
     if standard.abs() <= far { standard * standard } else { far * (2.0 * standard.abs() - far) }
 }
 
 /// `fits` are sums with fits to other groups; none where the fit counts as it is.
-fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
+pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
     let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
     // Every group counts alike: else the one with the most readings would decide.
     let root = |values: &[f64], groups: &[usize]| {
@@ -242,8 +213,8 @@ fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
     // Resampling few groups gives intervals that are too short: those of Student against those of
     // the normal, with one degree of freedom less for the mean.
     let count = groups.len() as f64;
-    let wider = toolroom_statistics::student(0.9, count - 1.0) / 1.645 * (count / (count - 1.0)).sqrt();
-    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { 3.0 }).min(1.0);
+    let wider = toolroom_statistics::student(0.9, count - 1.0) / NINETY * (count / (count - 1.0)).sqrt();
+    let stretch = |end: f64| (value + (end - value) * if wider.is_finite() { wider } else { TOO_FEW }).min(1.0);
     let closable = before * before - floor * floor;
     Closure {
         before,

@@ -1,55 +1,16 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
+use super::constants::{
+    AGREED, CLEAR, CLEARLY_LEFT_OUT, CONVINCING, DETECTABLE, EARLY, EVIDENT, FEWEST_GROUPS, FORM, GATE, IMITATED,
+    PAIR_GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, PROMISED, REFITTED, REFITTED_SCORE, REMAINDER, RIVAL, SAME,
+    SCATTERED, SHAPES, SLACK, STRAINED,
+};
+use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
-use super::trial::{Remainder, Trial, remainder};
+use super::trial::{Remainder, Trial};
 use super::{Basis, Closure, Forward, GapVerdict};
 use rayon::prelude::*;
-
-/// Gain of log posterior density that a named effect needs beside the price of having been chosen.
-pub(crate) const GATE: f64 = 4.0;
-/// Single effects that are fitted anew.
-const REFITTED: usize = 5;
-/// Shapes of one effect among them.
-const SHAPES: usize = 2;
-/// Single effects to which a second one is sought.
-const PAIRED: usize = 3;
-/// Lead of a pair over its best single effect, the choice among pairs paid for, that names both.
-const PAIR_GATE: f64 = 8.0;
-/// Share of the gain of an effect by which a second one that moves the same readings has to lead
-/// more: the occurrences of a cause scatter, and what they leave looks like something else
-/// (assumption).
-const SCATTERED: f64 = 0.05;
-/// Single effects that are fitted anew because the nominal point asks for them, where the
-/// calibrated nominal model is strained.
-const EARLY: usize = 2;
-/// Share of the gain that structure beside a named effect may have.
-const REMAINDER: f64 = 0.5;
-/// Size over its standard error between groups that a named effect needs, and lead over it that speaks
-/// for a generic signature in its place: all groups must say so, not one.
-const AGREED: f64 = 2.0;
-/// Score, at the size that was fitted, that a named effect needs: smaller ones are as often the
-/// work of causes that no catalogue has (blind checks on shops that were used for development).
-pub(super) const CONVINCING: f64 = 4.5;
-/// Share of its gain by which an effect may fall behind a generic signature: the function of an
-/// effect is as little exact as any other (assumption).
-const FORM: f64 = 0.1;
-/// Lead over another effect beyond which groups left out need not be asked.
-const CLEAR: f64 = 8.0;
-/// Gain beyond which an effect needs not be certain to shrink the gap of groups left out, and the share
-/// of its signature that the form allowance takes from which it has to (assumption).
-const EVIDENT: f64 = 2.0 * CLEAR;
-const IMITATED: f64 = 0.5;
-/// Gain over what scores promise beyond which a nominal fit is not believed, and its slack.
-const PROMISED: f64 = 4.0;
-const SLACK: f64 = 20.0;
-/// Prior standard deviations of a form allowance beside a named effect beyond which the equations
-/// themselves are not believed any more.
-const STRAINED: f64 = 5.0;
-/// Cosine of projected signatures above which two effects are the same to the data.
-pub(crate) const SAME: f64 = 0.95;
-/// Fewest groups that can name an effect.
-pub const FEWEST_GROUPS: usize = 5;
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -100,10 +61,10 @@ impl Decision {
     }
 
     /// Whether the strongest generic signature is nothing but the image of one of `effects`.
-    pub(super) fn imaged(&self, model: &dyn Forward, basis: &Basis, effects: &[usize]) -> bool {
+    pub(super) fn imaged(&self, context: Diagnosing<'_>, effects: &[usize]) -> bool {
         let base = &self.base.fit;
         let Some(signature) = self.before.dictionary.get(self.before.strongest) else { return false };
-        let gram = super::trial::gram(model, basis, base, &[], &[signature.column.as_slice()], &[]);
+        let gram = super::trial::gram(context.model, context.basis, base, &[], &[signature.column.as_slice()], &[]);
         let cosine = super::score::scores(&gram, base.linear.nuisance.len(), &[]).cosine;
         let generic = cosine.nrows() - 1;
         effects.iter().any(|index| cosine[(*index, generic)].abs() > SAME)
@@ -125,11 +86,11 @@ impl Decision {
             let lead = gain(&own.evidence, &other.evidence);
             let (left_out, error) = predictive_gain(&own.evidence, &other.evidence);
             let other_gain = gain(&other.evidence, &self.base.evidence);
-            let close = lead < GATE || (lead < CLEAR && left_out < 2.0 * error);
+            let close = lead < GATE || (lead < CLEAR && left_out < CLEARLY_LEFT_OUT * error);
             let alike = cosine[(candidate, other.candidate)];
             if alike > SAME {
                 class.push((other_id, format!("{other_id} leaves the same signature (cosine {alike:.2})")));
-            } else if other.evidence.admissible && close && other_gain > own_gain / 3.0 {
+            } else if other.evidence.admissible && close && other_gain > own_gain / RIVAL {
                 class.push((other_id, format!("{other_id} explains nearly as much (log evidence {lead:.1} less)")));
             }
         }
@@ -148,8 +109,8 @@ fn price(candidates: usize, effects: usize) -> f64 {
 }
 
 /// Chooses a model and says why.
-pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Trial, seed: u64) -> Decision {
-    let count = model.frame().candidates.len();
+pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
+    let (model, count) = (context.model, context.candidates());
     let scores = base.scores();
     let single = |candidate: usize| Single {
         candidate,
@@ -158,14 +119,12 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         evidence: base.with(candidate),
         trial: None,
     };
-    let (before, mut singles): (Remainder, Vec<Single>) = rayon::join(
-        || remainder(model, basis, folds, &base, seed),
-        || (0..count).into_par_iter().map(single).collect(),
-    );
+    let (before, mut singles): (Remainder, Vec<Single>) =
+        rayon::join(|| context.remainder(&base), || (0..count).into_par_iter().map(single).collect());
     singles.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut refitted: Vec<usize> = Vec::new();
     for (place, single) in singles.iter().enumerate() {
-        if refitted.len() == REFITTED || single.score < 2.0 {
+        if refitted.len() == REFITTED || single.score < REFITTED_SCORE {
             break;
         }
         if refitted.iter().filter(|known| singles[**known].id == single.id).count() < SHAPES {
@@ -173,8 +132,8 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         }
     }
     let mut trials: Vec<Trial> = Vec::new();
-    refit(model, basis, folds, &base, &mut singles, &refitted, &mut trials);
-    early(model, basis, folds, &base, &mut singles, &mut trials);
+    refit(context, &base, &mut singles, &refitted, &mut trials);
+    early(context, &base, &mut singles, &mut trials);
     let base_evidence = base.evidence.clone();
     let value = |evidence: &Evidence| {
         if evidence.admissible { gain(evidence, &base_evidence) } else { f64::NEG_INFINITY }
@@ -189,28 +148,21 @@ pub fn decide(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], base: Tr
         before,
         after: None,
         reasons: Vec::new(),
-        share: basis.method.share(),
+        share: context.basis.method.share(),
     };
-    pairs(model, basis, folds, &mut decision);
-    choose(model, basis, folds, &mut decision, seed);
+    pairs(context, &mut decision);
+    choose(context, &mut decision);
     decision
 }
 
 /// Where the nominal model was bent out of shape to follow the data, the scores beside it are not
 /// what an effect promises: those at the nominal point are asked too.
-fn early(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    singles: &mut [Single],
-    trials: &mut Vec<Trial>,
-) {
-    if strain(model, base).is_none_or(|(_, x)| x < STRAINED) {
+fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: &mut Vec<Trial>) {
+    if strain(context.model, base).is_none_or(|(_, x)| x < STRAINED) {
         return;
     }
-    let unbent = super::Fit::at(basis.nominal.clone(), f64::INFINITY);
-    let scores = Trial::of(model, basis, folds, unbent).scores();
+    let unbent = super::Fit::at(context.basis.nominal.clone(), f64::INFINITY);
+    let scores = context.trial_of(unbent).scores();
     let mut order: Vec<usize> = (0..singles.len()).collect();
     order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
     let mut tried: Vec<&'static str> = Vec::new();
@@ -218,7 +170,7 @@ fn early(
     for place in order {
         let single = &mut singles[place];
         let score = scores.score[single.candidate];
-        if tried.len() == EARLY || score < super::diagnose::DETECTABLE {
+        if tried.len() == EARLY || score < DETECTABLE {
             break;
         }
         if tried.contains(&single.id) {
@@ -230,20 +182,12 @@ fn early(
             refitted.push(place);
         }
     }
-    refit(model, basis, folds, base, singles, &refitted, trials);
+    refit(context, base, singles, &refitted, trials);
 }
 
 /// Fits the singles at `places` anew, side by side.
-fn refit(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    base: &Trial,
-    singles: &mut [Single],
-    places: &[usize],
-    trials: &mut Vec<Trial>,
-) {
-    let one = |place: &usize| Trial::new(model, basis, folds, &base.fit, &[singles[*place].candidate]);
+fn refit(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], places: &[usize], trials: &mut Vec<Trial>) {
+    let one = |place: &usize| context.trial(&base.fit, &[singles[*place].candidate]);
     let fitted: Vec<Trial> = places.par_iter().map(one).collect();
     for (place, trial) in places.iter().zip(fitted) {
         let single = &mut singles[*place];
@@ -254,8 +198,9 @@ fn refit(
 }
 
 /// Adds the best second effect to each of the best singles.
-fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision) {
-    let count = model.frame().candidates.len();
+fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
+    let Diagnosing { model, basis, folds, .. } = context;
+    let count = context.candidates();
     let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
     let promising = |first: &usize| {
         let trial = &decision.trials[*first];
@@ -279,8 +224,7 @@ fn pairs(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mu
             sought.push((first, active));
         }
     }
-    let one =
-        |(first, active): &(usize, Vec<usize>)| Trial::new(model, basis, folds, &decision.trials[*first].fit, active);
+    let one = |(first, active): &(usize, Vec<usize>)| context.trial(&decision.trials[*first].fit, active);
     let fitted: Vec<Trial> = sought.par_iter().map(one).collect();
     decision.trials.extend(fitted);
 }
@@ -291,14 +235,14 @@ fn second(model: &dyn Forward, single: &Trial) -> Option<Vec<usize>> {
     let scores = single.scores();
     let first = single.fit.active[0];
     let (second, lead) = (0..candidates.len())
-        .filter(|other| candidates[*other].id != candidates[first].id && scores.score[*other] > 2.5)
+        .filter(|other| candidates[*other].id != candidates[first].id && scores.score[*other] > PAIRED_SCORE)
         .map(|other| (other, single.with(other)))
         .filter(|(_, evidence)| evidence.admissible)
         .map(|(other, evidence)| (other, gain(&evidence, &single.evidence)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
     let mut active = vec![first, second];
     active.sort_unstable();
-    (lead >= 2.0).then_some(active)
+    (lead >= PAIRED_LEAD).then_some(active)
 }
 
 /// Whether the gain of a trial is of the order that the scores of its effects at the nominal fit
@@ -376,15 +320,8 @@ fn shrinks(model: &dyn Forward, decision: &Decision, trial: &Trial, closed: &Clo
 /// Another shape of the effect of trial `index` that shrinks the gap clearly further on groups left
 /// out, and what to say about it. The gain is judged beside the form allowance, which is no part of
 /// the model that a user goes on with: a shape that needs the allowance is the worse one there.
-fn shape(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    decision: &Decision,
-    index: usize,
-    closed: &Closure,
-    seed: u64,
-) -> Option<(usize, String)> {
+fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Closure) -> Option<(usize, String)> {
+    let model = context.model;
     let candidates = &model.frame().candidates;
     let [own] = decision.trials[index].fit.active[..] else { return None };
     let stands = |other: usize| {
@@ -399,12 +336,12 @@ fn shape(
     // Group by group against the first shape: what both leave of a group, they leave alike.
     let further = |other: usize| {
         let (first, second) = (&decision.trials[index], &decision.trials[other]);
-        (other, crossed(model, basis, folds, first, second, seed))
+        (other, crossed(context, first, second))
     };
     let others = (0..decision.trials.len()).filter(|other| stands(*other)).map(further);
     let clearly = others.filter(|(_, further)| further.ci90[0] > 0.0);
     let (other, _) = clearly.max_by(|a, b| a.1.closed.total_cmp(&b.1.closed))?;
-    let further = crossed(model, basis, folds, &decision.base, &decision.trials[other], seed);
+    let further = crossed(context, &decision.base, &decision.trials[other]);
     let name = |index: usize| match candidates[index].shape.as_str() {
         "" => "the plain form",
         shape => shape,
@@ -420,8 +357,9 @@ fn shape(
     Some((other, note))
 }
 
-fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &mut Decision, seed: u64) {
-    let count = model.frame().candidates.len();
+fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
+    let Diagnosing { model, basis, .. } = context;
+    let count = context.candidates();
     let groups = model.frame().measured.fitted_groups().count();
     // Where groups disagree about the best effect, the next may be the one they agree on.
     let spoken: Vec<bool> =
@@ -443,7 +381,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         if lead > PAIR_GATE && stands {
             // Beside the first, the second has to shrink the gap of groups left out by itself; where both
             // move the same readings it has to be certain of that, or to lead by more.
-            let further = crossed(model, basis, folds, &decision.trials[single], both, seed);
+            let further = crossed(context, &decision.trials[single], both);
             let gained = decision.gain_of(&decision.trials[single], count);
             let scattered = SCATTERED * gained * overlap(model, basis, both, first);
             let sure = lead > PAIR_GATE + scattered || further.ci90[0] > 0.0;
@@ -463,8 +401,8 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         let abstains = basis.method.abstention;
         let passes = value > GATE && agreed(model, trial) && convincing(model, trial, &decision.base);
         let (after, closed) = rayon::join(
-            || remainder(model, basis, folds, trial, seed),
-            || (passes && abstains).then(|| crossed(model, basis, folds, &decision.base, trial, seed)),
+            || context.remainder(trial),
+            || (passes && abstains).then(|| crossed(context, &decision.base, trial)),
         );
         let left = after.scores.score.get(after.strongest).map_or(0.0, |score| score.abs());
         let remaining = 0.5 * left * left - (after.dictionary.len().max(1) as f64).ln();
@@ -472,7 +410,7 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
         // groups: it has to be the better one for all of them, and more than an image of the effect.
         let (lead, error) = predictive_gain(&decision.before.evidence, &trial.evidence);
         let stronger = generic_gain - value > GATE + FORM * value && lead > AGREED * error;
-        let beaten = abstains && stronger && !decision.imaged(model, basis, &trial.fit.active);
+        let beaten = abstains && stronger && !decision.imaged(context, &trial.fit.active);
         let strained = strain(model, trial).filter(|(_, x)| abstains && *x > STRAINED);
         let beside = abstains && remaining > REMAINDER * value && left > after.threshold;
         if value > GATE && groups < FEWEST_GROUPS {
@@ -510,10 +448,10 @@ fn choose(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &m
                     "the form of the equations drowns what it closes on groups left out; beside the form allowance";
                 decision.reasons.push(format!("{id}: {why} they are predicted better for certain"));
             }
-            let shape = closed.and_then(|closed| shape(model, basis, folds, decision, index, &closed, seed));
+            let shape = closed.and_then(|closed| shape(context, decision, index, &closed));
             if let Some((other, note)) = shape {
                 decision.reasons.push(note);
-                decision.after = Some(remainder(model, basis, folds, &decision.trials[other], seed));
+                decision.after = Some(context.remainder(&decision.trials[other]));
                 decision.chosen = Some(other);
             } else {
                 decision.chosen = Some(index);

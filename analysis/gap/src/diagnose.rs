@@ -1,24 +1,22 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
+use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
+use super::constants::NINETY;
 use super::decide::{Decision, decide};
+use super::diagnosing::Diagnosing;
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
+use super::settle::settled;
 use super::trial::Trial;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
-    Transform, Tried, report_units,
+    Transform, Tried,
 };
 use rayon::prelude::*;
-use toolroom_effects::{CatalogueEntry, Effect};
-use toolroom_scenario::effects::SHOP_EFFECTS;
 
-/// Score at which an effect counts as detectable.
-pub(crate) const DETECTABLE: f64 = 5.0;
-/// Normal quantile of a 90 % interval.
-const NINETY: f64 = 1.645;
 /// Cells of the map that are reported.
 pub(super) const CELLS: usize = 12;
 /// Calibration that went further than this is reported, in prior standard deviations.
@@ -36,11 +34,6 @@ pub struct Diagnosed {
     pub(super) held_out: [LeftOut; 2],
 }
 
-/// Catalogue row of an id.
-pub(crate) fn entry(id: &str) -> Option<&'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(super::EMPIRICAL_EFFECTS).find(|entry| entry.id == id)
-}
-
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
 pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     diagnose_by(model, Method::default(), seed)
@@ -54,51 +47,27 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
     diagnosed(&Bare::new(model, method), method, seed)
 }
 
-/// Noise and scatter as the data show them, and the nominal model calibrated beside them.
-pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, super::Fit) {
-    let sheet = Basis::of_sheet(model, method);
-    let first = sheet.start(model);
-    let rough = Basis::new(model, &first, &sheet);
-    // A strong effect may not be taken for noise: the noise is read off beside the best effect, again
-    // as long as it falls, since what is best is judged by the noise.
-    let mut probe = Trial::of(model, &rough, &[], first);
-    let mut basis = beside_best(model, &rough, &probe);
-    for _ in 0..NOISES {
-        let fit = super::fit::fit(model, &basis.noise, probe.fit.linear.clone(), &[], &basis.local_scale);
-        probe = Trial::of(model, &basis, &[], fit.complete(model));
-        let next = beside_best(model, &basis, &probe);
-        let fell = basis.noise.scale.iter().zip(&next.noise.scale).any(|(before, after)| *after < 0.8 * before);
-        if !fell {
-            break;
-        }
-        basis = next;
-    }
-    let refit = super::fit::fit(model, &basis.noise, probe.fit.linear, &[], &basis.local_scale).complete(model);
-    (basis, refit)
-}
-
 fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let (basis, refit) = settled(model, method);
     let folds = folds(&model.frame().measured);
-    let base = Trial::of(model, &basis, &folds, refit);
-    let mut decision = decide(model, &basis, &folds, base, seed);
+    let context = Diagnosing { model, basis: &basis, folds: &folds, seed };
+    let mut decision = decide(context, context.trial_of(refit));
     for _ in 0..RESTARTS {
-        let Some(better) = restarted(model, &basis, &folds, &decision) else { break };
-        decision = decide(model, &basis, &folds, better, seed);
+        let Some(better) = restarted(context, &decision) else { break };
+        decision = decide(context, better);
     }
-    let left_out = if decision.verdict == GapVerdict::Effect { LeftOut::with_moves } else { LeftOut::of };
-    let (base_left, chosen_left) = rayon::join(
-        || left_out(model, &basis, &decision.base, &folds),
-        || left_out(model, &basis, decision.model(), &folds),
-    );
+    let left_out =
+        if decision.verdict == GapVerdict::Effect { Diagnosing::left_out_with_moves } else { Diagnosing::left_out };
+    let (base_left, chosen_left) =
+        rayon::join(|| left_out(context, &decision.base), || left_out(context, decision.model()));
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
     let ((total, channels), (named, (hidden, tried))) = rayon::join(
         || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
         || {
-            let rest = || tried(model, &basis, &folds, &decision, &base_left, &scored, seed);
-            rayon::join(|| named(model, &basis, &decision), || rayon::join(|| hidden(model, &basis, &decision), rest))
+            let rest = || tried(context, &decision, &base_left, &scored);
+            rayon::join(|| named(context, &decision), || rayon::join(|| hidden(model, &basis, &decision.base), rest))
         },
     );
     let mut notes = decision.reasons.clone();
@@ -124,7 +93,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         notes,
     };
     if diagnosis.verdict == GapVerdict::NoGap
-        && let Some(why) = hidden_by_calibration(model, &decision, &hidden)
+        && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)
     {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
@@ -133,39 +102,16 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
 
-/// Times that the noise is read off anew.
-const NOISES: usize = 3;
-
-/// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
-fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
-    let scores = probe.scores();
-    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
-    match best.filter(|index| scores.score[*index] > DETECTABLE) {
-        Some(index) => {
-            let best = Trial::fitted(model, basis, &probe.fit, &[index]);
-            Basis::new(model, &best.complete(model), basis)
-        }
-        None => Basis::new(model, &probe.fit, basis),
-    }
-}
-
 /// What every fitted model would close, by falling gain.
-fn tried(
-    model: &dyn Forward,
-    basis: &Basis,
-    folds: &[Vec<usize>],
-    decision: &Decision,
-    base_left: &LeftOut,
-    scored: &[usize],
-    seed: u64,
-) -> Vec<Tried> {
+fn tried(context: Diagnosing<'_>, decision: &Decision, base_left: &LeftOut, scored: &[usize]) -> Vec<Tried> {
+    let Diagnosing { model, basis, seed, .. } = context;
     let candidates = &model.frame().candidates;
     let word = |index: &usize| match candidates[*index].shape.as_str() {
         "" => candidates[*index].id.to_owned(),
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
-        let left = LeftOut::of(model, basis, trial, folds);
+        let left = context.left_out(trial);
         Tried {
             effects: trial.fit.active.iter().map(word).collect(),
             gain: decision.gain_of(trial, candidates.len()),
@@ -183,7 +129,8 @@ const RESTARTS: usize = 3;
 
 /// A better fit of the nominal model, started where the fits with effects ended: a model that lacks
 /// something may have been caught far away, and its gap may not be blamed on an effect.
-fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision: &Decision) -> Option<Trial> {
+fn restarted(context: Diagnosing<'_>, decision: &Decision) -> Option<Trial> {
+    let Diagnosing { model, basis, .. } = context;
     let near = |trial: &Trial| trial.fit.cost < decision.base.fit.cost - 1.0;
     let nearer: Vec<&Trial> = decision.trials.iter().filter(|trial| near(trial)).take(3).collect();
     let fits = nearer.into_par_iter().map(|trial| {
@@ -192,17 +139,18 @@ fn restarted(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], decision:
         super::fit::fit(model, &basis.noise, super::Linear::with(model, point, &[]), &[], &basis.local_scale)
     });
     let best = fits.collect::<Vec<_>>().into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    (best.cost < decision.base.fit.cost - 1.0).then(|| Trial::of(model, basis, folds, best.complete(model)))
+    (best.cost < decision.base.fit.cost - 1.0).then(|| context.trial_of(best.complete(model)))
 }
 
-fn named(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<NamedEffect> {
+fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
+    let model = context.model;
     if decision.verdict != GapVerdict::Effect {
         return Vec::new();
     }
     let trial = decision.model();
     let posterior = trial.deviations();
     let between = trial.jackknife();
-    let probabilities = inclusion(model, basis, decision);
+    let probabilities = inclusion(context, decision);
     let scores = decision.base.scores();
     let value = decision.gain_of(trial, model.frame().candidates.len());
     let one = |(place, index): (usize, &usize)| {
@@ -231,13 +179,13 @@ fn named(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<NamedEf
 
 /// Probability of each id: models weighted by their gain, the choice among many paid for, with the
 /// nominal model and the best generic signature among them.
-fn inclusion(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<(&'static str, f64)> {
-    let count = model.frame().candidates.len();
+fn inclusion(context: Diagnosing<'_>, decision: &Decision) -> Vec<(&'static str, f64)> {
+    let (model, count) = (context.model, context.candidates());
     let generic = gain(&decision.before.evidence, &decision.base.evidence)
         - (decision.before.dictionary.len().max(1) as f64).ln()
         - decision.share;
     let mut models: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
-    if !decision.imaged(model, basis, &decision.model().fit.active) {
+    if !decision.imaged(context, &decision.model().fit.active) {
         models.push((Vec::new(), generic));
     }
     let single = |single: &super::decide::Single| {

@@ -1,10 +1,10 @@
 //! What records of a design can show of each effect, before and beside a diagnosis.
 
-use super::decide::{CONVINCING, Decision};
-use super::diagnose::{DETECTABLE, entry};
+use super::catalogue::{entry, report_units};
+use super::constants::{ANYHOW, CONFUSED, CONVINCING, DETECTABLE, LARGE, NEIGHBOURS, PUSHED, UNLUCKY, WHOLLY};
 use super::score::Scores;
 use super::trial::Trial;
-use super::{Basis, Forward, Method, report_units};
+use super::{Basis, Forward, Method};
 use nalgebra::DVector;
 
 /// What records of such a design can show of one effect.
@@ -75,9 +75,9 @@ pub(super) struct Shown {
 }
 
 /// Effects that such data can hardly show at their ordinary size.
-pub(super) fn hidden(model: &dyn Forward, basis: &Basis, decision: &Decision) -> Vec<Shown> {
+pub(super) fn hidden(model: &dyn Forward, basis: &Basis, base: &Trial) -> Vec<Shown> {
     let mut list: Vec<Shown> = Vec::new();
-    for shown in identified(model, basis, &decision.base) {
+    for shown in identified(model, basis, base) {
         // Of several shapes of an effect the one that shows best speaks for all.
         match list.iter_mut().find(|other| other.row.id == shown.row.id) {
             Some(other) if shown.row.minimal_detectable < other.row.minimal_detectable => *other = shown,
@@ -89,16 +89,9 @@ pub(super) fn hidden(model: &dyn Forward, basis: &Basis, decision: &Decision) ->
     list
 }
 
-/// Prior standard deviations from which calibration went so far that something may have pushed it (assumption).
-const PUSHED: f64 = 4.0;
-/// Ordinary sizes that a masked effect may have (assumption).
-const LARGE: f64 = 4.0;
-/// Share taken by the projection from which next to nothing of a signature is left (assumption).
-const WHOLLY: f64 = 0.97;
-
 /// What calibration went far for, if a masked effect of a size that occurs pushes it there.
-pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hidden: &[Shown]) -> Option<String> {
-    let point = &decision.base.fit.linear.point;
+pub(super) fn hidden_by_calibration(model: &dyn Forward, base: &Trial, hidden: &[Shown]) -> Option<String> {
+    let point = &base.fit.linear.point;
     let moved = point.parameters.iter().chain(&point.surfaces).enumerate();
     let pushed = |(i, x): (usize, &f64)| {
         let by = hidden.iter().find(|own| own.row.masking > WHOLLY && pushes(own.moves[i], *x))?;
@@ -113,9 +106,6 @@ pub(super) fn hidden_by_calibration(model: &dyn Forward, decision: &Decision, hi
 fn pushes(push: f64, moved: f64) -> bool {
     moved.abs() > PUSHED && LARGE * push * moved.signum() > moved.abs()
 }
-
-/// Cosine of projected signatures from which two effects count as confused (assumption).
-const CONFUSED: f64 = 0.9;
 
 fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
     let scores = trial.scores();
@@ -164,12 +154,6 @@ fn nuisance_name(model: &dyn Forward, i: usize) -> &str {
     parameters.chain(frame.surfaces.iter().map(|surface| &surface.name)).nth(i).map_or("", String::as_str)
 }
 
-/// How many standard deviations of its form and of the noise of its score an effect may be unlucky by
-/// and still keep what is promised: nineteen times of twenty.
-const UNLUCKY: f64 = 1.645;
-/// Share of a score that no form takes away (assumption).
-const ANYHOW: f64 = 0.1;
-
 /// Least size, in ordinary ones, whose score convinces although the noise takes away of it, and
 /// although the function of the effect is not quite that of the catalogue: what the projection leaves of a
 /// signature is small beside what it takes away, so that a little change of form can cost much of it.
@@ -197,10 +181,6 @@ fn convincing(score: f64, lost: f64) -> f64 {
     let (a, b, c) = (score * score - lost * lost, CONVINCING * score, CONVINCING * CONVINCING - UNLUCKY * UNLUCKY);
     (b + (b * b - a * c).sqrt()) / a
 }
-
-/// Cosine of two signatures, before anything is projected out, from which shapes of an effect are neighbours
-/// (assumption): a cause may lie between them. Lots and coolants act on rows of their own and are none.
-const NEIGHBOURS: f64 = 0.5;
 
 /// Share of the score of a shape that is left where the cause lies halfway between it and its neighbour: what the
 /// projection leaves of the two may have little in common, so that neither sees it well.

@@ -30,12 +30,15 @@
 
 mod basis;
 mod broken;
+mod catalogue;
 mod channels;
 mod closure;
+mod constants;
 pub mod cutting;
 mod cutting_effects;
 mod decide;
 mod diagnose;
+mod diagnosing;
 mod diagnosis;
 pub mod empirical;
 mod empirical_effects;
@@ -56,10 +59,12 @@ mod noise;
 mod nominal;
 pub mod plan;
 mod plausible;
+mod pooled;
 mod processes;
 pub mod program;
 mod score;
 mod settings;
+mod settle;
 pub mod shop;
 mod summary;
 mod tolerance;
@@ -67,9 +72,11 @@ mod trial;
 mod units;
 
 pub use basis::Basis;
+pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
-pub use decide::{Decision, FEWEST_GROUPS};
+pub use constants::FEWEST_GROUPS;
+pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
@@ -89,8 +96,3 @@ pub use processes::{Answers, Asked, diagnose_processes};
 pub use score::Scores;
 pub use settings::Settings;
 pub use trial::Trial;
-
-/// Factor from SI to the display unit of an effect's size, and the unit.
-pub fn report_units(id: &str) -> (f64, &'static str) {
-    diagnose::entry(id).map_or((1.0, "1"), |entry| (entry.size.to_display(1.0), entry.size.display))
-}

@@ -6,7 +6,8 @@
 //! (Atkinson & Fedorov 1975, T-optimality); it counts up to the score that an effect needs to be
 //! named. The block that adds most per minute of machine time wins.
 
-use super::diagnose::{DETECTABLE, entry};
+use super::catalogue::entry;
+use super::constants::DETECTABLE;
 use super::{Basis, Diagnosis, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
 use rayon::prelude::*;
 use serde_json::{Value, json};

@@ -1,17 +1,9 @@
 //! Channels whose numbers no cut gives, for models that have no nominal value to compare with.
 
+use super::constants::{ODD, ODD_NEAR, POWER, SPECIFIC_FORCE, SPECIFIC_PRESS};
 use toolroom_records::{ColumnKind, RecordColumn, Records};
 use toolroom_statistics::median;
 
-/// Force over chip cross-section that materials have, Pa: soft aluminium in thick chips to hardened
-/// steel in thin ones (assumption, with room).
-const SPECIFIC_FORCE: [f64; 2] = [2e8, 2e10];
-/// Feed and passive force over cross-section: worn edges press several times harder.
-const SPECIFIC_PRESS: [f64; 2] = [3e7, 6e10];
-/// Power over force times speed: efficiency and losses (assumption).
-const POWER: [f64; 2] = [0.25, 4.0];
-/// Group median over the median of all beyond which a group was logged in another unit.
-const ODD: f64 = 8.0;
 /// Ratios that slips leave: prefixes, inches, minutes, kilogram-force.
 const SLIPS: [(f64, &str); 5] = [
     (1000.0, "a prefix"),
@@ -116,7 +108,7 @@ fn odd_groups(records: &Records, channel: &str) -> Option<String> {
         .iter()
         .filter(|(value, _)| {
             let ratio = if *value > middle { value / middle } else { middle / value };
-            ratio > ODD && SLIPS.iter().any(|(factor, _)| (ratio / factor).ln().abs() < 0.4)
+            ratio > ODD && SLIPS.iter().any(|(factor, _)| (ratio / factor).ln().abs() < ODD_NEAR)
         })
         .map(|(_, name)| *name)
         .collect();

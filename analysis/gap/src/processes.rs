@@ -9,8 +9,8 @@
 //! (Bonferroni).
 
 use super::channels::{diagnose_among, mean_budget};
-use super::closure::pooled;
 use super::diagnose::Diagnosed;
+use super::pooled::pooled;
 use super::summary::{named, percent, rounded, verdict, with_unit};
 use super::{Closure, Diagnosis, Forward, GapVerdict};
 use serde_json::{Map, Value, json};

@@ -2,6 +2,7 @@
 //! and how strongly the data ask for it.
 
 use super::Gram;
+use super::constants::NULL_LEVEL;
 use super::gram::{factor, part};
 use nalgebra::DMatrix;
 use rand::SeedableRng;
@@ -57,8 +58,6 @@ pub fn scores(gram: &Gram, first: usize, free: &[usize]) -> Scores {
 
 /// Draws of the null distribution.
 const DRAWS: usize = 600;
-/// Level of the tests against it.
-const LEVEL: f64 = 0.01;
 
 /// The score that the greatest of all scores exceeds with probability 1 % where nothing is hidden,
 /// in any of `processes` that are asked together (each at its share of the level, Bonferroni).
@@ -82,7 +81,7 @@ pub fn max_null(cosine: &DMatrix<f64>, one_sided: bool, processes: usize, seed: 
     };
     let mut greatest: Vec<f64> = scores.as_slice().chunks_exact(count).map(of_draw).collect();
     greatest.sort_by(f64::total_cmp);
-    greatest[count_of_draws - (LEVEL * DRAWS as f64) as usize]
+    greatest[count_of_draws - (NULL_LEVEL * DRAWS as f64) as usize]
 }
 
 #[cfg(test)]

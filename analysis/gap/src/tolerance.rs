@@ -4,11 +4,8 @@
 //! little more in one channel than in another. Without room for that, a strong effect drags a second
 //! one along that does nothing but mend its form.
 
+use super::constants::TOLERANCE;
 use super::{Forward, Linear};
-
-/// Prior standard deviation of the exponent of an effect's function, and of its share in one
-/// channel against the others (assumption).
-pub(super) const TOLERANCE: f64 = 0.25;
 
 /// Columns by which the contributions of the `active` candidates may differ from those of the
 /// catalogue, per prior standard deviation: `c ln |c|` of a contribution c (another exponent) and c

@@ -1,5 +1,6 @@
 //! Channels and conditions in a wrong unit.
 
+use super::constants::{HANDLING, IMPOSSIBLE, NEAR};
 use super::{Forward, Point, Transform};
 use toolroom_statistics::median;
 
@@ -14,12 +15,6 @@ const SLIPS: [(f64, &str); 8] = [
     (3.281, "feet for m"),
     (10.0, "a decimal point"),
 ];
-/// Ratio of measurement to nominal model beyond which no effect of the catalogue is likely.
-const IMPOSSIBLE: f64 = 2.5;
-/// Handling and stops over the time in cut (assumption).
-const HANDLING: f64 = 4.0;
-/// How near a slip a ratio must be.
-const NEAR: f64 = 0.3;
 
 /// Ratio of measurement to the nominal model by channel, median.
 pub fn ratios(model: &dyn Forward) -> Vec<f64> {

@@ -1,0 +1,170 @@
+//! Constants by which the diagnosis decides: what is named, what counts as unknown or masked, and
+//! which channels count at all.
+//!
+//! Every constant says what it decides, in which unit it counts, and why it has its value. Where no
+//! source or derivation is known, the reason is the word "assumption"; the blind benchmark checks all
+//! of them together. Constants of numerical methods (steps, rounds, draws) stand where they are used.
+
+// Gains: what a name has to be worth.
+
+/// Gain that a named effect needs beside the price of having been chosen, in log posterior density (1).
+/// Assumption: odds of e⁴ ≈ 55 to 1, and a name without cause costs more than a missed one.
+pub(super) const GATE: f64 = 4.0;
+/// Lead of a pair over its best single effect that names both, the choice among pairs paid for, in log
+/// posterior density (1). Assumption: twice [`GATE`], since the second effect may only mend the form of the
+/// first.
+pub(super) const PAIR_GATE: f64 = 8.0;
+/// Further lead of a second effect that moves the same readings, as a share of the gain of the first (1).
+/// Assumption: the occurrences of a cause scatter, and what they leave looks like something else.
+pub(super) const SCATTERED: f64 = 0.05;
+/// Share by which an effect may fall behind a generic signature, of its own gain (1). Assumption: the
+/// function of an effect is as little exact as any other.
+pub(super) const FORM: f64 = 0.1;
+/// Greatest structure beside a named effect, as a share of the gain of the effect (1). Assumption: what
+/// leaves half as much as it explains is not the whole cause.
+pub(super) const REMAINDER: f64 = 0.5;
+/// Gain from which an effect need not close the gap of left-out groups for certain, in log posterior
+/// density (1). Assumption: twice [`CLEAR`].
+pub(super) const EVIDENT: f64 = 2.0 * CLEAR;
+/// Share of a signature that the form allowance imitates, above which an effect with a gain below
+/// [`EVIDENT`] has to close the gap for certain (1). Assumption: the allowance imitates most of it.
+pub(super) const IMITATED: f64 = 0.5;
+/// Gain over what the scores of its effects promise, above which a nominal fit is not believed (1).
+/// Assumption: the scores are linear, so that an honest gain may be a few times what they promise.
+pub(super) const PROMISED: f64 = 4.0;
+/// Gain beside [`PROMISED`] times the promise that is always believed, in log posterior density (1).
+/// Assumption: small promises are uncertain by more than their own size.
+pub(super) const SLACK: f64 = 20.0;
+
+// Scores and agreement: how strongly, and by how many groups, the data ask for an effect.
+
+/// Score from which an effect counts as detectable, in standard deviations (1). Assumption: five standard
+/// deviations leave room for the choice among many candidates.
+pub(super) const DETECTABLE: f64 = 5.0;
+/// Score at its fitted size that a named effect needs, in standard deviations (1). Assumption: smaller ones
+/// are as often the work of causes that no catalogue has, as blind checks on shops that were used for
+/// development showed.
+pub(super) const CONVINCING: f64 = 4.5;
+/// Size over its standard error between groups that a named effect needs, and the lead over its standard
+/// error that speaks for a generic signature instead (1). Assumption: about 95 %, so that all groups say
+/// so and not one.
+pub(super) const AGREED: f64 = 2.0;
+/// Fewest fitted groups that can name an effect (count). Assumption: the agreement of fewer groups cannot be
+/// judged.
+pub const FEWEST_GROUPS: usize = 5;
+/// Level of the tests of generic signatures against their null distribution, as a probability (1).
+/// Assumption: one in a hundred data sets without a gap shows structure by chance.
+pub(super) const NULL_LEVEL: f64 = 0.01;
+
+// The search: which models get the chance to be named.
+
+/// Single effects that are fitted anew (count). Assumption: a cause that ranks lower is hidden by others
+/// anyway, and every fit costs time.
+pub(super) const REFITTED: usize = 5;
+/// Least score of a single effect that is fitted anew, in standard deviations (1). Assumption: about 95 %;
+/// a fit does not lift less than that to [`CONVINCING`].
+pub(super) const REFITTED_SCORE: f64 = 2.0;
+/// Shapes of one effect among those that are fitted anew (count). Assumption: more would crowd out other
+/// effects.
+pub(super) const SHAPES: usize = 2;
+/// Single effects to which a second one is sought (count). Assumption: the cause that explains most is among
+/// the best three.
+pub(super) const PAIRED: usize = 3;
+/// Least score of a second effect beside the first, in standard deviations (1). Assumption: it lies above
+/// [`REFITTED_SCORE`], since a pair has more to choose from.
+pub(super) const PAIRED_SCORE: f64 = 2.5;
+/// Least lead, before the pair is fitted, of a second effect beside the first, in log posterior density
+/// (1). Assumption: a quarter of [`PAIR_GATE`], since a fit may raise it.
+pub(super) const PAIRED_LEAD: f64 = 2.0;
+/// Single effects that are fitted anew because the scores at the nominal point ask for them (count).
+/// Assumption: this is only a supplement where the calibrated nominal model is strained.
+pub(super) const EARLY: usize = 2;
+
+// Form: how far equations may be off.
+
+/// Prior standard deviation of the exponent of an effect's function, and of its share in one channel
+/// against the others (1). Assumption: a catalogue function is exact to about a quarter of an exponent.
+pub(super) const TOLERANCE: f64 = 0.25;
+/// Move of a form allowance beside a named effect above which the equations are not believed, in prior
+/// standard deviations (1). Assumption: no honest form error is five standard deviations.
+pub(super) const STRAINED: f64 = 5.0;
+
+// Classes: which effects the data cannot tell apart.
+
+/// Cosine of projected signatures above which two effects are the same to the data (1). Assumption: less
+/// than a third of the length of one is then its own, √(1 − 0.95²) = 0.31.
+pub(super) const SAME: f64 = 0.95;
+/// Lead over another effect above which left-out groups need not agree, in log posterior density (1).
+/// Assumption: twice [`GATE`].
+pub(super) const CLEAR: f64 = 8.0;
+/// Lead on left-out groups over its standard error below which another effect still counts as near (1).
+/// Assumption: about 95 %.
+pub(super) const CLEARLY_LEFT_OUT: f64 = 2.0;
+/// Gain of an effect over that of another below which the other is no rival of it (1). The gain of a rival
+/// is more than a third of it. Assumption.
+pub(super) const RIVAL: f64 = 3.0;
+/// Cosine of projected signatures from which two effects count as confused in a plan (1). Assumption: it
+/// lies below [`SAME`], since a plan has to warn early.
+pub(super) const CONFUSED: f64 = 0.9;
+
+// Masking: what a design cannot show.
+
+/// Move of a calibration from which a masked effect may have pushed it, in prior standard deviations (1).
+/// Assumption: priors are rarely off by more.
+pub(super) const PUSHED: f64 = 4.0;
+/// Ordinary sizes that a masked effect may have (1). Assumption: larger ones do not occur.
+pub(super) const LARGE: f64 = 4.0;
+/// Share of a squared signature that the projection takes, above which next to nothing of it is left (1).
+/// Assumption: 17 % of the length is left.
+pub(super) const WHOLLY: f64 = 0.97;
+/// Standard deviations of form and noise by which an effect may be unlucky and still keep what is promised
+/// (1). Derivation: the one-sided normal quantile of nineteen in twenty.
+pub(super) const UNLUCKY: f64 = 1.645;
+/// Share of a score that no form takes away (1). Assumption: some of an effect always shows.
+pub(super) const ANYHOW: f64 = 0.1;
+/// Cosine of two signatures before any projection, from which shapes of an effect are neighbours (1).
+/// Assumption: a cause may then lie between them; lots and coolants act on rows of their own and are none.
+pub(super) const NEIGHBOURS: f64 = 0.5;
+
+// Intervals of closure.
+
+/// Normal quantile of a 90 % interval, in standard deviations (1). Derivation: 5 % lie beyond each end.
+pub(super) const NINETY: f64 = 1.645;
+/// Factor on an interval of closure where the groups are too few for Student's quantile (1). Assumption: it is
+/// wide enough that one group decides nothing.
+pub(super) const TOO_FEW: f64 = 3.0;
+
+// Enough data, and channels that count.
+
+/// Fewest groups that are fitted for any answer (count). Derivation: one group says nothing about the scatter
+/// between groups.
+pub(super) const FEWEST_FITTED: usize = 2;
+/// Fewest values of one channel in the fitted groups for any answer (count). Assumption: the noise of a
+/// channel is read off its values.
+pub(super) const FEWEST_VALUES: usize = 8;
+/// Force over chip cross-section that materials have, Pa. Assumption: from soft aluminium in thick chips to
+/// hardened steel in thin ones, with room.
+pub(super) const SPECIFIC_FORCE: [f64; 2] = [2e8, 2e10];
+/// Feed and passive force over chip cross-section, Pa. Assumption: [`SPECIFIC_FORCE`] with room for worn
+/// edges, which press several times harder.
+pub(super) const SPECIFIC_PRESS: [f64; 2] = [3e7, 6e10];
+/// Power over force times speed (1). Assumption: efficiency and losses, with room.
+pub(super) const POWER: [f64; 2] = [0.25, 4.0];
+/// Group median over the median of all beyond which a group may have been logged in another unit (1).
+/// Assumption: no cause changes a group by so much.
+pub(super) const ODD: f64 = 8.0;
+/// Nearness of the ratio of a group to a slip of units, in its logarithm (1). Assumption: groups differ by
+/// half for other reasons.
+pub(super) const ODD_NEAR: f64 = 0.4;
+/// Ratio of measurement to nominal model from which no effect of the catalogue is likely (1). Assumption.
+pub(super) const IMPOSSIBLE: f64 = 2.5;
+/// Handling and stops over the time in cut, by which a cycle time may be longer (1). Assumption.
+pub(super) const HANDLING: f64 = 4.0;
+/// Nearness of a channel's ratio to a slip of units, in its logarithm (1). Assumption: calibration and effects
+/// move a channel by a third.
+pub(super) const NEAR: f64 = 0.3;
+/// Land beyond which an edge counts as broken, m. Source: ISO 3685, the end of a life where wear is irregular.
+pub(super) const BROKEN: f64 = 0.6e-3;
+/// Growth of the land from one operation to the next of an edge that breaks, m. Assumption: steady wear grows
+/// by far less.
+pub(super) const BREAKING: f64 = 0.15e-3;
