@@ -14,7 +14,7 @@ use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
 pub use keys::STUDY;
-pub use study::{merge, shard};
+pub use study::{merge, read, shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     match (&args.fit, &args.file) {

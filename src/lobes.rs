@@ -26,6 +26,7 @@ use toolroom_chatter::{ChatterError, Hole, Lobes};
 use toolroom_process::unit;
 use toolroom_scenario::file::{FormFile, significant};
 
+pub use file::read;
 pub use shards::{merge, shard};
 
 /// A chart worked out.
@@ -47,7 +48,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
         };
         return perform(plan, number, out, args.threads, voice);
     };
-    let file = file::read(path, &args.set)?;
+    let file = read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {
         return verdict(&file.content, speed, depth, voice);
     }
