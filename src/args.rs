@@ -10,7 +10,7 @@ mod lobes;
 mod planning;
 mod program;
 
-pub use files::{CheckArgs, FileKind, NewArgs, SchemaArgs};
+pub use files::{CheckArgs, NewArgs, SchemaArgs};
 pub use gap::{ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, PlanArgs};
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
@@ -99,10 +99,14 @@ others are compared as independent samples, and the output says why.")]
   toolroom new myshop            writes myshop/scenario.toml and its schema for editors
   toolroom compare myshop/scenario.toml")]
     New(NewArgs),
-    /// Validate a scenario: every problem at once, quantities echoed with units
+    /// Validate a file of any kind: every problem at once, quantities echoed with units
     #[command(before_help = "Examples:
   toolroom check myshop/scenario.toml
-  toolroom check myshop/scenario.toml --set machine.L.rate=\"70 EUR/h\" --json")]
+  toolroom check myshop/scenario.toml --set machine.L.rate=\"70 EUR/h\" --json
+  toolroom check scenarios/grinding/cycle.toml      cycle, contour, lobes, life, mapping and gap model files too
+  toolroom check shop.toml --kind gap               a scenario as a nominal model
+
+The kind of a file is told by the keys and tables at its top; --kind overrides it.")]
     Check(CheckArgs),
     /// Calculate every output of a process at one operating point
     #[command(before_help = "Examples:

@@ -2,38 +2,50 @@
 
 use crate::args::CheckArgs;
 use crate::failure::Failure;
+use crate::kinds::FileKind;
 use crate::speak::Voice;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_scenario::file::{Echo, ScenarioFile, read};
+use toolroom_scenario::file::Echo;
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
-    let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
+    let path = &args.file;
+    let kind = args.kind.map_or_else(|| FileKind::of(path), Ok)?;
+    let Some(read) = kind.read else {
+        return Err(Failure::argument(
+            format_args!("files of the kind {} are written by toolroom, not read", kind.word),
+            "leave --kind out",
+        ));
+    };
+    let changes = &args.changes;
+    if kind.word != "scenario" && (changes.seed.is_some() || changes.replications.is_some()) {
+        let message =
+            format!("--seed and --replications are for scenarios; {} is a {} file", path.display(), kind.word);
+        return Err(Failure::argument(message, "change values of this file with --set"));
+    }
+    let checked = read(path, &changes.overrides())?;
     if voice.json {
-        let scenario = &file.scenario;
-        let result = json!({
-            "schema": 1,
-            "file": args.scenario.file.display().to_string(),
-            "valid": true,
-            "name": scenario.name,
-            "policies": scenario.policies.iter().map(|policy| &policy.name).collect::<Vec<_>>(),
-            "values": file.echo,
-        });
+        let mut result = json!({ "schema": 1, "file": path.display().to_string(), "valid": true });
+        if let Value::Object(result) = &mut result {
+            result.extend(checked.result);
+        }
         return voice.json(&result);
     }
-    voice.data(echo(&file.echo))?;
-    voice.say(summary(&file));
+    if !checked.echo.is_empty() {
+        voice.data(echo(&checked.echo, kind.word))?;
+    }
+    voice.say(checked.summary);
     Ok(())
 }
 
-/// Every value under its section; defaults are marked, because they are easily forgotten.
-fn echo(values: &[Echo]) -> String {
+/// Every value under its section, those of none under the kind of the file; defaults are marked, because they are easily forgotten.
+fn echo(values: &[Echo], kind: &str) -> String {
     let mut text = String::new();
     let width = values.iter().map(|value| value.key.chars().count()).max().unwrap_or(0);
     let mut section = None;
     for value in values {
         if section != Some(&value.section) {
-            let title = if value.section.is_empty() { "scenario" } else { &value.section };
+            let title = if value.section.is_empty() { kind } else { &value.section };
             let gap = if section.is_some() { "\n" } else { "" };
             let _ = writeln!(text, "{gap}{title}");
         }
@@ -43,18 +55,4 @@ fn echo(values: &[Echo]) -> String {
     }
     text.truncate(text.trim_end().len());
     text
-}
-
-fn summary(file: &ScenarioFile) -> String {
-    let scenario = &file.scenario;
-    let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
-    format!(
-        "valid: {} machines, {} tools, {} parts with {operations} operations, {} policies, {} replications of {} h",
-        scenario.machines.len(),
-        scenario.tools.len(),
-        scenario.parts.len(),
-        scenario.policies.len(),
-        scenario.replications,
-        scenario.horizon / 3600.0,
-    )
 }

@@ -13,10 +13,17 @@ use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use crate::study::default_out;
+use std::path::Path;
 use std::time::Instant;
 
+/// Name and number of passes of a contour file that can be read.
+pub fn check(file: &Path, set: &[String]) -> Result<(String, usize), Failure> {
+    let task = input::read(file, None, set, &[])?;
+    Ok((task.file.name, task.file.passes.len()))
+}
+
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
-    let task = input::read(args)?;
+    let task = input::read(&args.file, args.gcode.as_deref(), &args.set, &args.pass)?;
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
     let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref());
     let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;

@@ -30,7 +30,8 @@ fn nominal(data: &GapData) -> Result<NominalModel, Failure> {
     nominal_of(&data.model, &data.set)
 }
 
-fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
+/// The nominal model of a file with the values of `--set`.
+pub fn nominal_of(path: &Path, set: &[String]) -> Result<NominalModel, Failure> {
     NominalModel::read(path, set).map_err(|error| match error {
         ModelFileError::Read(error) => Failure::from(error),
         other => Failure::argument(other, "see scenarios/gap for nominal models that work"),

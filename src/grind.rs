@@ -10,6 +10,7 @@ use crate::faulty::{FaultyFile, Placed, key_place};
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use crate::study::default_out;
+use std::path::Path;
 use std::time::Instant;
 use toolroom_infeed::{Cycle, CycleError, CycleFile, CycleFileError, DressingInterval};
 
@@ -25,9 +26,9 @@ struct Design {
 
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
-    let target = args.out.clone().unwrap_or_else(|| default_out(&name(args)));
+    let target = args.out.clone().unwrap_or_else(|| default_out(&name(&args.file)));
     let out = OutputDir::create(&target, results::NAMES, [args.file.as_path()], voice.force)?;
-    let design = design(args)?;
+    let design = design(&args.file, &args.set)?;
     let wall = start.elapsed();
     results::write(&out, args, &design, wall)?;
     let target = out.publish()?;
@@ -42,13 +43,19 @@ pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// Name of the design: that of its file.
-fn name(args: &GrindArgs) -> String {
-    args.file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned())
+fn name(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn design(args: &GrindArgs) -> Result<Design, Failure> {
-    let path = args.file.display().to_string();
-    let text = std::fs::read_to_string(&args.file).map_err(|error| {
+/// Whether a cycle file can be worked out.
+pub fn check(file: &Path, set: &[String]) -> Result<(), Failure> {
+    design(file, set).map(|_| ())
+}
+
+fn design(file: &Path, set: &[String]) -> Result<Design, Failure> {
+    let name = name(file);
+    let path = file.display().to_string();
+    let text = std::fs::read_to_string(file).map_err(|error| {
         Failure::argument(
             format_args!("{path} cannot be read: {error}"),
             "give a cycle file, such as scenarios/grinding/cycle.toml",
@@ -56,7 +63,7 @@ fn design(args: &GrindArgs) -> Result<Design, Failure> {
     })?;
     let text = text.trim_start_matches('\u{FEFF}').to_owned();
     let mut file = CycleFile::read(&path, &text).map_err(|error| refused_file(&error, &text))?;
-    for change in &args.set {
+    for change in set {
         let (key, value) = change.split_once('=').ok_or_else(|| {
             Failure::argument(format_args!("`{change}` is not of the form key=value"), "--set limits.stock=\"50 um\"")
         })?;
@@ -70,7 +77,7 @@ fn design(args: &GrindArgs) -> Result<Design, Failure> {
     let refuse = |error| conflict(&error, &path, &text);
     let cycle = file.fastest_cycle().map_err(refuse)?;
     let dressing = file.dressing_intervals().map_err(refuse)?;
-    Ok(Design { name: name(args), text, file, cycle, dressing })
+    Ok(Design { name, text, file, cycle, dressing })
 }
 
 impl Design {

@@ -23,6 +23,7 @@ mod gap;
 mod grind;
 mod identify;
 mod import;
+mod kinds;
 mod life;
 mod lobes;
 mod merge;

@@ -17,7 +17,6 @@ use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{ScenarioFile, nearest};
 use toolroom_shop::RunLog;
-use toolroom_statistics;
 use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::results::{self, STOPPED, record};
 use toolroom_study::simulate::simulated;

@@ -1,7 +1,9 @@
 //! Arguments of the verbs that write, check and describe files.
 
-use super::ScenarioArgs;
+use super::Changes;
+use crate::kinds::{FileKind, KINDS};
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
@@ -13,21 +15,32 @@ pub struct NewArgs {
 #[derive(Args, Debug)]
 pub struct SchemaArgs {
     /// Kind of file
-    #[arg(default_value = "scenario")]
-    pub kind: FileKind,
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-pub enum FileKind {
-    Scenario,
-    Lobes,
-    Life,
-    /// diagnosis.json of `gap diagnose`
-    Diagnosis,
+    #[arg(default_value = "scenario", value_parser = described())]
+    pub kind: &'static FileKind,
 }
 
 #[derive(Args, Debug)]
 pub struct CheckArgs {
+    /// File of any kind
+    pub file: PathBuf,
+    /// Kind of the file, where it is not to be told from its content
+    #[arg(long, value_parser = readable())]
+    pub kind: Option<&'static FileKind>,
     #[command(flatten)]
-    pub scenario: ScenarioArgs,
+    pub changes: Changes,
+}
+
+/// Words of every kind.
+fn described() -> impl TypedValueParser<Value = &'static FileKind> {
+    of_kinds(|_| true)
+}
+
+/// Words of the kinds that can be read.
+fn readable() -> impl TypedValueParser<Value = &'static FileKind> {
+    of_kinds(|kind| kind.read.is_some())
+}
+
+fn of_kinds(admitted: fn(&FileKind) -> bool) -> impl TypedValueParser<Value = &'static FileKind> {
+    let words = KINDS.iter().filter(|kind| admitted(kind)).map(|kind| PossibleValue::new(kind.word).help(kind.doc));
+    PossibleValuesParser::new(words).try_map(|word| FileKind::named(&word).ok_or("no such kind"))
 }

@@ -1,6 +1,5 @@
 //! The contour file, the part program beside it, and their refusals.
 
-use crate::args::ContourArgs;
 use crate::failure::Failure;
 use crate::faulty::{FaultyFile, Placed, key_place};
 use std::path::Path;
@@ -20,9 +19,10 @@ pub struct Task {
     pub inputs: Vec<Text>,
 }
 
-pub fn read(args: &ContourArgs) -> Result<Task, Failure> {
-    let setup = open(&args.file, "give a contour file, such as scenarios/contour/rk3.toml")?;
-    let program = args.gcode.as_ref().map(|path| open(path, "give a part program of G0 to G3")).transpose()?;
+/// Reads a contour file, with the part program `gcode` beside it and the values of `--set`; `passes` have to be in it.
+pub fn read(file: &Path, gcode: Option<&Path>, set: &[String], passes: &[String]) -> Result<Task, Failure> {
+    let setup = open(file, "give a contour file, such as scenarios/contour/rk3.toml")?;
+    let program = gcode.map(|path| open(path, "give a part program of G0 to G3")).transpose()?;
     let read = match &program {
         None => ContourFile::read(&setup.text).map_err(|error| refused(&setup, error)),
         Some(program) => ContourFile::read_with_gcode(&setup.text, &program.text).map_err(|error| match error {
@@ -32,7 +32,7 @@ pub fn read(args: &ContourArgs) -> Result<Task, Failure> {
         }),
     };
     let mut file = read?;
-    for change in &args.set {
+    for change in set {
         let (key, value) = change.split_once('=').ok_or_else(|| {
             let example = "--set pass.finish.tolerance=\"0.03 mm\"";
             Failure::argument(format_args!("`{change}` is not of the form key=value"), example)
@@ -41,7 +41,7 @@ pub fn read(args: &ContourArgs) -> Result<Task, Failure> {
         file.set(key.trim(), value.trim())
             .map_err(|error| Failure::argument(format_args!("--set {change}: {error}"), help))?;
     }
-    for name in &args.pass {
+    for name in passes {
         file.pass(name)
             .map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
     }

@@ -28,7 +28,14 @@ const PILOT: u64 = 2000;
 /// Two-sided 95 % quantile of the normal law.
 const Z: f64 = 1.959_964;
 
-pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
+/// Reads a study file with the values of `--set`.
+pub fn read(path: &Path, set: &[String]) -> Result<FormFile<StudyFile>, Failure> {
+    let (file, text, directory) = open(path)?;
+    Ok(parse(&file, &text, &directory, set)?)
+}
+
+/// Name, text and folder of a study file.
+fn open(path: &Path) -> Result<(String, String, PathBuf), Failure> {
     let file = path.display().to_string();
     let bytes = fs::read(path)
         .map_err(|error| Failure::argument(format_args!("{file} cannot be read: {error}"), "give a study file"))?;
@@ -37,6 +44,11 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     let directory =
         fs::canonicalize(path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")))
             .map_err(|source| Failure::Unwritable { path: path.to_owned(), source })?;
+    Ok((file, text, directory))
+}
+
+pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
+    let (file, text, directory) = open(path)?;
     let mut overrides = args.shards.set.clone();
     overrides.extend(args.statistics.seed.map(|seed| format!("seed={seed}")));
     overrides.extend(args.shards.lives.map(|lives| format!("lives={lives}")));

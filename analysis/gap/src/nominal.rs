@@ -13,7 +13,7 @@ use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{self, Form, GAP, Key, Kind, ReadError};
+use toolroom_scenario::file::{self, Form, GAP, Key, Kind, Outline, ReadError};
 use toolroom_scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// Stretches of part programs that are told by name.
@@ -72,6 +72,7 @@ pub enum ModelFileError {
     },
 }
 
+/// The form of a file of nothing but priors and sensors.
 static PLAIN: Form = Form {
     title: "the nominal model",
     doc: "An empirical nominal model",
@@ -82,20 +83,24 @@ static PLAIN: Form = Form {
 };
 
 impl NominalModel {
+    /// Forms of files that are nominal models and nothing else: of power laws, and of part programs.
+    pub const FORMS: [&'static Form; 2] = [&PLAIN, &program::FORM];
+
     /// Reads a scenario with a section `[gap]`, or a file of nothing but that section.
     ///
     /// # Errors
     /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path);
-        if text.as_ref().is_ok_and(|text| is_program(text)) {
+        // A file that cannot be read is refused by the reader of scenarios.
+        let outline = Outline::read(path).ok();
+        if outline.as_ref().is_some_and(is_program) {
             let directory = path.parent().unwrap_or(Path::new("."));
             let resolve = |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, directory));
             let (section, model) = file::read_form(path, overrides, &program::FORM, resolve)?.content;
             return Self::of_programs(&file, section, model);
         }
-        if text.is_ok_and(|text| is_plain(&text)) {
+        if outline.as_ref().is_some_and(is_plain) {
             let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file, Some(read.content), None);
         }
@@ -108,13 +113,14 @@ impl NominalModel {
     /// # Errors
     /// As [`NominalModel::read`].
     pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ModelFileError> {
-        if is_program(text) {
+        let outline = Outline::of(text);
+        if is_program(&outline) {
             let resolve =
                 |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, Path::new(".")));
             let (section, model) = file::parse_form(file, text, overrides, &program::FORM, resolve)?.content;
             return Self::of_programs(file, section, model);
         }
-        if is_plain(text) {
+        if is_plain(&outline) {
             let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file.to_owned(), Some(read.content), None);
         }
@@ -263,8 +269,8 @@ impl NominalModel {
 }
 
 /// Whether a file describes part programs.
-fn is_program(text: &str) -> bool {
-    text.lines().any(|line| line.replace(' ', "").starts_with("process=\"program\""))
+fn is_program(outline: &Outline) -> bool {
+    outline.text("gap", "process") == Some("program")
 }
 
 fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path) -> (Option<GapSection>, ProgramModel) {
@@ -272,8 +278,8 @@ fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path)
 }
 
 /// Whether a file has no shop: nothing but priors and sensors of an empirical model.
-fn is_plain(text: &str) -> bool {
-    !text.lines().any(|line| line.trim() == "[shop]")
+fn is_plain(outline: &Outline) -> bool {
+    !outline.has("shop")
 }
 
 fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {
@@ -323,4 +329,46 @@ fn errors(file: &str, sensor: &SensorErrors, kind: RecordKind) -> Result<Sensor,
         absolute: quantity(&sensor.absolute)?,
         resolution: quantity(&sensor.resolution)?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHOP: &str = include_str!("../../../scenarios/gap/turning.toml");
+    const EMPTY: &str = "schema = 1\n[gap]\nprocess = \"empirical\"\nchannels = [\"flank_wear\"]\n";
+
+    #[test]
+    fn a_shop_is_told_by_its_table_however_it_is_written() {
+        for header in ["[shop]", "[shop] # comment", "[ shop ]", "[\"shop\"]", "  [shop]"] {
+            let text = SHOP.replacen("[shop]", header, 1);
+            let model = NominalModel::parse("turning.toml", &text, &[]).expect(header);
+            assert_eq!(model.kind(), RecordKind::Turning, "{header}");
+        }
+    }
+
+    #[test]
+    fn words_in_comments_and_texts_tell_nothing() {
+        for text in ["# [shop]\n", "# process = \"program\"\n"] {
+            let model = NominalModel::parse("model.toml", &format!("{text}{EMPTY}"), &[]).expect(text);
+            assert_eq!(model.kind(), RecordKind::Empirical, "{text}");
+        }
+        let title = "title = \"\"\"\nprocess = \"program\"\n\"\"\"";
+        let text = SHOP.replacen("title = \"Nominal model of turning C45 with T15K6\"", title, 1);
+        assert!(text.contains(title));
+        assert_eq!(NominalModel::parse("turning.toml", &text, &[]).expect("a shop").kind(), RecordKind::Turning);
+        // A header within a text is no table: the faults are those of a file without shop.
+        let text = EMPTY.replacen("[gap]", "title = \"\"\"\n[shop]\n\"\"\"\n[gap]", 1);
+        let error = NominalModel::parse("model.toml", &text, &[]).expect_err("no key title").to_string();
+        assert!(error.contains("`title`") && !error.contains("machine"), "{error}");
+    }
+
+    #[test]
+    fn part_programs_are_told_by_the_process_of_the_section() {
+        for process in ["process = 'program'", "\"process\" = \"program\"", "process=\"program\" # runs"] {
+            let text = format!("schema = 1\n[gap] # priors\n{process}\n[drives]\nrapid_speed = \"30 m/min\"\n");
+            let model = NominalModel::parse("model.toml", &text, &[]).expect(process);
+            assert_eq!(model.kind(), RecordKind::Program, "{process}");
+        }
+    }
 }

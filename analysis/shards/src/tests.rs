@@ -103,13 +103,14 @@ fn a_whole_part_that_is_not_that_of_its_shard_is_refused_by_its_name() {
     fill(&plan, &folder, false);
     let path = part(&folder.0, 1, "json");
     let own: Sidecar<Vec<f64>> = read_sidecar(&path).expect("a part");
-    let said = |change: fn(&mut Sidecar<Vec<f64>>)| {
+    type Change = fn(&mut Sidecar<Vec<f64>>);
+    let said = |change: Change| {
         let mut sidecar = own.clone();
         change(&mut sidecar);
         fs::write(&path, sealed(&sidecar).expect("JSON")).expect("a file");
         merged(&plan, &folder).expect_err("another part").to_string()
     };
-    let faults: [(&str, fn(&mut Sidecar<Vec<f64>>)); 10] = [
+    let faults: [(&str, Change); 10] = [
         ("schema", |part| part.schema = 1),
         ("another plan", |part| part.plan = "0".to_owned()),
         ("version", |part| part.version = "1".to_owned()),

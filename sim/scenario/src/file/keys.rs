@@ -8,6 +8,7 @@ use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKin
 use super::form::{Form, Key, Kind, Quantity};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
 use policy::POLICY;
+use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
 use toolroom_wear::Scatter;
@@ -27,8 +28,10 @@ const DURATION: Kind = positive("s", "min", DECADE, "1.5 min");
 const LONG_DURATION: Kind = positive("s", "h", DECADE, "8 h");
 const COST: Kind = quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
 const RATE: Kind = quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
-/// Above 6000 m/min nothing is cut.
-const SPEED: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
+/// A cutting speed that a cut is commanded: what the models of cutting take, in milling as in turning.
+const SPEED: Kind = positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
+/// What a spindle is able to; above 6000 m/min nothing is cut.
+const SPINDLE: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
 const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = positive("m", "mm", 5e-3, "0.1 mm/tooth");
 const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
@@ -143,7 +146,7 @@ static MACHINE: Form = Form {
             "Edges in the magazine before an operator has to refill it",
         ),
         Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
-        Key::required("speed_range", Kind::List(&SPEED), "Least and greatest cutting speed of spindle and program")
+        Key::required("speed_range", Kind::List(&SPINDLE), "Least and greatest cutting speed of spindle and program")
             .when("process", &["turning", "milling"]),
         Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
         Key::optional(
@@ -505,3 +508,18 @@ static SENSOR: Form = Form {
         Key::optional("resolution", Kind::Text, "Least step with its unit, `0.01 mm`"),
     ],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolroom_cutting::MillingInput;
+
+    #[test]
+    fn speeds_of_a_cut_have_the_range_of_the_models() {
+        let Kind::Quantity(speed) = SPEED else { panic!("a quantity") };
+        for fields in [TurningInput::<f64>::FIELDS, MillingInput::<f64>::FIELDS] {
+            let field = fields.iter().find(|field| field.name == "cutting_speed").expect("a speed");
+            assert_eq!((field.unit, field.max), (speed.unit, speed.max));
+        }
+    }
+}
