@@ -10,7 +10,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let model = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/gap/turning.toml");
     let truth = toolroom::scenario::file::read(
         model.as_ref(),
-        &["shop.horizon=16 h".to_owned(), "tool.insert.effects.wear_force=0.4".to_owned()],
+        &["shop.horizon=16 h".to_owned(), "tool.insert.effects=[{ id = \"wear_force\", size = 0.4 }]".to_owned()],
     )?;
     let log = toolroom::run(&truth.scenario, 0, 0)?;
     let measured = simulated(&truth.scenario, &log, &|_, channel| toolroom::records::Sensor::usual(channel));

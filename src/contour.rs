@@ -1,7 +1,6 @@
 //! `toolroom contour FILE`: plans of least time and least cost along a contour.
 
 mod compute;
-mod conditions;
 mod input;
 mod picture;
 mod report;

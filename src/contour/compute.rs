@@ -1,6 +1,5 @@
 //! Baselines, plans, front, conditions and scatter of every pass.
 
-use super::conditions::{Condition, conditions};
 use super::input::Task;
 use crate::args::ContourArgs;
 use crate::failure::Failure;
@@ -8,6 +7,7 @@ use crate::speak::Voice;
 use toolroom_contour::{
     ConditionScatter, ContourError, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity, Warning,
 };
+use toolroom_planning::contour::{Condition, OBJECTIVES, conditions};
 use toolroom_process::unit;
 
 /// Sections beyond which conditions and scatter are not studied: each of their plans is as long
@@ -19,9 +19,6 @@ const JOINT_LEVELS: usize = 64;
 
 /// Sections beyond which that is said.
 const JOINT_SECTIONS: usize = 40;
-
-/// What a plan makes least, with its name.
-pub const OBJECTIVES: [(&str, Objective); 2] = [("time", Objective::Time), ("cost", Objective::Cost)];
 
 /// One pass worked out.
 pub struct PassStudy<'a> {

@@ -1,6 +1,6 @@
 //! The report of a contour plan.
 
-use super::compute::{OBJECTIVES, PassStudy, runs, totals};
+use super::compute::{PassStudy, runs, totals};
 use super::input::Task;
 use super::picture;
 use super::text::{percent, rpm};
@@ -8,6 +8,7 @@ use crate::records::{input_table, push_record};
 use toolroom_chart::Table;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_contour::{Constraint, CornerPolicy, FormError, Milling, PathError, Plan};
+use toolroom_planning::contour::OBJECTIVES;
 use toolroom_scenario::file::significant;
 
 const MM: f64 = 1e3;

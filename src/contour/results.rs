@@ -1,7 +1,6 @@
 //! The files of a contour plan.
 
-use super::compute::{Baseline, OBJECTIVES, PassStudy, Scattered, totals};
-use super::conditions::{Condition, Gain};
+use super::compute::{Baseline, PassStudy, Scattered, totals};
 use super::input::Task;
 use super::report::report;
 use super::text::rpm;
@@ -11,6 +10,7 @@ use crate::output::{OutputDir, provenance};
 use serde_json::{Value, json};
 use std::time::Duration;
 use toolroom_contour::{Constraint, Plan, PlannedSection, Sensitivity};
+use toolroom_planning::contour::{Condition, Gain, OBJECTIVES};
 use toolroom_process::table::Cell;
 use toolroom_shards::fingerprint;
 

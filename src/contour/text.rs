@@ -1,10 +1,11 @@
 //! Plans on the terminal.
 
-use super::compute::{OBJECTIVES, PassStudy, runs, totals};
+use super::compute::{PassStudy, runs, totals};
 use super::input::Task;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use toolroom_contour::{Plan, PlannedSection};
+use toolroom_planning::contour::OBJECTIVES;
 
 const MM: f64 = 1e3;
 /// Runs of sections that are told one by one.

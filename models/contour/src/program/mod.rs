@@ -278,7 +278,8 @@ mod tests {
                 (3, ProgramFault::Syntax { message }) if message.contains('`') => "CALL".to_owned(),
                 other => panic!("{block}: {other:?}"),
             };
-            assert_eq!(found, word, "{block}");
+            // The reader drops blanks, so that what follows a word may stand with it.
+            assert!(found.starts_with(word), "{block}: {found}");
         }
         for block in
             ["X#1", "X[1+2]", "X=R1", "R1=30", "X-#1", "F#5", "#1=3", "G#1", "T=\"MILL\"", "X8,R2", "X=AC(9)", "M3=5"]

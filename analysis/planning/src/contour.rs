@@ -1,10 +1,12 @@
 //! How the gains move when one condition is another.
 
-use super::compute::OBJECTIVES;
 use rayon::prelude::*;
 use toolroom_contour::{ContourFile, FormError, Models, Objective, Parameters, Pass, PathError, Planner};
 use toolroom_process::Record;
 use toolroom_scenario::file::significant;
+
+/// What a plan makes least, with its name.
+pub const OBJECTIVES: [(&str, Objective); 2] = [("time", Objective::Time), ("cost", Objective::Cost)];
 
 /// Gains in productivity that the dissertation abstract reports for profile holes.
 ///
@@ -17,7 +19,9 @@ pub const REPORTED_COST: [f64; 2] = [-0.18, -0.15];
 /// What a plan gains over the handbook regime of the same conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
+    /// Parts per time, as a share of the handbook regime.
     pub productivity: f64,
+    /// Cost per part, as a share of the handbook regime; negative where the plan is cheaper.
     pub cost: f64,
 }
 
@@ -33,7 +37,9 @@ impl Gain {
 /// Gains under one changed condition, one for each of [`OBJECTIVES`]; none where handbook regime
 /// or plan do not exist.
 pub struct Condition {
+    /// The condition with its value.
     pub name: String,
+    /// One for each of [`OBJECTIVES`]; `None` where there is no plan.
     pub gains: [Option<Gain>; 2],
 }
 
