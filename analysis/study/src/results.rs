@@ -39,7 +39,7 @@ pub struct RunInfo {
     /// The command line without what does not change the results (threads, place), for the
     /// report.
     pub reproduce: String,
-    /// Name and hash of each input, for example by [`fingerprint`].
+    /// Name and hash of each input, for example by [`fingerprint`](toolroom_shards::fingerprint).
     pub inputs: Vec<(String, String)>,
     /// Everything that the results depend on, in the words of whoever asked: kept in `run.json`
     /// for going on with the study.
