@@ -80,7 +80,7 @@ fn only_parquet_knows_polars_and_the_rest_compiles_beside_it() {
     let edges = dependencies();
     let named = edges.iter().filter(|(name, needs)| name.starts_with("toolroom") && needs.contains("polars"));
     assert_eq!(named.map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["toolroom-parquet"]);
-    for free in ["toolroom-chart", "toolroom-life", "toolroom-gap", "toolroom-sim", "toolroom-fmu"] {
+    for free in ["toolroom-chart", "toolroom-life", "toolroom-gap", "toolroom-shop", "toolroom-fmu"] {
         assert!(!reachable(&edges, free).contains("polars"), "{free} waits for polars");
     }
 }

@@ -1,4 +1,4 @@
-//! Speed of simulated tool lives, lives a second: `cargo bench -p toolroom-analysis --bench life`.
+//! Speed of simulated tool lives, lives a second: `cargo bench -p toolroom-life --bench life`.
 //!
 //! Each figure is that of the fastest of many runs of a few milliseconds on one thread, which other
 //! work on the machine disturbs least. With `-- threads` it compares one and two threads instead, beside
