@@ -21,6 +21,7 @@ mod columns;
 mod csv_table;
 pub mod import;
 pub mod mtconnect;
+mod occasion;
 mod read;
 mod report;
 mod sensor;

@@ -31,6 +31,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
     ToolType {
         name: name.to_owned(),
         process,
+        variants: Default::default(),
         parameter_set: "test".to_owned(),
         edge_cost,
         dressing_time: 30.0,
@@ -110,6 +111,7 @@ pub(crate) fn scenario() -> Scenario {
             policy("adaptive", SpeedRule::MinimumWear { literal: false }),
         ],
         deviations: Vec::new(),
+        calibrations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

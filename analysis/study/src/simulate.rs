@@ -15,7 +15,7 @@ mod visits;
 use rand_distr::{Distribution, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Streams};
 use toolroom_records::{RecordKind, Records, Sensor};
-use toolroom_scenario::Scenario;
+use toolroom_scenario::{Occasion, ProcessModel, Scenario, ToolType, calibrated, lot_name};
 use toolroom_shop::RunLog;
 use visits::Visits;
 
@@ -57,11 +57,65 @@ impl Run<'_> {
         values.iter().enumerate().map(reading).collect()
     }
 
-    /// Adds a channel where anything was measured.
+    /// Adds a channel where anything was measured. Gains and offsets move what the sensor reads.
     fn channel(&self, records: &mut Records, name: &str, values: &[f64]) {
         if values.iter().any(|value| value.is_finite()) {
-            records.set_numbers(name, self.readings(records.kind, name, values));
+            let moved = self.moved(records, name, values);
+            records.set_numbers(name, self.readings(records.kind, name, &moved));
         }
+    }
+
+    /// Values as calibrated sensors read them.
+    fn moved(&self, records: &Records, name: &str, values: &[f64]) -> Vec<f64> {
+        let all = &self.scenario.calibrations;
+        let words = ["gain", "offset"].map(|word| format!("{word}.{name}"));
+        if all.iter().all(|own| !words.contains(&own.parameter)) {
+            return values.to_vec();
+        }
+        let tool = self.scenario.tools.iter().find(|tool| tool.process.name() == records.kind.name());
+        let tool = tool.map(|tool| tool.name.as_str());
+        let value = |(row, value): (usize, &f64)| {
+            let occasion = records.occasion(row, tool);
+            words.iter().fold(*value, |value, word| calibrated(all, word, &occasion, value))
+        };
+        values.iter().enumerate().map(value).collect()
+    }
+
+    /// The process of a pass: what acts on it is decided at the start of its operation.
+    fn process(&self, at: usize) -> &ProcessModel {
+        self.tool_of_pass(at).process_of(self.acting(at))
+    }
+
+    /// Whether the lot of a pass deviates because an effect of its tool is scoped to it.
+    fn hardened(&self, at: usize) -> bool {
+        self.tool_of_pass(at).variants.switches(self.acting(at), "lot_hardness")
+    }
+
+    fn tool_of_pass(&self, at: usize) -> &ToolType {
+        &self.scenario.tools[self.log.edges[self.log.passes[at].edge as usize].tool as usize]
+    }
+
+    /// What acts on a pass among the entries of its tool that have a scope.
+    fn acting(&self, at: usize) -> u32 {
+        let (pass, tool) = (&self.log.passes[at], self.tool_of_pass(at));
+        if !tool.variants.has_scopes() {
+            return 0;
+        }
+        let visit = &self.visits.list[self.visits.of_pass[at]];
+        let part = &self.scenario.parts[pass.part as usize];
+        let mut occasion = Occasion { time: Some(visit.start), ..Occasion::default() };
+        occasion.set("machine", self.machine(pass.machine));
+        occasion.set("tool", tool.name.as_str());
+        occasion.set("tool_id", edge_name(pass.edge));
+        occasion.set("part", part.name.as_str());
+        occasion.set("operation", part.operations[pass.operation as usize].name.as_str());
+        occasion.set("lot", lot_name(&part.name, self.log.jobs[pass.job as usize].lot));
+        let calendar = self.scenario.machines[pass.machine as usize].calendar;
+        if let Some(shift) = calendar.and_then(|index| self.scenario.calendars[index].shift_at(visit.start)) {
+            occasion.set("shift", shift);
+        }
+        occasion.set("coolant", if self.coolant(pass.machine, visit.start).1 { "second" } else { "first" });
+        tool.variants.acting(&occasion)
     }
 
     /// Shift of a machine at a time; empty where it has no calendar of several shifts.

@@ -207,6 +207,9 @@ impl Effect {
 #[derive(Deserialize)]
 struct Written {
     id: String,
+    /// Parameters beside the size; they may also stand beside it.
+    #[serde(default)]
+    shape: BTreeMap<String, Value>,
     #[serde(flatten)]
     parameters: BTreeMap<String, Value>,
 }
@@ -216,7 +219,10 @@ impl TryFrom<Written> for Effect {
 
     fn try_from(written: Written) -> Result<Self, EffectError> {
         let mut effect = Self::named(&written.id)?;
-        for (name, value) in &written.parameters {
+        for (name, value) in written.shape.iter().chain(&written.parameters) {
+            if name == "size" && written.shape.contains_key(name) {
+                return Err(EffectError::SizeInShape { id: effect.entry().id });
+            }
             match value {
                 Value::Number(number) => effect.set(name, &number.to_string())?,
                 Value::Quantity(quantity) => effect.set(name, quantity)?,

@@ -5,7 +5,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toolroom_process::{AnyRecord, Number};
 
-/// The effects of a process, each at most once, in the order in which they act.
+/// The effects of a process, each shape of one at most once, in the order in which they act.
 ///
 /// Factors multiply and summands add up, so the order changes nothing but the last bit.
 ///
@@ -56,15 +56,20 @@ impl Effects {
     /// A list of effects.
     ///
     /// # Errors
-    /// [`EffectError::Twice`] where an effect is listed twice.
+    /// [`EffectError::Twice`] where an effect of one shape is listed twice.
     pub fn new(effects: Vec<Effect>) -> Result<Self, EffectError> {
         for (i, effect) in effects.iter().enumerate() {
-            let id = effect.entry().id;
-            if effects[..i].iter().any(|earlier| earlier.entry().id == id) {
-                return Err(EffectError::Twice { id });
+            if effects[..i].iter().any(|earlier| earlier.with_size(0.0) == effect.with_size(0.0)) {
+                return Err(EffectError::Twice { id: effect.entry().id });
             }
         }
         Ok(Self(effects))
+    }
+
+    /// Effects of which some may be of one shape: entries of a file whose scopes meet in an operation. Their
+    /// factors multiply and their summands add up, in the order of the list.
+    pub fn overlaid(effects: Vec<Effect>) -> Self {
+        Self(effects)
     }
 
     /// Every effect of a process at size zero: nothing changes until a size is set, which is

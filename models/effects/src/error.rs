@@ -50,8 +50,14 @@ pub enum EffectError {
         /// What is wrong.
         reason: ModelError,
     },
+    /// A size among the parameters of the shape.
+    #[error("effect `{id}`: the size stands beside the shape, not in it")]
+    SizeInShape {
+        /// The effect.
+        id: &'static str,
+    },
     /// The same effect twice in a list.
-    #[error("effect `{id}` is listed twice")]
+    #[error("effect `{id}` is listed twice with one shape")]
     Twice {
         /// The effect.
         id: &'static str,

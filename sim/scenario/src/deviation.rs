@@ -1,12 +1,12 @@
 //! How a shop deviates from what its planner believes.
 
-use super::{MachineType, ShiftCalendar};
+use super::{Occasion, Scope};
 
 /// An effect of the shop (a row of [`SHOP_EFFECTS`](crate::effects::SHOP_EFFECTS)) with its size.
 ///
 /// | id | what it does |
 /// |---|---|
-/// | feed_override | time in cut grows by this share; added after the last pass, as cutting |
+/// | feed_override | time in cut grows by this share; below zero the feed is faster than programmed |
 /// | feed_hold | the program is held for this time before its end, in a share of the operations; added as cutting |
 /// | micro_stops | stops of an exponential duration, 20 s in the mean, come as a Poisson process in the time in cut; added there |
 /// | operator_delay | time before loading, as handling |
@@ -22,10 +22,12 @@ pub struct Deviation {
     pub id: &'static str,
     /// Size, SI.
     pub size: f64,
-    /// Shift in which it acts, `S1`, `S2` … in the order of the machine's calendar; always, if none.
-    pub shift: Option<String>,
+    /// Operations on which it acts.
+    pub scope: Scope,
     /// Share of the operations that it concerns; of `feed_hold` only.
     pub share: f64,
+    /// Standard error of the size, SI.
+    pub standard_error: Option<f64>,
 }
 
 /// Mean duration of a short stop, s (assumption of the catalogue).
@@ -45,21 +47,28 @@ impl Deviation {
 
     /// An effect that always acts on everything.
     pub fn new(id: &'static str, size: f64) -> Self {
-        Self { id, size, shift: None, share: 1.0 }
+        Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None }
     }
 
-    /// Those of `id` that act on a machine at a time.
+    /// Least size of an effect that is physical, SI: a feed override of 200 % halves the time; times may be shorter
+    /// than planned, edges changed sooner and breakdowns come in bursts.
+    pub fn least(id: &str) -> f64 {
+        match id {
+            "feed_override" => -0.5,
+            "operator_delay" | "tool_change_delay" => -3600.0,
+            "tool_change_policy" => -5e-3,
+            "breakdown_shape" => -0.9,
+            _ => 0.0,
+        }
+    }
+
+    /// Those of `id` that act on an operation.
     pub fn acting<'a>(
         all: &'a [Self],
-        id: &str,
-        machine: &MachineType,
-        calendars: &[ShiftCalendar],
-        time: f64,
+        id: &'a str,
+        occasion: &'a Occasion<'_>,
     ) -> impl Iterator<Item = &'a Self> {
-        let shift = machine.calendar.and_then(|index| calendars[index].shift_at(time));
-        let id = id.to_owned();
-        all.iter()
-            .filter(move |own| own.id == id && own.shift.as_ref().is_none_or(|wanted| shift.as_ref() == Some(wanted)))
+        all.iter().filter(move |own| own.id == id && own.scope.holds(occasion))
     }
 }
 

@@ -23,6 +23,7 @@
 mod vocabulary;
 
 mod calendar;
+mod calibration;
 mod contour;
 mod deviation;
 mod distribution;
@@ -34,21 +35,26 @@ pub mod lobes;
 mod part;
 pub mod policies;
 mod policy;
+mod scope;
 mod stability;
 mod station;
 mod unit;
+mod variants;
 
 pub use calendar::{Boundary, Shift, ShiftCalendar};
+pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
 pub use distribution::Distribution;
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
-pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work};
+pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
+pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]
@@ -85,6 +91,8 @@ pub struct Scenario {
     pub policies: Vec<PolicyRule>,
     /// What the true shop does otherwise than planned.
     pub deviations: Vec<Deviation>,
+    /// Constants that measurements have moved. Those of a tool's process are in its process already.
+    pub calibrations: Vec<Calibration>,
     /// Currency code of all costs.
     pub currency: String,
 }

@@ -20,6 +20,11 @@ pub struct Part {
     pub operations: Vec<Operation>,
 }
 
+/// Name of a lot of a part in records and scopes: `shaft-2`.
+pub fn lot_name(part: &str, lot: u32) -> String {
+    format!("{part}-{lot}")
+}
+
 impl Part {
     /// 1 for work of the lot that deviates, else 0.
     pub fn lot_deviation(&self, lot: u32) -> f64 {

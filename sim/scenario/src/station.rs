@@ -1,6 +1,6 @@
 //! Machines, tools, working time, breakdowns, dispatching.
 
-use super::{Distribution, StructureScatter};
+use super::{Distribution, StructureScatter, Variants};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
@@ -126,8 +126,10 @@ impl ProcessModel {
 pub struct ToolType {
     /// Name, unique.
     pub name: String,
-    /// True physics.
+    /// True physics where nothing acts that has a scope.
     pub process: ProcessModel,
+    /// What it is made of, and its processes where something with a scope acts.
+    pub variants: Variants,
     /// Name of the parameter set, for logs.
     pub parameter_set: String,
     /// Cost of one cutting edge (of one dressing for a wheel), currency.
@@ -138,6 +140,18 @@ pub struct ToolType {
     pub scatter: Scatter,
     /// How the structures of the machines around it differ from its own.
     pub structure_scatter: StructureScatter,
+}
+
+impl ToolType {
+    /// True physics where a set of entries with a scope acts ([`Variants::acting`]).
+    pub fn process_of(&self, acting: u32) -> &ProcessModel {
+        self.variants.process(acting).unwrap_or(&self.process)
+    }
+
+    /// The process of the parameter set, without effects and calibration.
+    pub fn bare(&self) -> &ProcessModel {
+        self.variants.bare.as_ref().unwrap_or(&self.process)
+    }
 }
 
 vocabulary! {

@@ -34,6 +34,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
     ToolType {
         name: name.to_owned(),
         process,
+        variants: Default::default(),
         parameter_set: name.to_owned(),
         edge_cost: 8.0,
         dressing_time: 90.0,
@@ -87,6 +88,7 @@ fn scenario() -> Scenario {
         failures: Vec::new(),
         policies: vec![policy(SpeedRule::Programmed)],
         deviations: Vec::new(),
+        calibrations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

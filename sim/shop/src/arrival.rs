@@ -43,7 +43,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
             &ArrivalPattern::Batch { interval, size } => {
                 // From the number of the lot, so that no rounding adds up.
-                let next = SimTime::from_seconds((release + 1) as f64 * interval)?;
+                let next = SimTime::from_seconds((release + 1) as f64 * self.interval(source, interval))?;
                 self.schedule(next, Event::Arrival { source: source as u32 })?;
                 size
             }
@@ -62,7 +62,7 @@ impl<R: Recorder> Shop<'_, R> {
             return Ok(());
         }
         let u: f64 = self.world.sources[source].stream.random();
-        let next = self.now().after(-(-u).ln_1p() / rate)?;
+        let next = self.now().after(self.interval(source, -(-u).ln_1p() / rate))?;
         self.schedule(next, Event::Arrival { source: source as u32 })?;
         Ok(())
     }

@@ -76,7 +76,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// `None` for work that is no contour.
     pub(super) fn form_error(&self, machine: usize, place: Place, first_pass: u32) -> Option<f64> {
         let plan = self.controllers.contour(machine, first_pass + place.pass as u32)?;
-        let ProcessModel::Milling(milling) = &self.scenario.tools[place.tool].process else { return None };
+        let ProcessModel::Milling(milling) = self.process(machine, place.tool) else { return None };
         let segment = &self.world.machines[machine].segment;
         let cutter = MillingState::from_slice(&segment.state);
         let conditions = MillingInput::from_slice(&segment.input);

@@ -1,35 +1,166 @@
-//! What the true shop does otherwise than planned.
+//! What the true shop does otherwise than planned, and what measurements have moved.
 
 use super::Shop;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_scenario::{Deviation, Distribution, MICRO_STOP};
+use toolroom_scenario::{Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, calibrated, lot_name};
 
 /// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
 const HOLDS: u64 = STOPS + 1;
 
-impl<R: Recorder> Shop<'_, R> {
-    /// Size of a deviation that acts on a machine now.
+/// What calibration and deviations make of an operation.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    /// Time that a second of the programmed passes takes, s.
+    pub pace: f64,
+    /// Factor on the wear rate of the edge.
+    pub wear_rate: f64,
+}
+
+/// An operation that is about to begin, as scopes see it.
+pub(super) struct Asked {
+    occasion: Occasion<'static>,
+}
+
+impl Asked {
+    pub fn calibrated(&self, scenario: &Scenario, parameter: &str, value: f64) -> f64 {
+        calibrated(&scenario.calibrations, parameter, &self.occasion, value)
+    }
+
+    /// Size of a deviation that acts on it.
+    fn deviation(&self, scenario: &Scenario, id: &str) -> f64 {
+        Deviation::acting(&scenario.deviations, id, &self.occasion).map(|own| own.size).sum()
+    }
+
+    /// Times of loading and unloading, s: what is added is added to loading.
+    pub fn handling(&self, scenario: &Scenario, times: [f64; 2]) -> [f64; 2] {
+        let whole = times[0] + times[1];
+        let moved = self.calibrated(scenario, "handling_time", whole) + self.deviation(scenario, "operator_delay");
+        if moved == whole {
+            return times;
+        }
+        let factor = calibrated(&scenario.calibrations, "handling_time", &self.occasion, 1.0)
+            - calibrated(&scenario.calibrations, "handling_time", &self.occasion, 0.0);
+        let unload = (factor * times[1]).min(moved).max(0.0);
+        [(moved - unload).max(0.0), unload]
+    }
+
+    pub fn moved(&self, scenario: &Scenario, cutting_time: f64) -> Moved {
+        let time = self.calibrated(scenario, "programmed_time", cutting_time);
+        let faster = self.deviation(scenario, "feed_override").min(0.0);
+        let pace = if time == cutting_time { 1.0 } else { (time / cutting_time).max(LEAST_PACE) };
+        Moved { pace: pace * (1.0 + faster), wear_rate: self.calibrated(scenario, "wear_rate", 1.0) }
+    }
+
+    /// What acts on it among the entries of a tool that have a scope.
+    pub fn acting(&self, scenario: &Scenario, tool: usize) -> u32 {
+        scenario.tools[tool].variants.acting(&self.occasion)
+    }
+}
+
+/// Least share of its programmed time that an operation takes, whatever is subtracted (assumption).
+const LEAST_PACE: f64 = 0.01;
+
+impl<'a, R: Recorder> Shop<'a, R> {
+    /// The process of a tool in the operation that a machine does.
+    pub(super) fn process(&self, machine: usize, tool: usize) -> &'a ProcessModel {
+        let acting = self.world.machines[machine].task.as_ref().map_or(0, |task| task.acting);
+        self.scenario.tools[tool].process_of(acting)
+    }
+
+    /// A machine as scopes see it, without the operation in it.
+    fn machine_occasion(&self, machine: usize) -> Occasion<'static> {
+        let (kind, now) = (&self.scenario.machines[machine], self.now().seconds());
+        let mut occasion = Occasion { time: Some(now), ..Occasion::default() };
+        occasion.set("machine", kind.name.clone());
+        if let Some(shift) = kind.calendar.and_then(|index| self.scenario.calendars[index].shift_at(now)) {
+            occasion.set("shift", shift);
+        }
+        occasion.set("coolant", if kind.coolant(now).1 { "second" } else { "first" });
+        occasion
+    }
+
+    /// Whether anything has a scope or a target.
+    fn is_as_planned(&self) -> bool {
+        let scenario = self.scenario;
+        scenario.deviations.is_empty()
+            && scenario.calibrations.is_empty()
+            && scenario.tools.iter().all(|tool| !tool.variants.has_scopes())
+    }
+
+    /// The next operation of a job on a machine.
+    pub(super) fn asked(&self, machine: usize, slot: u32) -> Asked {
+        if self.is_as_planned() {
+            return Asked { occasion: Occasion::default() };
+        }
+        let mut occasion = self.machine_occasion(machine);
+        let job = self.world.jobs.at(slot);
+        let part = &self.scenario.parts[job.row.part as usize];
+        let operation = &part.operations[job.operation as usize];
+        occasion.set("part", part.name.clone());
+        occasion.set("operation", operation.name.clone());
+        occasion.set("lot", lot_name(&part.name, job.row.lot));
+        occasion.set("tool", self.scenario.tools[operation.tool].name.clone());
+        if let Some(edge) = &self.world.machines[machine].edges[operation.tool] {
+            occasion.set("tool_id", format!("E{}", edge.number));
+        }
+        Asked { occasion }
+    }
+
+    /// The operation in a machine, or the machine alone.
+    fn occupied(&self, machine: usize) -> Asked {
+        match &self.world.machines[machine].task {
+            Some(task) => self.asked(machine, task.slot),
+            None => Asked { occasion: self.machine_occasion(machine) },
+        }
+    }
+
+    /// A value of a machine or of the operation in it, as calibration has moved it.
+    pub(super) fn moved(&self, parameter: &str, machine: usize, value: f64) -> f64 {
+        if self.scenario.calibrations.is_empty() {
+            return value;
+        }
+        self.occupied(machine).calibrated(self.scenario, parameter, value)
+    }
+
+    /// Time between two releases of a source, s.
+    pub(super) fn interval(&self, source: usize, time: f64) -> f64 {
+        if self.scenario.calibrations.is_empty() {
+            return time;
+        }
+        let mut occasion = Occasion { time: Some(self.now().seconds()), ..Occasion::default() };
+        occasion.set("part", self.scenario.parts[self.scenario.arrivals[source].part].name.clone());
+        calibrated(&self.scenario.calibrations, "arrival_interval", &occasion, time).max(0.0)
+    }
+
+    /// Size of a deviation that acts on the operation in a machine.
     pub(super) fn deviation(&self, id: &str, machine: usize) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
-        let (kind, calendars) = (&self.scenario.machines[machine], &self.scenario.calendars);
-        let acting = Deviation::acting(&self.scenario.deviations, id, kind, calendars, self.now().seconds());
-        acting.map(|own| own.size).sum()
+        self.occupied(machine).deviation(self.scenario, id)
+    }
+
+    /// Time of a change of edges, s.
+    pub(super) fn change_time(&self, machine: usize, planned: f64) -> f64 {
+        let moved = self.moved("tool_change_time", machine, planned) + self.deviation("tool_change_delay", machine);
+        moved.max(0.0)
     }
 
     /// Time that the program of a job's operation takes beyond its passes, s.
-    pub(super) fn delay(&self, machine: usize, slot: u32) -> f64 {
-        let slower = self.deviation("feed_override", machine);
-        let rate = self.deviation("micro_stops", machine);
+    pub(super) fn delay(&self, asked: &Asked, slot: u32, pace: f64) -> f64 {
+        if self.scenario.deviations.is_empty() {
+            return 0.0;
+        }
+        let slower = asked.deviation(self.scenario, "feed_override").max(0.0);
+        let rate = asked.deviation(self.scenario, "micro_stops");
         if slower == 0.0 && rate == 0.0 {
             return 0.0;
         }
         let job = self.world.jobs.at(slot);
-        let programmed = self.layout.operations[job.row.part as usize][job.operation as usize].cutting_time;
+        let programmed = pace * self.layout.operations[job.row.part as usize][job.operation as usize].cutting_time;
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(STOPS);
         let mut stream = self.streams.open(owner, Purpose::Processing);
         let wait = Distribution::Exponential { mean: 1.0 };
@@ -46,15 +177,14 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Time for which the feed of a job's operation is held, s.
-    pub(super) fn hold(&self, machine: usize, slot: u32) -> f64 {
+    pub(super) fn hold(&self, asked: &Asked, slot: u32) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
         let job = self.world.jobs.at(slot);
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(HOLDS);
         let mut stream = self.streams.open(owner, Purpose::Processing);
-        let (kind, calendars) = (&self.scenario.machines[machine], &self.scenario.calendars);
-        let acting = Deviation::acting(&self.scenario.deviations, "feed_hold", kind, calendars, self.now().seconds());
+        let acting = Deviation::acting(&self.scenario.deviations, "feed_hold", &asked.occasion);
         acting.filter(|own| stream.random::<f64>() < own.share).map(|own| own.size).sum()
     }
 }

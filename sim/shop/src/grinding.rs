@@ -23,7 +23,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cycle(cycle) => cycle.wear_compensation,
             Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) => 0.0,
         };
-        let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process else { return };
+        let ProcessModel::Infeed(infeed) = self.process(machine, place.tool) else { return };
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
         let mut part = infeed.new_part(&Record::from_slice(&edge.state));
@@ -96,7 +96,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Wheel and part have moved on: the controller sees the forces of the revolutions that are
     /// over, and the wheel may have come to its dressing limit.
     pub(super) fn ground(&mut self, machine: usize, place: Place, first_pass: u32) {
-        let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process else { return };
+        let ProcessModel::Infeed(infeed) = self.process(machine, place.tool) else { return };
         let controller = self.controllers.grinding(first_pass);
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };

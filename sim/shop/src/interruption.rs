@@ -19,7 +19,9 @@ impl<R: Recorder> Shop<'_, R> {
         let failure = &self.scenario.failures[mode];
         let regular = self.deviation("breakdown_shape", failure.machine);
         let between = match failure.time_between {
-            Distribution::Exponential { mean } if regular > 0.0 => Distribution::Weibull { mean, shape: 1.0 + regular },
+            Distribution::Exponential { mean } if regular != 0.0 => {
+                Distribution::Weibull { mean, shape: 1.0 + regular }
+            }
             other @ (Distribution::Constant(_)
             | Distribution::Exponential { .. }
             | Distribution::Lognormal { .. }
@@ -28,6 +30,7 @@ impl<R: Recorder> Shop<'_, R> {
             | Distribution::Uniform { .. }) => other,
         };
         let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
+        let time = self.moved("time_between_failures", failure.machine, time).max(0.0);
         self.world.modes[mode].left = time;
         match failure.clock {
             FailureClock::Calendar => {
@@ -91,6 +94,7 @@ impl<R: Recorder> Shop<'_, R> {
         clock.failed = true;
         clock.due = None;
         let repair = failure.time_to_repair.sample(&mut self.failure_stream(mode, Purpose::Repair));
+        let repair = self.moved("time_to_repair", machine, repair).max(0.0);
         self.interrupt(machine, failure.part, JobOutcome::Breakdown)?;
         let state = &mut self.world.machines[machine];
         state.failures += 1;

@@ -3,6 +3,7 @@
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
 use super::draws::Blank;
+use super::deviation::Moved;
 use super::edge::Edge;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
@@ -73,6 +74,10 @@ pub struct Task {
     pub delay: f64,
     /// For how long the feed will be held, s.
     pub hold: f64,
+    /// What calibration and deviations make of its time in cut and of the wear of its edge.
+    pub moved: Moved,
+    /// What acts on it among the entries of its tool that have a scope.
+    pub acting: u32,
     /// Row of the pass in work.
     pub row: Option<PassRow>,
     /// Share of the pass that is still to be cut.

@@ -25,13 +25,16 @@ impl<R: Recorder> Shop<'_, R> {
             None => time.mean(),
         };
         let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
-        let load_time = load_time + self.deviation("operator_delay", machine);
-        let (delay, hold) = (self.delay(machine, slot), self.hold(machine, slot));
         let plan = self.layout.operations[part][index];
+        let asked = self.asked(machine, slot);
+        let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
+        let moved = asked.moved(self.scenario, plan.cutting_time);
+        let (delay, hold) = (self.delay(&asked, slot, moved.pace), self.hold(&asked, slot));
+        let acting = asked.acting(self.scenario, plan.tool as usize);
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
         let setup = self.scenario.parts[part].operations[index].setup_time;
-        let setup = setup.unwrap_or(kind.setup_time);
+        let setup = asked.calibrated(self.scenario, "setup_time", setup.unwrap_or(kind.setup_time));
         state.task = Some(Task {
             slot,
             tool: plan.tool,
@@ -45,6 +48,8 @@ impl<R: Recorder> Shop<'_, R> {
             unload_time,
             delay,
             hold,
+            moved,
+            acting,
             row: None,
             share_left: 1.0,
             lost_edges: 0,
@@ -103,9 +108,9 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
         task.left = (task.left - elapsed).max(0.0);
-        let cutting = task.step == Step::Pass;
+        let (cutting, pace) = (task.step == Step::Pass, task.moved.pace);
         self.calendar.cancel(end);
-        if cutting { self.halt_pass(machine, elapsed) } else { Ok(()) }
+        if cutting { self.halt_pass(machine, elapsed / pace) } else { Ok(()) }
     }
 
     fn end_step(&mut self, machine: usize) -> Result<(), ShopError> {

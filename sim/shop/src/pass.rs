@@ -81,6 +81,9 @@ impl<R: Recorder> Shop<'_, R> {
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
         if let Some(task) = &mut self.world.machines[machine].task {
             task.blank = blank;
+            if tool.variants.switches(task.acting, "lot_hardness") {
+                task.blank.lot_deviation = 1.0;
+            }
         }
         self.clamp_ground_part(machine, place, first_pass);
     }
@@ -106,6 +109,7 @@ impl<R: Recorder> Shop<'_, R> {
         let controller = self.controllers.of_pass(machine, pass);
         let kind = self.controllers.kind_of_pass(machine, pass);
         let ports = &self.layout.tools[place.tool].ports;
+        let process = self.process(machine, place.tool);
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
         let seen = Observation {
@@ -124,7 +128,7 @@ impl<R: Recorder> Shop<'_, R> {
         let mut input = tool_plan.cut_input(cut);
         write(&mut input, ports.cutting_speed, conditions.start_speed);
         let duration = if ports.feed_rate.is_some() {
-            cut_duration(cut, &tool.process, tool_plan, &input) * task.share_left * f64::from(conditions.layers)
+            cut_duration(cut, process, tool_plan, &input) * task.share_left * f64::from(conditions.layers)
         } else {
             let duration = conditions.duration(seen.path);
             let change = conditions.end_speed - conditions.start_speed;
@@ -145,6 +149,8 @@ impl<R: Recorder> Shop<'_, R> {
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
         edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
+        let rate = read(&input, ports.wear_rate_factor, 1.0) * task.moved.wear_rate;
+        write(&mut input, ports.wear_rate_factor, rate);
         if ports.structure {
             let owner = self.layout.machines[machine];
             let factors = draws::structure(&tool.structure_scatter, &self.streams, owner, place.tool);
@@ -169,7 +175,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
         let now = self.now().seconds();
         let ports = &self.layout.tools[place.tool].ports;
-        let process = self.scenario.tools[place.tool].process.machine_process();
+        let process = self.process(machine, place.tool).machine_process();
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
         edge.row.passes += 1;
@@ -221,12 +227,15 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now();
         let plan = self.layout.operations[place.part][place.operation];
         let ports = &self.layout.tools[place.tool].ports;
-        let process = self.scenario.tools[place.tool].process.machine_process();
+        let process = self.process(machine, place.tool).machine_process();
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
         let segment = &mut state.segment;
         ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
+        if self.scenario.tools[place.tool].variants.switches(task.acting, "coolant_change") {
+            write(&mut segment.start_input, ports.coolant_changed, 1.0);
+        }
         let idle = now - edge.clock;
         let result =
             if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };
@@ -238,7 +247,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let kind = self.controllers.kind_of_pass(machine, plan.first_pass + place.pass as u32);
                 let known = state.reactions.iter().find(|each| each.kind == kind);
                 segment.stop = segment.stop(controller.stability(), known);
-                task.left = segment.stop.unwrap_or(segment.elapsed);
+                task.left = segment.stop.unwrap_or(segment.elapsed) * task.moved.pace;
                 Ok(())
             }
             Err(fault) => Err(self.cut_error(machine, place, fault)),
@@ -249,7 +258,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn halt_pass(&mut self, machine: usize, elapsed: f64) -> Result<(), ShopError> {
         let place = self.place(machine);
         let tool = &self.layout.tools[place.tool];
-        let process = self.scenario.tools[place.tool].process.machine_process();
+        let process = self.process(machine, place.tool).machine_process();
         let closing = self.end.is_some();
         let state = &mut self.world.machines[machine];
         if closing && !process.goes_back() {
@@ -322,6 +331,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
         let form_error = self.form_error(machine, place, plan.first_pass);
+        let process = self.process(machine, place.tool).machine_process();
         let streams = self.streams;
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
@@ -364,7 +374,6 @@ impl<R: Recorder> Shop<'_, R> {
         }
         task.size_error = row.size_error;
         // An edge that was mounted past its wear limit never crosses it.
-        let process = self.scenario.tools[place.tool].process.machine_process();
         let worn = edge.spent.is_none()
             && !segment.has(ProcessEvent::WearLimit)
             && process.holds(ProcessEvent::WearLimit, &edge.state, &segment.input);
@@ -378,7 +387,7 @@ impl<R: Recorder> Shop<'_, R> {
                 _ => unreachable!("the shop does not know the event {event:?}"),
             }
             self.recorder.event(EventRow {
-                time: now - segment.elapsed + after,
+                time: now - (segment.elapsed - after) * task.moved.pace,
                 event: event.name(),
                 machine: Some(machine as u32),
                 job: Some(place.job),
@@ -402,6 +411,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(place.slot);
         let owner = job.entity.part(place.operation as u64).part(place.pass as u64);
         let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
+        let risk = self.moved("scrap", machine, risk);
         let state = &mut self.world.machines[machine];
         let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
         edge.spent = Some(match event {
@@ -440,7 +450,7 @@ impl<R: Recorder> Shop<'_, R> {
             CutFault::Stuck => return ShopError::NoProgress { time, events: super::STUCK_EVENTS },
         };
         let part = &self.scenario.parts[place.part];
-        let fields = self.scenario.tools[place.tool].process.machine_process().inputs();
+        let fields = self.process(machine, place.tool).machine_process().inputs();
         let names = fields.iter().flat_map(|field| std::iter::repeat_n(field.name, field.len));
         let values = self.world.machines[machine].segment.start_input.iter().copied();
         ShopError::Model(Box::new(Refusal {

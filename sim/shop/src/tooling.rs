@@ -63,14 +63,14 @@ impl<R: Recorder> Shop<'_, R> {
     /// The machine starts to change a spent edge; an empty magazine is refilled on the way.
     pub(super) fn begin_change(&mut self, machine: usize) {
         let now = self.now().seconds();
-        let delay = self.deviation("tool_change_delay", machine);
         let kind = &self.scenario.machines[machine];
+        let change = self.change_time(machine, kind.tool_change_time);
         let job = self.job_in(machine);
         let state = &mut self.world.machines[machine];
         let refill = if state.magazine == 0 { kind.refill_time } else { 0.0 };
         let Some(task) = &mut state.task else { return };
         task.step = Step::ToolChange;
-        task.left = kind.tool_change_time + refill + delay;
+        task.left = change + refill;
         let edge = state.edges[task.tool as usize].as_mut();
         let number = edge.map(|edge| {
             edge.row.removed = now;

@@ -3,9 +3,9 @@
 //! brought to the end that the log knows.
 
 use super::{Run, edge_name};
-use toolroom_process::{Field, MachineProcess};
+use toolroom_process::Field;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Cut, Work};
+use toolroom_scenario::{Cut, Work, lot_name};
 use toolroom_shop::runlog::PassRow;
 
 /// The start of a cut that means leave out, s.
@@ -20,9 +20,8 @@ const MEANS: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "tempe
 /// Rows of turning or milling.
 pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     let name = if kind == RecordKind::Milling { "milling" } else { "turning" };
-    let process = |pass: &PassRow| &run.scenario.tools[run.log.edges[pass.edge as usize].tool as usize].process;
     let mut rows: Vec<usize> =
-        (0..run.log.passes.len()).filter(|at| process(&run.log.passes[*at]).name() == name).collect();
+        (0..run.log.passes.len()).filter(|at| run.process(*at).name() == name).collect();
     rows.retain(|at| run.log.passes[*at].cutting_time > 0.0 && programmed(run, &run.log.passes[*at]).is_some());
     rows.sort_by(|a, b| {
         let (a, b) = (&run.log.passes[*a], &run.log.passes[*b]);
@@ -35,7 +34,7 @@ pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     let mut start = 0;
     while start < passes.len() {
         let end = start + passes[start..].iter().take_while(|pass| pass.edge == passes[start].edge).count();
-        for mean in of_edge(run, &passes[start..end], process(passes[start]).machine_process()) {
+        for mean in of_edge(run, &passes[start..end], &rows[start..end]) {
             means.iter_mut().zip(mean).for_each(|(values, value)| values.push(value));
         }
         start = end;
@@ -78,7 +77,7 @@ fn conditions(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
     // Lots are written down where somebody cares for them.
     if run.scenario.parts.iter().any(|part| part.deviating_lot.is_some()) {
         let part = |row: usize| &run.scenario.parts[passes[row].part as usize].name;
-        records.set_texts("lot", text(&|row| format!("{}-{}", part(row), run.log.jobs[passes[row].job as usize].lot)));
+        records.set_texts("lot", text(&|row| lot_name(part(row), run.log.jobs[passes[row].job as usize].lot)));
     }
     run.coolants(records, &passes.iter().map(|pass| (pass.machine, pass.start)).collect::<Vec<_>>());
     let shifts = text(&|row| run.shift(passes[row].machine as usize, passes[row].start));
@@ -143,14 +142,17 @@ fn place(fields: &[Field], name: &str) -> Option<usize> {
 }
 
 /// Means over each pass of an edge, in order.
-fn of_edge(run: &Run<'_>, passes: &[&PassRow], process: &dyn MachineProcess) -> Vec<[f64; MEANS.len()]> {
+fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEANS.len()]> {
+    let process = run.process(rows[0]).machine_process();
     let (inputs, outputs) = (process.inputs(), process.outputs());
     let land = place(process.states(), "flank_wear");
     let edge = &run.log.edges[passes[0].edge as usize];
     let mut x = process.initial();
     let mut clock = f64::NAN;
     let mut means = Vec::with_capacity(passes.len());
-    for pass in passes {
+    for (pass, at) in passes.iter().zip(rows) {
+        let model = run.process(*at);
+        let process = model.machine_process();
         let cut = programmed(run, pass).unwrap_or_default();
         let mut u: Vec<f64> = inputs.iter().flat_map(|field| std::iter::repeat_n(field.start, field.len)).collect();
         let mut set = |name: &str, value: f64| {
@@ -168,7 +170,8 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], process: &dyn MachineProcess) -> 
         set("sensor_time", pass.start);
         set("pass_time", pass.cutting_time);
         let lot = run.log.jobs[pass.job as usize].lot;
-        set("lot_deviation", run.scenario.parts[pass.part as usize].lot_deviation(lot));
+        let part = &run.scenario.parts[pass.part as usize];
+        set("lot_deviation", if run.hardened(*at) { 1.0 } else { part.lot_deviation(lot) });
         set("mechanical_wear_factor", edge.mechanical_wear_factor);
         set("thermal_wear_factor", edge.thermal_wear_factor);
         if cut.diameter > 0.0 {

@@ -32,6 +32,8 @@ pub struct Visit {
     pub operation: u32,
     /// Indices of its passes in the log, in time.
     pub passes: Vec<usize>,
+    /// Start of the operation, s.
+    pub start: f64,
     /// Time from the first cut to the last, s.
     cut: (f64, f64),
     /// Loading and unloading, s.
@@ -61,13 +63,19 @@ impl Visits {
                 let (job, part, operation) = (pass.job, pass.part, pass.operation);
                 let cut = (pass.start, pass.end);
                 visits.of.entry((pass.machine, job)).or_default().push(visits.list.len());
-                visits.list.push(Visit { job, part, operation, cut, ..Visit::default() });
+                let start = pass.start;
+                visits.list.push(Visit { job, part, operation, start, cut, ..Visit::default() });
                 visits.list.len() - 1
             });
             visits.of_pass.push(place);
             let visit = &mut visits.list[place];
             visit.passes.push(at);
             visit.cut = (visit.cut.0.min(pass.start), visit.cut.1.max(pass.end));
+        }
+        for row in &log.operations {
+            if let Some(place) = index.get(&(row.machine, row.job, row.operation)) {
+                visits.list[*place].start = row.start;
+            }
         }
         for state in &whole_states(log) {
             let Some(place) = visits.of_state(state) else { continue };

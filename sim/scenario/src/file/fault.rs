@@ -314,6 +314,32 @@ pub enum Fault {
         /// What the catalogue says.
         message: String,
     },
+    /// A name in a scope that nothing carries.
+    #[error("scope: there is no {key} \"{name}\"")]
+    ScopeName {
+        /// Key of the scope.
+        key: &'static str,
+        /// What was read.
+        name: String,
+        /// The most similar name.
+        nearest: Option<String>,
+        /// Every name.
+        known: String,
+    },
+    /// A date in a scenario that does not say when it starts.
+    #[error("`{key}` = {read} is a date, but the scenario has no start to count from")]
+    DateWithoutStart {
+        /// The key.
+        key: &'static str,
+        /// What was read.
+        read: String,
+    },
+    /// A calibration that its process refuses.
+    #[error("calibration: {reason}")]
+    Calibration {
+        /// Why.
+        reason: String,
+    },
     /// A `--set` that is no `key=value`.
     #[error("`{read}` is not of the form key=value")]
     OverrideForm {
@@ -366,6 +392,9 @@ impl Fault {
             Self::Structure { .. } => "structure",
             Self::Model { .. } => "model",
             Self::Effect { .. } => "effect",
+            Self::ScopeName { .. } => "scope-name",
+            Self::DateWithoutStart { .. } => "date-without-start",
+            Self::Calibration { .. } => "calibration",
             Self::OverrideForm { .. } | Self::OverridePath { .. } => "override",
         }
     }
@@ -380,6 +409,7 @@ impl Fault {
             Self::UnknownKey { nearest, known, .. } => near(*nearest, known),
             Self::UnknownChoice { nearest, choices: known, .. }
             | Self::UnknownName { nearest, known, .. }
+            | Self::ScopeName { nearest, known, .. }
             | Self::OverridePath { nearest, known, .. } => near(nearest.as_deref(), known),
             Self::MissingKey { key, example, .. } => format!("add `{key} = {example}`"),
             Self::NotApplicable { applicable, .. } => format!("keys that apply here: {applicable}"),
@@ -400,6 +430,7 @@ impl Fault {
             Self::OverrideForm { .. } => "write for example --set machine.L1.tool_change_time=\"1 min\"".to_owned(),
             Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
+            Self::DateWithoutStart { .. } => "write the time since the start, such as \"12 day\"".to_owned(),
             Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
@@ -418,6 +449,7 @@ impl Fault {
             | Self::ParameterSet { .. }
             | Self::Table { .. }
             | Self::Model { .. }
+            | Self::Calibration { .. }
             | Self::Effect { .. } => return None,
         })
     }

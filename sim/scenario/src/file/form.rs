@@ -97,6 +97,8 @@ pub enum Kind {
     Texts,
     /// Effects of the catalogue, `[{ id = "wear_force", size = 0.2 }]`.
     Effects,
+    /// A number with its unit, which follows from another key; a ratio may stand without quotes.
+    Amount,
 }
 
 /// The unit and range of a quantity.

@@ -6,6 +6,7 @@ pub use policy::SENSORS;
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKind, ScatterWord};
 use super::form::{Form, Key, Kind, Quantity};
+use super::measured::{CALIBRATION, SHOP_DEVIATION};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
@@ -432,23 +433,9 @@ pub static SCENARIO: Form = Form {
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
         Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
         Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
+        Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
         Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
-    ],
-};
-
-static SHOP_DEVIATION: Form = Form {
-    title: "[[deviation]]",
-    doc: "An effect of the shop that its planner does not know",
-    keys: &[
-        Key::required("id", Kind::Choice(crate::Deviation::IDS), "Effect; `toolroom effects` lists them"),
-        Key::required("size", Kind::Text, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
-        Key::optional("shift", Kind::Name, "Shift in which it acts, S1, S2 … of the machine's calendar"),
-        Key::optional(
-            "share",
-            quantity("1", "1", 0.0, 1.0, "0.05"),
-            "Share of the operations that are held (feed_hold)",
-        ),
     ],
 };
 
@@ -495,7 +482,12 @@ pub static GAP: Form = Form {
 static APPLIED: Form = Form {
     title: "[gap.applied]",
     doc: "Mark of a file that `toolroom gap apply` wrote: it replaces the file as long as nobody edits it",
-    keys: &[Key::required("text", Kind::Text, "Hash of the file without this table")],
+    keys: &[
+        Key::required("text", Kind::Text, "Hash of the file without this table"),
+        Key::optional("data", Kind::List(&Kind::Text), "Hashes of the records that its calibration has seen"),
+        Key::optional("from", Kind::Text, "Start of the first of those operations, since the start of the scenario"),
+        Key::optional("until", Kind::Text, "Start of the last of them"),
+    ],
 };
 
 static SENSOR: Form = Form {

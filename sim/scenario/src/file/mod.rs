@@ -18,6 +18,7 @@ mod fault;
 mod form;
 mod imported;
 mod keys;
+mod measured;
 mod outline;
 mod overrides;
 mod planned;

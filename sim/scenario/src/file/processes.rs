@@ -7,19 +7,25 @@ use super::imported;
 use super::stability;
 use super::walk::{Echo, Section, Value, Walk};
 use super::words::display;
-use crate::ProcessModel;
+use crate::{ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toolroom_cutting::{Milling, MillingInput, Turning};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::Effects;
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{AnyRecord, ModelError, Process};
 use toolroom_wear::{Chipping, Pair, Scatter};
 
 /// The process of a tool; `None` where a problem was noted.
-pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
-    let effects = effects(walk, tool);
+pub(super) fn process(
+    walk: &mut Walk,
+    tool: &Section<'_>,
+    scatter: &Scatter,
+    effects: &[SwitchedEffect],
+) -> Option<ProcessModel> {
+    let always = effects.iter().filter(|own| own.scope.is_everywhere()).map(|own| own.effect);
+    let effects = Effects::overlaid(always.collect());
     let process = tool.chosen("process", ProcessKind::from_word)?;
     if let Some(file) = tool.text("fmu") {
         return imported::process(walk, tool, process, file);
@@ -151,39 +157,6 @@ pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
         set_record(walk, &format!("{}, scatter", tool.path), table, &mut scatter);
     }
     scatter
-}
-
-/// `effects = [{ id = "wear_force", size = 0.2 }]`.
-fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
-    let name = tool.text("name").unwrap_or_default().to_owned();
-    let Some(got) = tool.got("effects") else { return Effects::default() };
-    let Value::Raw(DeValue::Array(entries)) = &got.value else {
-        if let Value::Raw(other) = &got.value {
-            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
-            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
-        }
-        return Effects::default();
-    };
-    let mut effects = Vec::new();
-    for entry in entries {
-        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry.clone()));
-        match read {
-            Ok(effect) => effects.push(effect),
-            Err(error) => {
-                let message = error.message().to_owned();
-                walk.fault(entry.span(), Fault::Effect { tool: name.clone(), message });
-            }
-        }
-    }
-    let checked = Effects::new(effects).and_then(|effects| {
-        let process = tool.chosen("process", ProcessKind::from_word);
-        process.map_or(Ok(()), |process| effects.check(process.word()))?;
-        Ok(effects)
-    });
-    checked.unwrap_or_else(|reason| {
-        walk.fault(got.span.clone(), Fault::Effect { tool: name, message: reason.to_string() });
-        Effects::default()
-    })
 }
 
 /// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the

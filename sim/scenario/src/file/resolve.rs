@@ -2,12 +2,14 @@
 
 use super::choices::{FamilyWord, ProcessKind};
 use super::fault::{Fault, nearest};
-use super::walk::{Got, Section, Value, Walk};
-use super::{Output, planned, processes, routing, rules, stability};
+use super::walk::{Got, Section, Span, Value, Walk};
+use super::{Output, measured, planned, processes, routing, rules, stability};
 use crate::{
-    Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Scenario, Shift, ShiftCalendar,
-    ToolType,
+    Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
+    ShiftCalendar, Target, ToolType, Variants,
 };
+use toml::de::{DeTable, DeValue};
+use toolroom_process::Record;
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -15,8 +17,51 @@ pub(super) struct Names {
     pub calendars: Vec<String>,
     /// A name and the machines that it stands for.
     pub machines: Vec<(String, Vec<usize>)>,
+    /// The name of each machine.
+    pub each_machine: Vec<String>,
     pub tools: Vec<String>,
     pub parts: Vec<String>,
+    /// What scopes and targets may name, whatever the order of the sections.
+    pub all: Named,
+}
+
+/// Names of a file before its sections are resolved.
+#[derive(Default)]
+pub(super) struct Named {
+    pub tools: Vec<String>,
+    pub parts: Vec<String>,
+    pub operations: Vec<String>,
+    /// `part/operation`.
+    pub programs: Vec<String>,
+}
+
+impl Named {
+    fn of(root: &Section<'_>) -> Self {
+        let mut all = Self::default();
+        for (name, _) in raw_names(root.got("tool").map(|got| &got.value)) {
+            all.tools.push(name);
+        }
+        for (part, table) in raw_names(root.got("part").map(|got| &got.value)) {
+            let operations = table.get("operation").map(|raw| Value::Raw(raw.get_ref().clone()));
+            for (operation, _) in raw_names(operations.as_ref()) {
+                all.programs.push(format!("{part}/{operation}"));
+                if !all.operations.contains(&operation) {
+                    all.operations.push(operation);
+                }
+            }
+            all.parts.push(part);
+        }
+        all
+    }
+}
+
+/// The tables of a list that have a name.
+fn raw_names<'v, 'd>(value: Option<&'v Value<'d>>) -> Vec<(String, DeTable<'d>)> {
+    let Some(Value::Raw(DeValue::Array(entries))) = value else { return Vec::new() };
+    let tables = entries.iter().filter_map(|entry| entry.get_ref().as_table());
+    tables
+        .filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone())))
+        .collect()
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
@@ -24,7 +69,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
-    let mut names = Names::default();
+    let mut names = Names { all: Named::of(root), ..Names::default() };
     let calendars = calendars(walk, root, &mut names);
     let machines = machines(walk, root, &mut names);
     let tools = tools(walk, root, &mut names);
@@ -35,7 +80,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
-    let deviations = rules::deviations(walk, root);
+    let deviations = measured::deviations(walk, root, &names);
+    let calibrations = measured::calibrations(walk, root, &names);
+    let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
+    let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
+    let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -64,7 +113,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         warm_up: shop.required("warm_up"),
         shift_length: shop.required("shift_length"),
         machines,
-        tools: tools.into_iter().filter_map(|tool| tool.tool).collect(),
+        tools,
         parts,
         arrivals,
         dispatch,
@@ -72,6 +121,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         failures,
         policies,
         deviations,
+        calibrations,
         currency,
     };
     planned::policies(walk, &scenario, &places);
@@ -81,7 +131,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
 /// A tool as operations see it: known by name and process even where its constants are at fault.
 pub(super) struct NamedTool {
     pub process: Option<ProcessKind>,
-    pub span: super::walk::Span,
+    pub span: Span,
     pub tool: Option<ToolType>,
 }
 
@@ -191,6 +241,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "machine", name: each.clone() });
             }
             indices.push(machines.len());
+            names.each_machine.push(each.clone());
             if count.is_some() {
                 names.machines.push((each.clone(), vec![machines.len()]));
             }
@@ -293,11 +344,14 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
     for (name, section) in named(walk, root, "tool", Some(example)) {
         names.tools.push(name.clone());
         let scatter = processes::scatter(walk, &section);
-        let process = processes::process(walk, &section, &scatter);
+        let kind = section.chosen("process", ProcessKind::from_word);
+        let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
+        let process = processes::process(walk, &section, &scatter, &effects);
         let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
             process,
+            variants: Variants { effects, ..Variants::default() },
             parameter_set: section.text("parameter_set").or(section.text("fmu")).unwrap_or_default().to_owned(),
             edge_cost: section.required("edge_cost"),
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
@@ -311,6 +365,64 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         });
     }
     tools
+}
+
+/// A tool with the processes that its effects and the calibration of its constants make of its parameter set.
+fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Span)]) -> ToolType {
+    scatter_moved(walk, &mut tool, calibrations);
+    let own = calibrations.iter().filter(|(own, _)| match &own.target {
+        Target::Tool(name) => *name == tool.name,
+        Target::Shop | Target::Machine(_) | Target::Operation(_) | Target::Source(_) => false,
+    });
+    let (constants, places): (Vec<&Calibration>, Vec<&Span>) =
+        own.filter(|(own, _)| own.constant().is_some()).map(|(own, place)| (own, place)).unzip();
+    if constants.is_empty() && tool.variants.effects.is_empty() {
+        return tool;
+    }
+    match Variants::of(&tool.process, tool.variants.effects.clone(), &constants) {
+        Ok((process, variants)) => ToolType { process, variants, ..tool },
+        Err(reason) => {
+            let place = places.first().map_or(0..0, |place| (*place).clone());
+            walk.fault(place, Fault::Calibration { reason: format!("tool {}: {reason}", tool.name) });
+            tool
+        }
+    }
+}
+
+/// Moves the scatter of a tool.
+fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibration, Span)]) {
+    for (own, place) in calibrations {
+        let Some(name) = own.parameter.strip_prefix("scatter.") else { continue };
+        if !matches!(&own.target, Target::Tool(target) if *target == tool.name) {
+            continue;
+        }
+        let fields = toolroom_wear::Scatter::<f64>::FIELDS;
+        let Some(i) = fields.iter().position(|field| field.name == name) else {
+            let fault = Fault::UnknownName {
+                kind: "scatter",
+                name: name.to_owned(),
+                nearest: nearest(name, fields.iter().map(|field| field.name)).map(str::to_owned),
+                known: fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(place.clone(), fault);
+            continue;
+        };
+        let value = tool.scatter.get(i).unwrap_or(0.0);
+        let value = match own.moved {
+            Moved::Factor(factor) => value * factor,
+            Moved::Summand(summand) => value + summand,
+        };
+        match fields[i].check(value) {
+            Ok(()) if own.scope.is_everywhere() => {
+                tool.scatter.set(i, value);
+            }
+            Ok(()) => {
+                let reason = "scatter of a tool has no scope: it belongs to all of its edges".to_owned();
+                walk.fault(place.clone(), Fault::Calibration { reason });
+            }
+            Err(error) => walk.fault(place.clone(), Fault::Calibration { reason: error.to_string() }),
+        }
+    }
 }
 
 fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMode> {

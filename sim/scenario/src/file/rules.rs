@@ -8,13 +8,11 @@ use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
 use super::stability;
 use super::walk::{Section, Span, Value, Walk};
-use crate::effects::SHOP_EFFECTS;
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
+    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
     SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
-use toolroom_process::unit;
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
     let sections = walk.sections(root, "arrivals", None);
@@ -183,33 +181,6 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         edge_force: section.required("edge_force"),
         sensors: sensors.collect(),
     })
-}
-
-/// The effects of the true shop, sizes in the unit of the catalogue.
-pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>) -> Vec<Deviation> {
-    let mut deviations = Vec::new();
-    for section in walk.sections(root, "deviation", None) {
-        let entry = SHOP_EFFECTS.iter().find(|entry| Some(entry.id) == section.text("id"));
-        let (Some(entry), Some(text)) = (entry, section.text("size")) else { continue };
-        let span = section.span_of("size");
-        match unit::quantity(text, entry.size.unit) {
-            Ok(size) if (entry.size.min..=entry.size.max).contains(&size) => {
-                let shift = section.text("shift").map(str::to_owned);
-                let share = section.si("share").unwrap_or(1.0);
-                deviations.push(Deviation { id: entry.id, size, shift, share });
-            }
-            Ok(_) => {
-                let range = format!("{} … {} {}", entry.size.min, entry.size.max, entry.size.unit);
-                let read = text.to_owned();
-                walk.fault(span, Fault::OutOfRange { key: "size".to_owned(), read, range, meant: Vec::new() });
-            }
-            Err(reason) => {
-                let example = format!("1 {}", entry.size.display);
-                walk.fault(span, Fault::Quantity { key: "size".to_owned(), reason, example });
-            }
-        }
-    }
-    deviations
 }
 
 pub(super) fn output(walk: &mut Walk, root: &Section<'_>) -> Output {

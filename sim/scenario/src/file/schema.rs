@@ -1,6 +1,7 @@
 //! The JSON schema (draft 2020-12) of files, made from the same tables as the reader.
 
 use super::form::{Form, Key, Kind, Need};
+use super::measured::SCOPE;
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_process::{Field, unit};
@@ -81,7 +82,8 @@ fn property(key: &'static Key) -> Value {
             | Kind::Fields { .. }
             | Kind::Parameters
             | Kind::Texts
-            | Kind::Effects => json!(text),
+            | Kind::Effects
+            | Kind::Amount => json!(text),
         };
     }
     body
@@ -126,6 +128,7 @@ fn kind(of: &'static Kind) -> Value {
             "type": "object",
             "additionalProperties": { "type": ["boolean", "number", "string"] },
         }),
+        Kind::Amount => json!({ "type": ["number", "string"] }),
         Kind::Effects => {
             json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } })
         }
@@ -136,7 +139,25 @@ fn kind(of: &'static Kind) -> Value {
 fn effect(of: Effect) -> Value {
     let mut properties = Map::new();
     properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
+    let parameters: Map<String, Value> =
+        of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))).collect();
+    let shape: Map<String, Value> =
+        parameters.iter().filter(|(name, _)| *name != "size").map(|(name, own)| (name.clone(), own.clone())).collect();
+    if !shape.is_empty() {
+        properties.insert(
+            "shape".to_owned(),
+            json!({
+                "type": "object", "additionalProperties": false, "properties": shape,
+                "description": "Parameters beside the size; they may also stand beside it",
+            }),
+        );
+    }
+    properties.extend(parameters);
+    properties.insert(
+        "standard_error".to_owned(),
+        json!({ "type": ["number", "string"], "description": "Standard error of the size, in its unit" }),
+    );
+    properties.insert("scope".to_owned(), form(&SCOPE));
     json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
 }
 

@@ -444,7 +444,8 @@ impl Walk {
             }
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
-            | (Kind::Parameters | Kind::Texts | Kind::Effects, _) => Value::Raw(raw.get_ref().clone()),
+            | (Kind::Parameters | Kind::Texts | Kind::Effects, _)
+            | (Kind::Amount, DeValue::String(_) | DeValue::Integer(_) | DeValue::Float(_)) => Value::Raw(raw.get_ref().clone()),
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty
@@ -536,6 +537,7 @@ fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
         | Kind::Fields { .. }
         | Kind::Parameters
         | Kind::Texts
-        | Kind::Effects => None,
+        | Kind::Effects
+        | Kind::Amount => None,
     }
 }

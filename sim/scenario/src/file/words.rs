@@ -108,6 +108,7 @@ pub(super) fn expected(kind: &Kind) -> String {
         Kind::Parameters => "a table of groups of parameters".to_owned(),
         Kind::Texts => "a table of names and texts".to_owned(),
         Kind::Effects => "a list of effects".to_owned(),
+        Kind::Amount => "a number with its unit in quotes".to_owned(),
     }
 }
 
@@ -125,6 +126,7 @@ pub(super) fn example(kind: &Kind) -> String {
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
         Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
         Kind::Effects => "[{ id = \"wear_force\", size = 0.2 }]".to_owned(),
+        Kind::Amount => "\"12 s\"".to_owned(),
     }
 }
 

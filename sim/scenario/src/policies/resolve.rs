@@ -238,6 +238,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
     let tool = ToolType {
         name: "insert".to_owned(),
         process: ProcessModel::Turning(Arc::new(turning)),
+        variants: Default::default(),
         parameter_set: pair.name.clone(),
         edge_cost: 8.0,
         dressing_time: 0.0,

@@ -101,6 +101,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
     ToolType {
         name: "insert".to_owned(),
         process: ProcessModel::Other(Arc::new(process)),
+        variants: Default::default(),
         parameter_set: "test".to_owned(),
         edge_cost: 5.0,
         dressing_time: 0.0,
@@ -190,6 +191,7 @@ pub fn scenario() -> Scenario {
         failures: Vec::new(),
         policies: vec![policy("programmed", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: u32::MAX })],
         deviations: Vec::new(),
+        calibrations: Vec::new(),
         currency: "EUR".to_owned(),
     }
 }

@@ -1,0 +1,143 @@
+//! Constants of a shop that measurements have moved.
+
+use crate::{Occasion, Scope};
+
+/// To what a calibration belongs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Target {
+    /// Everything.
+    Shop,
+    /// A tool by its name.
+    Tool(String),
+    /// A machine by its name; one with a count means all of them.
+    Machine(String),
+    /// An operation, `part/operation`.
+    Operation(String),
+    /// A source of jobs, by its part.
+    Source(String),
+}
+
+impl Target {
+    /// As a file has it: `tool insert`, `shop`.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Shop => "shop".to_owned(),
+            Self::Tool(name) => format!("tool {name}"),
+            Self::Machine(name) => format!("machine {name}"),
+            Self::Operation(name) => format!("part {name}"),
+            Self::Source(name) => format!("source {name}"),
+        }
+    }
+
+    /// The target of such words; `None` where they are of another form.
+    pub fn of(words: &str) -> Option<Self> {
+        let words = words.trim();
+        if words == "shop" {
+            return Some(Self::Shop);
+        }
+        let (kind, name) = words.split_once(' ')?;
+        let name = name.trim().to_owned();
+        match kind {
+            "tool" => Some(Self::Tool(name)),
+            "machine" => Some(Self::Machine(name)),
+            "part" if name.contains('/') => Some(Self::Operation(name)),
+            "source" => Some(Self::Source(name)),
+            _ => None,
+        }
+    }
+
+    /// Whether a place belongs to it; a machine is meant by each of `names` that a file gives it.
+    fn has(&self, place: &Occasion<'_>) -> bool {
+        let is = |key: &str, name: &String| place.get(key) == Some(name);
+        match self {
+            Self::Shop => true,
+            Self::Tool(name) => is("tool", name),
+            Self::Machine(name) => {
+                // L with a count stands for L1, L2 …
+                let numbered = |own: &str| {
+                    own.strip_prefix(name.as_str())
+                        .is_some_and(|rest| rest.is_empty() || rest.chars().all(|digit| digit.is_ascii_digit()))
+                };
+                place.get("machine").is_some_and(numbered)
+            }
+            Self::Operation(name) => name.split_once('/').is_some_and(|(part, operation)| {
+                place.get("part") == Some(part) && place.get("operation") == Some(operation)
+            }),
+            Self::Source(name) => is("part", name),
+        }
+    }
+}
+
+/// How a calibration changes its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Moved {
+    /// Multiplies it.
+    Factor(f64),
+    /// Adds to it, SI.
+    Summand(f64),
+}
+
+/// A constant that measurements have moved: written by `gap apply`, or by hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// `group.field` of the process of a tool, or a word of [`Calibration::WORDS`].
+    pub parameter: String,
+    /// To what it belongs.
+    pub target: Target,
+    /// What it does.
+    pub moved: Moved,
+    /// Standard error of the logarithm of the factor, or of the summand, SI.
+    pub standard_error: Option<f64>,
+    /// Standard deviation of the same before any data.
+    pub prior: Option<f64>,
+    /// Operations on which it acts.
+    pub scope: Scope,
+    /// Who wrote it.
+    pub by: String,
+}
+
+impl Calibration {
+    /// Words of the shop: value, and unit of a summand; `*` stands for a name.
+    pub const WORDS: &'static [(&'static str, &'static str)] = &[
+        ("programmed_time", "s"),
+        ("handling_time", "s"),
+        ("setup_time", "s"),
+        ("tool_change_time", "s"),
+        ("time_between_failures", "s"),
+        ("time_to_repair", "s"),
+        ("arrival_interval", "s"),
+        ("scrap", "1"),
+        ("wear_rate", "1"),
+        ("gain.*", "1"),
+        ("offset.*", "1"),
+        ("scatter.*", "1"),
+    ];
+
+    /// Group and field of a process that it moves; `None` of a word of the shop.
+    pub fn constant(&self) -> Option<(&str, &str)> {
+        let (group, field) = self.parameter.split_once('.')?;
+        (!matches!(group, "gain" | "offset" | "scatter")).then_some((group, field))
+    }
+}
+
+/// What all calibrations of `parameter` together make of `value` at a place: factors first, then summands.
+///
+/// ```
+/// use toolroom_scenario::{Calibration, Moved, Occasion, Scope, Target, calibrated};
+/// let one = |moved| Calibration {
+///     parameter: "handling_time".to_owned(), target: Target::Shop, moved,
+///     standard_error: None, prior: None, scope: Scope::default(), by: String::new(),
+/// };
+/// let both = [one(Moved::Summand(2.0)), one(Moved::Factor(1.5))];
+/// assert_eq!(calibrated(&both, "handling_time", &Occasion::default(), 10.0), 17.0);
+/// ```
+pub fn calibrated(all: &[Calibration], parameter: &str, place: &Occasion<'_>, value: f64) -> f64 {
+    let (mut factor, mut summand) = (1.0, 0.0);
+    for own in all.iter().filter(|own| own.parameter == parameter && own.target.has(place) && own.scope.holds(place)) {
+        match own.moved {
+            Moved::Factor(by) => factor *= by,
+            Moved::Summand(by) => summand += by,
+        }
+    }
+    value * factor + summand
+}
