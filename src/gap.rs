@@ -5,7 +5,10 @@ mod blind;
 mod diagnose;
 mod identifiability;
 mod joined;
+mod known;
 mod plan;
+mod predict;
+mod rounds;
 mod tables;
 
 use crate::args::{GapCommand, GapData};
@@ -22,6 +25,8 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Apply(args) => apply::run(args, voice),
         GapCommand::Blind(args) => blind::run(args, voice),
         GapCommand::Plan(args) => plan::run(args, voice),
+        GapCommand::Predict(args) => predict::run(args, voice),
+        GapCommand::Loop(args) => rounds::run(args, voice),
     }
 }
 

@@ -22,10 +22,21 @@ Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel wi
   toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv
   toolroom gap plan --model scenarios/gap/turning.toml --data operations.csv --out out/plan     runs.csv to fill in")]
     Plan(PlanArgs),
-    /// Write the nominal model with the named effects switched on
+    /// Write the nominal model with everything that a diagnosis has found: effects and calibration
     #[command(before_help = "Examples:
-  toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
+  toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml
+  toolroom gap apply --model turning.toml --diagnosis out/gap/diagnosis.json --out better.toml --diff
+  toolroom gap apply --model turning.toml --diagnosis out/gap/diagnosis.json --out better.toml --only wear_force")]
     Apply(ApplyArgs),
+    /// What a model predicts of recorded operations, without any fit
+    #[command(before_help = "Examples:
+  toolroom gap predict --model better.toml --data operations.csv
+  toolroom gap predict --model better.toml --data operations.csv --out out/predicted")]
+    Predict(PredictArgs),
+    /// Diagnose, apply and diagnose again until nothing new is named
+    #[command(before_help = "Examples:
+  toolroom gap loop --model scenarios/gap/turning.toml --data operations.csv --out out/loop")]
+    Loop(LoopArgs),
     /// Diagnose shops with a hidden effect that no model here knows, and count the errors
     #[command(before_help = "Examples:
   toolroom gap blind --cases smoke
@@ -109,8 +120,58 @@ pub struct ApplyArgs {
     /// Recorded events: run the shop with and without the effects and hold both against them
     #[arg(long, value_name = "DATA")]
     pub data: Option<PathBuf>,
+    /// Only these effects, by id; repeatable
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// Effects alone: constants stay as they are
+    #[arg(long)]
+    pub no_calibration: bool,
+    /// Print what would change, and write nothing
+    #[arg(long)]
+    pub diff: bool,
+    /// Values of `--set` with which the model was diagnosed
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
     /// File to write; of several models a directory, in which each keeps its name
     #[arg(long, value_name = "MODEL2.toml")]
+    pub out: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct PredictArgs {
+    /// Nominal model, or one that `gap apply` wrote
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Records: a CSV or Parquet file, or a directory that holds it
+    #[arg(long, value_name = "DATA")]
+    pub data: PathBuf,
+    /// Column whose levels are groups; edges or dressing cycles, if left out
+    #[arg(long, value_name = "COLUMN")]
+    pub group: Option<String>,
+    /// Replace a value of the model: path=value with unit, repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Directory of predictions.csv; to the terminal, if left out
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct LoopArgs {
+    /// Nominal model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub model: PathBuf,
+    /// Records: a CSV or Parquet file, or a directory that holds it
+    #[arg(long, value_name = "DATA")]
+    pub data: PathBuf,
+    /// Greatest number of rounds
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=20))]
+    pub rounds: u32,
+    /// Seed of null distributions and intervals
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Directory of the rounds: round-1, round-2 …
+    #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
 

@@ -1,6 +1,7 @@
 //! `toolroom gap diagnose`.
 
 use super::joined::joined;
+use super::known::{self, Known};
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -8,26 +9,31 @@ use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
+use toolroom_apply::{Applied, PredictionRow, Process, document, predictions_of};
 use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{queues, visits};
-use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
+use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
     let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
-    let names = &["diagnosis.json", "report.html"];
+    let names = &["diagnosis.json", "report.html", "predictions.csv"];
     let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let mut asked: Vec<Asked> = Vec::new();
     let mut rest: Vec<Option<(NominalModel, Records)>> = Vec::new();
-    for Table { model, records } in tables(&args.models, &args.set, &args.data, voice)? {
+    let mut stated: Vec<Known> = Vec::new();
+    for (Table { model, records }, path) in
+        tables(&args.models, &args.set, &args.data, voice)?.into_iter().zip(&args.models)
+    {
         let mut records = match records {
             Ok(records) => records,
             Err(why) => {
                 let process = model.kind().name();
                 asked.push(Asked { process, parts: Vec::new(), notes: vec![why], impossible: 0 });
+                stated.push(Known::nothing(&model, path, &args.set)?);
                 rest.push(None);
                 continue;
             }
@@ -39,18 +45,32 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         let share = args.holdout.unwrap_or(0.0);
         // Every so many groups is held out, evenly through the data.
         let every = if share > 0.0 { (1.0 / share).round().max(2.0) as usize } else { usize::MAX };
-        let one = model.asked(&records, group, |index, name| {
+        let held = |index: usize, name: &str| {
             outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
-        });
+        };
+        let (known, model) = Known::of(model, path, &args.set, &records, &|model| model.asked(&records, group, held))?;
+        let one = model.asked(&records, group, held);
         if one.parts.iter().all(|part| part.frame().measured.is_empty())
             && !only_values_are_missing(&model, &records, &one)
         {
             return Err(super::nothing_measured(&one.notes));
         }
         asked.push(one);
+        stated.push(known);
         rest.push(Some((model, records)));
     }
-    let mut answers = diagnose_processes(&asked, args.seed);
+    let (mut answers, diagnosed) = diagnosed_processes(&asked, args.seed);
+    let points: Vec<Vec<Applied>> = stated
+        .iter()
+        .zip(&asked)
+        .zip(&diagnosed)
+        .map(|((known, own), diagnosed)| known.applied(own, diagnosed))
+        .collect();
+    let predicted: Vec<PredictionRow> = stated
+        .iter()
+        .zip(&points)
+        .flat_map(|(known, points)| known.records.as_ref().map_or_else(Vec::new, |own| predictions_of(own, points)))
+        .collect();
     for ((_, diagnosis), rest) in answers.processes.iter_mut().zip(rest) {
         let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else { continue };
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
@@ -63,7 +83,12 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
         }
     }
-    write(args, out, &answers, voice)?;
+    let document = |answers: &Answers| {
+        let processes: Vec<Process<'_>> =
+            stated.iter().zip(&points).map(|(known, points)| known.process(points)).collect();
+        document(answers.json(), &processes, known::data(&stated))
+    };
+    write(args, out, &answers, (&document(&answers), &predicted), voice)?;
     let untold: Vec<String> = answers
         .processes
         .iter()
@@ -97,7 +122,13 @@ fn with_more(
     })
 }
 
-fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: &Voice) -> Result<(), Failure> {
+fn write(
+    args: &DiagnoseArgs,
+    out: Option<OutputDir>,
+    answers: &Answers,
+    (document, predicted): (&serde_json::Value, &[PredictionRow]),
+    voice: &Voice,
+) -> Result<(), Failure> {
     if let Some(out) = out {
         let pretty = |value: &serde_json::Value| serde_json::to_string_pretty(value).map_err(Failure::Json);
         let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
@@ -110,7 +141,8 @@ fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: 
         let version = env!("CARGO_PKG_VERSION");
         let provenance =
             Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
-        out.put("diagnosis.json", &pretty(&answers.json())?)?;
+        out.put("diagnosis.json", &pretty(document)?)?;
+        out.put("predictions.csv", &PredictionRow::csv(predicted))?;
         out.put("report.html", &answers.report(provenance).html())?;
         out.put(
             "run.json",
@@ -119,5 +151,5 @@ fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: 
         let target = out.publish()?;
         voice.say(format_args!("wrote {}", target.join("report.html").display()));
     }
-    if voice.json { voice.json(&answers.json()) } else { voice.data(answers.terminal()) }
+    if voice.json { voice.json(document) } else { voice.data(answers.terminal()) }
 }

@@ -4,6 +4,8 @@ use super::features::{self, standardised};
 use super::{Candidate, Channel};
 use toolroom_effects::{Effect, Effects};
 use toolroom_records::Records;
+use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::{SCOPE_NAMES, Scope};
 use toolroom_statistics::median;
 
 /// Which prior a constant has.
@@ -38,6 +40,8 @@ pub(super) const CONSTANTS: &[(&str, &str, Prior)] = &[
 pub(super) enum Action {
     /// By the process.
     Effect(Effect),
+    /// By the process on the rows of a scope, 1 or 0 each.
+    Scoped(Effect, Scope, Vec<f64>),
     /// By the hardness of the rows of one lot.
     Lot(Vec<f64>),
     /// On the reading of a channel, SI per size.
@@ -46,6 +50,10 @@ pub(super) enum Action {
         channel: usize,
         /// One number a row.
         column: Vec<f64>,
+        /// Operations on which it acts.
+        scope: Scope,
+        /// Mean of what the records hold of it, where the column is made of that.
+        recorded: Option<f64>,
     },
 }
 
@@ -152,7 +160,7 @@ fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
     }
     let window = |i: usize, width: &str| {
         let speed = low * (high / low).powf(i as f64 / (WINDOWS - 1) as f64);
-        let placed = with(effect, "speed", speed)?;
+        let placed = with(effect, "centre", speed)?;
         let placed = if width.is_empty() { placed } else { with(placed, "width", NARROW)? };
         Some((format!("{:.0} m/min{width}", speed * 60.0), placed, 0.5))
     };
@@ -161,8 +169,26 @@ fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
 
 /// Delays that a cycle time may hold.
 fn cycle(channel: usize, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
-    let reading = |(candidate, column)| (candidate, Action::Reading { channel, column });
+    let reading = |(candidate, column): (Candidate, Vec<f64>)| {
+        let scope = candidate.shape.split_once(' ').and_then(|(column, name)| {
+            let key = SCOPE_NAMES.iter().find(|key| **key == column)?;
+            Some(Scope { names: vec![(*key, vec![name.to_owned()])], ..Scope::default() })
+        });
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
+        let recorded = match candidate.id {
+            "feed_override" => Some(mean(&column) / mean(seen.durations)),
+            "feed_hold" => Some(mean(&column)),
+            _ => None,
+        };
+        let scope = scope.unwrap_or_default();
+        (candidate, Action::Reading { channel, column, scope, recorded })
+    };
     delays(seen.records, seen.groups, seen.durations).into_iter().map(reading).collect()
+}
+
+/// The word of the catalogue that an id is.
+pub(super) fn id_of(id: &str) -> Option<&'static str> {
+    SHOP_EFFECTS.iter().map(|entry| entry.id).find(|own| *own == id)
 }
 
 /// Delays by what is recorded, with what each adds to the time of a row per size.

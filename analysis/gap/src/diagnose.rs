@@ -34,6 +34,13 @@ pub struct Diagnosed {
     pub(super) held_out: [LeftOut; 2],
 }
 
+impl Diagnosed {
+    /// Candidates of the model that are named.
+    pub fn named(&self) -> &[usize] {
+        if self.diagnosis.effects.is_empty() { &[] } else { &self.decision.model().fit.active }
+    }
+}
+
 /// Diagnoses the gap between `model` and what was measured. The same `seed` gives the same answer.
 pub fn diagnose(model: &dyn Forward, seed: u64) -> Diagnosed {
     diagnose_by(model, Method::default(), seed)

@@ -1,7 +1,9 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::Measured;
+use super::{Measured, Words};
 use rayon::prelude::*;
+use toolroom_effects::Effect;
+use toolroom_scenario::Scope;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
 /// deviations from nominal.
@@ -143,6 +145,8 @@ pub struct Frame {
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
     pub notes: Vec<String>,
+    /// Where fits start, and what a scenario calls what they move.
+    pub words: Words,
 }
 
 impl Frame {
@@ -156,7 +160,29 @@ impl Frame {
             candidates: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
+            words: Words::default(),
         }
+    }
+}
+
+/// How a scenario says that a candidate is there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WrittenEffect {
+    /// Parameters beside the size: name, value in SI, SI unit, unit for people.
+    pub shape: Vec<(&'static str, f64, &'static str, &'static str)>,
+    /// Operations on which it acts.
+    pub scope: Scope,
+    /// Mean of what the records hold of it and the size multiplies: an override, the share of operations held.
+    pub recorded: Option<f64>,
+}
+
+impl WrittenEffect {
+    /// Shape and scope of an effect of a process.
+    pub fn of(effect: &Effect, scope: &Scope) -> Self {
+        let record = effect.parameters();
+        let fields = record.fields().iter().enumerate().filter(|(_, field)| field.name != "size");
+        let shape = fields.filter_map(|(i, field)| Some((field.name, record.value(i)?, field.unit, field.display)));
+        Self { shape: shape.collect(), scope: scope.clone(), recorded: None }
     }
 }
 
@@ -166,6 +192,10 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
+    /// How a scenario says the candidate; by its id alone, if nothing else is said.
+    fn written(&self, _candidate: usize) -> WrittenEffect {
+        WrittenEffect::default()
+    }
     /// Derivatives of the raw values by each of `along`; `raw` is [`Forward::simulate`] at the same point.
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let slope = |direction: &Direction| {

@@ -1,6 +1,6 @@
 //! Parts of the method that can be left out, to show what they are worth.
 
-use super::{Direction, Forward, Frame, Point};
+use super::{Direction, Forward, Frame, Point, WrittenEffect};
 
 /// Which parts of the method take part. The diagnosis uses all of them; the blind benchmark leaves
 /// them out one after the other.
@@ -34,7 +34,7 @@ impl Default for Method {
 }
 
 /// A model without its form allowance, or without factors of groups.
-pub(super) struct Bare<'a> {
+pub struct Bare<'a> {
     model: &'a dyn Forward,
     frame: Frame,
     /// Parameters and surfaces that are left.
@@ -42,6 +42,7 @@ pub(super) struct Bare<'a> {
 }
 
 impl<'a> Bare<'a> {
+    /// The model with the parts that `method` keeps.
     pub fn new(model: &'a dyn Forward, method: Method) -> Self {
         let mut frame = model.frame().clone();
         let stays = |allowance: bool| method.allowance || !allowance;
@@ -55,8 +56,23 @@ impl<'a> Bare<'a> {
         Self { model, frame, kept: [parameters, surfaces] }
     }
 
+    /// The model with those parameters and surfaces only for which `keep` says so: it is asked for a name and
+    /// whether that is part of the form allowance.
+    pub fn keeping(model: &'a dyn Forward, keep: impl Fn(&str, bool) -> bool) -> Self {
+        let mut frame = model.frame().clone();
+        let parameters = frame.parameters.iter().map(|own| keep(&own.name, own.allowance)).collect::<Vec<_>>();
+        let surfaces = frame.surfaces.iter().map(|own| keep(&own.name, own.allowance)).collect::<Vec<_>>();
+        let kept = |all: &[bool]| (0..all.len()).filter(|i| all[*i]).collect::<Vec<_>>();
+        let both = [kept(&parameters), kept(&surfaces)];
+        let mut at = parameters.into_iter();
+        frame.parameters.retain(|_| at.next().unwrap_or(false));
+        let mut at = surfaces.into_iter();
+        frame.surfaces.retain(|_| at.next().unwrap_or(false));
+        Self { model, frame, kept: both }
+    }
+
     /// The point of the whole model: what was left out is zero.
-    fn whole(&self, at: &Point) -> Point {
+    pub fn whole(&self, at: &Point) -> Point {
         let mut whole = Point::nominal(self.model);
         self.kept[0].iter().zip(&at.parameters).for_each(|(i, x)| whole.parameters[*i] = *x);
         self.kept[1].iter().zip(&at.surfaces).for_each(|(i, x)| whole.surfaces[*i] = *x);
@@ -84,5 +100,9 @@ impl Forward for Bare<'_> {
             })
             .collect();
         self.model.slopes(&self.whole(at), raw, &along)
+    }
+
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        self.model.written(candidate)
     }
 }

@@ -5,15 +5,16 @@ use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::{Asked, Forward, Settings};
+use super::stated::Given;
+use super::{Asked, Forward, Settings, Stated};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{self, Form, GAP, Key, Kind, Outline, ReadError};
+use toolroom_scenario::{Calibration, Scenario};
 use toolroom_scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// Stretches of part programs that are told by name.
@@ -43,6 +44,8 @@ pub struct NominalModel {
     pub process: NominalProcess,
     /// Priors and sensors.
     pub settings: Settings,
+    /// Effects, deviations and calibration of the file.
+    pub stated: Stated,
 }
 
 /// Why a nominal model cannot be used.
@@ -139,15 +142,18 @@ impl NominalModel {
             NominalProcess::Shop(Box::new(Shop::of(scenario)))
         } else {
             let tool = tools.iter().find(|tool| tool.process.name() == wanted);
-            match tool.map(|tool| &tool.process) {
+            match tool.map(|tool| tool.bare()) {
                 Some(ProcessModel::Turning(turning)) => NominalProcess::Turning(Box::new((**turning).clone())),
                 Some(ProcessModel::Milling(milling)) => NominalProcess::Milling(Box::new((**milling).clone())),
                 Some(ProcessModel::Infeed(infeed)) => NominalProcess::Grinding(Box::new((**infeed).clone())),
                 _ => return Err(ModelFileError::NoTool { file, process: wanted }),
             }
         };
-        let mut model = Self { process, settings: Settings::default() };
+        let tool = tools.iter().position(|tool| tool.process.name() == wanted);
+        let stated = scenario.map_or_else(Stated::default, |scenario| Stated::of(scenario, tool));
+        let mut model = Self { process, settings: Settings::default(), stated };
         if let Some(section) = section {
+            model.stated.seen.clone_from(&section.seen);
             model.settings = settings(&file, &section, model.kind())?;
         }
         Ok(model)
@@ -157,7 +163,21 @@ impl NominalModel {
         let process = NominalProcess::Program(Box::new(programs));
         let settings =
             section.map_or_else(|| Ok(Settings::default()), |own| settings(file, &own, RecordKind::Program))?;
-        Ok(Self { process, settings })
+        Ok(Self { process, settings, stated: Stated::default() })
+    }
+
+    /// The same model for records that its calibration has seen: what `gap apply` wrote is not counted, so that the
+    /// records count once. What was set aside comes with it.
+    pub fn set_aside(&self) -> (Self, Vec<Calibration>) {
+        let mut model = self.clone();
+        let (aside, kept) = model.stated.calibrations.drain(..).partition(|own| own.by.starts_with("diagnosis "));
+        model.stated.calibrations = kept;
+        (model, aside)
+    }
+
+    /// What its constants and effects belong to, as a file names it.
+    pub fn target(&self) -> String {
+        self.stated.tool.as_ref().map_or_else(|| "shop".to_owned(), |tool| format!("tool {tool}"))
     }
 
     /// The records that it can be held against.
@@ -197,8 +217,8 @@ impl NominalModel {
             return asked(vec![Box::new(stretches)], notes);
         }
         if let NominalProcess::Shop(shop) = &self.process {
-            let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings);
-            return asked(vec![Box::new(model)], notes);
+            let (model, notes) = ShopModel::new(shop, records, group, &held, &self.settings, &self.stated);
+            return asked(vec![Given::around(Box::new(model))], notes);
         }
         let all = self.parts_of_all(records, group, &held);
         let mut suspicious: Vec<_> = all.iter().flat_map(|part| super::units::suspicious(part.as_ref())).collect();
@@ -241,16 +261,16 @@ impl NominalModel {
         held: &dyn Fn(usize, &str) -> bool,
     ) -> Vec<Box<dyn Forward>> {
         let groups = self.groups(records, group, held);
-        let settings = &self.settings;
+        let (settings, stated) = (&self.settings, &self.stated);
         match &self.process {
             NominalProcess::Turning(turning) => {
-                vec![Box::new(Cutting::new((**turning).clone(), records, groups, settings))]
+                vec![Given::around(Box::new(Cutting::new((**turning).clone(), records, groups, settings, stated)))]
             }
             NominalProcess::Milling(milling) => {
-                vec![Box::new(Cutting::new((**milling).clone(), records, groups, settings))]
+                vec![Given::around(Box::new(Cutting::new((**milling).clone(), records, groups, settings, stated)))]
             }
             NominalProcess::Grinding(infeed) => {
-                vec![Box::new(Grinding::new((**infeed).clone(), records, groups, settings))]
+                vec![Given::around(Box::new(Grinding::new((**infeed).clone(), records, groups, settings, stated)))]
             }
             NominalProcess::Empirical => {
                 let part = |column| -> Box<dyn Forward> {
@@ -262,7 +282,7 @@ impl NominalModel {
                 vec![Box::new(Stretches::new((**model).clone(), records, groups, settings))]
             }
             NominalProcess::Shop(shop) => {
-                vec![Box::new(ShopModel::new(shop, records, group, held, settings).0)]
+                vec![Box::new(ShopModel::new(shop, records, group, held, settings, stated).0)]
             }
         }
     }

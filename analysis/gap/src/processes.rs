@@ -52,6 +52,14 @@ pub struct Answers {
 /// # Panics
 /// Without processes.
 pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
+    diagnosed_processes(asked, seed).0
+}
+
+/// [`diagnose_processes`] with what each part of each process rests on.
+///
+/// # Panics
+/// Without processes.
+pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diagnosed>>) {
     let all: Vec<(Diagnosis, Vec<Diagnosed>)> = asked.iter().map(|own| answered(own, asked.len(), seed)).collect();
     let total = match &all[..] {
         [(only, _)] => only.total.clone(),
@@ -63,8 +71,9 @@ pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
             if pool.is_empty() { Closure::UNKNOWN } else { pooled(&pool, seed) }
         }
     };
-    let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
-    Answers { processes, total }
+    let (diagnoses, diagnosed): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+    let processes = asked.iter().zip(diagnoses).map(|(own, diagnosis)| (own.process, diagnosis)).collect();
+    (Answers { processes, total }, diagnosed)
 }
 
 fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {

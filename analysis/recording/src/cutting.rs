@@ -20,8 +20,7 @@ const MEANS: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "tempe
 /// Rows of turning or milling.
 pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
     let name = if kind == RecordKind::Milling { "milling" } else { "turning" };
-    let mut rows: Vec<usize> =
-        (0..run.log.passes.len()).filter(|at| run.process(*at).name() == name).collect();
+    let mut rows: Vec<usize> = (0..run.log.passes.len()).filter(|at| run.process(*at).name() == name).collect();
     rows.retain(|at| run.log.passes[*at].cutting_time > 0.0 && programmed(run, &run.log.passes[*at]).is_some());
     rows.sort_by(|a, b| {
         let (a, b) = (&run.log.passes[*a], &run.log.passes[*b]);

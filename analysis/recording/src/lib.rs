@@ -103,7 +103,7 @@ impl Run<'_> {
         }
         let visit = &self.visits.list[self.visits.of_pass[at]];
         let part = &self.scenario.parts[pass.part as usize];
-        let mut occasion = Occasion { time: Some(visit.start), ..Occasion::default() };
+        let mut occasion = Occasion::at(visit.start);
         occasion.set("machine", self.machine(pass.machine));
         occasion.set("tool", tool.name.as_str());
         occasion.set("tool_id", edge_name(pass.edge));

@@ -7,7 +7,7 @@ use toolroom_process::{Number, Record, record};
 record! {
     /// Work material builds up on the edge in a window of speeds: there the wear rate is
     /// `× (1 + size·w)` and the specific cutting force `× (1 - 0.3·size·w)`, with
-    /// `w = exp(-ln(v/speed)²/(2 width²))`.
+    /// `w = exp(-ln(v/centre)²/(2 width²))`.
     ///
     /// # Source
     /// Trent & Wright, Metal Cutting (2000): a built-up edge forms in a range of low speeds, raises
@@ -17,7 +17,7 @@ record! {
         /// Share by which the wear rate has grown at the centre of the window.
         size: Real = 0.0, 0.0..=3.0;
         /// Cutting speed at the centre of the window, v_b; assumption.
-        speed: Real["m/s" => "m/min"] = 1.5, 0.01..=20.0;
+        centre: Real["m/s" => "m/min"] = 1.5, 0.01..=20.0;
         /// Width of the window in ln v, one standard deviation; assumption.
         width: Real = 0.3, 0.01..=3.0;
     }
@@ -38,7 +38,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
 impl<N: Number> BuiltUpEdge<N> {
     pub(crate) fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
         if context.cutting_speed.re() > 0.0 {
-            let away = (context.cutting_speed / self.speed).ln() / self.width;
+            let away = (context.cutting_speed / self.centre).ln() / self.width;
             let window = (-(away * away) * 0.5).exp();
             terms.wear_rate *= self.size * window + 1.0;
             terms.specific_cutting_force *= -(self.size * window * 0.3) + 1.0;

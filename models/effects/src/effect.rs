@@ -157,6 +157,8 @@ impl Effect {
     fn set(&mut self, name: &str, text: &str) -> Result<(), EffectError> {
         let id = self.entry().id;
         let fields = self.parameters().fields();
+        // As older files have it.
+        let name = if (id, name) == ("built_up_edge", "speed") { "centre" } else { name };
         let Some(i) = fields.iter().position(|field| field.name == name) else {
             let known = fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
             return Err(EffectError::UnknownParameter { id, name: name.to_owned(), known });

@@ -46,8 +46,8 @@ impl Target {
         }
     }
 
-    /// Whether a place belongs to it; a machine is meant by each of `names` that a file gives it.
-    fn has(&self, place: &Occasion<'_>) -> bool {
+    /// Whether an operation belongs to it; a machine with a count is meant by its common name, too.
+    pub fn has(&self, place: &Occasion<'_>) -> bool {
         let is = |key: &str, name: &String| place.get(key) == Some(name);
         match self {
             Self::Shop => true,

@@ -28,6 +28,8 @@ pub struct Deviation {
     pub share: f64,
     /// Standard error of the size, SI.
     pub standard_error: Option<f64>,
+    /// Mean share that recorded overrides add to the time in cut, which the size multiplies; of `feed_override` only.
+    pub recorded: Option<f64>,
 }
 
 /// Mean duration of a short stop, s (assumption of the catalogue).
@@ -47,7 +49,7 @@ impl Deviation {
 
     /// An effect that always acts on everything.
     pub fn new(id: &'static str, size: f64) -> Self {
-        Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None }
+        Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None, recorded: None }
     }
 
     /// Least size of an effect that is physical, SI: a feed override of 200 % halves the time; times may be shorter
@@ -63,11 +65,7 @@ impl Deviation {
     }
 
     /// Those of `id` that act on an operation.
-    pub fn acting<'a>(
-        all: &'a [Self],
-        id: &'a str,
-        occasion: &'a Occasion<'_>,
-    ) -> impl Iterator<Item = &'a Self> {
+    pub fn acting<'a>(all: &'a [Self], id: &'a str, occasion: &'a Occasion<'_>) -> impl Iterator<Item = &'a Self> {
         all.iter().filter(move |own| own.id == id && own.scope.holds(occasion))
     }
 }

@@ -25,6 +25,8 @@ pub struct GapSection {
     pub constant_rate: bool,
     /// Sensors that differ from the usual sheet.
     pub sensors: Vec<SensorErrors>,
+    /// Hashes of the records that the calibration of the file has seen.
+    pub seen: Vec<String>,
 }
 
 /// Errors of one sensor; quantities as written, since their unit is the channel's.

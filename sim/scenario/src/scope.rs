@@ -15,7 +15,7 @@ pub const SCOPE_NAMES: [&str; 10] =
 /// use toolroom_scenario::{Occasion, Scope};
 /// let scope = Scope { names: vec![("machine", vec!["M1".to_owned()])], until: Some(60.0), ..Scope::default() };
 /// let mut occasion = Occasion::default();
-/// assert!(Scope::default().holds(&place) && !scope.holds(&occasion));
+/// assert!(Scope::default().holds(&occasion) && !scope.holds(&occasion));
 /// occasion.set("machine", "M1");
 /// occasion.time = Some(59.0);
 /// assert!(scope.holds(&occasion));
@@ -51,7 +51,8 @@ impl Scope {
 
     /// In words, `machine=M1, shift=S1|S2`; empty where it holds everywhere.
     pub fn words(&self) -> String {
-        let mut words: Vec<String> = self.names.iter().map(|(key, names)| format!("{key}={}", names.join("|"))).collect();
+        let mut words: Vec<String> =
+            self.names.iter().map(|(key, names)| format!("{key}={}", names.join("|"))).collect();
         words.extend(self.from.map(|from| format!("from {from} s")));
         words.extend(self.until.map(|until| format!("until {until} s")));
         words.join(", ")
@@ -67,6 +68,11 @@ pub struct Occasion<'a> {
 }
 
 impl<'a> Occasion<'a> {
+    /// An operation of which nothing is known but its start, s since the start of the scenario.
+    pub fn at(time: f64) -> Self {
+        Self { time: Some(time), ..Self::default() }
+    }
+
     /// Tells a name; a key that is none of [`SCOPE_NAMES`] is passed over.
     pub fn set(&mut self, key: &str, name: impl Into<Cow<'a, str>>) {
         if let Some(i) = SCOPE_NAMES.iter().position(|known| *known == key) {

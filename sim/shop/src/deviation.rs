@@ -31,7 +31,8 @@ impl Asked {
 
     /// Size of a deviation that acts on it.
     fn deviation(&self, scenario: &Scenario, id: &str) -> f64 {
-        Deviation::acting(&scenario.deviations, id, &self.occasion).map(|own| own.size).sum()
+        let acting = Deviation::acting(&scenario.deviations, id, &self.occasion);
+        acting.map(|own| own.size * own.recorded.unwrap_or(1.0)).sum()
     }
 
     /// Times of loading and unloading, s: what is added is added to loading.
@@ -73,7 +74,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
     /// A machine as scopes see it, without the operation in it.
     fn machine_occasion(&self, machine: usize) -> Occasion<'static> {
         let (kind, now) = (&self.scenario.machines[machine], self.now().seconds());
-        let mut occasion = Occasion { time: Some(now), ..Occasion::default() };
+        let mut occasion = Occasion::at(now);
         occasion.set("machine", kind.name.clone());
         if let Some(shift) = kind.calendar.and_then(|index| self.scenario.calendars[index].shift_at(now)) {
             occasion.set("shift", shift);
@@ -130,7 +131,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         if self.scenario.calibrations.is_empty() {
             return time;
         }
-        let mut occasion = Occasion { time: Some(self.now().seconds()), ..Occasion::default() };
+        let mut occasion = Occasion::at(self.now().seconds());
         occasion.set("part", self.scenario.parts[self.scenario.arrivals[source].part].name.clone());
         calibrated(&self.scenario.calibrations, "arrival_interval", &occasion, time).max(0.0)
     }

@@ -2,8 +2,8 @@
 
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
-use super::draws::Blank;
 use super::deviation::Moved;
+use super::draws::Blank;
 use super::edge::Edge;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};

@@ -4,12 +4,13 @@ use toolroom_shards::fingerprint;
 
 const TABLE: &str = "[gap.applied]";
 
-/// A model with the mark at its end.
-pub fn marked(model: &str) -> String {
+/// A model with the mark at its end; `data` are hashes of the records that its calibration has seen.
+pub fn marked(model: &str, data: &[String]) -> String {
     let (text, _) = parted(model);
     let hash = fingerprint(text.as_bytes());
+    let data = data.iter().map(|own| format!("\"{own}\"")).collect::<Vec<_>>().join(", ");
     format!(
-        "{text}\n\n{TABLE} # what `toolroom gap apply` wrote: the next one replaces it as long as nobody edits it\ntext = \"{hash}\"\n"
+        "{text}\n\n{TABLE} # what `toolroom gap apply` wrote: the next one replaces it as long as nobody edits it\ntext = \"{hash}\"\ndata = [{data}]\n"
     )
 }
 
@@ -41,9 +42,9 @@ mod tests {
 
     #[test]
     fn a_model_that_somebody_edits_loses_its_mark() {
-        let model = marked("schema = 1\n[gap]\nforce = 0.1\n");
+        let model = marked("schema = 1\n[gap]\nforce = 0.1\n", &["0a".to_owned()]);
         assert!(is_marked(&model));
-        assert!(is_marked(&marked(&model)) && marked(&model) == model);
+        assert!(is_marked(&marked(&model, &[])) && marked(&model, &["0a".to_owned()]) == model);
         assert!(!is_marked(&model.replace("0.1", "0.2")));
         assert!(!is_marked(&format!("{model}[output]\nlogs = false\n")));
         assert!(!is_marked("schema = 1\n"));

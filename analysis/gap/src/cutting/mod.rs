@@ -3,16 +3,19 @@
 mod nominal;
 mod run;
 mod slopes;
+mod words;
 
 pub use nominal::Nominal;
 
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
+use super::stated::Stated;
 use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, broken};
 use run::Step;
 use toolroom_process::Record;
 use toolroom_records::{Records, Sensor};
+use toolroom_scenario::Moved;
 
 /// What a parameter of the fit does to the simulation.
 enum Change {
@@ -67,7 +70,24 @@ pub struct Cutting<P: Nominal> {
     signs: Vec<f64>,
     changes: Vec<Change>,
     actions: Vec<Action>,
+    /// Constants that the file moves and no parameter of the fit does.
+    fixed: Vec<Fixed>,
+    /// Which of those with rows of their own act in each row: index into `masks`.
+    variant_of_row: Vec<usize>,
+    /// Sets of entries with rows of their own that occur, a bit each: actions first, then constants.
+    masks: Vec<u64>,
+    /// Nominal handling time of each row, s.
+    handling: Vec<f64>,
     ports: Ports,
+}
+
+/// A constant of the process that the file moves.
+struct Fixed {
+    group: String,
+    field: String,
+    moved: Moved,
+    /// Rows on which it is moved, 1 or 0 each; all, if none.
+    rows: Option<Vec<f64>>,
 }
 
 /// Where a channel's prediction comes from.
@@ -108,7 +128,9 @@ impl<P: Nominal> Cutting<P> {
         records: &Records,
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
+        stated: &Stated,
     ) -> Self {
+        let mut stated = stated.clone();
         let process = unbroken(process);
         let (names, group_of_row, fitted) = groups;
         let mut rows = vec![Vec::new(); names.len()];
@@ -155,6 +177,10 @@ impl<P: Nominal> Cutting<P> {
             readings,
             changes: Vec::new(),
             actions: Vec::new(),
+            fixed: Vec::new(),
+            variant_of_row: vec![0; records.len()],
+            masks: vec![0],
+            handling: stated.handling_of(records),
             ports,
         };
         model.calibration(records, settings);
@@ -171,6 +197,7 @@ impl<P: Nominal> Cutting<P> {
         let (candidates, actions) = cutting_effects::candidates(P::NAME, &context).into_iter().unzip();
         model.frame.candidates = candidates;
         model.actions = actions;
+        model.state(records, &mut stated);
         model.orient();
         if broken > 0 {
             model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));

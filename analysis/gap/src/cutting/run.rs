@@ -1,10 +1,11 @@
 //! An edge through its operations, in steps that are the same wherever the model is asked.
 
 use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source};
-use crate::{Direction, Forward, Frame, Point};
+use crate::{Direction, Forward, Frame, Point, WrittenEffect};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
 use toolroom_process::Record;
+use toolroom_scenario::move_constant;
 
 /// The start of a cut that force, power and temperature means leave out, s.
 const LEFT_OUT: f64 = 20.0;
@@ -40,7 +41,9 @@ impl Step {
 
 /// A model at a point: what all rows have in common.
 pub(super) struct Setting<'a, P> {
-    pub process: P,
+    /// The process by the set of entries that act, as [`Cutting::masks`].
+    processes: Vec<P>,
+    variant_of_row: &'a [usize],
     pub at: &'a Point,
     /// Weight, feature of the row if it has one, and form along the land, in the logarithm of the wear rate.
     of_land: Vec<AlongLand<'a>>,
@@ -78,6 +81,11 @@ impl OfLand {
 }
 
 impl<P> Setting<'_, P> {
+    /// The process in a row.
+    pub(super) fn process(&self, row: usize) -> &P {
+        &self.processes[self.variant_of_row[row]]
+    }
+
     /// What multiplies the wear rate along the land in a row.
     pub(super) fn of_land(&self, row: usize) -> OfLand {
         let of_row = |feature: Feature<'_>| feature.map_or(1.0, |feature| feature[row]);
@@ -147,7 +155,8 @@ impl<P: Nominal> Cutting<P> {
 
     pub(super) fn setting<'a>(&'a self, at: &'a Point) -> Setting<'a, P> {
         let mut setting = Setting {
-            process: self.process_at(at),
+            processes: self.masks.iter().map(|mask| self.process_at(at, *mask)).collect(),
+            variant_of_row: &self.variant_of_row,
             at,
             of_land: Vec::new(),
             wear: 0.0,
@@ -172,26 +181,35 @@ impl<P: Nominal> Cutting<P> {
         setting
     }
 
-    /// The process of a point: constants and effects of all rows.
-    fn process_at(&self, at: &Point) -> P {
+    /// The process of a point: constants and effects of the rows in which the entries of `mask` act.
+    fn process_at(&self, at: &Point, mask: u64) -> P {
         let mut process = self.process.clone();
-        // What the file switched on stays on.
         let mut effects: Vec<Effect> = process.effects().iter().copied().collect();
-        for ((action, size), candidate) in self.actions.iter().zip(&at.effects).zip(&self.frame.candidates) {
-            // Shapes of one effect are never on together; the first stands.
-            if *size == 0.0 || effects.iter().any(|other| other.entry().id == candidate.id) {
-                continue;
-            }
+        let mut bit = 0;
+        for (action, size) in self.actions.iter().zip(&at.effects) {
             match action {
-                Action::Effect(effect) => effects.push(effect.with_size(*size)),
-                Action::Lot(_) => {
+                Action::Effect(effect) if *size != 0.0 => effects.push(effect.with_size(*size)),
+                Action::Scoped(effect, ..) => {
+                    if *size != 0.0 && mask >> bit & 1 == 1 {
+                        effects.push(effect.with_size(*size));
+                    }
+                    bit += 1;
+                }
+                // What differs from lot to lot is the input.
+                Action::Lot(_) if *size != 0.0 && effects.iter().all(|own| own.entry().id != "lot_hardness") => {
                     effects.extend(Effect::named("lot_hardness").map(|effect| effect.with_size(1.0)));
                 }
-                Action::Reading { .. } => {}
+                Action::Effect(_) | Action::Lot(_) | Action::Reading { .. } => {}
             }
         }
-        if let Ok(effects) = Effects::new(effects) {
-            process = process.with_effects(effects);
+        process = process.with_effects(Effects::overlaid(effects));
+        for own in &self.fixed {
+            let acts = own.rows.is_none() || mask >> bit & 1 == 1;
+            bit += usize::from(own.rows.is_some());
+            if acts {
+                // A constant that the process lacks was refused with its file.
+                let _ = move_constant(process.parameters_mut(), &own.group, &own.field, own.moved);
+            }
         }
         for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
             let Change::Constant { group, name } = change else { continue };
@@ -220,7 +238,7 @@ impl<P: Nominal> Cutting<P> {
         for (row, values) in self.rows[group].iter().zip(values.chunks_exact_mut(channels)) {
             let (u, factor) = self.conditions(setting, group, *row);
             let of_land = setting.of_land(*row);
-            let held = setting.process.held(&u);
+            let held = setting.process(*row).held(&u);
             // Edges cool between operations.
             if let Some(body) = parts.lagged {
                 x[body] = 0.0;
@@ -241,7 +259,7 @@ impl<P: Nominal> Cutting<P> {
                     * match source {
                         Source::Wear => x[parts.land],
                         Source::Output(_) => *value / seen,
-                        Source::Duration => self.durations[*row],
+                        Source::Duration => self.durations[*row] + self.handling[*row],
                     };
             }
         }
@@ -373,7 +391,7 @@ impl<P: Nominal> Forward for Cutting<P> {
             (0..self.rows.len()).into_par_iter().map(|group| self.edge(&setting, group)).collect();
         let mut raw = edges.concat();
         for (action, size) in self.actions.iter().zip(&at.effects) {
-            if let Action::Reading { channel, column } = action
+            if let Action::Reading { channel, column, .. } = action
                 && *size != 0.0
             {
                 for (raw, observation) in raw.iter_mut().zip(&self.frame.measured.observations) {
@@ -387,5 +405,8 @@ impl<P: Nominal> Forward for Cutting<P> {
     }
     fn slopes(&self, at: &Point, _raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         self.slopes_along(at, along)
+    }
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        self.written_effect(candidate)
     }
 }

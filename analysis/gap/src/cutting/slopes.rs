@@ -79,12 +79,14 @@ impl<P: Nominal> Cutting<P> {
                 }
             }
             Direction::Effect(i) => match &self.actions[i] {
-                Action::Reading { channel, column } => {
+                Action::Reading { channel, column, .. } => {
                     return Way::Reading(*channel, column, self.frame.candidates[i].typical);
                 }
                 Action::Lot(_) => false,
                 // The catalogue lists flank wear wherever an effect changes its rate.
-                Action::Effect(effect) => still && effect.entry().channels.iter().all(|it| it.channel != "flank_wear"),
+                Action::Effect(effect) | Action::Scoped(effect, ..) => {
+                    still && effect.entry().channels.iter().all(|it| it.channel != "flank_wear")
+                }
             },
             Direction::Local(0) => return Way::Rate(self.frame.locals[0].deviation, None),
             Direction::Local(_) => still,
@@ -103,13 +105,13 @@ impl<P: Nominal> Cutting<P> {
         let mut means = vec![0.0; channels];
         for (place, row) in rows.iter().enumerate() {
             let (u, factor) = self.conditions(here, group, *row);
-            let (held, of_land) = (here.process.held(&u), here.of_land(*row));
+            let (held, of_land) = (here.process(*row).held(&u), here.of_land(*row));
             let own: Vec<Option<Own<'_, P>>> = ways
                 .iter()
                 .map(|way| match way {
                     Way::Seen(setting, _) | Way::Run(setting, _) => {
                         let (u, factor) = self.conditions(setting, group, *row);
-                        Some((setting.process.held(&u), factor, setting.of_land(*row)))
+                        Some((setting.process(*row).held(&u), factor, setting.of_land(*row)))
                     }
                     _ => None,
                 })

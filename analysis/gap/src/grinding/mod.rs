@@ -10,12 +10,14 @@
 mod catalogue;
 mod conditions;
 mod plunge;
+mod words;
 
 pub use conditions::dressings;
 
 use super::features;
 use super::settings::{MACHINE_GAIN, Settings};
-use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform};
+use super::stated::Stated;
+use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, WrittenEffect};
 use catalogue::Action;
 use conditions::Conditions;
 use plunge::{Plunge, plunge};
@@ -68,6 +70,7 @@ impl Grinding {
         records: &Records,
         groups: (Vec<String>, Vec<usize>, Vec<bool>),
         settings: &Settings,
+        stated: &Stated,
     ) -> Self {
         let (names, group_of_row, fitted) = groups;
         let mut rows = vec![Vec::new(); names.len()];
@@ -88,6 +91,7 @@ impl Grinding {
         model.calibration(records, settings);
         model.allowance(records);
         model.catalogue(records);
+        model.state(&mut stated.clone());
         let groups = &model.frame.measured.group_of_row;
         let conditions = ["infeed_per_rev", "revolutions", "work_rotation_speed"];
         model.frame.covariates = features::covariates(records, groups, &conditions, None);
@@ -154,14 +158,11 @@ impl Grinding {
         for (action, size) in self.actions.iter().zip(&at.effects) {
             if let Action::Effect { effect, .. } = action
                 && *size != 0.0
-                && effects.iter().all(|own| own.entry().id != effect.entry().id)
             {
                 effects.push(effect.with_size(*size));
             }
         }
-        if let Ok(effects) = Effects::new(effects) {
-            process.effects = effects;
-        }
+        process.effects = Effects::overlaid(effects);
         process
     }
 
@@ -234,6 +235,9 @@ fn channels(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> 
 impl Forward for Grinding {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        self.written_effect(candidate)
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let process = self.process_at(at);

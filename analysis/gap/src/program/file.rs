@@ -4,12 +4,15 @@ use super::ProgramModel;
 use std::path::Path;
 use toolroom_contour::{Program, Units};
 use toolroom_process::Record;
-use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
 
 const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })
 }
+
+/// Drives by key: SI unit, and the value where a file does not say.
+pub const DEFAULT_DRIVES: [(&str, &str, f64); 3] =
+    [("rapid_speed", "m/s", 0.5), ("corner_deviation", "m", 10e-6), ("jerk_time", "s", 0.0)];
 
 static DRIVES: Form = Form {
     title: "[drives]",
@@ -42,6 +45,12 @@ static EFFECTS: Form = Form {
             quantity("s", "s", 3600.0, "10 s"),
             "0 s",
             "Time of a mean hold; holds count as long as logged",
+        ),
+        Key::default(
+            "feed_hold_each",
+            quantity("s", "s", 3600.0, "10 s"),
+            "0 s",
+            "Time of every hold, however long it was logged",
         ),
         Key::default(
             "axis_acceleration",
@@ -97,6 +106,7 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
     }
     if let Some(section) = walk.table(root, "effects") {
         fill(&mut model.effects, &section, &EFFECTS);
+        model.hold_each = section.required("feed_hold_each");
     }
     for section in walk.sections(root, "program", None) {
         let (Some(name), Some(file)) = (section.text("name"), section.text("file")) else { continue };
@@ -123,21 +133,4 @@ fn fill<R: Record>(record: &mut R, section: &Section<'_>, form: &Form) {
             record.set(index, value);
         }
     }
-}
-
-/// The section `[effects]` of a file with `effects` on.
-pub fn effects_section(effects: &ShopDeviations) -> String {
-    let mut text = String::from("[effects]\n");
-    for key in EFFECTS.keys {
-        let Some(index) = ShopDeviations::<f64>::index_of(key.name) else { continue };
-        let field = &ShopDeviations::<f64>::FIELDS[index];
-        let value = effects.get(index).unwrap_or(0.0);
-        if value != 0.0 {
-            let number = field.to_display(value);
-            let unit = field.display;
-            let written = if unit == "1" { format!("{number}") } else { format!("\"{number} {unit}\"") };
-            text += &format!("{} = {written}\n", key.name);
-        }
-    }
-    text
 }

@@ -13,16 +13,20 @@
 mod file;
 mod rows;
 
-pub use file::effects_section;
+pub use file::DEFAULT_DRIVES;
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};
 use super::settings::Settings;
+use super::stated::Movable;
 use super::summary::rounded;
-use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform};
+use super::{
+    Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform, WrittenEffect,
+};
 use rows::{Rows, rows};
 use toolroom_contour::{Drives, Program};
 use toolroom_records::{Records, Sensor};
+use toolroom_scenario::Target;
 use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
 
 /// What is known of a machine and its programs before any measurement.
@@ -34,6 +38,8 @@ pub struct ProgramModel {
     pub drives: Drives,
     /// Effects that are switched on.
     pub effects: ShopDeviations,
+    /// Time of every hold, however long it was logged, s.
+    pub hold_each: f64,
 }
 
 /// Prior standard deviation of the logarithm of the rapid speed (assumption).
@@ -121,6 +127,8 @@ impl Stretches {
         if self.rows.of_program.iter().any(Option::is_some) {
             self.frame.parameters =
                 vec![Parameter { name: "rapid speed".to_owned(), deviation: RAPID, allowance: false }];
+            let movable = Movable::factor("drives.rapid_speed", Target::Shop);
+            self.frame.words.movable = vec![("rapid speed".to_owned(), movable)];
         }
         let mut surface = |name: String, feature: Vec<f64>, deviation: f64| {
             let channels = vec![0];
@@ -225,6 +233,7 @@ impl Stretches {
                 + own.tool_change_delay * rows.changes[row]
                 + own.canned_cycle_dwell * rows.holes[row]
                 + own.feed_hold * rows.hold_share[row]
+                + self.model.hold_each * rows.holds[row]
         };
         (0..rows.of_program.len()).map(time).collect()
     }
@@ -255,6 +264,19 @@ fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
 impl Forward for Stretches {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        let shape = match self.actions[candidate] {
+            Action::Acceleration(corner, jerk) => {
+                vec![("corner_deviation", corner, "m", "um"), ("jerk_time", jerk, "s", "ms")]
+            }
+            Action::Feature(_) if self.frame.candidates[candidate].shape == "each alike" => {
+                vec![("each_alike", 1.0, "1", "1")]
+            }
+            Action::Feature(_) => Vec::new(),
+        };
+        WrittenEffect { shape, ..WrittenEffect::default() }
     }
 
     fn simulate(&self, at: &Point) -> Vec<f64> {

@@ -27,6 +27,7 @@ mod stops;
 #[cfg(test)]
 mod tests;
 mod visit;
+mod words;
 
 pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};

@@ -2,7 +2,8 @@
 
 use super::super::features::standardised;
 use super::super::{
-    Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Surface, Transform,
+    Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
+    Transform, WrittenEffect,
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
 use super::nominal::Shop;
@@ -44,7 +45,7 @@ const BOOKED: f64 = 0.2 / 3600.0;
 const RARE: [&str; 4] = ["cutting_tail", "cutting_excess", "cutting_spread", "stop_count"];
 
 /// What a candidate does to a block.
-enum Action {
+pub(super) enum Action {
     /// Longer cutting, by share, on blocks by weight.
     Slower(Vec<f64>),
     /// Longer cutting by the overrides that are recorded, over their mean.
@@ -52,7 +53,7 @@ enum Action {
     /// Longer handling on blocks by weight, s.
     Delay(Vec<f64>),
     /// Longer changes of edges.
-    Change,
+    Change(Vec<f64>),
     /// Short stops that show in cutting times only.
     Stops,
     /// Short stops that are booked.
@@ -69,13 +70,13 @@ enum Action {
 
 /// The nominal shop over [`Records`] of events.
 pub struct ShopModel {
-    frame: Frame,
-    blocks: Blocks,
+    pub(super) frame: Frame,
+    pub(super) blocks: Blocks,
     /// Nominal value of each block by channel.
     nominal: Vec<[f64; CHANNELS.len()]>,
     /// Growth of the life of edges with the wear limit, 1/m, by block.
     life_slope: Vec<f64>,
-    actions: Vec<Action>,
+    pub(super) actions: Vec<Action>,
     stops: Stops,
     /// Channel of [`CHANNELS`] by channel of the frame.
     kinds: Vec<usize>,
@@ -90,6 +91,7 @@ impl ShopModel {
         group: Option<&str>,
         held: &dyn Fn(usize, &str) -> bool,
         settings: &Settings,
+        stated: &Stated,
     ) -> (Self, Vec<String>) {
         let seen = visits(records);
         let mut notes = seen.notes.clone();
@@ -123,6 +125,8 @@ impl ShopModel {
         model.calibration(shop, &seen);
         model.catalogue(shop, &seen);
         model.covariates(&seen);
+        model.state(shop, &seen, &mut stated.clone());
+        notes.extend(std::mem::take(&mut model.frame.notes));
         (model, notes)
     }
 
@@ -278,7 +282,7 @@ impl ShopModel {
             }
         }
         if has(6) {
-            list.push(("tool_change_delay", String::new(), 20.0, Action::Change));
+            list.push(("tool_change_delay", String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
         }
         if has(7) {
             list.push(("feed_hold", String::new(), 10.0, Action::Hold));
@@ -363,7 +367,6 @@ impl ShopModel {
             self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
         };
         let booked = of(&|action| matches!(action, Action::Booked));
-        let change = of(&|action| matches!(action, Action::Change));
         let hold = of(&|action| matches!(action, Action::Hold));
         let policy = of(&|action| matches!(action, Action::Policy));
         let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
@@ -376,12 +379,13 @@ impl ShopModel {
             let shape = shape.unwrap_or_default();
             let group = measured.group_of_row[row];
             let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
-            let (mut slower, mut delay, mut blocks, mut overridden) = (0.0, 0.0, 0.0, 0.0);
+            let (mut slower, mut delay, mut change, mut blocks, mut overridden) = (0.0, 0.0, 0.0, 0.0, 0.0);
             for (action, size) in self.actions.iter().zip(&at.effects) {
                 match action {
                     Action::Slower(weights) => slower += size * weights[row],
                     Action::Overridden(mean) => overridden += size / mean,
                     Action::Delay(weights) => delay += size * weights[row],
+                    Action::Change(weights) => change += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
                     _ => {}
                 }
@@ -411,6 +415,10 @@ impl Forward for ShopModel {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.simulated(at, &self.shapes(self.rate(at)))
+    }
+
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        self.written_effect(candidate)
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {

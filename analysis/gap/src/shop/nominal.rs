@@ -53,6 +53,9 @@ pub struct Shop {
 impl Shop {
     /// The shop of a scenario. The lives of edges come from a simulation of its first policy.
     pub fn of(scenario: &Scenario) -> Self {
+        // What the file states of the shop itself is counted from there, not simulated into it.
+        let planned = Scenario { deviations: Vec::new(), calibrations: Vec::new(), ..scenario.clone() };
+        let scenario = &planned;
         let times = programmed_cutting_times(scenario);
         let mut programs = BTreeMap::new();
         for (part, times) in scenario.parts.iter().zip(&times) {

@@ -25,7 +25,11 @@ pub(super) static SCOPE: Form = Form {
         Key::optional("part", NAMES, "Parts"),
         Key::optional("operation", NAMES, "Operations by name"),
         Key::optional("material", NAMES, "Materials, as records name them; a simulated shop has none"),
-        Key::optional("lot", NAMES, "Lots, as records name them; in a simulated shop part-1, part-2 … for the batches of a part"),
+        Key::optional(
+            "lot",
+            NAMES,
+            "Lots, as records name them; in a simulated shop part-1, part-2 … for the batches of a part",
+        ),
         Key::optional("shift", NAMES, "Shifts S1, S2 … of the machine's calendar"),
         Key::optional("operator", NAMES, "Operators, as records name them; a simulated shop has none"),
         Key::optional("coolant", NAMES, "Coolants, as records name them; first and second in a simulated shop"),
@@ -46,15 +50,19 @@ pub(super) static CALIBRATION: Form = Form {
              tool_change_time, time_between_failures, time_to_repair, arrival_interval, scrap, wear_rate, gain.CHANNEL, \
              offset.CHANNEL, scatter.FIELD",
         ),
-        Key::required(
-            "target",
-            Kind::Text,
-            "tool NAME, machine NAME, part NAME/OPERATION, source PART, or shop",
-        ),
+        Key::required("target", Kind::Text, "tool NAME, machine NAME, part NAME/OPERATION, source PART, or shop"),
         Key::optional("factor", FACTOR, "Factor on the value"),
         Key::optional("summand", Kind::Amount, "Instead of a factor: what is added, with its unit"),
-        Key::optional("standard_error", Kind::Amount, "Of the logarithm of the factor, or of the summand with its unit"),
-        Key::optional("prior", Kind::Amount, "Standard deviation of the same before any data; stays through every apply"),
+        Key::optional(
+            "standard_error",
+            Kind::Amount,
+            "Of the logarithm of the factor, or of the summand with its unit",
+        ),
+        Key::optional(
+            "prior",
+            Kind::Amount,
+            "Standard deviation of the same before any data; stays through every apply",
+        ),
         Key::optional("scope", Kind::Table(&SCOPE), "Operations on which it acts; left out: all"),
         Key::default("by", Kind::Text, "", "Who wrote it"),
     ],
@@ -74,6 +82,11 @@ pub(super) static SHOP_DEVIATION: Form = Form {
             "share",
             Kind::Quantity(Quantity { unit: "1", display: "1", min: 0.0, max: 1.0, above: false, example: "0.05" }),
             "Share of the operations that are held (feed_hold)",
+        ),
+        Key::optional(
+            "recorded",
+            Kind::Quantity(Quantity { unit: "1", display: "1", min: -1.0, max: 10.0, above: false, example: "0.05" }),
+            "Mean share that recorded overrides add to the time in cut, of which the size takes its part (feed_override)",
         ),
     ],
 };
@@ -154,7 +167,12 @@ fn scope_of(walk: &mut Walk, table: &Section<'_>, names: &Names) -> Scope {
 }
 
 /// `effects = [{ id = "wear_force", size = 0.2, shape = { … }, scope = { … } }]` of a tool.
-pub(super) fn effects(walk: &mut Walk, tool: &Section<'_>, process: &'static str, names: &Names) -> Vec<SwitchedEffect> {
+pub(super) fn effects(
+    walk: &mut Walk,
+    tool: &Section<'_>,
+    process: &'static str,
+    names: &Names,
+) -> Vec<SwitchedEffect> {
     let name = tool.text("name").unwrap_or_default().to_owned();
     let Some(got) = tool.got("effects") else { return Vec::new() };
     let Value::Raw(DeValue::Array(entries)) = &got.value else {
@@ -292,7 +310,9 @@ fn unit_of(parameter: &str) -> Option<&'static str> {
         None => *word == parameter,
     };
     let known = Calibration::WORDS.iter().find(word).map(|(_, unit)| *unit);
-    known.or_else(|| parameter.split_once('.').filter(|(group, field)| !group.is_empty() && !field.is_empty()).map(|_| "1"))
+    known.or_else(|| {
+        parameter.split_once('.').filter(|(group, field)| !group.is_empty() && !field.is_empty()).map(|_| "1")
+    })
 }
 
 fn target(walk: &mut Walk, section: &Section<'_>, words: &str, names: &Names) -> Option<Target> {
@@ -352,12 +372,19 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>, names: &Names) -> 
         let errors = amounts(field.unit, field.display, 0.0, f64::MAX);
         let standard_error = amount(walk, &section, "standard_error", &errors);
         let share = section.si("share").unwrap_or(1.0);
-        if deviations.iter().any(|own| own.id == entry.id && own.scope == scope) {
+        if deviations
+            .iter()
+            .any(|own| own.id == entry.id && own.scope == scope && own.recorded.is_some() == section.given("recorded"))
+        {
             let name = format!("{} {}", entry.id, scope.words());
             walk.fault(section.span_of("id"), Fault::DuplicateName { kind: "deviation", name: name.trim().to_owned() });
             continue;
         }
-        deviations.push(Deviation { id: entry.id, size, scope, share, standard_error });
+        let recorded = section.si("recorded").filter(|_| entry.id == "feed_override");
+        deviations.push(Deviation { id: entry.id, size, scope, share, standard_error, recorded });
     }
     deviations
 }
+
+#[cfg(test)]
+mod tests;

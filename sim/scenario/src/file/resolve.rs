@@ -5,8 +5,8 @@ use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Span, Value, Walk};
 use super::{Output, measured, planned, processes, routing, rules, stability};
 use crate::{
-    Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
-    ShiftCalendar, Target, ToolType, Variants,
+    Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario,
+    Shift, ShiftCalendar, Target, ToolType, Variants,
 };
 use toml::de::{DeTable, DeValue};
 use toolroom_process::Record;
@@ -59,9 +59,7 @@ impl Named {
 fn raw_names<'v, 'd>(value: Option<&'v Value<'d>>) -> Vec<(String, DeTable<'d>)> {
     let Some(Value::Raw(DeValue::Array(entries))) = value else { return Vec::new() };
     let tables = entries.iter().filter_map(|entry| entry.get_ref().as_table());
-    tables
-        .filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone())))
-        .collect()
+    tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.

@@ -9,8 +9,8 @@ use super::resolve::{Names, named, reference};
 use super::stability;
 use super::walk::{Section, Span, Value, Walk};
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
-    SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
+    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet,
+    SpeedChoice, SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
 
@@ -166,8 +166,8 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         absolute: text(sensor, "absolute"),
         resolution: text(sensor, "resolution"),
     });
-    // A mark for `gap apply`, which says nothing about the model; its keys are checked.
-    walk.table(&section, "applied");
+    // A mark for `gap apply`, which says what its calibration rests on.
+    let seen = walk.table(&section, "applied").map_or_else(Vec::new, |applied| applied.texts("data"));
     Some(GapSection {
         process: text(&section, "process"),
         conditions: section.given("conditions").then(|| section.texts("conditions")),
@@ -180,6 +180,7 @@ pub fn gap(walk: &mut Walk, root: &Section<'_>) -> Option<GapSection> {
         edge_wear: section.required("edge_wear"),
         edge_force: section.required("edge_force"),
         sensors: sensors.collect(),
+        seen,
     })
 }
 

@@ -445,7 +445,9 @@ impl Walk {
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
             | (Kind::Parameters | Kind::Texts | Kind::Effects, _)
-            | (Kind::Amount, DeValue::String(_) | DeValue::Integer(_) | DeValue::Float(_)) => Value::Raw(raw.get_ref().clone()),
+            | (Kind::Amount, DeValue::String(_) | DeValue::Integer(_) | DeValue::Float(_)) => {
+                Value::Raw(raw.get_ref().clone())
+            }
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty

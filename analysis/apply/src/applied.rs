@@ -1,0 +1,164 @@
+//! The applied point of a diagnosis.
+
+use crate::predict::{Prediction, at};
+use nalgebra::DMatrix;
+use toolroom_gap::{Bare, Basis, Forward, Gram, Linear, Movable, Point, WrittenEffect, fit};
+use toolroom_scenario::{Calibration, Moved};
+
+/// Prior standard deviation of an effect, in ordinary sizes: all but flat, as in the diagnosis.
+const EFFECT_PRIOR: f64 = 20.0;
+
+/// A constant that the applied point moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constant {
+    /// How a scenario says it.
+    pub movable: Movable,
+    /// Factor on the value of the model that was read, or summand, SI.
+    pub value: f64,
+    /// Standard error of the logarithm of the factor, or of the summand.
+    pub standard_error: f64,
+    /// Standard deviation of the same before any data.
+    pub prior: f64,
+    /// Distance moved, in standard deviations before these data.
+    pub moved: f64,
+}
+
+/// An effect of the applied point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Candidate of the model.
+    pub candidate: usize,
+    /// How a scenario says it.
+    pub written: WrittenEffect,
+    /// Size in all, that of the model included, SI.
+    pub size: f64,
+    /// Standard error, SI.
+    pub standard_error: f64,
+}
+
+/// Calibration and effects that a scenario can hold, refitted without form allowance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Applied {
+    /// Constants that moved.
+    pub calibration: Vec<Constant>,
+    /// Named effects.
+    pub effects: Vec<Found>,
+    /// Names of the covariance: parameters, then effects with `.size`.
+    pub names: Vec<String>,
+    /// Covariance of logarithms of factors, summands and sizes, SI.
+    pub covariance: DMatrix<f64>,
+    /// Predictions of the model that was read, of its calibration alone, and of the applied point.
+    pub predictions: [Vec<Prediction>; 3],
+    /// Terms of the fit that no scenario can hold: at zero in all predictions.
+    pub left: Vec<String>,
+}
+
+/// The applied point of a model with the named effects `active`; `aside` is the calibration of the file that was not
+/// counted because these records had been seen by it, and `nominal` the model that does count it.
+pub fn applied_to(
+    model: &dyn Forward,
+    nominal: &dyn Forward,
+    aside: &[Calibration],
+    basis: &Basis,
+    active: &[usize],
+) -> Applied {
+    let frame = model.frame();
+    let keep = |name: &str, allowance: bool| !allowance && frame.words.of(name).is_some();
+    let bare = Bare::keeping(model, keep);
+    let (calibrated, _) = fitted(&bare, basis, &[]);
+    let (point, linear) = if active.is_empty() { fitted(&bare, basis, &[]) } else { fitted(&bare, basis, active) };
+    let own = bare.frame();
+    let names: Vec<(&str, f64)> = own
+        .parameters
+        .iter()
+        .map(|parameter| (parameter.name.as_str(), parameter.deviation))
+        .chain(own.surfaces.iter().map(|surface| (surface.name.as_str(), surface.deviation)))
+        .collect();
+    let scales: Vec<f64> = names
+        .iter()
+        .map(|(_, deviation)| *deviation)
+        .chain(active.iter().map(|index| frame.candidates[*index].typical))
+        .collect();
+    let spread = posterior(&bare, basis, &linear, active);
+    let covariance = DMatrix::from_fn(scales.len(), scales.len(), |i, j| spread[(i, j)] * scales[i] * scales[j]);
+    let moved: Vec<f64> = point.parameters.iter().chain(&point.surfaces).copied().collect();
+    let constant = |(i, (name, deviation)): (usize, &(&str, f64))| {
+        let movable = frame.words.of(name)?.clone();
+        let shift = deviation * moved[i];
+        let value = match (movable.summand, movable.inverse) {
+            (true, _) => shift,
+            (false, false) => shift.exp(),
+            (false, true) => (-shift).exp(),
+        };
+        let before = aside.iter().find(|own| {
+            own.parameter == movable.parameter && own.target == movable.target && own.scope == movable.scope
+        });
+        let value = match before.map(|own| own.moved) {
+            Some(Moved::Factor(factor)) if !movable.summand => value / factor,
+            Some(Moved::Summand(summand)) if movable.summand => value - summand,
+            _ => value,
+        };
+        let standard_error = covariance[(i, i)].max(0.0).sqrt();
+        let prior = before.and_then(|own| own.prior).unwrap_or(*deviation);
+        (shift != 0.0).then_some(Constant { movable, value, standard_error, prior, moved: moved[i] })
+    };
+    let calibration: Vec<Constant> = names.iter().enumerate().filter_map(constant).collect();
+    let base = |index: usize| frame.words.effects.iter().find(|(own, _)| *own == index).map_or(0.0, |(_, size)| *size);
+    let effect = |(place, index): (usize, &usize)| Found {
+        id: frame.candidates[*index].id,
+        candidate: *index,
+        written: model.written(*index),
+        size: base(*index) + point.effects[*index],
+        standard_error: covariance[(names.len() + place, names.len() + place)].max(0.0).sqrt(),
+    };
+    let effects: Vec<Found> = active.iter().enumerate().map(effect).collect();
+    let mut words: Vec<String> = names
+        .iter()
+        .map(|(name, _)| frame.words.of(name).map_or_else(|| (*name).to_owned(), |own| own.parameter.clone()))
+        .collect();
+    words.extend(effects.iter().map(|found| format!("{}.size", found.id)));
+    let left = frame
+        .parameters
+        .iter()
+        .map(|own| (&own.name, own.allowance))
+        .chain(frame.surfaces.iter().map(|own| (&own.name, own.allowance)))
+        .filter(|(name, allowance)| !allowance && frame.words.of(name).is_none())
+        .map(|(name, _)| name.clone())
+        .collect();
+    let predictions =
+        [at(nominal, &Point::nominal(nominal)), at(model, &bare.whole(&calibrated)), at(model, &bare.whole(&point))];
+    Applied { calibration, effects, names: words, covariance, predictions, left }
+}
+
+/// The posterior mode of a model with the `active` candidates, started from its nominal point and from where edges are
+/// near their readings.
+fn fitted(model: &dyn Forward, basis: &Basis, active: &[usize]) -> (Point, Linear) {
+    let mut starts = vec![Point::nominal(model)];
+    starts.push(Point { locals: basis.nominal.point.locals.clone(), ..Point::nominal(model) });
+    for index in active {
+        starts.iter_mut().for_each(|start| start.effects[*index] = model.frame().candidates[*index].typical);
+    }
+    let fits = starts
+        .into_iter()
+        .map(|start| fit(model, &basis.noise, Linear::with(model, start, active), active, &basis.local_scale));
+    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let point = best.map_or_else(|| Point::nominal(model), |best| best.linear.point);
+    let linear = Linear::with(model, point.clone(), active);
+    (point, linear)
+}
+
+/// Posterior covariance of parameters, surfaces and active sizes, in prior standard deviations and ordinary sizes.
+fn posterior(model: &dyn Forward, basis: &Basis, linear: &Linear, active: &[usize]) -> DMatrix<f64> {
+    let effects = active.iter().map(|index| linear.effects[*index].as_slice());
+    let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).chain(effects).collect();
+    let measured = &model.frame().measured;
+    let gram = Gram::new(measured, &basis.noise, linear, &columns, &linear.residual, &basis.local_scale, &[]);
+    let count = columns.len();
+    let precision = DMatrix::from_fn(count, count, |i, j| {
+        let prior = if i < linear.nuisance.len() { 1.0 } else { EFFECT_PRIOR.powi(-2) };
+        gram.total[(i, j)] + if i == j { prior } else { 0.0 }
+    });
+    precision.cholesky().map_or_else(|| DMatrix::from_element(count, count, f64::NAN), |factor| factor.inverse())
+}

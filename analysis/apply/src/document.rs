@@ -1,0 +1,252 @@
+//! `diagnosis.json`, schema 2: everything that an application needs, as numbers with units.
+
+use crate::applied::{Applied, Constant, Found};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use toolroom_effects::Effect;
+use toolroom_gap::WrittenEffect;
+use toolroom_process::unit;
+use toolroom_records::Records;
+use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::{Calibration, Scope};
+use toolroom_shards::fingerprint;
+
+/// Version of the document.
+pub const SCHEMA: u64 = 2;
+
+/// A number with its unit, in the unit for people where that reads back to the same bits, else in SI.
+pub(crate) fn exact(value: f64, si: &'static str, display: &'static str) -> (f64, &'static str) {
+    let shown = unit::convert(value, si, display);
+    let same = unit::quantity(&format!("{shown} {display}"), si) == Ok(value);
+    if display == "1" || same { (shown, display) } else { (value, si) }
+}
+
+/// Size unit of an effect: SI, and that for people.
+pub(crate) fn size_unit(id: &str) -> (&'static str, &'static str) {
+    let of_process = Effect::named(id).ok().map(|effect| effect.entry());
+    let entry = of_process.or_else(|| SHOP_EFFECTS.iter().find(|entry| entry.id == id));
+    entry.map_or(("1", "1"), |entry| (entry.size.unit, entry.size.display))
+}
+
+fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+/// A scope as files have it.
+pub fn scope_json(scope: &Scope) -> Value {
+    let mut map: Map<String, Value> =
+        scope.names.iter().map(|(key, names)| ((*key).to_owned(), json!(names))).collect();
+    let mut time = |key: &str, time: Option<f64>| {
+        if let Some(time) = time {
+            map.insert(key.to_owned(), json!(format!("{time} s")));
+        }
+    };
+    time("from", scope.from);
+    time("until", scope.until);
+    Value::Object(map)
+}
+
+fn shape_json(written: &WrittenEffect) -> Value {
+    let one = |(name, value, si, display): &(&'static str, f64, &'static str, &'static str)| {
+        let (value, unit) = exact(*value, si, display);
+        ((*name).to_owned(), json!({ "value": number(value), "unit": unit, "se": null }))
+    };
+    Value::Object(written.shape.iter().map(one).collect())
+}
+
+fn found_json(found: &Found, target: &str, process: &str) -> Value {
+    let (si, display) = size_unit(found.id);
+    let (size, unit) = exact(found.size, si, display);
+    let ratio = if unit == si { 1.0 } else { unit::convert(1.0, si, display) };
+    let mut value = json!({
+        "kind": "cause", "id": found.id, "process": process, "target": target,
+        "shape": shape_json(&found.written), "scope": scope_json(&found.written.scope),
+        "size": { "value": number(size), "unit": unit, "se": number(found.standard_error * ratio) },
+    });
+    if let Some(recorded) = found.written.recorded {
+        value["recorded"] = number(recorded);
+    }
+    value
+}
+
+fn constant_json(own: &Constant, process: &str) -> Value {
+    let mut value = json!({
+        "parameter": own.movable.parameter, "target": own.movable.target.words(), "process": process,
+        "scope": scope_json(&own.movable.scope),
+        "se": number(own.standard_error), "prior": number(own.prior), "moved_sd": number(own.moved),
+    });
+    if own.movable.summand {
+        let word = |(word, _): &&(&str, &'static str)| *word == own.movable.parameter;
+        value["summand"] = number(own.value);
+        value["unit"] = json!(Calibration::WORDS.iter().find(word).map_or("1", |(_, unit)| *unit));
+    } else {
+        value["factor"] = number(own.value);
+    }
+    value
+}
+
+/// Calibration, effects and covariance of one process; `target` is its tool, as a file names it.
+pub fn applied_json(parts: &[Applied], target: &str, process: &str) -> Value {
+    let matrix = |own: &Applied| -> Vec<Vec<Value>> {
+        own.covariance.row_iter().map(|row| row.iter().map(|value| number(*value)).collect()).collect()
+    };
+    let all = |list: &dyn Fn(&Applied) -> Vec<Value>| parts.iter().flat_map(list).collect::<Vec<Value>>();
+    let covariance: Vec<Value> = parts.iter().map(|own| json!({ "names": own.names, "matrix": matrix(own) })).collect();
+    json!({
+        "calibration": all(&|own| own.calibration.iter().map(|each| constant_json(each, process)).collect()),
+        "effects": all(&|own| own.effects.iter().map(|each| found_json(each, target, process)).collect()),
+        "covariance": covariance.first().cloned().unwrap_or(Value::Null),
+        "left": all(&|own| own.left.iter().map(|name| json!(name)).collect()),
+    })
+}
+
+/// What one process of a diagnosis adds to its document.
+pub struct Process<'a> {
+    /// `turning`, `shop` …
+    pub name: &'a str,
+    /// Its model file.
+    pub path: &'a Path,
+    /// [`model_hash`](crate::model_hash) of that.
+    pub hash: String,
+    /// The tool or shop to which constants and effects belong, as a file names it.
+    pub target: String,
+    /// The applied point of each part.
+    pub parts: &'a [Applied],
+}
+
+/// The document of a diagnosis with everything that an application needs. `document` is what was found; `data` are
+/// hash, rows and the first and last start of the records, s.
+pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, usize, Option<(f64, f64)>)) -> Value {
+    document["schema"] = json!(SCHEMA);
+    let applied: Vec<Value> = processes.iter().map(|own| applied_json(own.parts, &own.target, own.name)).collect();
+    let records = |own: &Process<'_>, list: &mut Value| {
+        for effect in list.as_array_mut().into_iter().flatten() {
+            let named = |found: &&Found| Some(found.id) == effect["id"].as_str();
+            let mine = effect["process"].as_str().is_none_or(|process| process == own.name);
+            let found = own.parts.iter().flat_map(|part| &part.effects).find(named);
+            if let (Some(found), true, true) = (found, mine, effect["size"].is_number()) {
+                effect["kind"] = json!("cause");
+                effect["words"] = effect["shape"].take();
+                effect["shape"] = shape_json(&found.written);
+                effect["scope"] = scope_json(&found.written.scope);
+                effect["target"] = json!(own.target);
+                let half = effect["ci90"][1].as_f64().unwrap_or(f64::NAN) - effect["size"].as_f64().unwrap_or(f64::NAN);
+                effect["size"] = json!({
+                    "value": effect["size"], "unit": effect["unit"], "se": number(half / NINETY), "ci90": effect["ci90"],
+                });
+            }
+        }
+    };
+    for own in processes {
+        records(own, &mut document["effects"]);
+        if document["processes"][own.name].is_object() {
+            let list = &mut document["processes"][own.name]["effects"];
+            let mut taken = list.take();
+            records(own, &mut taken);
+            document["processes"][own.name]["effects"] = taken;
+            document["processes"][own.name]["schema"] = json!(SCHEMA);
+        }
+    }
+    if document["processes"].is_null()
+        && let Some(map) = document.as_object_mut()
+    {
+        map.remove("processes");
+    }
+    let join = |key: &str| -> Vec<Value> {
+        applied.iter().flat_map(|own| own[key].as_array().cloned().unwrap_or_default()).collect()
+    };
+    document["applied"] = json!({
+        "calibration": join("calibration"), "effects": join("effects"), "left": join("left"),
+        "covariance": applied.first().map_or(Value::Null, |own| own["covariance"].clone()),
+    });
+    let models: Vec<Value> = processes
+        .iter()
+        .map(|own| json!({ "process": own.name, "path": own.path.display().to_string(), "hash": own.hash }))
+        .collect();
+    document["model"] = models.first().cloned().unwrap_or(Value::Null);
+    document["models"] = json!(models);
+    let (hash, rows, times) = data;
+    let time = |time: Option<f64>| time.map_or(Value::Null, |time| json!(format!("{time} s")));
+    document["data"] = json!({
+        "hash": hash, "rows": rows, "from": time(times.map(|times| times.0)), "until": time(times.map(|times| times.1)),
+    });
+    document["hash"] = json!(fingerprint(document.to_string().as_bytes()));
+    document
+}
+
+/// Normal quantile of the upper end of a 90 % interval.
+const NINETY: f64 = 1.644_853_626_951_472_7;
+
+/// The table `predictions`: name, unit and values of each column.
+pub fn predictions_of(records: &Records, parts: &[Applied]) -> Vec<PredictionRow> {
+    let id = |row: usize| {
+        let texts = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
+        texts.map_or_else(|| (row + 1).to_string(), |texts| texts[row].clone())
+    };
+    let row = |part: &Applied, i: usize| {
+        let [nominal, calibrated, applied] = &part.predictions;
+        let own = &applied[i];
+        PredictionRow {
+            operation_id: id(own.row.min(records.len().saturating_sub(1))),
+            channel: own.channel.to_owned(),
+            unit: own.unit.to_owned(),
+            measured: own.measured,
+            nominal: nominal[i].value,
+            calibrated: calibrated[i].value,
+            applied: own.value,
+            standard_deviation: own.standard_deviation,
+            used: own.used,
+        }
+    };
+    parts.iter().flat_map(|part| (0..part.predictions[2].len()).map(move |i| row(part, i))).collect()
+}
+
+/// A row of the table `predictions`, SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PredictionRow {
+    /// Operation or trial; the number of the block in a shop's log.
+    pub operation_id: String,
+    /// Channel.
+    pub channel: String,
+    /// SI unit of the values.
+    pub unit: String,
+    /// What was measured.
+    pub measured: f64,
+    /// What the model that was read predicts.
+    pub nominal: f64,
+    /// The same with calibration alone.
+    pub calibrated: f64,
+    /// The same with calibration and effects.
+    pub applied: f64,
+    /// Standard deviation of the reading.
+    pub standard_deviation: f64,
+    /// Whether it was fitted.
+    pub used: bool,
+}
+
+impl PredictionRow {
+    /// Header and cells as text.
+    pub fn csv(rows: &[Self]) -> String {
+        let mut text =
+            "operation_id,channel,unit,measured,nominal,calibrated,applied,standard_deviation,used\n".to_owned();
+        for own in rows {
+            let id = if own.operation_id.contains([',', '"']) {
+                format!("\"{}\"", own.operation_id.replace('"', "\"\""))
+            } else {
+                own.operation_id.clone()
+            };
+            text.push_str(&format!(
+                "{id},{},{},{},{},{},{},{},{}\n",
+                own.channel,
+                own.unit,
+                own.measured,
+                own.nominal,
+                own.calibrated,
+                own.applied,
+                own.standard_deviation,
+                own.used
+            ));
+        }
+        text
+    }
+}

@@ -1,0 +1,90 @@
+//! The hash of a model: of what it says, not of how it is written.
+
+use crate::ApplyError;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+use toolroom_shards::fingerprint;
+
+/// Hash of a model file with the values of `--set`: whitespace, comments, the order of keys and the mark of an
+/// earlier `gap apply` do not count.
+///
+/// # Errors
+/// [`ApplyError::Text`]: the file is no TOML.
+///
+/// ```
+/// use toolroom_apply::model_hash;
+/// let [a, b] = ["schema = 1\n[gap]\nforce = 0.1 # prior\n", "gap = { force = 0.1 }\nschema=1\n"];
+/// assert_eq!(model_hash(a, &[]), model_hash(b, &[]));
+/// assert_ne!(model_hash(a, &[]), model_hash(a, &["gap.force=0.2".to_owned()]));
+/// ```
+pub fn model_hash(text: &str, overrides: &[String]) -> Result<String, ApplyError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: toml_edit::TomlError| ApplyError::Text { message: error.to_string() })?;
+    if let Some(gap) = document.get_mut("gap").and_then(Item::as_table_like_mut) {
+        gap.remove("applied");
+    }
+    let mut canonical = String::new();
+    table(document.as_table(), &mut canonical);
+    for own in overrides {
+        let _ = write!(canonical, "\n{own}");
+    }
+    Ok(fingerprint(canonical.as_bytes()))
+}
+
+fn table(of: &dyn TableLike, out: &mut String) {
+    let sorted: BTreeMap<&str, &Item> = of.iter().collect();
+    out.push('{');
+    for (key, own) in sorted {
+        let _ = write!(out, "{key:?}=");
+        item(own, out);
+        out.push(',');
+    }
+    out.push('}');
+}
+
+fn item(of: &Item, out: &mut String) {
+    match of {
+        Item::None => {}
+        Item::Value(own) => value(own, out),
+        Item::Table(own) => table(own, out),
+        Item::ArrayOfTables(all) => {
+            out.push('[');
+            for own in all {
+                table(own, out);
+                out.push(',');
+            }
+            out.push(']');
+        }
+    }
+}
+
+fn value(of: &Value, out: &mut String) {
+    match of {
+        Value::String(text) => {
+            let _ = write!(out, "{:?}", text.value());
+        }
+        Value::Integer(number) => {
+            let _ = write!(out, "{}", number.value());
+        }
+        Value::Float(number) => {
+            let _ = write!(out, "{}", number.value());
+        }
+        Value::Boolean(flag) => {
+            let _ = write!(out, "{}", flag.value());
+        }
+        Value::Datetime(time) => {
+            let _ = write!(out, "{}", time.value());
+        }
+        Value::Array(all) => {
+            out.push('[');
+            for own in all {
+                value(own, out);
+                out.push(',');
+            }
+            out.push(']');
+        }
+        Value::InlineTable(own) => table(own, out),
+    }
+}

@@ -1,0 +1,41 @@
+//! What a gap diagnosis has found, as values of a model.
+//!
+//! ```text
+//!  Diagnosed ─► Applied: posterior mode without form allowance ─► diagnosis.json, predictions
+//!                                                                        │
+//!  scenario.toml ────────────────────────────────────────────────► edit ─┴─► scenario with it
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Applied`] | calibration and sizes that a scenario can hold, and what they predict |
+//! | [`document`] | `diagnosis.json`, schema 2 |
+//! | [`apply`] | the text of a model with what a diagnosis has found |
+//! | [`model_hash`] | the hash by which a diagnosis knows the model that it read |
+//! | [`predictions()`] | what a model predicts of records, without a fit |
+//!
+//! # The applied point
+//! The posterior mode beside a form allowance decides which effect is named; part of the calibration then sits in
+//! terms that no scenario has. What is applied is therefore fitted anew on all fitted groups with allowance, form
+//! tolerance and every surface at zero that a scenario cannot hold.
+//!
+//! # Source
+//! Calibration without the discrepancy term: Tuo & Wu 2015 (L2 calibration).
+//!
+//! # What is not applied
+//! Scatter, tails and skewness of the blocks of a shop's log, and the coefficients of empirical models.
+
+mod applied;
+mod document;
+mod edit;
+mod error;
+mod hash;
+mod predict;
+mod program;
+
+pub use applied::{Applied, Constant, Found, applied_to};
+pub use document::{PredictionRow, Process, SCHEMA, document, predictions_of};
+pub use edit::{Changes, Request, apply};
+pub use error::ApplyError;
+pub use hash::model_hash;
+pub use predict::{Prediction, predictions};

@@ -1,0 +1,54 @@
+//! Effects and drives of a model of part programs.
+
+use crate::edit::{amount, number, put, unreadable, written};
+use crate::error::ApplyError;
+use serde_json::Value;
+use toml_edit::{DocumentMut, Item, Table, TableLike};
+use toolroom_gap::program::DEFAULT_DRIVES;
+
+/// The table under `key`, which is made where there is none.
+fn table<'a>(document: &'a mut DocumentMut, key: &str) -> Result<&'a mut dyn TableLike, ApplyError> {
+    if document.get(key).is_none() {
+        document.insert(key, Item::Table(Table::new()));
+    }
+    document.get_mut(key).and_then(Item::as_table_like_mut).ok_or_else(|| unreadable(&format!("[{key}] of the model")))
+}
+
+/// Adds the size of an effect to that which the model has, and takes over the drives that belong to it.
+pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyError> {
+    let id = effect["id"].as_str().unwrap_or_default();
+    let alike = effect["shape"]["each_alike"].is_object();
+    let key = if alike { "feed_hold_each" } else { id };
+    let (si, _) = crate::document::size_unit(id);
+    let size = &effect["size"];
+    let text = format!("{} {}", number(&size["value"], "a size")?, size["unit"].as_str().unwrap_or("1"));
+    let added = if si == "1" {
+        number(&size["value"], "a size")?
+    } else {
+        toolroom_process::unit::quantity(&text, si).map_err(|_| unreadable("a size"))?
+    };
+    let effects = table(document, "effects")?;
+    let before = effects.get(key).and_then(Item::as_value).map(amount(si)).unwrap_or(0.0);
+    put(effects, key, written(before + added, si));
+    for drive in ["corner_deviation", "jerk_time"] {
+        let own = &effect["shape"][drive];
+        if let Some(value) = own["value"].as_f64() {
+            let unit = own["unit"].as_str().unwrap_or("1").to_owned();
+            put(table(document, "drives")?, drive, written(value, &unit));
+        }
+    }
+    Ok(())
+}
+
+/// Multiplies a constant of the drives.
+pub fn calibrate(document: &mut DocumentMut, own: &Value) -> Result<(), ApplyError> {
+    let parameter = own["parameter"].as_str().unwrap_or_default();
+    let key = parameter.strip_prefix("drives.").ok_or_else(|| unreadable("a calibration"))?;
+    let factor = number(&own["factor"], "a factor")?;
+    let default = DEFAULT_DRIVES.iter().find(|(name, ..)| *name == key);
+    let (_, unit, usual) = default.ok_or_else(|| unreadable("a calibration"))?;
+    let drives = table(document, "drives")?;
+    let before = drives.get(key).and_then(Item::as_value).map(amount(unit)).unwrap_or(*usual);
+    put(drives, key, written(before * factor, unit));
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! `toolroom gap predict`: what a model predicts of recorded operations.
+
+use super::tables::tables;
+use crate::args::PredictArgs;
+use crate::failure::Failure;
+use crate::output::Files;
+use crate::speak::Voice;
+use serde_json::json;
+use toolroom_apply::{Prediction, predictions};
+
+pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
+    let mut rows: Vec<(String, Prediction)> = Vec::new();
+    for table in tables(std::slice::from_ref(&args.model), &args.set, &args.data, voice)? {
+        let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
+        let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
+        if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {
+            return Err(super::nothing_measured(&asked.notes));
+        }
+        for note in &asked.notes {
+            voice.say(note);
+        }
+        let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
+        let id = |row: usize| ids.and_then(|ids| ids.get(row)).cloned().unwrap_or_else(|| (row + 1).to_string());
+        rows.extend(asked.parts.iter().flat_map(|part| predictions(part.as_ref())).map(|own| (id(own.row), own)));
+    }
+    let mut text = "operation_id,channel,unit,measured,predicted,standard_deviation\n".to_owned();
+    for (id, own) in &rows {
+        let id = if id.contains([',', '"']) { format!("\"{}\"", id.replace('"', "\"\"")) } else { id.clone() };
+        let Prediction { channel, unit, measured, value, standard_deviation, .. } = own;
+        text.push_str(&format!("{id},{channel},{unit},{measured},{value},{standard_deviation}\n"));
+    }
+    if let Some(out) = &args.out {
+        let path = out.join("predictions.csv");
+        std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
+        Files::new([args.model.as_path(), args.data.as_path()], voice.force).put(&path, &text)?;
+        if voice.json {
+            return voice.json(&json!({ "schema": 1, "rows": rows.len(), "path": path.display().to_string() }));
+        }
+        return voice.data(format_args!("wrote {} with {} values", path.display(), rows.len()));
+    }
+    if voice.json {
+        let list: Vec<_> = rows
+            .iter()
+            .map(|(id, own)| {
+                json!({
+                    "operation_id": id, "channel": own.channel, "unit": own.unit, "measured": own.measured,
+                    "predicted": own.value, "standard_deviation": own.standard_deviation,
+                })
+            })
+            .collect();
+        return voice.json(&json!({ "schema": 1, "predictions": list }));
+    }
+    voice.data(text.trim_end())
+}

@@ -1,0 +1,53 @@
+//! `toolroom gap loop`: diagnose, apply, diagnose again, until nothing new is named.
+
+use super::{apply, diagnose};
+use crate::args::{ApplyArgs, DiagnoseArgs, LoopArgs};
+use crate::failure::Failure;
+use crate::speak::Voice;
+use serde_json::Value;
+
+pub fn run(args: &LoopArgs, voice: &Voice) -> Result<(), Failure> {
+    let mut model = args.model.clone();
+    let mut named_before: Vec<String> = Vec::new();
+    for round in 1..=args.rounds {
+        let folder = args.out.join(format!("round-{round}"));
+        voice.say(format_args!("round {round}: {}", model.display()));
+        let diagnosing = DiagnoseArgs {
+            models: vec![model.clone()],
+            data: args.data.clone(),
+            group: None,
+            set: Vec::new(),
+            holdout: None,
+            holdout_data: None,
+            seed: args.seed,
+            out: Some(folder.clone()),
+        };
+        diagnose::run(&diagnosing, voice)?;
+        let path = folder.join("diagnosis.json");
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
+        let diagnosis: Value = serde_json::from_str(&text).map_err(Failure::Json)?;
+        let words = |own: &Value| format!("{} {} {}", own["id"], own["shape"], own["scope"]);
+        let named: Vec<String> = diagnosis["effects"].as_array().into_iter().flatten().map(words).collect();
+        let new = named.iter().any(|own| !named_before.contains(own));
+        if round > 1 && !new {
+            return voice
+                .data(format_args!("round {round} names nothing new: {} holds what was found", model.display()));
+        }
+        named_before.extend(named);
+        let better = folder.join("model.toml");
+        let applying = ApplyArgs {
+            models: vec![model.clone()],
+            diagnosis: path,
+            data: None,
+            only: Vec::new(),
+            no_calibration: false,
+            diff: false,
+            set: Vec::new(),
+            out: better.clone(),
+        };
+        apply::run(&applying, voice)?;
+        model = better;
+    }
+    voice.data(format_args!("{} rounds: {} holds what was found", args.rounds, model.display()))
+}
