@@ -24,7 +24,6 @@ use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_process::table::{Cell, csv_text};
 use toolroom_shards::fingerprint;
 
 /// A folder of results while it is written.
@@ -159,16 +158,6 @@ impl OutputDir {
     pub fn put_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.draft.join(name);
         fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
-    }
-
-    /// Writes a CSV table of the draft.
-    pub fn put_table<'a, R: IntoIterator<Item = Cell<'a>>>(
-        &self,
-        name: &str,
-        header: impl IntoIterator<Item = impl AsRef<str>>,
-        rows: impl IntoIterator<Item = R>,
-    ) -> Result<(), Failure> {
-        self.put(name, &csv_text(header, rows).map_err(|error| no_table(name, &error))?)
     }
 
     /// Writes every file of a result into the draft.
