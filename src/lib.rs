@@ -20,6 +20,7 @@
 //! The functions write no files and draw nothing; reports and folders of results are those of the
 //! command line, made from the same values.
 
+pub use toolroom_blind as blind;
 pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;
