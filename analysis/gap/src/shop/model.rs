@@ -1,6 +1,7 @@
 //! The nominal shop over blocks of recorded operations.
 
 use super::super::features::standardised;
+use super::super::search;
 use super::super::{
     Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Surface, Transform,
 };
@@ -295,6 +296,7 @@ impl ShopModel {
             self.frame.candidates.push(Candidate { id, shape, typical, greatest });
             self.actions.push(action);
         }
+        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
     }
 
     fn covariates(&mut self, seen: &Visits) {
@@ -383,7 +385,12 @@ impl ShopModel {
                     Action::Overridden(mean) => overridden += size / mean,
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
-                    _ => {}
+                    Action::Change
+                    | Action::Stops
+                    | Action::Booked
+                    | Action::Hold
+                    | Action::Policy
+                    | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
             match kind {
@@ -431,7 +438,7 @@ impl Forward for ShopModel {
                 let (low, high) = ((size - typical).max(0.0), size + typical);
                 difference((&to(low), to(high)), (high - low) / typical)
             }
-            _ => {
+            Direction::Parameter(_) | Direction::Effect(_) | Direction::Local(_) => {
                 let (ahead, step) = direction.ahead(&self.frame, at);
                 difference((raw, self.simulated(&ahead, &shapes)), step)
             }
