@@ -188,7 +188,8 @@ fn every_effect_says_how_it_is_diagnosed_in_every_process_or_why_it_is_not() {
                     vec![size]
                 }
                 Search::Window { centre, width, size, .. } => {
-                    [centre, width.0].map(shaped);
+                    shaped(centre);
+                    shaped(width.0);
                     vec![size]
                 }
                 Search::WheelPosition { each_part, since_dressing } => vec![each_part, since_dressing],
