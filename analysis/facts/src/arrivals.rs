@@ -55,6 +55,7 @@ pub fn arrivals(place: &str, counts: &[u64], period: f64, interval: f64) -> Opti
     Some(Fact {
         quantity: Quantity::ArrivalInterval,
         place: place.to_owned(),
+        pooled: false,
         count: total,
         expected: mean * counts.len() as f64,
         p: test.combined,

@@ -123,6 +123,8 @@ pub struct Fact {
     pub quantity: Quantity,
     /// Where: a machine, a pool, a source.
     pub place: String,
+    /// Whether that is a pool of several machines.
+    pub pooled: bool,
     /// Events, times or parts that were seen.
     pub count: u64,
     /// How many the file lets expect; of times as many as were seen.
@@ -137,8 +139,8 @@ pub struct Fact {
     pub estimate: f64,
     /// Its 90 % interval, SI.
     pub ci90: [f64; 2],
-    /// Least factors, downwards and upwards, that would have been seen with a power of 90 %: on the rate of what is
-    /// counted, on the middle of what is timed.
+    /// Least factors, downwards and upwards, that the fact alone would have shown at a level of 1 % with a power of
+    /// 90 %: on the rate of what is counted, on the middle of what is timed.
     pub least_seen: [f64; 2],
 }
 
@@ -201,11 +203,34 @@ pub struct Finding {
     pub words: String,
 }
 
-/// The facts that contradict their file. The level of [`LEVEL`] is shared by all that were tested
-/// (Bonferroni), so that a true file is contradicted in one log of a hundred.
+/// Share of the level of a quantity that goes to the places that hold several machines (1; assumption: a file gives one
+/// law to a pool, and a machine of its own is the exception).
+const POOLED: f64 = 0.75;
+
+/// The levels at which facts are tested: [`LEVEL`] is shared by the quantities, and within one by its places
+/// (weighted Bonferroni), so that a true file is contradicted in at most one log of a hundred.
+fn levels(facts: &[Fact]) -> Vec<f64> {
+    let first = |index: &usize| facts[..*index].iter().all(|other| other.quantity != facts[*index].quantity);
+    let quantities = (0..facts.len()).filter(first).count();
+    let level = |fact: &Fact| {
+        let own = || facts.iter().filter(|other| other.quantity == fact.quantity);
+        let pooled = own().filter(|other| other.pooled).count();
+        let single = own().count() - pooled;
+        let share = match (pooled, single) {
+            (0, single) => 1.0 / single as f64,
+            (pooled, 0) => 1.0 / pooled as f64,
+            (pooled, _) if fact.pooled => POOLED / pooled as f64,
+            (_, single) => (1.0 - POOLED) / single as f64,
+        };
+        LEVEL * share / quantities as f64
+    };
+    facts.iter().map(level).collect()
+}
+
+/// The facts that contradict their file at the level that is theirs among all that were tested.
 pub fn findings(facts: &[Fact]) -> Vec<Finding> {
-    let level = LEVEL / facts.len().max(1) as f64;
-    let rejected = facts.iter().enumerate().filter(|(_, fact)| fact.is_rejected(level));
+    let levels = levels(facts);
+    let rejected = facts.iter().enumerate().filter(|(index, fact)| fact.is_rejected(levels[*index]));
     let finding = |(index, fact): (usize, &Fact)| Finding {
         fact: index,
         constant: fact.quantity.is_constant(),
@@ -222,6 +247,7 @@ mod tests {
         Fact {
             quantity: Quantity::TimeBetweenFailures,
             place: "L1".to_owned(),
+            pooled: false,
             count: 10,
             expected: 20.0,
             p,
@@ -249,6 +275,8 @@ mod tests {
         assert!(findings(&[fact(8.5, 1e-9)]).is_empty());
         assert_eq!(findings(&[fact(16.0, 0.004)]).len(), 1);
         assert!(findings(&[fact(16.0, 0.004), fact(8.0, 0.9), fact(8.0, 0.9)]).is_empty());
+        let pool = Fact { pooled: true, ..fact(16.0, 0.004) };
+        assert_eq!(findings(&[pool, fact(8.0, 0.9), fact(8.0, 0.9)]).len(), 1);
         let mut wide = fact(8.0, 1e-6);
         wide.tests.push(("scatter", 1e-7));
         assert_eq!(findings(&[wide]).len(), 1);

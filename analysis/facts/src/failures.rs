@@ -17,6 +17,8 @@ const SETS: usize = 4000;
 pub struct History {
     /// Name of the machine or pool.
     pub place: String,
+    /// Whether it is a pool of several machines.
+    pub pooled: bool,
     /// Failures.
     pub failures: u64,
     /// Time on the clock of the failures that was observed, s; what ran since the last failure included.
@@ -32,7 +34,7 @@ pub struct History {
 /// ```
 /// use toolroom_facts::failures::{History, time_between};
 /// use toolroom_scenario::Distribution;
-/// let history = History { place: "L1".into(), failures: 10, exposure: 160.0 * 3600.0, intervals: Vec::new() };
+/// let history = History { place: "L1".into(), pooled: false, failures: 10, exposure: 160.0 * 3600.0, intervals: Vec::new() };
 /// let fact = time_between(&history, &Distribution::Exponential { mean: 8.0 * 3600.0 }, 1.0, 1).unwrap();
 /// assert!((fact.p - 0.015_807).abs() < 1e-6 && (fact.ci90[1] / 3600.0 - 29.4909).abs() < 1e-4);
 /// ```
@@ -48,6 +50,7 @@ pub fn time_between(history: &History, law: &Distribution, visible: f64, seed: u
     Some(Fact {
         quantity: Quantity::TimeBetweenFailures,
         place: history.place.clone(),
+        pooled: history.pooled,
         count: history.failures,
         expected,
         p,
@@ -93,6 +96,7 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
     Some(Fact {
         quantity: Quantity::FailureShape,
         place: history.place.clone(),
+        pooled: history.pooled,
         count: count as u64,
         expected: count as f64,
         p,
@@ -119,7 +123,8 @@ mod tests {
 
     #[test]
     fn no_failure_at_all_bounds_the_mean_from_below() {
-        let history = History { place: "L1".into(), failures: 0, exposure: 40.0 * HOUR, intervals: Vec::new() };
+        let history =
+            History { place: "L1".into(), pooled: false, failures: 0, exposure: 40.0 * HOUR, intervals: Vec::new() };
         let fact = time_between(&history, &LAW, 1.0, 1).expect("exposure");
         assert!((fact.p / 0.006_737_9 - 1.0).abs() < 1e-5 && fact.estimate.is_infinite());
         assert!((fact.ci90[0] / HOUR / 13.3523 - 1.0).abs() < 1e-5 && fact.ci90[1].is_infinite());
@@ -131,7 +136,8 @@ mod tests {
         let of = |law: Distribution, seed: u64| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             let intervals = (0..30).map(|_| law.quantile(random.random())).collect();
-            let history = History { place: "L1".into(), failures: 30, exposure: 240.0 * HOUR, intervals };
+            let history =
+                History { place: "L1".into(), pooled: false, failures: 30, exposure: 240.0 * HOUR, intervals };
             shape(&history, &LAW, 1).expect("enough intervals")
         };
         let rejected = (0..200).filter(|seed| of(LAW, *seed).p < 0.05).count();

@@ -81,6 +81,7 @@ pub fn lives(place: &str, recorded: &[Life], simulated: &[Life], prior: f64) -> 
     Some(Fact {
         quantity: Quantity::EdgeLife,
         place: place.to_owned(),
+        pooled: false,
         count: ended(recorded) as u64,
         expected: ended(recorded) as f64,
         p,

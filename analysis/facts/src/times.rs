@@ -139,6 +139,7 @@ pub fn times(
     Some(Fact {
         quantity,
         place: place.to_owned(),
+        pooled: false,
         count: times.len() as u64,
         expected: count,
         p: test.combined,

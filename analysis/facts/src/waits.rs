@@ -29,6 +29,7 @@ pub fn waits(place: &str, count: u64, recorded: f64, replicated: &[f64], score: 
     Some(Fact {
         quantity: Quantity::QueueWait,
         place: place.to_owned(),
+        pooled: false,
         count,
         expected: count as f64,
         p,
