@@ -84,7 +84,7 @@ fn of_mode(mode: &FailureMode, place: String, all: &[&Breakdowns], shaped: bool,
     let history = History {
         place: place.clone(),
         pooled: all.len() > 1,
-        failures: all.iter().map(|own| own.count).sum(),
+        failures: all.iter().map(|own| own.times.len() as u64).sum(),
         exposure: all.iter().map(|own| if busy { own.used } else { own.up }).sum(),
         intervals: all.iter().flat_map(|own| between(own)).collect(),
     };

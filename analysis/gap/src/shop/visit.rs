@@ -45,8 +45,8 @@ pub struct Visit {
 /// Breakdowns of one machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Breakdowns {
-    /// How many began.
-    pub count: u64,
+    /// When they began, s.
+    pub times: Vec<f64>,
     /// Time in use that was seen, s.
     pub used: f64,
     /// All time that was seen and in which the machine was not broken down, s.
@@ -170,7 +170,7 @@ pub fn visits(events: &Records) -> Visits {
         let gone = |stay: &&Stay<'_>| match stay.state {
             State::Stopped => stay.end - stay.start > SHORT_STOP,
             State::OffShift | State::Unknown => true,
-            _ => false,
+            State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold | State::Idle => false,
         };
         all.away.push(stays.iter().filter(gone).map(|stay| (stay.start, stay.end)).collect());
         cut_off += of_machine(&mut all, machine, &stays);
@@ -275,7 +275,8 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
                 State::Setup => visit.setup += time,
                 State::Hold => visit.holds.push(time),
                 State::Stopped if time <= SHORT_STOP => visit.stops.push(time),
-                _ => {}
+                // Neither is time of the operation.
+                State::Stopped | State::Idle | State::OffShift | State::Unknown => {}
             }
             if stay.state == State::Cutting && !stay.tool.is_empty() {
                 visit.new_edge |= seen.insert(stay.tool);
@@ -318,7 +319,7 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
         if stay.state == State::Stopped {
             // A repair may be logged in pieces.
             if down <= SHORT_STOP && down + time > SHORT_STOP {
-                own.count += 1;
+                own.times.push(stay.start);
                 if used.is_finite() {
                     all.failure_gaps.push((machine, stay.start, used));
                     own.used_between.push(used);
