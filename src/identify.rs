@@ -12,11 +12,11 @@ use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_form::nearest;
 use toolroom_infeed::{
     Basis, Identification, IdentifyError, IdentifyOptions, TableError, Trial, identify, read_force_traces, read_trials,
 };
 use toolroom_process::{AnyRecord, unit};
-use toolroom_scenario::file::nearest;
 
 /// An input file as read.
 struct Input {

@@ -15,9 +15,9 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Hole, Lobes};
+use toolroom_form::{FormFile, significant};
 use toolroom_planning::lobes::{Curve, Cut, Judged, LobesFile, Point, Quantity, boundaries, read, word};
 use toolroom_process::unit;
-use toolroom_scenario::file::{FormFile, significant};
 
 pub use shards::{merge, shard};
 

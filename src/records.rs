@@ -1,8 +1,8 @@
 //! Records as rows of a table of inputs.
 
 use toolroom_chart::Table;
+use toolroom_form::significant;
 use toolroom_process::AnyRecord;
-use toolroom_scenario::file::significant;
 
 /// A table of inputs without rows yet.
 pub fn input_table() -> Table {

@@ -154,7 +154,7 @@ fn scattered(
         return Ok(Vec::new());
     }
     let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
-    let percent = |share: f64| format!("{} %", toolroom_scenario::file::significant(100.0 * share));
+    let percent = |share: f64| format!("{} %", toolroom_form::significant(100.0 * share));
     let cases = [
         (
             format!("allowance ± {}", percent(scatter.allowance)),

@@ -8,8 +8,8 @@ use crate::records::{input_table, push_record};
 use toolroom_chart::Table;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_contour::{Constraint, CornerPolicy, FormError, Milling, PathError, Plan};
+use toolroom_form::significant;
 use toolroom_planning::contour::OBJECTIVES;
-use toolroom_scenario::file::significant;
 
 const MM: f64 = 1e3;
 /// Rows of a table of sections in the report; the rest is in the file.

@@ -3,8 +3,8 @@
 use super::{Computed, holes, with_unit};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
+use toolroom_form::Echo;
 use toolroom_planning::lobes::{Curve, Judged, LobesFile, Quantity, word};
-use toolroom_scenario::file::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
 /// boundary (assumption).

@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 use std::time::Instant;
 use toolroom_chart::png;
 use toolroom_chatter::{Hole, Lobes};
+use toolroom_form::FormFile;
 use toolroom_planning::lobes::{LobesFile, word};
 use toolroom_process::table::{Cell, csv_text};
-use toolroom_scenario::file::FormFile;
 use toolroom_shards::fingerprint;
 
 /// Width of the PNG: sharp over a column of print.

@@ -13,8 +13,8 @@ use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{Hole, Lobes, StabilityVerdict};
+use toolroom_form::FormFile;
 use toolroom_planning::lobes::{LobesFile, parse};
-use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Computed, Plan, ShardError, fingerprint};
 
 /// `--plan FILE`: the columns of the grid cut into shards.

@@ -2,18 +2,17 @@
 
 use super::Output;
 use super::choices::{FormatWord, GrowthWord, PatternWord, ProcessKind, SpeedWord, ToolChangeWord};
-use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
 use super::stability;
-use super::walk::{Section, Span, Value, Walk};
 use crate::effects::SHOP_EFFECTS;
 use crate::{
     Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
     SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
 };
 use toml::de::DeTable;
+use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
 use toolroom_process::unit;
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
@@ -84,7 +83,7 @@ pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[Mac
             if speed.is_finite() && lathes.peek().is_some() && !lathes.any(within) {
                 let fault = Fault::OutOfRange {
                     key: "cutting_speed".to_owned(),
-                    read: format!("{} m/min", super::words::significant(speed * 60.0)),
+                    read: format!("{} m/min", toolroom_form::significant(speed * 60.0)),
                     range: "the speed_range of every turning machine".to_owned(),
                     meant: Vec::new(),
                 };

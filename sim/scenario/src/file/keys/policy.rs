@@ -3,7 +3,7 @@
 use super::{BIAS, DEVIATION, DURATION, PATH, SPEED, WEAR, positive, quantity};
 use crate::ContourRule;
 use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, SpeedWord, ToolChangeWord};
-use crate::file::form::{Form, Key, Kind};
+use toolroom_form::{Form, Key, Kind};
 
 /// Rules of tool change that need no number of their own.
 const TOOL_CHANGES_BY_WORD: &[&str] = &[ToolChangeWord::WearLimit.word(), ToolChangeWord::Predicted.word()];
