@@ -32,6 +32,7 @@ pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
 pub use toolroom_life as life;
 pub use toolroom_process as process;
+pub use toolroom_recording as recording;
 pub use toolroom_records as records;
 pub use toolroom_scenario as scenario;
 pub use toolroom_shards as shards;

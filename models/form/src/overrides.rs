@@ -100,7 +100,7 @@ fn descend<'d>(
                 .enumerate()
                 .map(|(i, entry)| {
                     let name = entry.get_ref().as_table().and_then(|table| {
-                        table.get("name").or(table.get(referred?))?.get_ref().as_str().map(str::to_owned)
+                        table.get("name").or_else(|| table.get(referred?))?.get_ref().as_str().map(str::to_owned)
                     });
                     name.unwrap_or_else(|| (i + 1).to_string())
                 })
