@@ -31,6 +31,7 @@ pub use toolroom_gap as gap;
 pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
 pub use toolroom_life as life;
+pub use toolroom_planning as planning;
 pub use toolroom_process as process;
 pub use toolroom_recording as recording;
 pub use toolroom_records as records;

@@ -40,7 +40,7 @@ mod words;
 pub use codes::CODES;
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use fault::{ContentFault, Fault, nearest};
-pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When};
+pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined};
 pub use outline::Outline;
 pub use record::{set_parameters, set_record};
 pub use schema::{field, schema};

@@ -21,10 +21,13 @@ mod processes;
 mod resolve;
 mod routing;
 mod rules;
+mod speed;
 mod stability;
 #[cfg(test)]
 mod tests;
 
+#[cfg(test)]
+pub(crate) use choices::tests::speed_rules;
 pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
