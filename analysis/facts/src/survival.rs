@@ -144,7 +144,8 @@ mod tests {
         let law = Distribution::Lognormal { mean: 1800.0, cv: 0.25 };
         let drawn = |count: usize, factor: f64, seed: u64| -> Vec<Life> {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let mut life = |i: usize| Life { time: factor * law.quantile(random.random()), ended: !i.is_multiple_of(10) };
+            let mut life =
+                |i: usize| Life { time: factor * law.quantile(random.random()), ended: !i.is_multiple_of(10) };
             (0..count).map(&mut life).collect()
         };
         let simulated = drawn(200, 1.0, 99);
