@@ -13,12 +13,12 @@ use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use toolroom_form::FormFile;
 use toolroom_life::file::{StudyFile, parse};
 use toolroom_life::study::report::{Inputs, NAMES, results};
 use toolroom_life::study::run::enough;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
-use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Plan, ShardError, discard, fingerprint, read_plan, write_plan};
 use toolroom_study::study::Progress;
 

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chart::Table;
 use toolroom_chart::page::{Report, Section};
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 use toolroom_shards::fingerprint;
 
 /// Lives that belong together.

@@ -16,8 +16,8 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
 use toolroom_chart::{ResultFiles, Table, number};
+use toolroom_form::{FormFile, significant};
 use toolroom_process::table::{Cell as CsvCell, csv_text};
-use toolroom_scenario::file::{FormFile, significant};
 use toolroom_shards::{Plan, fingerprint};
 use worked::{Sensitivity, Worked, chipped, early, name, regression, sensitivity, work};
 

@@ -6,7 +6,7 @@ use crate::study::Study;
 use crate::study::edge::{LEVELS, level_share};
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table};
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 
 /// Wear over time of the first cells: 5, 50 and 95 % of first passages.
 pub(super) fn fan(study: &Study, worked: &[Worked<'_>]) -> Option<impl Chart + use<>> {
