@@ -19,8 +19,8 @@
 //! | a process at one point | [`cutting`], [`infeed`] | `toolroom point` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
 //!
-//! Quantities are SI numbers (rad, K) unless a name says otherwise. Each has an example in the
-//! folder `examples`.
+//! Quantities are SI numbers (rad, K) unless a name says otherwise. The folder `examples` has an example of scenarios,
+//! policies, lives, the diagnosis, points and units.
 //!
 //! # What is not modelled
 //! The functions write no files. A study hands out its tables, pictures and report as [`chart::ResultFiles`], which
