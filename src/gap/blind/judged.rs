@@ -77,7 +77,7 @@ fn recorded(case: &Case, model: &NominalModel) -> Result<Records, Failure> {
 
 fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
     match verdict {
-        GapVerdict::Unknown => return Mark::Unknown,
+        GapVerdict::Unknown | GapVerdict::Constant => return Mark::Unknown,
         GapVerdict::Masked | GapVerdict::CannotTell => return Mark::Masked,
         GapVerdict::NoGap => return Mark::NoGap,
         GapVerdict::Effect => {}
