@@ -4,8 +4,11 @@ mod apply;
 mod blind;
 mod diagnose;
 mod identifiability;
+<<<<<<< HEAD
 mod joined;
 mod known;
+=======
+>>>>>>> main
 mod plan;
 mod predict;
 mod rounds;

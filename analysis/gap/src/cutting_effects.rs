@@ -1,12 +1,16 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
 use super::features::{self, standardised};
+use super::search::{self, Rows, Shape, Sought, Untried, Way};
 use super::{Candidate, Channel};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::{Effect, Effects, Search};
 use toolroom_records::Records;
+<<<<<<< HEAD
 use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_scenario::{SCOPE_NAMES, Scope};
 use toolroom_statistics::median;
+=======
+>>>>>>> main
 
 /// Which prior a constant has.
 pub(super) enum Prior {
@@ -40,10 +44,15 @@ pub(super) const CONSTANTS: &[(&str, &str, Prior)] = &[
 pub(super) enum Action {
     /// By the process.
     Effect(Effect),
+<<<<<<< HEAD
     /// By the process on the rows of a scope, 1 or 0 each.
     Scoped(Effect, Scope, Vec<f64>),
     /// By the hardness of the rows of one lot.
     Lot(Vec<f64>),
+=======
+    /// By the process, on the rows of one lot.
+    Lot(Effect, Vec<f64>),
+>>>>>>> main
     /// On the reading of a channel, SI per size.
     Reading {
         /// Index of the channel.
@@ -65,39 +74,49 @@ pub(super) struct Seen<'a> {
     pub channels: &'a [Channel],
 }
 
-/// Centres of the window of a built-up edge that are tried within the range of speeds.
-const WINDOWS: usize = 5;
-/// Width of a narrow window in the logarithm of speed, beside that of the catalogue (assumption).
-const NARROW: f64 = 0.08;
 /// Mean duration of a stop that nobody books, s.
 const STOP: f64 = 20.0;
-/// Feed override below which an edge crawls.
-const CRAWL: f64 = 0.3;
 
-/// Candidates of a process that can show in the recorded channels at all.
-pub(super) fn candidates(process: &str, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
-    let mut list = Vec::new();
+/// Candidates of a process that can show in the recorded channels at all, and effects that are not tried.
+pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candidate, Action)>, Vec<Untried>) {
+    let (mut list, mut untried) = (Vec::new(), Vec::new());
     let measured = |name: &str| seen.channels.iter().any(|channel| channel.name == name);
+    let greatest = |quantity: &str| match quantity {
+        // Sensor and machine are as old as the records.
+        "sensor_time" | "machine_time" => {
+            let times = features::elapsed(seen.records)?;
+            Some(times.into_iter().filter(|time| time.is_finite()).fold(0.0, f64::max))
+        }
+        column => search::greatest(seen.records, column),
+    };
+    let sought = Sought { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
     for effect in Effects::every(process).iter() {
         let entry = effect.entry();
-        if !entry.channels.iter().any(|touched| measured(touched.channel)) {
-            continue;
-        }
-        for (shape, effect, typical) in shapes(*effect, seen) {
-            let candidate = Candidate { id: entry.id, shape, typical, greatest: entry.size.max };
-            list.push((candidate, Action::Effect(effect)));
-        }
-        if entry.id == "lot_hardness" {
-            for (_, lot, rows) in features::indicators(seen.records, &["lot"]) {
-                let candidate =
-                    Candidate { id: entry.id, shape: format!("lot {lot}"), typical: 0.1, greatest: entry.size.max };
-                list.push((candidate, Action::Lot(rows)));
+        let touched: Vec<&str> = entry.channels.iter().map(|touched| touched.channel).collect();
+        let shapes = match entry.search(process) {
+            Some(Search::Untried(reason)) => Err(reason.to_owned()),
+            _ if !touched.iter().any(|channel| measured(channel)) => {
+                Err(format!("no channel that it moves is compared: {}", touched.join(", ")))
             }
+            _ => sought.shapes(*effect),
+        };
+        match shapes {
+            Ok(shapes) => list.extend(shapes.into_iter().map(|shape| {
+                let Shape { name, effect, typical, greatest, rows } = shape;
+                let action = match rows {
+                    Rows::Lot(rows) => Action::Lot(effect, rows),
+                    Rows::All => Action::Effect(effect),
+                    Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
+                };
+                (Candidate { id: entry.id, shape: name, typical, greatest }, action)
+            })),
+            Err(reason) => untried.push(Untried { id: entry.id, reason }),
         }
     }
     if let Some(channel) = seen.channels.iter().position(|channel| channel.name == "cycle_time") {
         list.extend(cycle(channel, seen));
     }
+<<<<<<< HEAD
     list
 }
 
@@ -165,6 +184,9 @@ fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
         Some((format!("{:.0} m/min{width}", speed * 60.0), placed, 0.5))
     };
     ["", ", narrow"].into_iter().flat_map(|width| (0..WINDOWS).filter_map(move |i| window(i, width))).collect()
+=======
+    (list, untried)
+>>>>>>> main
 }
 
 /// Delays that a cycle time may hold.

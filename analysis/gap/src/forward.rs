@@ -1,6 +1,10 @@
 //! What the diagnosis asks of a nominal model.
 
+<<<<<<< HEAD
 use super::{Measured, Words};
+=======
+use super::{Measured, Untried};
+>>>>>>> main
 use rayon::prelude::*;
 use toolroom_effects::Effect;
 use toolroom_scenario::Scope;
@@ -141,6 +145,8 @@ pub struct Frame {
     pub locals: Vec<Local>,
     /// Effects that may be missing.
     pub candidates: Vec<Candidate>,
+    /// Effects of the process that are not among them, and why.
+    pub untried: Vec<Untried>,
     /// Covariates of the generic dictionary.
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
@@ -158,6 +164,7 @@ impl Frame {
             surfaces: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
+            untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
             words: Words::default(),

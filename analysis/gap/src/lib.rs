@@ -28,6 +28,8 @@
 //! by a prior: Kennedy & O'Hagan 2001, Brynjarsdóttir & O'Hagan 2014. Max-T null: Westfall & Young
 //! 1993. Thresholds are assumptions, checked by the blind benchmark.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod basis;
 mod broken;
 mod catalogue;
@@ -51,6 +53,7 @@ mod generic;
 mod gram;
 pub mod grinding;
 mod identifiability;
+mod joined;
 mod left_out;
 mod linear;
 mod measured;
@@ -63,6 +66,7 @@ mod pooled;
 mod processes;
 pub mod program;
 mod score;
+mod search;
 mod settings;
 mod settle;
 pub mod shop;
@@ -88,13 +92,19 @@ pub use fit::{Fit, fit};
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect};
 pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
+<<<<<<< HEAD
 pub use linear::{Linear, predict};
+=======
+pub use joined::joined;
+pub use linear::Linear;
+>>>>>>> main
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use method::{Bare, Method};
 pub use noise::Noise;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use processes::{Answers, Asked, diagnose_processes, diagnosed_processes};
 pub use score::Scores;
+pub use search::Untried;
 pub use settings::Settings;
 pub use stated::{Movable, Stated, Words};
 pub use trial::Trial;

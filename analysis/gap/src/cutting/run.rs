@@ -174,7 +174,7 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         for (action, size) in self.actions.iter().zip(&at.effects) {
-            if let (Action::Lot(rows), true) = (action, *size != 0.0) {
+            if let (Action::Lot(_, rows), true) = (action, *size != 0.0) {
                 setting.lots.push((*size, rows));
             }
         }
@@ -188,6 +188,7 @@ impl<P: Nominal> Cutting<P> {
         let mut bit = 0;
         for (action, size) in self.actions.iter().zip(&at.effects) {
             match action {
+<<<<<<< HEAD
                 Action::Effect(effect) if *size != 0.0 => effects.push(effect.with_size(*size)),
                 Action::Scoped(effect, ..) => {
                     if *size != 0.0 && mask >> bit & 1 == 1 {
@@ -200,6 +201,12 @@ impl<P: Nominal> Cutting<P> {
                     effects.extend(Effect::named("lot_hardness").map(|effect| effect.with_size(1.0)));
                 }
                 Action::Effect(_) | Action::Lot(_) | Action::Reading { .. } => {}
+=======
+                Action::Effect(effect) => effects.push(effect.with_size(*size)),
+                // The deviation of the lot carries the size.
+                Action::Lot(effect, _) => effects.push(effect.with_size(1.0)),
+                Action::Reading { .. } => {}
+>>>>>>> main
             }
         }
         process = process.with_effects(Effects::overlaid(effects));

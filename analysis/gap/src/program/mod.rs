@@ -13,10 +13,15 @@
 mod file;
 mod rows;
 
+<<<<<<< HEAD
 pub use file::DEFAULT_DRIVES;
+=======
+pub use file::{CODES, effects_section};
+>>>>>>> main
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};
+use super::search;
 use super::settings::Settings;
 use super::stated::Movable;
 use super::summary::rounded;
@@ -182,6 +187,7 @@ impl Stretches {
                 add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
             }
         }
+        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
     }
 
     fn covariates(&self, records: &Records) -> Vec<Covariate> {

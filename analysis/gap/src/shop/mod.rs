@@ -17,6 +17,8 @@
 //! as a Poisson process of exponential durations, 20 s in the mean: assumption.
 
 mod block;
+mod constant;
+mod facts;
 mod kpi;
 mod logs;
 mod model;
@@ -29,10 +31,11 @@ mod tests;
 mod visit;
 mod words;
 
+pub use facts::add_facts;
 pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
 pub use queue::{QueueFit, QueueScore, queues};
 pub use state::State;
-pub use visit::{Visit, Visits, visits};
+pub use visit::{Breakdowns, Visit, Visits, visits};

@@ -22,10 +22,12 @@
 //! | [`run`] | lives by the block, in parallel |
 //! | [`shard`] | plan, parts with sidecars, merging |
 //! | [`sensitivity`] | Sobol indices, Morris screening |
+//! | [`report`] | results of a finished study: text, summary, table, report |
 
 pub mod edge;
 pub mod points;
 pub mod policy;
+pub mod report;
 pub mod run;
 pub mod sensitivity;
 pub mod shard;
@@ -275,7 +277,7 @@ impl Study {
     fn run_in(&self, pair: &Pair) -> f64 {
         match &pair.law {
             WearLaw::EnergyBalance(law) => law.run_in_offset,
-            _ => pair.limits.wear_limit / 30.0,
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) => pair.limits.wear_limit / 30.0,
         }
     }
 

@@ -1,20 +1,28 @@
 //! Tools: parameter sets, deviations from them, effects, scatter.
 
 use super::choices::{ProcessKind, ScatterWord};
-use super::fault::{Fault, nearest};
-use super::form::Quantity;
+use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
+<<<<<<< HEAD
 use super::walk::{Echo, Section, Value, Walk};
 use super::words::display;
 use crate::{ProcessModel, SwitchedEffect};
+=======
+use crate::ProcessModel;
+>>>>>>> main
 use std::fmt::Display;
 use std::sync::Arc;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 use toolroom_cutting::{Milling, MillingInput, Turning};
+<<<<<<< HEAD
 use toolroom_effects::Effects;
+=======
+use toolroom_effects::{Effect, Effects};
+use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
+>>>>>>> main
 use toolroom_infeed::{Infeed, Parameters};
-use toolroom_process::{AnyRecord, ModelError, Process};
+use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Chipping, Pair, Scatter};
 
 /// The process of a tool; `None` where a problem was noted.
@@ -43,7 +51,7 @@ pub(super) fn process(
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, &mut turning);
-            deviations(walk, tool, turning.parameters_mut());
+            set_parameters(walk, tool, turning.parameters_mut());
             if chips_by_share(tool, scatter) {
                 let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
                 match pair.chipping.for_share(pair, &cut, scatter.chipped_share) {
@@ -57,7 +65,7 @@ pub(super) fn process(
             let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, &mut milling);
-            deviations(walk, tool, milling.parameters_mut());
+            set_parameters(walk, tool, milling.parameters_mut());
             if let Some(cutter) = drawn {
                 stability::same_cutter(walk, tool, &cutter, &milling);
             }
@@ -72,7 +80,7 @@ pub(super) fn process(
         ProcessKind::Infeed => {
             let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
             let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
-            deviations(walk, tool, infeed.parameters_mut());
+            set_parameters(walk, tool, infeed.parameters_mut());
             Some(ProcessModel::Infeed(Arc::new(infeed)))
         }
     }
@@ -137,7 +145,7 @@ fn loaded<T, E: Display>(
 }
 
 fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
-    let fault = Fault::ParameterSet {
+    let fault = ScenarioFault::ParameterSet {
         name: tool.text("parameter_set").unwrap_or_default().to_owned(),
         reason: reason.to_string(),
     };
@@ -159,6 +167,7 @@ pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
     scatter
 }
 
+<<<<<<< HEAD
 /// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the
 /// groups of a process.
 pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
@@ -218,4 +227,37 @@ pub(super) fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, reco
             walk.echo.push(Echo { section, key: field.name.to_owned(), value, default: false });
         }
     }
+=======
+/// `effects = [{ id = "wear_force", size = 0.2 }]`.
+fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
+    let name = tool.text("name").unwrap_or_default().to_owned();
+    let Some(got) = tool.got("effects") else { return Effects::default() };
+    let Value::Raw(DeValue::Array(entries)) = &got.value else {
+        if let Value::Raw(other) = &got.value {
+            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
+            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
+        }
+        return Effects::default();
+    };
+    let mut effects = Vec::new();
+    for entry in entries {
+        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry.clone()));
+        match read {
+            Ok(effect) => effects.push(effect),
+            Err(error) => {
+                let message = error.message().to_owned();
+                walk.fault(entry.span(), ScenarioFault::Effect { tool: name.clone(), message });
+            }
+        }
+    }
+    let checked = Effects::new(effects).and_then(|effects| {
+        let process = tool.chosen("process", ProcessKind::from_word);
+        process.map_or(Ok(()), |process| effects.check(process.word()))?;
+        Ok(effects)
+    });
+    checked.unwrap_or_else(|reason| {
+        walk.fault(got.span.clone(), ScenarioFault::Effect { tool: name, message: reason.to_string() });
+        Effects::default()
+    })
+>>>>>>> main
 }

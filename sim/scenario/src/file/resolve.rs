@@ -1,15 +1,24 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
 use super::choices::{FamilyWord, ProcessKind};
+<<<<<<< HEAD
 use super::fault::{Fault, nearest};
 use super::walk::{Got, Section, Span, Value, Walk};
 use super::{Output, measured, planned, processes, routing, rules, stability};
+=======
+use super::fault::ScenarioFault;
+use super::{Output, planned, processes, routing, rules, stability};
+>>>>>>> main
 use crate::{
     Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario,
     Shift, ShiftCalendar, Target, ToolType, Variants,
 };
+<<<<<<< HEAD
 use toml::de::{DeTable, DeValue};
 use toolroom_process::Record;
+=======
+use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
+>>>>>>> main
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -129,7 +138,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
 /// A tool as operations see it: known by name and process even where its constants are at fault.
 pub(super) struct NamedTool {
     pub process: Option<ProcessKind>,
+<<<<<<< HEAD
     pub span: Span,
+=======
+    pub span: toolroom_form::Span,
+>>>>>>> main
     pub tool: Option<ToolType>,
 }
 
@@ -211,7 +224,7 @@ fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Shif
                 walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
             }
             if shifts.last().is_some_and(|before| shift.start < before.end) {
-                walk.fault(each.span_of("start"), Fault::ShiftsOverlap { first: i, second: i + 1 });
+                walk.fault(each.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
             }
             shifts.push(shift);
         }
