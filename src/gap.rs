@@ -4,11 +4,7 @@ mod apply;
 mod blind;
 mod diagnose;
 mod identifiability;
-<<<<<<< HEAD
-mod joined;
 mod known;
-=======
->>>>>>> main
 mod plan;
 mod predict;
 mod rounds;

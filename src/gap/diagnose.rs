@@ -1,10 +1,6 @@
 //! `toolroom gap diagnose`.
 
-<<<<<<< HEAD
-use super::joined::joined;
 use super::known::{self, Known};
-=======
->>>>>>> main
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -16,13 +12,8 @@ use toolroom_apply::{Applied, PredictionRow, Process, document, predictions_of};
 use toolroom_chart::page::Provenance;
 use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
-<<<<<<< HEAD
-use toolroom_gap::shop::{queues, visits};
-use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes};
-=======
 use toolroom_gap::shop::{add_facts, visits};
-use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
->>>>>>> main
+use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 

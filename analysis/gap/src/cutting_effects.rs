@@ -5,12 +5,8 @@ use super::search::{self, Rows, Shape, Sought, Untried, Way};
 use super::{Candidate, Channel};
 use toolroom_effects::{Effect, Effects, Search};
 use toolroom_records::Records;
-<<<<<<< HEAD
 use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_scenario::{SCOPE_NAMES, Scope};
-use toolroom_statistics::median;
-=======
->>>>>>> main
 
 /// Which prior a constant has.
 pub(super) enum Prior {
@@ -44,15 +40,10 @@ pub(super) const CONSTANTS: &[(&str, &str, Prior)] = &[
 pub(super) enum Action {
     /// By the process.
     Effect(Effect),
-<<<<<<< HEAD
     /// By the process on the rows of a scope, 1 or 0 each.
     Scoped(Effect, Scope, Vec<f64>),
-    /// By the hardness of the rows of one lot.
-    Lot(Vec<f64>),
-=======
     /// By the process, on the rows of one lot.
     Lot(Effect, Vec<f64>),
->>>>>>> main
     /// On the reading of a channel, SI per size.
     Reading {
         /// Index of the channel.
@@ -116,77 +107,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
     if let Some(channel) = seen.channels.iter().position(|channel| channel.name == "cycle_time") {
         list.extend(cycle(channel, seen));
     }
-<<<<<<< HEAD
-    list
-}
-
-/// Shapes of an effect that the records can tell, with an ordinary size each.
-fn shapes(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
-    let one = |typical: f64| vec![(String::new(), effect, typical)];
-    let spread = |name: &str| {
-        let values = seen.records.numbers(name)?;
-        standardised(values)?;
-        Some(values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max))
-    };
-    let level = |name: &str| {
-        let mut values: Vec<f64> =
-            seen.records.numbers(name)?.iter().copied().filter(|value| value.is_finite()).collect();
-        (!values.is_empty()).then(|| median(&mut values))
-    };
-    match effect.entry().id {
-        "wear_force" => one(0.2),
-        "wear_temperature" => one(0.1),
-        "wear_acceleration" | "thermal_heredity" => one(1.0),
-        "run_in" => one(1.5),
-        "thermal_softening" => one(0.15),
-        "runout" => one(10e-6),
-        "servo_lag" | "helix_form_error" => one(0.5),
-        "stock_offset" => level("width_of_cut").map_or_else(Vec::new, |width| one(0.1 * width)),
-        "coolant_ageing" => spread("coolant_age").map_or_else(Vec::new, |greatest| one(0.1 / greatest)),
-        "force_drift" => {
-            let latest = features::elapsed(seen.records)
-                .map(|times| times.into_iter().filter(|time| time.is_finite()).fold(0.0, f64::max));
-            latest.map_or_else(Vec::new, |latest| one(0.1 / latest))
-        }
-        "force_bias" => level("cutting_force").map_or_else(Vec::new, |force| one(0.05 * force)),
-        "spindle_loss" => level("spindle_power").map_or_else(Vec::new, |power| one(0.1 * power)),
-        "built_up_edge" => windows(effect, seen),
-        "temperature_lag" => [30.0, 60.0, 120.0, 240.0]
-            .into_iter()
-            .filter_map(|time| Some((format!("{time} s"), with(effect, "time_constant", time)?, 50.0)))
-            .collect(),
-        "crawl_wear" => {
-            let crawls = |values: &[f64]| values.iter().any(|value| *value < CRAWL);
-            if seen.records.numbers("feed_override").is_some_and(crawls) { one(1.0) } else { Vec::new() }
-        }
-        // Chipping has no mean; lots have a shape each.
-        _ => Vec::new(),
-    }
-}
-
-fn with(mut effect: Effect, name: &str, value: f64) -> Option<Effect> {
-    let i = effect.parameters().fields().iter().position(|field| field.name == name)?;
-    effect.parameters_mut().set_value(i, value);
-    Some(effect)
-}
-
-fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
-    let Some(speeds) = seen.records.numbers("cutting_speed") else { return Vec::new() };
-    let known = || speeds.iter().copied().filter(|speed| speed.is_finite() && *speed > 0.0);
-    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
-    if high < 1.2 * low {
-        return Vec::new();
-    }
-    let window = |i: usize, width: &str| {
-        let speed = low * (high / low).powf(i as f64 / (WINDOWS - 1) as f64);
-        let placed = with(effect, "centre", speed)?;
-        let placed = if width.is_empty() { placed } else { with(placed, "width", NARROW)? };
-        Some((format!("{:.0} m/min{width}", speed * 60.0), placed, 0.5))
-    };
-    ["", ", narrow"].into_iter().flat_map(|width| (0..WINDOWS).filter_map(move |i| window(i, width))).collect()
-=======
     (list, untried)
->>>>>>> main
 }
 
 /// Delays that a cycle time may hold.

@@ -1,10 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-<<<<<<< HEAD
-use super::{Measured, Words};
-=======
-use super::{Measured, Untried};
->>>>>>> main
+use super::{Measured, Untried, Words};
 use rayon::prelude::*;
 use toolroom_effects::Effect;
 use toolroom_scenario::Scope;

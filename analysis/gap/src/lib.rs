@@ -92,12 +92,8 @@ pub use fit::{Fit, fit};
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect};
 pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
-<<<<<<< HEAD
-pub use linear::{Linear, predict};
-=======
 pub use joined::joined;
-pub use linear::Linear;
->>>>>>> main
+pub use linear::{Linear, predict};
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use method::{Bare, Method};
 pub use noise::Noise;

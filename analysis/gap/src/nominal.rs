@@ -14,13 +14,8 @@ use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
-<<<<<<< HEAD
-use toolroom_scenario::file::{self, Form, GAP, Key, Kind, Outline, ReadError};
-use toolroom_scenario::{Calibration, Scenario};
-=======
-use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{self, GAP};
->>>>>>> main
+use toolroom_scenario::{Calibration, Scenario};
 use toolroom_scenario::{GapSection, ProcessModel, SensorErrors};
 
 /// Stretches of part programs that are told by name.

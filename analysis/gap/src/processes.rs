@@ -73,12 +73,8 @@ pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diag
             if pool.is_empty() { Closure::UNKNOWN } else { pooled(&pool, seed) }
         }
     };
-<<<<<<< HEAD
     let (diagnoses, diagnosed): (Vec<_>, Vec<_>) = all.into_iter().unzip();
     let processes = asked.iter().zip(diagnoses).map(|(own, diagnosis)| (own.process, diagnosis)).collect();
-    (Answers { processes, total }, diagnosed)
-=======
-    let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
     let mut untried: Vec<(&'static str, Untried)> = Vec::new();
     for (own, part) in asked.iter().flat_map(|own| own.parts.iter().map(move |part| (own, part))) {
         // Parts of a power law leave out the same.
@@ -86,8 +82,7 @@ pub fn diagnosed_processes(asked: &[Asked], seed: u64) -> (Answers, Vec<Vec<Diag
         let new: Vec<_> = new.map(|each| (own.process, each.clone())).collect();
         untried.extend(new);
     }
-    Answers { processes, total, untried }
->>>>>>> main
+    (Answers { processes, total, untried }, diagnosed)
 }
 
 fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {

@@ -25,7 +25,7 @@ record! {
 
 /// Windows that are tried over the range of recorded speeds; the narrow width is one of the logarithm of speed.
 const WINDOWS: Search =
-    Search::Window { column: "cutting_speed", centre: "speed", width: ("width", 0.08), count: 5, size: 0.5 };
+    Search::Window { column: "cutting_speed", centre: "centre", width: ("width", 0.08), count: 5, size: 0.5 };
 
 pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "built_up_edge",

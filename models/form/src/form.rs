@@ -95,15 +95,10 @@ pub enum Kind {
     Parameters,
     /// A table of texts or numbers under names that the file chooses.
     Texts,
-<<<<<<< HEAD:sim/scenario/src/file/form.rs
-    /// Effects of the catalogue, `[{ id = "wear_force", size = 0.2 }]`.
-    Effects,
-    /// A number with its unit, which follows from another key; a ratio may stand without quotes.
-    Amount,
-=======
     /// A value that the kind of file reads itself.
     Content(&'static Content),
->>>>>>> main:models/form/src/form.rs
+    /// A number with its unit, which follows from another key; a ratio may stand without quotes.
+    Amount,
 }
 
 /// What people and editors are told about a value that a kind of file reads itself.

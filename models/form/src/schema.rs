@@ -1,11 +1,6 @@
 //! The JSON schema (draft 2020-12) of files, made from the same tables as the reader.
 
-<<<<<<< HEAD:sim/scenario/src/file/schema.rs
-use super::form::{Form, Key, Kind, Need};
-use super::measured::SCOPE;
-=======
 use crate::form::{Form, Key, Kind, Need};
->>>>>>> main:models/form/src/schema.rs
 use serde_json::{Map, Value, json};
 use toolroom_process::{Field, unit};
 
@@ -87,12 +82,8 @@ fn property(key: &'static Key) -> Value {
             | Kind::Fields { .. }
             | Kind::Parameters
             | Kind::Texts
-<<<<<<< HEAD:sim/scenario/src/file/schema.rs
-            | Kind::Effects
+            | Kind::Content(_)
             | Kind::Amount => json!(text),
-=======
-            | Kind::Content(_) => json!(text),
->>>>>>> main:models/form/src/schema.rs
         };
     }
     body
@@ -137,50 +128,13 @@ fn kind(of: &'static Kind) -> Value {
             "type": "object",
             "additionalProperties": { "type": ["boolean", "number", "string"] },
         }),
-<<<<<<< HEAD:sim/scenario/src/file/schema.rs
-        Kind::Amount => json!({ "type": ["number", "string"] }),
-        Kind::Effects => {
-            json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } })
-        }
-    }
-}
-
-/// An effect with its size and shape.
-fn effect(of: Effect) -> Value {
-    let mut properties = Map::new();
-    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    let parameters: Map<String, Value> =
-        of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))).collect();
-    let shape: Map<String, Value> =
-        parameters.iter().filter(|(name, _)| *name != "size").map(|(name, own)| (name.clone(), own.clone())).collect();
-    if !shape.is_empty() {
-        properties.insert(
-            "shape".to_owned(),
-            json!({
-                "type": "object", "additionalProperties": false, "properties": shape,
-                "description": "Parameters beside the size; they may also stand beside it",
-            }),
-        );
-    }
-    properties.extend(parameters);
-    properties.insert(
-        "standard_error".to_owned(),
-        json!({ "type": ["number", "string"], "description": "Standard error of the size, in its unit" }),
-    );
-    properties.insert("scope".to_owned(), form(&SCOPE));
-    json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
-}
-
-/// A field of a record.
-fn field(of: &Field) -> Value {
-=======
         Kind::Content(content) => (content.schema)(),
+        Kind::Amount => json!({ "type": ["number", "string"] }),
     }
 }
 
 /// JSON schema of a field of a record.
 pub fn field(of: &Field) -> Value {
->>>>>>> main:models/form/src/schema.rs
     let mut body = number(of.unit, of.min, of.max);
     let detail = body["description"].as_str().map_or(String::new(), |detail| format!(" {detail}"));
     body["description"] = json!(format!("{}{detail}", of.doc.trim()));

@@ -309,14 +309,10 @@ impl Walk {
             }
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
-<<<<<<< HEAD:sim/scenario/src/file/walk.rs
-            | (Kind::Parameters | Kind::Texts | Kind::Effects, _)
+            | (Kind::Parameters | Kind::Texts | Kind::Content(_), _)
             | (Kind::Amount, DeValue::String(_) | DeValue::Integer(_) | DeValue::Float(_)) => {
                 Value::Raw(raw.get_ref().clone())
             }
-=======
-            | (Kind::Parameters | Kind::Texts | Kind::Content(_), _) => Value::Raw(raw.get_ref().clone()),
->>>>>>> main:models/form/src/walk.rs
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty
@@ -410,11 +406,7 @@ pub(crate) fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
         | Kind::Fields { .. }
         | Kind::Parameters
         | Kind::Texts
-<<<<<<< HEAD:sim/scenario/src/file/walk.rs
-        | Kind::Effects
+        | Kind::Content(_)
         | Kind::Amount => None,
-=======
-        | Kind::Content(_) => None,
->>>>>>> main:models/form/src/walk.rs
     }
 }

@@ -107,12 +107,8 @@ pub(crate) fn expected(kind: &Kind) -> String {
         }
         Kind::Parameters => "a table of groups of parameters".to_owned(),
         Kind::Texts => "a table of names and texts".to_owned(),
-<<<<<<< HEAD:sim/scenario/src/file/words.rs
-        Kind::Effects => "a list of effects".to_owned(),
-        Kind::Amount => "a number with its unit in quotes".to_owned(),
-=======
         Kind::Content(content) => content.expected.to_owned(),
->>>>>>> main:models/form/src/words.rs
+        Kind::Amount => "a number with its unit in quotes".to_owned(),
     }
 }
 
@@ -129,12 +125,8 @@ pub fn example(kind: &Kind) -> String {
         Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
         Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
-<<<<<<< HEAD:sim/scenario/src/file/words.rs
-        Kind::Effects => "[{ id = \"wear_force\", size = 0.2 }]".to_owned(),
-        Kind::Amount => "\"12 s\"".to_owned(),
-=======
         Kind::Content(content) => content.example.to_owned(),
->>>>>>> main:models/form/src/words.rs
+        Kind::Amount => "\"12 s\"".to_owned(),
     }
 }
 

@@ -79,16 +79,11 @@ impl<R: Recorder> Shop<'_, R> {
         let tool = &self.scenario.tools[place.tool];
         let part = &self.scenario.parts[place.part];
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
-<<<<<<< HEAD
-        if let Some(task) = &mut self.world.machines[machine].task {
-            task.blank = blank;
-            if tool.variants.switches(task.acting, "lot_hardness") {
-                task.blank.lot_deviation = 1.0;
-            }
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.blank = blank;
+        if tool.variants.switches(task.acting, "lot_hardness") {
+            task.blank.lot_deviation = 1.0;
         }
-=======
-        self.world.machines[machine].task.as_mut().expect(IN_WORK).blank = blank;
->>>>>>> main
         self.clamp_ground_part(machine, place, first_pass);
     }
 

@@ -194,16 +194,10 @@ impl<P: Nominal> Cutting<P> {
             durations: &model.durations,
             channels: &model.frame.measured.channels,
         };
-<<<<<<< HEAD
-        let (candidates, actions) = cutting_effects::candidates(P::NAME, &context).into_iter().unzip();
-        model.frame.candidates = candidates;
-        model.actions = actions;
-        model.state(records, &mut stated);
-=======
         let (candidates, untried) = cutting_effects::candidates(P::NAME, &context);
         model.frame.untried = untried;
         (model.frame.candidates, model.actions) = candidates.into_iter().unzip();
->>>>>>> main
+        model.state(records, &mut stated);
         model.orient();
         if broken > 0 {
             model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));

@@ -188,7 +188,6 @@ impl<P: Nominal> Cutting<P> {
         let mut bit = 0;
         for (action, size) in self.actions.iter().zip(&at.effects) {
             match action {
-<<<<<<< HEAD
                 Action::Effect(effect) if *size != 0.0 => effects.push(effect.with_size(*size)),
                 Action::Scoped(effect, ..) => {
                     if *size != 0.0 && mask >> bit & 1 == 1 {
@@ -196,17 +195,13 @@ impl<P: Nominal> Cutting<P> {
                     }
                     bit += 1;
                 }
-                // What differs from lot to lot is the input.
-                Action::Lot(_) if *size != 0.0 && effects.iter().all(|own| own.entry().id != "lot_hardness") => {
-                    effects.extend(Effect::named("lot_hardness").map(|effect| effect.with_size(1.0)));
-                }
-                Action::Effect(_) | Action::Lot(_) | Action::Reading { .. } => {}
-=======
-                Action::Effect(effect) => effects.push(effect.with_size(*size)),
                 // The deviation of the lot carries the size.
-                Action::Lot(effect, _) => effects.push(effect.with_size(1.0)),
-                Action::Reading { .. } => {}
->>>>>>> main
+                Action::Lot(effect, _)
+                    if *size != 0.0 && effects.iter().all(|own| own.entry().id != effect.entry().id) =>
+                {
+                    effects.push(effect.with_size(1.0));
+                }
+                Action::Effect(_) | Action::Lot(..) | Action::Reading { .. } => {}
             }
         }
         process = process.with_effects(Effects::overlaid(effects));

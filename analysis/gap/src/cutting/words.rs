@@ -66,7 +66,7 @@ impl<P: Nominal> Cutting<P> {
             let same = |(action, candidate): (&Action, &Candidate)| match action {
                 Action::Effect(other) => scope.is_everywhere() && other.with_size(0.0) == effect.with_size(0.0),
                 Action::Scoped(other, at, _) => *at == scope && other.with_size(0.0) == effect.with_size(0.0),
-                Action::Lot(_) => {
+                Action::Lot(..) => {
                     effect.entry().id == candidate.id && Some(candidate.shape.as_str()) == lot(&scope).as_deref()
                 }
                 Action::Reading { .. } => false,
@@ -207,7 +207,7 @@ impl<P: Nominal> Cutting<P> {
     fn vary(&mut self) {
         let scoped = self.actions.iter().filter_map(|action| match action {
             Action::Scoped(_, _, rows) => Some(rows),
-            Action::Effect(_) | Action::Lot(_) | Action::Reading { .. } => None,
+            Action::Effect(_) | Action::Lot(..) | Action::Reading { .. } => None,
         });
         let items: Vec<&Vec<f64>> = scoped.chain(self.fixed.iter().filter_map(|own| own.rows.as_ref())).collect();
         let (mut masks, mut of_row) = (Vec::new(), Vec::with_capacity(self.durations.len()));
@@ -230,7 +230,7 @@ impl<P: Nominal> Cutting<P> {
         match &self.actions[candidate] {
             Action::Effect(effect) => WrittenEffect::of(effect, &Scope::default()),
             Action::Scoped(effect, scope, _) => WrittenEffect::of(effect, scope),
-            Action::Lot(_) => {
+            Action::Lot(..) => {
                 let name = self.frame.candidates[candidate].shape.strip_prefix("lot ").unwrap_or_default().to_owned();
                 let scope = Scope { names: vec![("lot", vec![name])], ..Scope::default() };
                 WrittenEffect { scope, ..WrittenEffect::default() }

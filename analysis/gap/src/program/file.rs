@@ -6,12 +6,7 @@ use std::sync::Arc;
 use toolroom_contour::{Program, ProgramError, Units};
 use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Quantity, Section, Walk};
 use toolroom_process::Record;
-<<<<<<< HEAD
-use toolroom_scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
-=======
-use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::GAP;
->>>>>>> main
 
 const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })

@@ -13,11 +13,7 @@
 mod file;
 mod rows;
 
-<<<<<<< HEAD
-pub use file::DEFAULT_DRIVES;
-=======
-pub use file::{CODES, effects_section};
->>>>>>> main
+pub use file::{CODES, DEFAULT_DRIVES};
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};

@@ -45,6 +45,18 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "effect",
-        "Effects are named by their id, with a size in the unit of the catalogue; `toolroom effects` lists them. Each acts on some processes only and is given at most once.",
+        "Effects are named by their id, with a size in the unit of the catalogue; `toolroom effects` lists them. Each acts on some processes only and is given at most once with one shape and scope; entries whose scopes meet in an operation multiply their factors and add their summands in the order of the file.",
+    ),
+    (
+        "scope-name",
+        "A scope names machines, tools, parts and operations of the scenario; lots, shifts, materials, operators, coolants and edges are named as the records name them and are not checked.",
+    ),
+    (
+        "date-without-start",
+        "A scope counts `from` and `until` from the start of the scenario, which has no date: write \"12 day\" or \"36 h\".",
+    ),
+    (
+        "calibration",
+        "A calibration moves a constant of the process of a tool (`parameter = \"force.specific_force\"`, `target = \"tool insert\"`), or a value of the shop; the moved value stays within the range of the constant.",
     ),
 ];

@@ -128,7 +128,6 @@ pub enum ScenarioFault {
         /// What the catalogue says.
         message: String,
     },
-<<<<<<< HEAD
     /// A name in a scope that nothing carries.
     #[error("scope: there is no {key} \"{name}\"")]
     ScopeName {
@@ -155,24 +154,6 @@ pub enum ScenarioFault {
         /// Why.
         reason: String,
     },
-    /// A `--set` that is no `key=value`.
-    #[error("`{read}` is not of the form key=value")]
-    OverrideForm {
-        /// What was read.
-        read: String,
-    },
-    /// A `--set` whose path leads nowhere.
-    #[error("`{segment}` is not in the scenario")]
-    OverridePath {
-        /// The segment that was not found.
-        segment: String,
-        /// The most similar one.
-        nearest: Option<String>,
-        /// What there is.
-        known: String,
-    },
-=======
->>>>>>> main
 }
 
 impl ContentFault for ScenarioFault {
@@ -190,32 +171,18 @@ impl ContentFault for ScenarioFault {
             Self::Structure { .. } => "structure",
             Self::Unit { .. } => "unit",
             Self::Effect { .. } => "effect",
-<<<<<<< HEAD
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
             Self::Calibration { .. } => "calibration",
-            Self::OverrideForm { .. } | Self::OverridePath { .. } => "override",
-=======
->>>>>>> main
         }
     }
 
     fn fix(&self) -> Option<String> {
         Some(match self {
-<<<<<<< HEAD
-            Self::UnknownKey { nearest, known, .. } => near(*nearest, known),
-            Self::UnknownChoice { nearest, choices: known, .. }
-            | Self::UnknownName { nearest, known, .. }
-            | Self::ScopeName { nearest, known, .. }
-            | Self::OverridePath { nearest, known, .. } => near(nearest.as_deref(), known),
-            Self::MissingKey { key, example, .. } => format!("add `{key} = {example}`"),
-            Self::NotApplicable { applicable, .. } => format!("keys that apply here: {applicable}"),
-            Self::WrongType { example, .. } | Self::Quantity { example, .. } => format!("write for example {example}"),
-            Self::OutOfRange { meant, .. } if !meant.is_empty() => format!("did you mean {}?", meant.join(" or ")),
-            Self::DuplicateName { kind, .. } => format!("give one {kind} another name"),
-            Self::Nothing { example, .. } => format!("add {example}"),
-=======
->>>>>>> main
+            Self::ScopeName { nearest: Some(nearest), known, .. } => {
+                format!("did you mean `{nearest}`? known: {known}")
+            }
+            Self::ScopeName { nearest: None, known, .. } => format!("known: {known}"),
             Self::UnusedTool { .. } => "name it in an operation, or remove it".to_owned(),
             Self::WrongProcess { tool_process, .. } => {
                 format!("list machines of process \"{tool_process}\", or choose another tool")
@@ -224,11 +191,7 @@ impl ContentFault for ScenarioFault {
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
-<<<<<<< HEAD
             Self::DateWithoutStart { .. } => "write the time since the start, such as \"12 day\"".to_owned(),
-            Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
-=======
->>>>>>> main
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"
@@ -240,16 +203,7 @@ impl ContentFault for ScenarioFault {
             | Self::ContourFile { .. }
             | Self::Contour { .. }
             | Self::Policy { .. }
-<<<<<<< HEAD
-            | Self::Cycle { .. }
-            | Self::OutOfRange { .. }
-            | Self::Contradiction { .. }
-            | Self::ParameterSet { .. }
-            | Self::Table { .. }
-            | Self::Model { .. }
             | Self::Calibration { .. }
-=======
->>>>>>> main
             | Self::Effect { .. } => return None,
         })
     }

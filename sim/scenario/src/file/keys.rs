@@ -5,14 +5,10 @@ mod policy;
 pub use policy::SENSORS;
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
-use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field};
+use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field, schema};
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKind, ScatterWord};
-<<<<<<< HEAD
-use super::form::{Form, Key, Kind, Quantity};
-use super::measured::{CALIBRATION, SHOP_DEVIATION};
-=======
->>>>>>> main
+use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
@@ -443,23 +439,6 @@ pub static SCENARIO: Form = Form {
     ],
 };
 
-<<<<<<< HEAD
-=======
-static SHOP_DEVIATION: Form = Form {
-    title: "[[deviation]]",
-    doc: "An effect of the shop that its planner does not know",
-    keys: &[
-        Key::required("id", Kind::Choice(crate::Deviation::IDS), "Effect; `toolroom effects` lists them"),
-        Key::required("size", Kind::Text, "Size in the unit of the catalogue, `12 s`, `0.1`, `1.5 1/h`"),
-        Key::optional("shift", Kind::Name, "Shift in which it acts, S1, S2 … of the machine's calendar"),
-        Key::optional(
-            "share",
-            quantity("1", "1", 0.0, 1.0, "0.05"),
-            "Share of the operations that are held (feed_hold)",
-        ),
-    ],
-};
-
 /// Effects of the catalogue.
 static EFFECTS: Content = Content {
     expected: "a list of effects",
@@ -471,11 +450,29 @@ static EFFECTS: Content = Content {
 fn effect(of: Effect) -> Value {
     let mut properties = Map::new();
     properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
+    let fields = of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each)));
+    let parameters: Map<String, Value> = fields.collect();
+    let shape: Map<String, Value> = parameters.clone().into_iter().filter(|(name, _)| name != "size").collect();
+    if !shape.is_empty() {
+        properties.insert(
+            "shape".to_owned(),
+            json!({
+                "type": "object", "additionalProperties": false, "properties": shape,
+                "description": "Parameters beside the size; they may also stand beside it",
+            }),
+        );
+    }
+    properties.extend(parameters);
+    properties.insert(
+        "standard_error".to_owned(),
+        json!({ "type": ["number", "string"], "description": "Standard error of the size, in its unit" }),
+    );
+    let mut scope = schema(&SCOPE, "scope");
+    ["$schema", "title"].iter().for_each(|key| drop(scope.as_object_mut().and_then(|scope| scope.remove(*key))));
+    properties.insert("scope".to_owned(), scope);
     json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
 }
 
->>>>>>> main
 /// Standard deviation of a logarithm, or relative.
 const SPREAD: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
 

@@ -1,13 +1,12 @@
 //! What measurements say of a shop: scopes, effects of tools, calibration, deviations.
 
-use super::fault::{Fault, nearest};
-use super::form::{Form, Key, Kind, Quantity};
+use super::fault::ScenarioFault;
 use super::resolve::Names;
-use super::walk::{Section, Span, Value, Walk};
 use crate::effects::{SHOP_EFFECTS, ShopDeviations};
 use crate::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, SwitchedEffect, Target};
 use toml::de::DeValue;
 use toolroom_effects::{Effect, Effects};
+use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};
 use toolroom_process::{Record, unit};
 
 const NAMES: Kind = Kind::List(&Kind::Name);
@@ -114,7 +113,7 @@ fn scope_of(walk: &mut Walk, table: &Section<'_>, names: &Names) -> Scope {
                 _ => None,
             };
             if let Some(known) = known.filter(|known| known.iter().all(|own| *own != name)) {
-                let fault = Fault::ScopeName {
+                let fault = ScenarioFault::ScopeName {
                     key,
                     nearest: nearest(&name, known.iter().copied()).map(str::to_owned),
                     known: known.join(", "),
@@ -135,7 +134,7 @@ fn scope_of(walk: &mut Walk, table: &Section<'_>, names: &Names) -> Scope {
         match unit::quantity(text, "s") {
             Ok(time) if time.is_finite() => return Some(time),
             _ if text.len() >= 10 && text.as_bytes()[4] == b'-' => {
-                walk.fault(table.span_of(key), Fault::DateWithoutStart { key, read: text.to_owned() });
+                walk.fault(table.span_of(key), ScenarioFault::DateWithoutStart { key, read: text.to_owned() });
             }
             Ok(_) => {
                 let (name, read) = (key.to_owned(), text.to_owned());
@@ -205,7 +204,7 @@ pub(super) fn effects(
             Ok(effect) => effect,
             Err(error) => {
                 let message = error.message().to_owned();
-                walk.fault(place, Fault::Effect { tool: name.clone(), message });
+                walk.fault(place, ScenarioFault::Effect { tool: name.clone(), message });
                 continue;
             }
         };
@@ -218,14 +217,14 @@ pub(super) fn effects(
         let same = |own: &SwitchedEffect| own.effect.with_size(0.0) == effect.with_size(0.0) && own.scope == scope;
         if list.iter().any(same) {
             let message = format!("`{}` is listed twice with one shape and scope", effect.entry().id);
-            walk.fault(place, Fault::Effect { tool: name.clone(), message });
+            walk.fault(place, ScenarioFault::Effect { tool: name.clone(), message });
             continue;
         }
         list.push(SwitchedEffect { effect, scope, standard_error });
     }
     let all = Effects::overlaid(list.iter().map(|own| own.effect).collect());
     if let Err(reason) = all.check(process) {
-        walk.fault(span, Fault::Effect { tool: name, message: reason.to_string() });
+        walk.fault(span, ScenarioFault::Effect { tool: name, message: reason.to_string() });
         return Vec::new();
     }
     list

@@ -16,12 +16,7 @@ mod codes;
 mod fault;
 mod imported;
 mod keys;
-<<<<<<< HEAD
 mod measured;
-mod outline;
-mod overrides;
-=======
->>>>>>> main
 mod planned;
 mod processes;
 mod resolve;

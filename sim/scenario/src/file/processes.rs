@@ -4,23 +4,13 @@ use super::choices::{ProcessKind, ScatterWord};
 use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
-<<<<<<< HEAD
-use super::walk::{Echo, Section, Value, Walk};
-use super::words::display;
 use crate::{ProcessModel, SwitchedEffect};
-=======
-use crate::ProcessModel;
->>>>>>> main
 use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::DeValue;
 use toolroom_cutting::{Milling, MillingInput, Turning};
-<<<<<<< HEAD
 use toolroom_effects::Effects;
-=======
-use toolroom_effects::{Effect, Effects};
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
->>>>>>> main
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Chipping, Pair, Scatter};
@@ -167,97 +157,4 @@ pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
     scatter
 }
 
-<<<<<<< HEAD
-/// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the
-/// groups of a process.
-pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
-    let Some(Value::Raw(raw)) = tool.got("parameters").map(|got| &got.value) else { return };
-    let span = tool.span_of("parameters");
-    let example = "{ limits = { wear_limit = \"0.5 mm\" } }";
-    let DeValue::Table(table) = raw else {
-        walk.wrong_type("parameters", raw, "a table of groups", span, example.to_owned());
-        return;
-    };
-    for (group, values) in table {
-        let Some((_, record)) = groups.iter_mut().find(|(name, _)| *name == &**group.get_ref()) else {
-            let fault = Fault::UnknownKey {
-                section: format!("parameter set of {}", tool.path),
-                key: group.get_ref().to_string(),
-                nearest: nearest(group.get_ref(), groups.iter().map(|(name, _)| *name)),
-                known: groups.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
-            };
-            walk.fault(group.span(), fault);
-            continue;
-        };
-        let DeValue::Table(table) = values.get_ref() else {
-            let expected = "a table of parameters";
-            walk.wrong_type(group.get_ref(), values.get_ref(), expected, values.span(), example.to_owned());
-            continue;
-        };
-        set_record(walk, &format!("{}, {}", tool.path, group.get_ref()), table, *record);
-    }
-}
-
-/// Sets the values that `table` holds, each read in the unit of its field.
-pub(super) fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
-    let fields = record.fields();
-    for (key, raw) in table {
-        let Some(i) = fields.iter().position(|field| field.name == key.get_ref()) else {
-            let fault = Fault::UnknownKey {
-                section: title.to_owned(),
-                key: key.get_ref().to_string(),
-                nearest: nearest(key.get_ref(), fields.iter().map(|field| field.name)),
-                known: fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", "),
-            };
-            walk.fault(key.span(), fault);
-            continue;
-        };
-        let field = &fields[i];
-        let quantity = Quantity {
-            unit: field.unit,
-            display: field.display,
-            min: field.min,
-            max: field.max,
-            above: false,
-            example: "",
-        };
-        if let Value::Si(value) = walk.quantity(field.name, &quantity, raw) {
-            record.set_value(i, value);
-            let (section, value) = (title.to_owned(), display(&quantity, value));
-            walk.echo.push(Echo { section, key: field.name.to_owned(), value, default: false });
-        }
-    }
-=======
-/// `effects = [{ id = "wear_force", size = 0.2 }]`.
-fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
-    let name = tool.text("name").unwrap_or_default().to_owned();
-    let Some(got) = tool.got("effects") else { return Effects::default() };
-    let Value::Raw(DeValue::Array(entries)) = &got.value else {
-        if let Value::Raw(other) = &got.value {
-            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
-            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
-        }
-        return Effects::default();
-    };
-    let mut effects = Vec::new();
-    for entry in entries {
-        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry.clone()));
-        match read {
-            Ok(effect) => effects.push(effect),
-            Err(error) => {
-                let message = error.message().to_owned();
-                walk.fault(entry.span(), ScenarioFault::Effect { tool: name.clone(), message });
-            }
-        }
-    }
-    let checked = Effects::new(effects).and_then(|effects| {
-        let process = tool.chosen("process", ProcessKind::from_word);
-        process.map_or(Ok(()), |process| effects.check(process.word()))?;
-        Ok(effects)
-    });
-    checked.unwrap_or_else(|reason| {
-        walk.fault(got.span.clone(), ScenarioFault::Effect { tool: name, message: reason.to_string() });
-        Effects::default()
-    })
->>>>>>> main
 }

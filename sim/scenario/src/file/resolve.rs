@@ -1,24 +1,15 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
 use super::choices::{FamilyWord, ProcessKind};
-<<<<<<< HEAD
-use super::fault::{Fault, nearest};
-use super::walk::{Got, Section, Span, Value, Walk};
-use super::{Output, measured, planned, processes, routing, rules, stability};
-=======
 use super::fault::ScenarioFault;
-use super::{Output, planned, processes, routing, rules, stability};
->>>>>>> main
+use super::{Output, measured, planned, processes, routing, rules, stability};
 use crate::{
     Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario,
     Shift, ShiftCalendar, Target, ToolType, Variants,
 };
-<<<<<<< HEAD
 use toml::de::{DeTable, DeValue};
+use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
-=======
-use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
->>>>>>> main
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -138,11 +129,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
 /// A tool as operations see it: known by name and process even where its constants are at fault.
 pub(super) struct NamedTool {
     pub process: Option<ProcessKind>,
-<<<<<<< HEAD
     pub span: Span,
-=======
-    pub span: toolroom_form::Span,
->>>>>>> main
     pub tool: Option<ToolType>,
 }
 
@@ -394,7 +381,7 @@ fn varied(walk: &mut Walk, mut tool: ToolType, calibrations: &[(Calibration, Spa
         Ok((process, variants)) => ToolType { process, variants, ..tool },
         Err(reason) => {
             let place = places.first().map_or(0..0, |place| (*place).clone());
-            walk.fault(place, Fault::Calibration { reason: format!("tool {}: {reason}", tool.name) });
+            walk.fault(place, ScenarioFault::Calibration { reason: format!("tool {}: {reason}", tool.name) });
             tool
         }
     }
@@ -429,9 +416,9 @@ fn scatter_moved(walk: &mut Walk, tool: &mut ToolType, calibrations: &[(Calibrat
             }
             Ok(()) => {
                 let reason = "scatter of a tool has no scope: it belongs to all of its edges".to_owned();
-                walk.fault(place.clone(), Fault::Calibration { reason });
+                walk.fault(place.clone(), ScenarioFault::Calibration { reason });
             }
-            Err(error) => walk.fault(place.clone(), Fault::Calibration { reason: error.to_string() }),
+            Err(error) => walk.fault(place.clone(), ScenarioFault::Calibration { reason: error.to_string() }),
         }
     }
 }

@@ -7,23 +7,12 @@ use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::stability;
-<<<<<<< HEAD
-use super::walk::{Section, Span, Value, Walk};
 use crate::{
     Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet,
-    SpeedChoice, SpeedRule, ToolChangeRule,
-};
-use toml::de::DeTable;
-=======
-use crate::effects::SHOP_EFFECTS;
-use crate::{
-    Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
-    SensorSheet, ToolChangeRule,
+    ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
-use toolroom_process::unit;
->>>>>>> main
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
     let sections = walk.sections(root, "arrivals", None);
