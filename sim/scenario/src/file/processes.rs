@@ -156,5 +156,3 @@ pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
     }
     scatter
 }
-
-}
