@@ -32,7 +32,7 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         let path = out.join("predictions.csv");
         std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
-        Files::new([args.model.as_path(), args.data.as_path()], voice.force).put(&path, &text)?;
+        Files::new([args.model.as_path(), args.data.as_path()], voice.force).put(&path, text.as_bytes())?;
         if voice.json {
             return voice.json(&json!({ "schema": 1, "rows": rows.len(), "path": path.display().to_string() }));
         }

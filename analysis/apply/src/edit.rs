@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, value};
 use toolroom_effects::Effect;
 use toolroom_process::unit;
-use toolroom_scenario::Deviation;
+use toolroom_scenario::{Calibration, Deviation};
 
 /// Total below which an effect is off.
 const NOTHING: f64 = 1e-12;
@@ -423,7 +423,7 @@ fn calibrate(document: &mut DocumentMut, own: &Value, by: &str) -> Result<(), Ap
     let text = |key: &str| own[key].as_str().map(str::to_owned).ok_or_else(|| unreadable("a calibration"));
     let (parameter, target) = (text("parameter")?, text("target")?);
     let (scope, machines) = (scoped_json(&own["scope"]), machines(document));
-    let unit = own["unit"].as_str().unwrap_or("1");
+    let unit = Calibration::WORDS.iter().find(|(word, _)| *word == parameter).map_or("1", |(_, unit)| *unit);
     let summand = own["summand"].as_f64();
     let entries = tables(document, "calibration")?;
     let same = |entry: &Table| {
@@ -471,7 +471,7 @@ fn calibrate(document: &mut DocumentMut, own: &Value, by: &str) -> Result<(), Ap
 }
 
 /// A number of a file, in `unit`.
-pub(crate) fn amount(unit: &str) -> impl Fn(&toml_edit::Value) -> f64 + use<'_> {
+pub(crate) fn amount(unit: &'static str) -> impl Fn(&toml_edit::Value) -> f64 {
     move |own| match own {
         toml_edit::Value::Float(number) => *number.value(),
         toml_edit::Value::Integer(number) => *number.value() as f64,

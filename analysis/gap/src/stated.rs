@@ -2,7 +2,7 @@
 
 use super::{Direction, Forward, Frame, Point, WrittenEffect};
 use toolroom_records::Records;
-use toolroom_scenario::{Calibration, Deviation, Moved, Scenario, Scope, SwitchedEffect, Target};
+use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect, Target};
 
 /// Effects, deviations and calibration of a model file. Fits count from what they say: the nominal model is that
 /// which `run` simulates.
@@ -46,7 +46,7 @@ impl Stated {
     /// Rows of `records` on which something with this scope acts, 1 or 0 each.
     pub fn rows(&self, records: &Records, scope: &Scope) -> Vec<f64> {
         let tool = self.tool.as_deref();
-        let on = |row: usize| f64::from(u8::from(scope.holds(&records.occasion(row, tool))));
+        let on = |row: usize| f64::from(u8::from(scope.holds(&occasion(records, row, tool))));
         (0..records.len()).map(on).collect()
     }
 
@@ -94,6 +94,12 @@ impl Stated {
         let value = if what.inverse { -value } else { value };
         Some((self.calibrations.remove(at), value))
     }
+}
+
+/// A row of records as scopes see it.
+pub(crate) fn occasion<'a>(records: &'a Records, row: usize, tool: Option<&str>) -> Occasion<'a> {
+    let text = |column: &str| records.texts(column).map(|values| values[row].as_str());
+    Occasion::recorded(&text, records.numbers("start_time").map(|times| times[row]), tool)
 }
 
 /// How a scenario says that a parameter or a surface of a frame has moved.

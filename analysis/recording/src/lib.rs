@@ -75,7 +75,9 @@ impl Run<'_> {
         let tool = self.scenario.tools.iter().find(|tool| tool.process.name() == records.kind.name());
         let tool = tool.map(|tool| tool.name.as_str());
         let value = |(row, value): (usize, &f64)| {
-            let occasion = records.occasion(row, tool);
+            let text = |column: &str| records.texts(column).map(|values| values[row].as_str());
+            let time = records.numbers("start_time").map(|times| times[row]);
+            let occasion = Occasion::recorded(&text, time, tool);
             words.iter().fold(*value, |value, word| calibrated(all, word, &occasion, value))
         };
         values.iter().enumerate().map(value).collect()

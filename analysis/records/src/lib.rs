@@ -21,7 +21,6 @@ mod columns;
 mod csv_table;
 pub mod import;
 pub mod mtconnect;
-mod occasion;
 mod read;
 mod report;
 mod sensor;

@@ -86,3 +86,36 @@ impl<'a> Occasion<'a> {
         self.names[i].as_deref()
     }
 }
+
+/// Columns under which records hold what a scope may ask for.
+const COLUMNS: [(&str, &str); 8] = [
+    ("machine", "machine"),
+    ("tool_id", "tool_id"),
+    ("part", "part_type"),
+    ("material", "material"),
+    ("lot", "lot"),
+    ("shift", "shift"),
+    ("operator", "operator"),
+    ("coolant", "coolant_id"),
+];
+
+impl<'a> Occasion<'a> {
+    /// A recorded operation, of which `text` tells the columns; `tool` is the name of its tool in the scenario,
+    /// which records do not tell. The operation is the second part of an `operation_id` such as `J12/turn`.
+    pub fn recorded(text: &dyn Fn(&str) -> Option<&'a str>, time: Option<f64>, tool: Option<&str>) -> Self {
+        let mut occasion = Self { time: time.filter(|time| time.is_finite()), ..Self::default() };
+        if let Some(tool) = tool {
+            occasion.set("tool", tool.to_owned());
+        }
+        let text = |column: &str| text(column).filter(|text| !text.is_empty());
+        for (key, column) in COLUMNS {
+            if let Some(name) = text(column) {
+                occasion.set(key, name);
+            }
+        }
+        if let Some(operation) = text("operation_id").and_then(|id| id.split('/').nth(1)) {
+            occasion.set("operation", operation);
+        }
+        occasion
+    }
+}

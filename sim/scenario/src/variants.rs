@@ -150,7 +150,7 @@ pub fn move_constant(
     });
     let known: Vec<String> = known.collect();
     let wanted = format!("{group}.{field}");
-    let near = crate::file::nearest(&wanted, known.iter().map(String::as_str));
+    let near = toolroom_form::nearest(&wanted, known.iter().map(String::as_str));
     let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
     Err(format!("the process has no constant `{wanted}`{near}"))
 }

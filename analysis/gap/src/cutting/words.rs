@@ -2,7 +2,7 @@
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::cutting_effects::id_of;
-use crate::stated::{Movable, Stated, Words};
+use crate::stated::{Movable, Stated, Words, occasion};
 use crate::{Candidate, Parameter, Surface, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
@@ -155,7 +155,7 @@ impl<P: Nominal> Cutting<P> {
             }
             let mut rows = stated.rows(records, &scope);
             for (row, on) in rows.iter_mut().enumerate() {
-                let occasion = records.occasion(row, stated.tool.as_deref());
+                let occasion = occasion(records, row, stated.tool.as_deref());
                 *on *= f64::from(u8::from(own.target.has(&occasion)));
             }
             let name = format!("{} of {}, {}", own.parameter, own.target.words(), number + 1);

@@ -396,12 +396,7 @@ impl ShopModel {
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Change(weights) => change += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
-                    Action::Change
-                    | Action::Stops
-                    | Action::Booked
-                    | Action::Hold
-                    | Action::Policy
-                    | Action::Breakdowns => {} // acts on the channel that logs it
+                    Action::Stops | Action::Booked | Action::Hold | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
             match kind {
