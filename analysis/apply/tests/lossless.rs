@@ -1,0 +1,168 @@
+//! What a diagnosis has found stands in the scenario without loss: the file that was written predicts every row as
+//! the applied point did.
+
+use serde_json::{Value, json};
+use std::path::Path;
+use toolroom_apply::{Applied, Process, Request, applied_to, apply, document, model_hash, predictions};
+use toolroom_gap::{Basis, Forward, Method, NominalModel};
+use toolroom_records::{Records, parse_csv};
+use toolroom_truth::Case;
+
+const TURNING: &str = include_str!("../../../scenarios/gap/turning.toml");
+const MILLING: &str = include_str!("../../../scenarios/gap/milling.toml");
+const GRINDING: &str = include_str!("../../../scenarios/gap/grinding.toml");
+
+fn model(text: &str) -> NominalModel {
+    NominalModel::parse("model.toml", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn records(process: &'static str, text: &str) -> Records {
+    let csv = Case::null(process, 3).records();
+    parse_csv("truth", csv.as_bytes(), model(text).kind()).expect("records").0
+}
+
+fn over(text: &str, records: &Records) -> Box<dyn Forward> {
+    model(text).over(records, None, |_, _| false).0
+}
+
+/// The document of a diagnosis that names the candidates `active`.
+fn diagnosed(text: &str, records: &Records, active: &[usize]) -> (Value, Applied) {
+    let forward = over(text, records);
+    let basis = Basis::of_sheet(forward.as_ref(), Method::default());
+    let applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, active);
+    let nominal = model(text);
+    let (name, target) = (nominal.kind().name(), nominal.target());
+    let hash = model_hash(text, &[]).expect("TOML");
+    let parts = [applied];
+    let process = Process { name, path: Path::new("model.toml"), hash, target, parts: &parts };
+    let document = document(json!({ "effects": [] }), &[process], ("d".to_owned(), records.len(), None));
+    let [applied] = parts;
+    (document, applied)
+}
+
+fn written(text: &str, diagnosis: &Value) -> String {
+    let process = model(text).kind().name();
+    let request = Request { text, overrides: &[], diagnosis, process, only: &[], calibration: true };
+    apply(request).expect("applicable").text
+}
+
+/// Greatest relative difference of the predictions of a file from those of an applied point.
+fn difference(text: &str, records: &Records, applied: &Applied) -> f64 {
+    let forward = over(text, records);
+    let predicted = predictions(forward.as_ref());
+    let wanted = &applied.predictions[2];
+    assert_eq!(predicted.len(), wanted.len());
+    let far = |(a, b): (&toolroom_apply::Prediction, &toolroom_apply::Prediction)| {
+        (a.value - b.value).abs() / b.value.abs().max(1e-30)
+    };
+    predicted.iter().zip(wanted).map(far).fold(0.0, f64::max)
+}
+
+/// One candidate of each effect that has a shape, and one of each that has none.
+fn sample(forward: &dyn Forward) -> Vec<usize> {
+    let candidates = &forward.frame().candidates;
+    let first = |i: &usize| {
+        let same = |own: &&toolroom_gap::Candidate| own.id == candidates[*i].id;
+        candidates[..*i].iter().filter(same).count() == usize::from(candidates.iter().filter(same).count() > 1)
+    };
+    (0..candidates.len()).filter(first).collect()
+}
+
+fn every_effect_is_kept(process: &'static str, text: &str) {
+    let records = records(process, text);
+    let forward = over(text, &records);
+    for index in sample(forward.as_ref()) {
+        let id = forward.frame().candidates[index].id;
+        let (diagnosis, applied) = diagnosed(text, &records, &[index]);
+        let better = written(text, &diagnosis);
+        let far = difference(&better, &records, &applied);
+        assert!(far <= 1e-9, "{process}, {id} {}: {far:e}\n{better}", forward.frame().candidates[index].shape);
+    }
+}
+
+#[test]
+fn turning_loses_nothing() {
+    every_effect_is_kept("turning", TURNING);
+}
+
+#[test]
+fn milling_loses_nothing() {
+    every_effect_is_kept("milling", MILLING);
+}
+
+#[test]
+fn grinding_loses_nothing() {
+    every_effect_is_kept("grinding", GRINDING);
+}
+
+#[test]
+fn effects_with_a_scope_are_kept_and_replaced_by_their_total() {
+    let records = records("turning", TURNING);
+    let machine = records.texts("machine").expect("machines")[0].clone();
+    // The truth has machines of its own names.
+    let named = TURNING.replacen("name = \"L\"\ncount = 2", &format!("name = \"{machine}\""), 1);
+    for (effect, size) in [
+        ("id = \"wear_force\", shape = { feed_force_ratio = 4.1, reference_wear = \"0.2 mm\" }", "0.3"),
+        ("id = \"built_up_edge\", shape = { centre = \"151 m/min\", width = 0.15 }", "0.2"),
+        ("id = \"temperature_lag\", shape = { time_constant = \"45 s\" }", "\"20 K\""),
+    ] {
+        for scope in [format!("machine = \"{machine}\""), "until = \"1000 day\", tool = \"insert\"".to_owned()] {
+            let entry = format!("effects = [{{ {effect}, size = {size}, scope = {{ {scope} }} }}] # mine");
+            let text = named.replacen("scatter = \"lab\"", &format!("scatter = \"lab\"\n{entry}"), 1);
+            let forward = over(&text, &records);
+            let (index, _) = *forward.frame().words.effects.first().expect("the entry of the file");
+            let (diagnosis, applied) = diagnosed(&text, &records, &[index]);
+            let better = written(&text, &diagnosis);
+            assert_eq!(better.matches("scope").count(), text.matches("scope").count(), "{better}");
+            assert!(better.contains("# mine"), "{better}");
+            let far = difference(&better, &records, &applied);
+            assert!(far <= 1e-9, "{effect}, {scope}: {far:e}\n{better}");
+        }
+    }
+}
+
+#[test]
+fn two_diagnoses_one_after_the_other_are_their_total_at_once() {
+    let records = records("turning", TURNING);
+    let forward = over(TURNING, &records);
+    let active = sample(forward.as_ref())[0];
+    let (first, _) = diagnosed(TURNING, &records, &[active]);
+    let once = written(TURNING, &first);
+    let (second, applied) = diagnosed(&once, &records, &[active]);
+    let twice = written(&once, &second);
+    assert!(difference(&twice, &records, &applied) <= 1e-9);
+    for word in ["[[calibration]]\n", "[[tool]]", "effects"] {
+        assert_eq!(once.matches(word).count(), twice.matches(word).count(), "{twice}");
+    }
+}
+
+#[test]
+fn another_model_another_schema_and_nothing_are_refused() {
+    let records = records("grinding", GRINDING);
+    let (mut diagnosis, _) = diagnosed(GRINDING, &records, &[]);
+    let refused = |text: &str, diagnosis: &Value| {
+        let request = Request {
+            text,
+            overrides: &[],
+            diagnosis,
+            process: "grinding",
+            only: &["none".to_owned()],
+            calibration: false,
+        };
+        apply(request).expect_err("refused").to_string()
+    };
+    assert!(refused(&GRINDING.replace("stiffness = 0.10", "stiffness = 0.2"), &diagnosis).starts_with("apply-model"));
+    assert!(refused(GRINDING, &diagnosis).contains("neither"));
+    diagnosis["schema"] = json!(1);
+    assert!(refused(GRINDING, &diagnosis).starts_with("apply-schema"));
+}
+
+#[test]
+fn everything_else_stays_byte_for_byte() {
+    let records = records("turning", TURNING);
+    let (diagnosis, _) = diagnosed(TURNING, &records, &[0]);
+    let better = written(TURNING, &diagnosis);
+    let mut rest = better.lines();
+    let kept = TURNING.lines().filter(|line| rest.any(|own| own == *line)).count();
+    assert_eq!(kept, TURNING.lines().count(), "{better}");
+}
