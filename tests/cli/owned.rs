@@ -168,8 +168,13 @@ fn a_model_with_effects_takes_the_place_of_no_model_of_the_user() {
         ["model.toml", "diagnosis.json", "better.toml"].map(|name| dir.join(name).display().to_string());
     let nominal = read(shipped("gap/turning"));
     write(&model, &nominal);
-    let effect =
-        |size: f64| format!("{{\"effects\": [{{\"id\": \"wear_force\", \"size\": {size}, \"unit\": \"1\"}}]}}");
+    let hash = toolroom_apply::model_hash(&nominal, &[]).expect("TOML");
+    let effect = |size: f64| {
+        format!(
+            "{{\"schema\": 2, \"hash\": \"0123456789\", \"models\": [{{\"hash\": \"{hash}\"}}], \"applied\": {{\"effects\": \
+             [{{\"id\": \"wear_force\", \"target\": \"tool insert\", \"size\": {{\"value\": {size}, \"unit\": \"1\"}}}}]}}}}"
+        )
+    };
     write(&diagnosis, &effect(0.2));
     let apply = |to: &str, more: &[&str]| {
         let arguments = ["gap", "apply", "--model", &model, "--diagnosis", &diagnosis, "--out", to];
