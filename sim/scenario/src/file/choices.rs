@@ -19,6 +19,17 @@ vocabulary! {
 }
 
 vocabulary! {
+    /// Where the code of an imported unit runs.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum IsolationWord {
+        /// In a worker process.
+        Process = "process",
+        /// In the program itself.
+        None = "none",
+    }
+}
+
+vocabulary! {
     /// Families of positive random times.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum FamilyWord {

@@ -4,7 +4,7 @@ mod policy;
 
 pub use policy::SENSORS;
 
-use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKind, ScatterWord};
+use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
 use super::form::{Form, Key, Kind, Quantity};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
 use policy::POLICY;
@@ -217,6 +217,13 @@ static WIRING: Form = Form {
         Key::optional("events", Kind::Texts, "Boolean variable that an event sets, such as wear_limit = \"tool.worn\""),
         Key::optional("start", Kind::Texts, "Start values of parameters, in the unit's own units"),
         Key::optional("step", DURATION, "Longest communication step; left out: a whole pass"),
+        Key::default(
+            "isolation",
+            Kind::Choice(IsolationWord::WORDS),
+            IsolationWord::Process.word(),
+            "Where the unit's code runs: in a worker process, or in the program itself",
+        ),
+        Key::default("call_limit", DURATION, "10 s", "Longest time of one call of a unit in a worker process"),
     ],
 };
 
