@@ -6,9 +6,10 @@ use crate::failure::Failure;
 use crate::{contour, gap, grind, life};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use toolroom_form::{Echo, Form, Outline, schema};
 use toolroom_gap::NominalModel;
 use toolroom_records::import::{MAPPING, Mapping};
-use toolroom_scenario::file::{self, Echo, Form, Outline, SCENARIO, ScenarioFile, schema};
+use toolroom_scenario::file::{self, SCENARIO, ScenarioFile};
 use toolroom_scenario::lobes::LOBES;
 
 /// One kind of file.
@@ -53,7 +54,7 @@ pub struct Checked {
 }
 
 /// Every kind; of a file with signs of several, the first counts.
-pub static KINDS: [FileKind; 8] = [
+pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "scenario",
         doc: "A shop under policies, for run and compare",
@@ -177,7 +178,7 @@ impl FileKind {
 }
 
 /// What a reader found in a file of a kind: `name` is its own, if it has one.
-fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
+pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
     let mut result = Map::new();
     result.insert("kind".to_owned(), json!(word));
     result.extend(name.map(|name| ("name".to_owned(), json!(name))));

@@ -1,0 +1,301 @@
+//! The files of a contour plan.
+
+use super::report::report;
+use super::study::{Baseline, PassStudy, RefusedPass, Scattered, totals};
+use super::text::rpm;
+use super::{Condition, Gain, OBJECTIVES};
+use crate::tables::table;
+use serde_json::{Value, json};
+use toolroom_chart::ResultFiles;
+use toolroom_chart::page::Provenance;
+use toolroom_contour::{Constraint, ContourFile, Plan, PlannedSection, Sensitivity};
+use toolroom_process::table::Cell;
+
+const MM: f64 = 1e3;
+const UM: f64 = 1e6;
+
+/// The files of a plan but for its part programs; `draws.csv` where there are draws.
+pub const NAMES: &[&str] = &["sections.csv", "conditions.csv", "draws.csv", "contour.json", "report.html"];
+
+/// `sections.csv`, `conditions.csv`, `draws.csv` where there are draws, a part program for every pass and objective,
+/// `contour.json` and `report.html`.
+///
+/// # Errors
+/// [`RefusedPass`]: a plan that cannot be written as a part program.
+pub fn files(
+    file: &ContourFile,
+    studies: &[PassStudy<'_>],
+    provenance: Provenance,
+) -> Result<ResultFiles, RefusedPass> {
+    let mut files = ResultFiles::default();
+    files.push("sections.csv", sections(file, studies));
+    files.push("conditions.csv", conditions(studies));
+    if studies.iter().any(|study| !study.scatter.is_empty()) {
+        files.push("draws.csv", draws(studies));
+    }
+    for study in studies {
+        for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
+            let title = format!("{} {} least {objective}", file.name, study.name);
+            let program =
+                study.planner.part_program(plan, &title).map_err(|error| RefusedPass::new(study.name, error))?;
+            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
+            let name: String = study.name.chars().map(fit).collect();
+            files.push(format!("{name}-{objective}.nc"), program);
+        }
+    }
+    files.push("contour.json", format!("{:#}\n", summary(file, studies)));
+    files.push("report.html", report(file, studies, provenance).html());
+    Ok(files)
+}
+
+/// The result for programs.
+pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
+    let plans: Vec<Value> = studies
+        .iter()
+        .flat_map(|study| {
+            OBJECTIVES.iter().zip(&study.plans).map(|((objective, _), plan)| plan_json(study, objective, plan))
+        })
+        .collect();
+    let baselines: Vec<Value> = studies
+        .iter()
+        .flat_map(|study| study.baselines.iter().map(|baseline| baseline_json(study, baseline)))
+        .collect();
+    let fronts: Vec<Value> = studies
+        .iter()
+        .map(|study| {
+            let points: Vec<Value> =
+                study.front.iter().map(|plan| json!({ "time [min]": plan.time / 60.0, "cost": plan.cost })).collect();
+            json!({ "pass": study.name, "plans": points })
+        })
+        .collect();
+    json!({
+        "schema": 1,
+        "name": file.name,
+        "title": file.title,
+        "contour": {
+            "sections": file.contour.sections.len(),
+            "length [mm]": file.contour.length() * MM,
+            "centre_length [mm]": file.contour.centre_length(file.parameters.cutter.radius()) * MM,
+            "corners": file.contour.corners.len(),
+        },
+        "plans": plans,
+        "baselines": baselines,
+        "totals": totals(studies)
+            .iter()
+            .map(|total| json!({ "regime": total.name, "time [min]": total.time / 60.0, "cost": total.cost }))
+            .collect::<Vec<_>>(),
+        "pareto": fronts,
+        "conditions": studies.iter().flat_map(|study| study.conditions.iter().map(|each| condition_json(study, each))).collect::<Vec<_>>(),
+        "sensitivity": studies.iter().flat_map(|study| study.scatter.iter().map(|each| scatter_json(study, each))).collect::<Vec<_>>(),
+    })
+}
+
+fn plan_json(study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
+    let handbook = study.handbook();
+    let against: Vec<Value> = study
+        .baselines
+        .iter()
+        .filter_map(|baseline| {
+            let regime = baseline.plan.as_ref().ok()?;
+            Some(json!({
+                "baseline": baseline.name,
+                "productivity_gain": plan.productivity_gain(regime),
+                "cost_change": plan.cost_change(regime),
+            }))
+        })
+        .collect();
+    json!({
+        "pass": study.name,
+        "objective": objective,
+        "time [min]": plan.time / 60.0,
+        "cost": plan.cost,
+        "productivity_gain": handbook.map(|handbook| plan.productivity_gain(handbook)),
+        "cost_change": handbook.map(|handbook| plan.cost_change(handbook)),
+        "against": against,
+        "life_fraction": plan.life_fraction,
+        "edge_share": plan.edge_share(&study.planner),
+        "cutting_time [min]": plan.cutting_time / 60.0,
+        "corner_time [min]": plan.corner_time / 60.0,
+        "speed_change_time [min]": plan.speed_change_time / 60.0,
+        "ramp_time [min]": plan.ramp_time / 60.0,
+        "edge_changes": plan.edge_changes.iter().map(|at| at + 1).collect::<Vec<_>>(),
+        "warnings": plan.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "sections": plan.sections.iter().map(section_json).collect::<Vec<_>>(),
+    })
+}
+
+fn section_json(section: &PlannedSection) -> Value {
+    json!({
+        "spindle_speed [rpm]": rpm(section),
+        "feed_per_tooth [mm]": section.setting.feed_per_tooth * MM,
+        "feed [mm/min]": section.evaluation.feed * 60.0 * MM,
+        "time [min]": section.time / 60.0,
+        "active_constraint": section.active.map(Constraint::name),
+    })
+}
+
+fn baseline_json(study: &PassStudy<'_>, baseline: &Baseline) -> Value {
+    match &baseline.plan {
+        Ok(plan) => json!({
+            "pass": study.name,
+            "name": baseline.name,
+            "time [min]": plan.time / 60.0,
+            "cost": plan.cost,
+            "life_fraction": plan.life_fraction,
+            "spindle_speed [rpm]": plan.sections.first().map(rpm),
+        }),
+        Err(error) => json!({
+            "pass": study.name,
+            "name": baseline.name,
+            "time [min]": null,
+            "cost": null,
+            "reason": error.to_string(),
+        }),
+    }
+}
+
+fn gain_json(gain: Option<Gain>) -> Value {
+    gain.map_or(Value::Null, |gain| {
+        json!({ "productivity_gain": gain.productivity, "cost_change": gain.cost, "as_reported": gain.as_reported() })
+    })
+}
+
+fn condition_json(study: &PassStudy<'_>, condition: &Condition) -> Value {
+    let [time, cost] = condition.gains;
+    json!({ "pass": study.name, "condition": condition.name, "time": gain_json(time), "cost": gain_json(cost) })
+}
+
+fn scatter_json(study: &PassStudy<'_>, scattered: &Scattered) -> Value {
+    let bands = |sensitivity: &Sensitivity| {
+        let quantiles = |of: &dyn Fn(f64) -> Option<f64>| json!({ "p05": of(0.05), "p25": of(0.25), "p50": of(0.5), "p75": of(0.75), "p95": of(0.95) });
+        let broken: serde_json::Map<String, Value> = Constraint::ALL
+            .into_iter()
+            .map(|constraint| (constraint.name().to_owned(), json!(sensitivity.broken(constraint))))
+            .filter(|(_, share)| share.as_f64() > Some(0.0))
+            .collect();
+        json!({
+            "draws": sensitivity.draws.len(),
+            "productivity_gain": quantiles(&|share| sensitivity.productivity_gain(share)),
+            "cost_change": quantiles(&|share| sensitivity.cost_change(share)),
+            "without_plan": sensitivity.without_plan(),
+            "nominal_plan_breaks": broken,
+        })
+    };
+    let [time, cost] = &scattered.by_objective;
+    json!({ "pass": study.name, "scatter": scattered.name, "time": bands(time), "cost": bands(cost) })
+}
+
+/// Every section of every regime.
+fn sections(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
+    let columns = [
+        "pass",
+        "regime",
+        "section",
+        "shape",
+        "radius [mm]",
+        "length [mm]",
+        "spindle_speed [rpm]",
+        "feed_per_tooth [mm]",
+        "feed [mm/min]",
+        "time [s]",
+        "edge_life",
+        "active_constraint",
+        "deflection [um]",
+        "path_error [um]",
+        "roughness [um]",
+        "power [kW]",
+        "normal_force [N]",
+    ];
+    let ratios = Constraint::ALL.iter().map(|constraint| format!("{constraint}_ratio"));
+    let header = columns.map(str::to_owned).into_iter().chain(ratios);
+    let contour = &file.contour;
+    let mut rows: Vec<Vec<Cell<'_>>> = Vec::new();
+    for study in studies {
+        let baselines =
+            study.baselines.iter().filter_map(|each| Some((each.name.to_owned(), each.plan.as_ref().ok()?)));
+        let plans = OBJECTIVES.iter().zip(&study.plans).map(|((name, _), plan)| (format!("least {name}"), plan));
+        for (regime, plan) in baselines.chain(plans) {
+            for (i, (drawn, section)) in contour.sections.iter().zip(&plan.sections).enumerate() {
+                let (shape, at) = (contour.shape(drawn), &section.evaluation);
+                let mut row: Vec<Cell<'_>> = vec![
+                    study.name.into(),
+                    regime.clone().into(),
+                    (i + 1).into(),
+                    shape.name().into(),
+                    shape.radius().map(|radius| radius * MM).into(),
+                    (drawn.length * MM).into(),
+                    rpm(section).into(),
+                    (section.setting.feed_per_tooth * MM).into(),
+                    (at.feed * 60.0 * MM).into(),
+                    section.time.into(),
+                    section.life_fraction.into(),
+                    section.active.map(Constraint::name).into(),
+                    (at.deflection * UM).into(),
+                    (at.path_error * UM).into(),
+                    (at.roughness * UM).into(),
+                    (at.power * 1e-3).into(),
+                    at.forces.normal.into(),
+                ];
+                row.extend(at.ratios.iter().map(|(_, ratio)| Cell::Number(ratio)));
+                rows.push(row);
+            }
+        }
+    }
+    table(header, rows)
+}
+
+fn conditions(studies: &[PassStudy<'_>]) -> String {
+    let mut rows: Vec<[Cell<'_>; 5]> = Vec::new();
+    for study in studies {
+        for condition in &study.conditions {
+            for ((objective, _), gain) in OBJECTIVES.iter().zip(condition.gains) {
+                rows.push([
+                    study.name.into(),
+                    (&condition.name).into(),
+                    (*objective).into(),
+                    gain.map(|gain| gain.productivity).into(),
+                    gain.map(|gain| gain.cost).into(),
+                ]);
+            }
+        }
+    }
+    table(["pass", "condition", "objective", "productivity_gain", "cost_change"], rows)
+}
+
+fn draws(studies: &[PassStudy<'_>]) -> String {
+    let columns = [
+        "pass",
+        "scatter",
+        "objective",
+        "draw",
+        "allowance [mm]",
+        "hardness_ratio",
+        "table_feed [mm]",
+        "productivity_gain",
+        "cost_change",
+        "nominal_plan_breaks",
+    ];
+    let mut rows: Vec<[Cell<'_>; 10]> = Vec::new();
+    for study in studies {
+        for scattered in &study.scatter {
+            for ((objective, _), sensitivity) in OBJECTIVES.iter().zip(&scattered.by_objective) {
+                for (k, draw) in sensitivity.draws.iter().enumerate() {
+                    let broken: Vec<&str> = draw.broken.iter().map(|constraint| constraint.name()).collect();
+                    rows.push([
+                        study.name.into(),
+                        (&scattered.name).into(),
+                        (*objective).into(),
+                        k.into(),
+                        (draw.pass.allowance * MM).into(),
+                        draw.pass.hardness_ratio.into(),
+                        (draw.pass.table_feed * MM).into(),
+                        draw.productivity_gain.into(),
+                        draw.cost_change.into(),
+                        broken.join(" ").into(),
+                    ]);
+                }
+            }
+        }
+    }
+    table(columns, rows)
+}

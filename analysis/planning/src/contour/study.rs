@@ -1,0 +1,240 @@
+//! Baselines, plans, front, conditions and scatter of every pass.
+
+use super::{Condition, OBJECTIVES, conditions};
+use toolroom_contour::{
+    ConditionScatter, ContourError, ContourFile, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity,
+    Warning,
+};
+use toolroom_form::significant;
+
+/// Sections beyond which conditions and scatter are not studied: each of their plans is as long
+/// as the plan itself.
+const STUDIED: usize = 1000;
+
+/// States kept of the edge's life where the feed is a state too: seconds for twenty sections.
+const JOINT_LEVELS: usize = 64;
+
+/// Sections beyond which that is said.
+const JOINT_SECTIONS: usize = 40;
+
+/// One pass worked out.
+pub struct PassStudy<'a> {
+    /// Name of the pass.
+    pub name: &'a str,
+    /// Allowance, tolerance and hardness of the pass.
+    pub pass: &'a Pass,
+    /// The planner of the pass.
+    pub planner: Planner<'a>,
+    /// Regimes to compare with; the first is the one that gains are told against.
+    pub baselines: Vec<Baseline>,
+    /// One for each of [`OBJECTIVES`].
+    pub plans: [Plan; 2],
+    /// Plans on the front of time and cost, fastest first.
+    pub front: Vec<Plan>,
+    /// Gains under changed conditions; none for a contour of very many sections.
+    pub conditions: Vec<Condition>,
+    /// Gains under scattering conditions: each alone, then all together; none without draws.
+    pub scatter: Vec<Scattered>,
+}
+
+/// A regime to compare with.
+pub struct Baseline {
+    /// Name of the regime.
+    pub name: &'static str,
+    /// The plan, or why the regime is not admissible.
+    pub plan: Result<Plan, ContourError>,
+}
+
+/// Gains over draws of the conditions, one for each of [`OBJECTIVES`].
+pub struct Scattered {
+    /// The condition that scatters, with its width.
+    pub name: String,
+    /// One for each of [`OBJECTIVES`].
+    pub by_objective: [Sensitivity; 2],
+}
+
+impl PassStudy<'_> {
+    /// The handbook regime, where there is one.
+    pub fn handbook(&self) -> Option<&Plan> {
+        self.baselines.first().and_then(|baseline| baseline.plan.as_ref().ok())
+    }
+
+    /// Warnings of both plans, each once.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings: Vec<Warning> = Vec::new();
+        for warning in self.plans.iter().flat_map(|plan| &plan.warnings) {
+            let same = |known: &Warning| std::mem::discriminant(known) == std::mem::discriminant(warning);
+            if !warnings.iter().any(same) {
+                warnings.push(*warning);
+            }
+        }
+        warnings
+    }
+}
+
+/// What is studied of a contour file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StudyOptions {
+    /// Names of the passes; all of them where there is no name.
+    pub passes: Vec<String>,
+    /// Whether the feed changes within the limits of acceleration between sections.
+    pub ramps: bool,
+    /// The edge that starts the contour, where its remaining life restricts the plan.
+    pub edge: Option<EdgeLife>,
+    /// Draws of the conditions in the study of scatter; 0 for none.
+    pub draws: u32,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+impl StudyOptions {
+    fn plan(&self, planner: &Planner<'_>, objective: Objective) -> Result<Plan, ContourError> {
+        match (self.ramps, self.edge) {
+            (false, None) => planner.optimal(objective),
+            (true, None) => planner.optimal_with_ramps(objective),
+            (false, Some(edge)) => planner.optimal_with_edge(objective, edge),
+            (true, Some(edge)) => {
+                planner.optimal_with_ramps_and_edge(objective, EdgeLife { levels: JOINT_LEVELS, ..edge })
+            }
+        }
+    }
+}
+
+/// A pass for which there is no plan.
+#[derive(Debug, thiserror::Error)]
+#[error("pass `{pass}`: {error}")]
+pub struct RefusedPass {
+    /// Name of the pass.
+    pub pass: String,
+    /// What the planner says.
+    #[source]
+    pub error: Box<ContourError>,
+}
+
+impl RefusedPass {
+    pub(super) fn new(pass: &str, error: ContourError) -> Self {
+        Self { pass: pass.to_owned(), error: Box::new(error) }
+    }
+}
+
+/// Works out the passes of `file` one after the other. `note` receives a sentence wherever the work takes long or a
+/// part of it is left out.
+///
+/// # Errors
+/// [`RefusedPass`]: the first pass for which there is no plan.
+pub fn studies<'a>(
+    file: &'a ContourFile,
+    options: &StudyOptions,
+    note: &dyn Fn(&str),
+) -> Result<Vec<PassStudy<'a>>, RefusedPass> {
+    let wanted = |name: &str| options.passes.is_empty() || options.passes.iter().any(|pass| pass == name);
+    let passes = file.passes.iter().filter(|(name, _)| wanted(name));
+    passes
+        .map(|(name, pass)| study(file, name, pass, options, note).map_err(|error| RefusedPass::new(name, error)))
+        .collect()
+}
+
+fn study<'a>(
+    file: &'a ContourFile,
+    name: &'a str,
+    pass: &'a Pass,
+    options: &StudyOptions,
+    note: &dyn Fn(&str),
+) -> Result<PassStudy<'a>, ContourError> {
+    let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models)?;
+    let sections = file.contour.sections.len();
+    if options.ramps && options.edge.is_some() && sections > JOINT_SECTIONS {
+        note(&format!("ramps and edge life together over {sections} sections may take minutes"));
+    }
+    let plans = [options.plan(&planner, Objective::Time)?, options.plan(&planner, Objective::Cost)?];
+    let front = planner.pareto()?;
+    let baselines = vec![
+        Baseline { name: "handbook", plan: planner.handbook() },
+        Baseline { name: "handbook by section", plan: planner.handbook_by_section() },
+        Baseline { name: "best constant, time", plan: planner.best_constant(Objective::Time) },
+        Baseline { name: "best constant, cost", plan: planner.best_constant(Objective::Cost) },
+    ];
+    let few = sections <= STUDIED;
+    if !few {
+        note(&format!("more than {STUDIED} sections: conditions and scatter are not studied"));
+    }
+    let conditions = if few { conditions(file, pass) } else { Vec::new() };
+    let scatter = if few { scattered(&planner, &file.scatter, options)? } else { Vec::new() };
+    Ok(PassStudy { name, pass, planner, baselines, plans, front, conditions, scatter })
+}
+
+/// The study of scatter: each condition alone, then all together.
+fn scattered(
+    planner: &Planner<'_>,
+    scatter: &ConditionScatter,
+    options: &StudyOptions,
+) -> Result<Vec<Scattered>, ContourError> {
+    if options.draws == 0 {
+        return Ok(Vec::new());
+    }
+    let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
+    let percent = |share: f64| format!("{} %", significant(100.0 * share));
+    let cases = [
+        (
+            format!("allowance ± {}", percent(scatter.allowance)),
+            ConditionScatter { allowance: scatter.allowance, ..none },
+        ),
+        (format!("hardness ± {}", percent(scatter.hardness)), ConditionScatter { hardness: scatter.hardness, ..none }),
+        (
+            format!("table feed ± {}", percent(scatter.table_feed)),
+            ConditionScatter { table_feed: scatter.table_feed, ..none },
+        ),
+        ("all together".to_owned(), *scatter),
+    ];
+    let study = |(name, scatter): (String, ConditionScatter)| {
+        let by = |objective| planner.sensitivity(objective, &scatter, options.draws, options.seed);
+        Ok(Scattered { name, by_objective: [by(Objective::Time)?, by(Objective::Cost)?] })
+    };
+    cases.into_iter().map(study).collect()
+}
+
+/// A regime over all passes.
+pub(super) struct Total {
+    pub name: String,
+    /// s.
+    pub time: f64,
+    pub cost: f64,
+}
+
+/// Sums over all passes of the regimes that every pass has; nothing for a single pass.
+pub(super) fn totals(studies: &[PassStudy<'_>]) -> Vec<Total> {
+    if studies.len() < 2 {
+        return Vec::new();
+    }
+    let sum = |name: String, plan: &dyn Fn(&PassStudy<'_>) -> Option<(f64, f64)>| {
+        let plans: Option<Vec<(f64, f64)>> = studies.iter().map(plan).collect();
+        let (time, cost) = plans?.into_iter().fold((0.0, 0.0), |sum, plan| (sum.0 + plan.0, sum.1 + plan.1));
+        Some(Total { name, time, cost })
+    };
+    let both = |plan: &Plan| (plan.time, plan.cost);
+    let baselines = (0..studies[0].baselines.len()).filter_map(|i| {
+        sum(studies[0].baselines[i].name.to_owned(), &|study| study.baselines[i].plan.as_ref().ok().map(both))
+    });
+    let plans = OBJECTIVES
+        .iter()
+        .enumerate()
+        .filter_map(|(i, (name, _))| sum(format!("least {name}"), &|study| Some(both(&study.plans[i]))));
+    baselines.chain(plans).collect()
+}
+
+/// Runs of sections with one setting and one active constraint: first and last index.
+pub(super) fn runs(plan: &Plan) -> Vec<(usize, usize)> {
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs();
+    let alike = |a: &PlannedSection, b: &PlannedSection| {
+        let same_wall = near(a.evaluation.engagement.immersion, b.evaluation.engagement.immersion);
+        a.setting == b.setting && a.active == b.active && same_wall
+    };
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (i, section) in plan.sections.iter().enumerate() {
+        match runs.last_mut() {
+            Some((_, last)) if alike(&plan.sections[*last], section) => *last = i,
+            _ => runs.push((i, i)),
+        }
+    }
+    runs
+}

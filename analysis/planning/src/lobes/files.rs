@@ -1,0 +1,147 @@
+//! The files of a chart.
+
+use super::picture::{picture, report};
+use super::{ChartStudy, word};
+use crate::tables::table;
+use serde_json::{Value, json};
+use toolroom_chart::page::Provenance;
+use toolroom_chart::{ResultFiles, png};
+use toolroom_chatter::{Hole, Lobes};
+use toolroom_form::Echo;
+use toolroom_process::table::Cell;
+use toolroom_shards::fingerprint;
+
+/// Width of the PNG: sharp over a column of print.
+const PIXELS: u32 = 1600;
+
+/// The files of a chart.
+pub const NAMES: &[&str] = &["lobes.svg", "lobes.png", "lobes.csv", "lobes.json", "report.html"];
+
+impl ChartStudy<'_> {
+    /// `lobes.json` for programs, and `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html`; `echo` is the
+    /// file as it was understood.
+    pub fn files(&self, echo: &[Echo], provenance: Provenance) -> (Value, ResultFiles) {
+        let picture = picture(self);
+        let verdicts = verdicts(self);
+        let mut summary = summary(self);
+        // Of every verdict and boundary: the same, however many threads or shards there were.
+        summary["digest"] = json!(fingerprint(format!("{verdicts}{summary}").as_bytes()));
+        let mut files = ResultFiles::default();
+        files.push("lobes.svg", picture.svg());
+        files.push("lobes.png", png(picture.as_ref(), PIXELS));
+        files.push("lobes.csv", verdicts);
+        files.push("lobes.json", format!("{summary:#}\n"));
+        files.push("report.html", report(self, echo, provenance).html());
+        (summary, files)
+    }
+}
+
+/// The chart for programs: boundaries and operating points; the grid is in the table.
+fn summary(study: &ChartStudy<'_>) -> Value {
+    let file = study.file;
+    let axes = file.cut.axes();
+    let pairs = |points: &[(f64, f64)]| -> Vec<Value> {
+        let pair = |(speed, depth): &(f64, f64)| {
+            let depth = if depth.is_finite() { json!(axes.depth.shown(*depth)) } else { Value::Null };
+            json!([axes.speed.shown(*speed), depth])
+        };
+        points.iter().map(pair).collect()
+    };
+    let boundaries: Vec<Value> = study
+        .curves
+        .iter()
+        .map(|curve| {
+            json!({
+                "label": curve.label,
+                "columns": [axes.speed.column(), axes.depth.column()],
+                "limit": pairs(&curve.limit),
+                "further": pairs(&curve.further),
+                "holes": curve.holes.iter().map(|(at, reason)| json!([axes.speed.shown(*at), reason])).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let points: Vec<Value> = file
+        .points
+        .iter()
+        .zip(&study.judgements)
+        .map(|(point, judged)| {
+            let mut object = serde_json::Map::from_iter([("name".to_owned(), json!(point.name))]);
+            match judged {
+                Ok(judgement) => object.extend(judgement.json(&file.cut)),
+                Err(error) => object.extend([
+                    (axes.speed.column(), json!(axes.speed.shown(point.speed))),
+                    (axes.depth.column(), json!(axes.depth.shown(point.depth))),
+                    ("reason".to_owned(), json!(error.to_string())),
+                ]),
+            }
+            Value::Object(object)
+        })
+        .collect();
+    let hole = |hole: &Hole| {
+        json!({
+            (axes.speed.column()): axes.speed.shown(hole.speed),
+            (axes.depth.column()): axes.depth.shown(hole.depth),
+            "reason": hole.reason,
+        })
+    };
+    let holes: Vec<Value> = study.grid.iter().flat_map(|grid| &grid.holes).map(hole).collect();
+    json!({
+        "schema": 1,
+        "name": file.name,
+        "process": file.cut.process(),
+        "stable_share": study.grid.as_ref().map(Lobes::stable_share),
+        "holes": holes.len(),
+        "without_verdict": holes,
+        "points": points,
+        "boundaries": boundaries,
+    })
+}
+
+/// Every verdict of the grid, with the reason where there is none; the boundary where there is no grid.
+fn verdicts(study: &ChartStudy<'_>) -> String {
+    let file = study.file;
+    let axes = file.cut.axes();
+    let (speed, depth) = (axes.speed, axes.depth);
+    let columns = [speed.column(), depth.column()];
+    let [at, deep] = columns.each_ref().map(String::as_str);
+    match &study.grid {
+        Some(grid) => {
+            let mut rows: Vec<[Cell<'_>; 7]> = Vec::new();
+            // They come in the order of the points.
+            let mut holes = grid.holes.iter();
+            for (i, at) in grid.speed.iter().enumerate() {
+                for (j, deep) in grid.depth.iter().enumerate() {
+                    let [at, deep] = [speed.shown(*at).into(), depth.shown(*deep).into()];
+                    let none = || [Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty];
+                    let (verdict, hole) = match grid.at(i, j) {
+                        Some(verdict) => {
+                            let frequency = file.cut.chatter_frequency(verdict).into();
+                            let radius = verdict.spectral_radius.into();
+                            ([radius, verdict.stable.into(), word(verdict.kind).into(), frequency], Cell::Empty)
+                        }
+                        None => (none(), holes.next().map(|hole| hole.reason.as_str()).into()),
+                    };
+                    let [radius, stable, kind, frequency] = verdict;
+                    rows.push([at, deep, radius, stable, kind, frequency, hole]);
+                }
+            }
+            table([at, deep, "spectral_radius", "stable", "type", "chatter_frequency [Hz]", "hole"], rows)
+        }
+        None => {
+            let mut rows: Vec<[Cell<'_>; 4]> = Vec::new();
+            for curve in &study.curves {
+                for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
+                    for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
+                        rows.push([
+                            (&curve.label).into(),
+                            crossing.into(),
+                            speed.shown(*at).into(),
+                            depth.shown(*deep).into(),
+                        ]);
+                    }
+                }
+            }
+            table(["boundary", "crossing", at, deep], rows)
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The chart as a picture and the report around it.
+
+use super::study::with_unit;
+use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
+use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
+use toolroom_form::Echo;
+
+/// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
+/// boundary (assumption).
+const MOST: f64 = 1.0;
+
+/// The chart: spectral radius as colour where it was computed, boundaries, operating points.
+pub fn picture(study: &ChartStudy<'_>) -> Box<dyn Chart> {
+    let file = study.file;
+    let axes = file.cut.axes();
+    let (speed, depth) = (axes.speed, axes.depth);
+    let title = file.title.clone();
+    let description =
+        format!("{} over {}: stability boundary and operating points.", depth.label, speed.label.to_lowercase());
+    let lobes = lobes(&study.curves, &study.judgements, speed, depth);
+    // Without a single verdict there is nothing to colour.
+    if let Some(grid) = study.grid.as_ref().filter(|grid| grid.verdicts.iter().any(Option::is_some)) {
+        let rows = grid.depth.len();
+        let growth = |row: usize, column: usize| {
+            grid.at(column, row).map_or(f64::NAN, |verdict| verdict.spectral_radius.ln().clamp(-MOST, MOST))
+        };
+        let values = (0..rows).flat_map(|row| (0..grid.speed.len()).map(move |column| growth(row, column)));
+        let value = Axis::linear("Growth a period, ln(spectral radius)", "");
+        let columns: Vec<f64> = grid.speed.iter().map(|value| speed.shown(*value)).collect();
+        let depths: Vec<f64> = grid.depth.iter().map(|value| depth.shown(*value)).collect();
+        let map = HeatMap::new(title, [axis(speed), axis(depth), value], columns, depths, values);
+        return Box::new(map.colours(ColourMap::Diverging).missing("no verdict").describe(description).lobes(&lobes));
+    }
+    let chart = &file.chart;
+    let range = |quantity: Quantity, axis_of: &toolroom_chatter::Axis| {
+        axis(quantity).range(quantity.shown(axis_of.start), quantity.shown(axis_of.end))
+    };
+    let plot = Plot::new(title, range(speed, &chart.speed), range(depth, &chart.depth)).height(320.0);
+    Box::new(plot.describe(description).lobes(&lobes))
+}
+
+fn axis(quantity: Quantity) -> Axis {
+    Axis::linear(quantity.label, if quantity.unit == "1" { "" } else { quantity.unit })
+}
+
+fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> StabilityLobes {
+    let shown = |point: &(f64, f64)| (x.shown(point.0), y.shown(point.1));
+    let mut lobes = StabilityLobes::default();
+    for curve in curves {
+        lobes = lobes
+            .boundary(curve.label.as_str(), curve.limit.iter().map(shown))
+            .places("islands and pockets", curve.further.iter().map(shown));
+    }
+    for judgement in judgements.iter().flatten() {
+        let standing = Standing::of(judgement.verdict.stable, judgement.margin());
+        lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
+    }
+    lobes
+}
+
+/// The report of a chart.
+pub(super) fn report(study: &ChartStudy<'_>, echo: &[Echo], provenance: Provenance) -> Report {
+    let file = study.file;
+    let axes = file.cut.axes();
+    let chart = picture(study);
+    let mut report = Report::new(file.title.as_str()).lead(lead(&study.judgements));
+    if let Some(grid) = &study.grid {
+        if grid.holes.len() < grid.verdicts.len() {
+            let share = format!("{:.1} %", 100.0 * grid.stable_share());
+            let size = format!("{} × {} points", grid.speed.len(), grid.depth.len());
+            report = report.tile(Tile::new("stable", share, size));
+        }
+        if !grid.holes.is_empty() {
+            let of = format!("of {} points, hatched", grid.verdicts.len());
+            report = report.tile(Tile::new("no verdict", grid.holes.len().to_string(), of));
+        }
+    }
+    let finite = |curve: &Curve| {
+        curve.limit.iter().copied().filter(|(_, depth)| depth.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    for curve in &study.curves {
+        let Some((speed, depth)) = finite(curve) else { continue };
+        let note = format!("at {} {}", axes.speed.label.to_lowercase(), with_unit(&axes.speed, speed));
+        report = report.tile(Tile::new(format!("least {}", curve.label), with_unit(&axes.depth, depth), note));
+    }
+    let mut section = Section::new("Stability chart");
+    if study.grid.is_some() {
+        section = section.paragraph(format!(
+            "Colour is the growth of a disturbance over {}: below zero (blue) it dies out, above zero (red) it grows \
+             until something else limits it. Beyond ±{MOST} the colour does not change.",
+            file.cut.period()
+        ));
+    }
+    let caption = "Below the line every cut is stable; marks beyond it are where a cut becomes stable again.";
+    section = section.figure(Figure::new(chart.as_ref(), caption).data_in("lobes.csv"));
+    for lack in study.holes() {
+        section = section.paragraph(format!("Missing: {lack}."));
+    }
+    report = report.section(section);
+    if !study.judgements.is_empty() {
+        report = report.section(points_section(file, &study.judgements));
+    }
+    let mut inputs = Table::new(["section", "key", "value"]);
+    for value in echo {
+        let mark = if value.default { " (default)" } else { "" };
+        inputs.push([
+            value.section.as_str().into(),
+            value.key.as_str().into(),
+            format!("{}{mark}", value.value).into(),
+        ]);
+    }
+    report.section(Section::new("Inputs").table("Every value as it was understood", inputs)).provenance(provenance)
+}
+
+fn lead(judgements: &[Judged]) -> String {
+    let all = judgements.len();
+    let unstable = judgements.iter().flatten().filter(|judgement| !judgement.verdict.stable).count();
+    let failed = judgements.iter().filter(|judged| judged.is_err()).count();
+    let told = match unstable {
+        _ if all == 0 => "No operating point is given.".to_owned(),
+        0 if failed == 0 => format!("All {all} operating points are stable."),
+        unstable => format!("{unstable} of {all} operating points are unstable."),
+    };
+    if failed == 0 { told } else { format!("{told} For {failed} of them no verdict was found.") }
+}
+
+fn points_section(file: &LobesFile, judgements: &[Judged]) -> Section {
+    let axes = file.cut.axes();
+    let unit = |quantity: Quantity| axis(quantity).caption();
+    let mut table = Table::new([
+        "point".to_owned(),
+        unit(axes.speed),
+        unit(axes.depth),
+        "verdict".to_owned(),
+        "spectral radius".to_owned(),
+        if axes.depth.unit == "1" { "limit".to_owned() } else { format!("limit [{}]", axes.depth.unit) },
+        "margin [%]".to_owned(),
+        "chatter frequency [Hz]".to_owned(),
+    ]);
+    for (point, judged) in file.points.iter().zip(judgements) {
+        let Ok(judgement) = judged else {
+            let none = || f64::NAN.into();
+            table.push([
+                point.name.as_str().into(),
+                axes.speed.shown(point.speed).into(),
+                axes.depth.shown(point.depth).into(),
+                "no verdict".into(),
+                none(),
+                none(),
+                none(),
+                none(),
+            ]);
+            continue;
+        };
+        let verdict = &judgement.verdict;
+        table.push([
+            point.name.as_str().into(),
+            axes.speed.shown(point.speed).into(),
+            axes.depth.shown(point.depth).into(),
+            word(verdict.kind).into(),
+            verdict.spectral_radius.into(),
+            judgement.limit.map_or(f64::NAN, |limit| axes.depth.shown(limit)).into(),
+            judgement.margin().map_or(f64::NAN, |margin| 100.0 * margin).into(),
+            file.cut.chatter_frequency(verdict).into(),
+        ]);
+    }
+    Section::new("Operating points")
+        .table("Verdicts; margin is 1 − depth/limit, – where no limit was found", table)
+        .note("Force is linear in the chip and the constants are taken as exact: a margin below 10 % is uncertain.")
+}

@@ -1,0 +1,234 @@
+//! Turning operations and milling cuts. The log keeps what a pass ends with; means over the cut
+//! follow from the process itself, driven over each pass between the wear that the log knows, and
+//! brought to the end that the log knows.
+
+use crate::{Run, edge_name};
+use toolroom_process::{Field, MachineProcess};
+use toolroom_records::{RecordKind, Records};
+use toolroom_scenario::{Cut, Work};
+use toolroom_shop::runlog::PassRow;
+
+/// The start of a cut that means leave out, s.
+const LEFT_OUT: f64 = 20.0;
+/// Points of a mean.
+const POINTS: usize = 8;
+/// Events that a pass may go through on its way.
+const EVENTS: usize = 4;
+/// Channels that are means over the cut.
+const MEANS: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "temperature", "thermo_emf"];
+
+/// Rows of turning or milling.
+pub fn records(run: &Run<'_>, kind: RecordKind) -> Records {
+    let name = if kind == RecordKind::Milling { "milling" } else { "turning" };
+    let process = |pass: &PassRow| &run.scenario.tools[run.log.edges[pass.edge as usize].tool as usize].process;
+    let mut rows: Vec<usize> =
+        (0..run.log.passes.len()).filter(|at| process(&run.log.passes[*at]).name() == name).collect();
+    rows.retain(|at| run.log.passes[*at].cutting_time > 0.0 && programmed(run, &run.log.passes[*at]).is_some());
+    rows.sort_by(|a, b| {
+        let (a, b) = (&run.log.passes[*a], &run.log.passes[*b]);
+        a.edge.cmp(&b.edge).then(a.start.total_cmp(&b.start))
+    });
+    let passes: Vec<&PassRow> = rows.iter().map(|at| &run.log.passes[*at]).collect();
+    let mut records = Records::new(kind, passes.len());
+    conditions(run, &passes, &mut records);
+    let mut means: Vec<Vec<f64>> = vec![Vec::with_capacity(passes.len()); MEANS.len()];
+    let mut start = 0;
+    while start < passes.len() {
+        let end = start + passes[start..].iter().take_while(|pass| pass.edge == passes[start].edge).count();
+        for mean in of_edge(run, &passes[start..end], process(passes[start]).machine_process()) {
+            means.iter_mut().zip(mean).for_each(|(values, value)| values.push(value));
+        }
+        start = end;
+    }
+    for (channel, values) in MEANS.iter().zip(&means) {
+        run.channel(&mut records, channel, values);
+    }
+    let positive = |value: f64| if value > 0.0 { value } else { f64::NAN };
+    let each = |value: &dyn Fn(&PassRow) -> f64| passes.iter().map(|pass| value(pass)).collect::<Vec<f64>>();
+    run.channel(&mut records, "flank_wear", &each(&|pass| pass.flank_wear_end));
+    let root = std::f64::consts::SQRT_2;
+    run.channel(&mut records, "vibration_rms", &each(&|pass| positive(pass.vibration_amplitude / root)));
+    run.channel(&mut records, "roughness_ra", &each(&|pass| positive(pass.roughness)));
+    times(run, &rows, &mut records);
+    records
+}
+
+/// What was commanded, and where.
+fn conditions(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
+    let milling = records.kind == RecordKind::Milling;
+    let mut sequence = vec![0.0; passes.len()];
+    for row in 1..passes.len() {
+        sequence[row] = if passes[row].edge == passes[row - 1].edge { sequence[row - 1] + 1.0 } else { 0.0 };
+    }
+    let id = |row: usize| {
+        let pass = passes[row];
+        let operation = run.operation_id(pass.job, pass.part, pass.operation);
+        let work = &run.scenario.parts[pass.part as usize].operations[pass.operation as usize].work;
+        if work.passes() > 1 { format!("{operation}/{}", pass.pass + 1) } else { operation }
+    };
+    let rows = 0..passes.len();
+    let text = |value: &dyn Fn(usize) -> String| rows.clone().map(value).collect::<Vec<String>>();
+    let number = |value: &dyn Fn(usize) -> f64| rows.clone().map(value).collect::<Vec<f64>>();
+    records.set_texts("operation_id", text(&id));
+    records.set_texts("machine", text(&|row| run.machine(passes[row].machine)));
+    records.set_texts("tool_id", text(&|row| edge_name(passes[row].edge)));
+    records.set_numbers("sequence", sequence.iter().map(|at| at + 1.0).collect());
+    records.set_numbers("start_time", number(&|row| passes[row].start));
+    records.set_texts("part_type", text(&|row| run.scenario.parts[passes[row].part as usize].name.clone()));
+    // Lots are written down where somebody cares for them.
+    if run.scenario.parts.iter().any(|part| part.deviating_lot.is_some()) {
+        let part = |row: usize| &run.scenario.parts[passes[row].part as usize].name;
+        records.set_texts("lot", text(&|row| format!("{}-{}", part(row), run.log.jobs[passes[row].job as usize].lot)));
+    }
+    run.coolants(records, &passes.iter().map(|pass| (pass.machine, pass.start)).collect::<Vec<_>>());
+    let shifts = text(&|row| run.shift(passes[row].machine as usize, passes[row].start));
+    if shifts.iter().any(|shift| !shift.is_empty()) {
+        records.set_texts("shift", shifts);
+    }
+    let speed = |pass: &PassRow| if pass.path > 0.0 { pass.path / pass.cutting_time } else { pass.speed_start };
+    let mean = |pass: &PassRow| if milling { pass.speed_start } else { speed(pass) };
+    records.set_numbers("cutting_speed", number(&|row| mean(passes[row])));
+    let feed = if milling { "feed_per_tooth" } else { "feed_per_rev" };
+    records.set_numbers(feed, number(&|row| passes[row].feed));
+    records.set_numbers("depth_of_cut", number(&|row| passes[row].depth_of_cut));
+    if milling {
+        records.set_numbers(
+            "width_of_cut",
+            number(&|row| programmed(run, passes[row]).map_or(f64::NAN, |cut| cut.width_of_cut)),
+        );
+        records.set_numbers("path_length", number(&|row| passes[row].path));
+    }
+    records.set_numbers("cutting_time", number(&|row| passes[row].cutting_time));
+    records.set_numbers("feed_override", vec![1.0; passes.len()]);
+}
+
+/// Cycle and stops of operations with one pass.
+fn times(run: &Run<'_>, rows: &[usize], records: &mut Records) {
+    let mut cycle = vec![f64::NAN; rows.len()];
+    let (mut stops, mut stopped) = (cycle.clone(), cycle.clone());
+    for (row, at) in rows.iter().enumerate() {
+        let visit = &run.visits.list[run.visits.of_pass[*at]];
+        if visit.passes.len() == 1 {
+            cycle[row] = visit.handling + run.log.passes[*at].cutting_time;
+            stops[row] = f64::from(visit.stops);
+            stopped[row] = visit.stop_time;
+        }
+    }
+    run.channel(records, "cycle_time", &cycle);
+    // Counted and clocked by the control.
+    if stops.iter().any(|count| *count > 0.0) {
+        records.set_numbers("stop_count", stops);
+        records.set_numbers("stop_time", stopped);
+    }
+}
+
+/// The programmed cut of a pass; `None` around a contour, where conditions change all the way.
+fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
+    match &run.scenario.parts[pass.part as usize].operations[pass.operation as usize].work {
+        Work::Cutting(cuts) => cuts.get(pass.pass as usize).copied(),
+        Work::Contour(_) | Work::Grinding { .. } | Work::Cycle(_) => None,
+    }
+}
+
+/// Element of a field by name.
+fn place(fields: &[Field], name: &str) -> Option<usize> {
+    let mut at = 0;
+    for field in fields {
+        if field.name == name {
+            return Some(at);
+        }
+        at += field.len;
+    }
+    None
+}
+
+/// Means over each pass of an edge, in order.
+fn of_edge(run: &Run<'_>, passes: &[&PassRow], process: &dyn MachineProcess) -> Vec<[f64; MEANS.len()]> {
+    let (inputs, outputs) = (process.inputs(), process.outputs());
+    let land = place(process.states(), "flank_wear");
+    let edge = &run.log.edges[passes[0].edge as usize];
+    let mut x = process.initial();
+    let mut clock = f64::NAN;
+    let mut means = Vec::with_capacity(passes.len());
+    for pass in passes {
+        let cut = programmed(run, pass).unwrap_or_default();
+        let mut u: Vec<f64> = inputs.iter().flat_map(|field| std::iter::repeat_n(field.start, field.len)).collect();
+        let mut set = |name: &str, value: f64| {
+            if let Some(at) = place(inputs, name) {
+                u[at] = value;
+            }
+        };
+        set("cutting_speed", pass.speed_start);
+        set("cutting_acceleration", (pass.speed_end - pass.speed_start) / pass.cutting_time);
+        set("feed_per_rev", pass.feed);
+        set("feed_per_tooth", pass.feed);
+        set("depth_of_cut", pass.depth_of_cut);
+        set("width_of_cut", cut.width_of_cut);
+        set("coolant_age", run.coolant(pass.machine, pass.start).0);
+        set("sensor_time", pass.start);
+        set("pass_time", pass.cutting_time);
+        let lot = run.log.jobs[pass.job as usize].lot;
+        set("lot_deviation", run.scenario.parts[pass.part as usize].lot_deviation(lot));
+        set("mechanical_wear_factor", edge.mechanical_wear_factor);
+        set("thermal_wear_factor", edge.thermal_wear_factor);
+        if cut.diameter > 0.0 {
+            set("workpiece_diameter", cut.diameter);
+        }
+        if pass.start > clock
+            && let Some(engaged) = place(inputs, "engaged")
+        {
+            // Between passes the edge only cools; a process that refuses keeps its state.
+            let mut idle = u.clone();
+            idle[engaged] = 0.0;
+            let _ = process.advance(&mut x, &mut idle, pass.start - clock);
+        }
+        let wear = |share: f64| pass.flank_wear_start + share * (pass.flank_wear_end - pass.flank_wear_start);
+        let first = if pass.cutting_time > LEFT_OUT { LEFT_OUT } else { 0.0 };
+        let step = (pass.cutting_time - first) / POINTS as f64;
+        let mut y = vec![0.0; outputs.iter().map(|field| field.len).sum()];
+        let mut sums = [0.0; MEANS.len()];
+        let mut at = 0.0;
+        let mut go = |x: &mut Vec<f64>, u: &mut Vec<f64>, to: f64| {
+            let share = at / pass.cutting_time;
+            if let Some(land) = land {
+                x[land] = wear(share);
+            }
+            let mut left: f64 = to - at;
+            for _ in 0..EVENTS {
+                match process.advance(x, u, left) {
+                    Ok(advance) if advance.elapsed < left => left -= advance.elapsed,
+                    _ => break,
+                }
+            }
+            at = to;
+            if let Some(land) = land {
+                x[land] = wear(to / pass.cutting_time);
+            }
+        };
+        for point in 0..POINTS {
+            go(&mut x, &mut u, first + (point as f64 + 0.5) * step);
+            process.output(&x, &u, &mut y);
+            for (sum, name) in sums.iter_mut().zip(MEANS) {
+                *sum += place(outputs, name).map_or(f64::NAN, |at| y[at]) / POINTS as f64;
+            }
+        }
+        go(&mut x, &mut u, pass.cutting_time);
+        process.output(&x, &u, &mut y);
+        // Hardness of the work and whatever else the log does not name are in its end values.
+        let end = |name: &str, logged: f64| {
+            place(outputs, name)
+                .map(|at| logged / y[at])
+                .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+                .unwrap_or(1.0)
+        };
+        let force = end("cutting_force", pass.cutting_force);
+        let power = end("spindle_power", pass.spindle_power);
+        let heat = end("temperature", pass.temperature);
+        let factors = [force, force, power, heat, 1.0];
+        clock = pass.end;
+        let mut mean = [f64::NAN; MEANS.len()];
+        mean.iter_mut().zip(sums).zip(factors).for_each(|((mean, sum), factor)| *mean = sum * factor);
+        means.push(mean);
+    }
+    means
+}

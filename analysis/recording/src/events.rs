@@ -1,0 +1,80 @@
+//! Events of the machines: one row for every state that a machine enters.
+
+use crate::visits::whole_states;
+use crate::{Run, edge_name};
+use std::collections::BTreeMap;
+use toolroom_records::{RecordKind, Records};
+use toolroom_shop::RunLog;
+use toolroom_shop::runlog::{MachineState, StateRow};
+
+/// State after which nothing is known.
+const END: &str = "unavailable";
+/// State while the feed is held.
+const HELD: &str = "feed_hold";
+
+/// The events, in time.
+pub fn events(run: &Run<'_>) -> Records {
+    let states = states(run.log);
+    let machines = if states.is_empty() { 0 } else { run.scenario.machines.len() };
+    let count = states.len() + machines;
+    let mut records = Records::new(RecordKind::Shop, count);
+    let mut time: Vec<f64> = states.iter().map(|(state, _)| state.start).collect();
+    let mut machine: Vec<String> = states.iter().map(|(state, _)| run.machine(state.machine)).collect();
+    let mut name: Vec<String> = states.iter().map(|(_, word)| (*word).to_owned()).collect();
+    let mut program = vec![String::new(); count];
+    let mut operation = vec![String::new(); count];
+    let mut tool = vec![String::new(); count];
+    let mut feed = vec![f64::NAN; count];
+    for (row, (state, _)) in states.iter().enumerate() {
+        let Some(visit) = run.visits.of_state(state).map(|index| &run.visits.list[index]) else { continue };
+        program[row] = run.program(visit.part, visit.operation);
+        operation[row] = run.operation_id(visit.job, visit.part, visit.operation);
+        // The edge that cuts next, or cut last.
+        let next = visit.passes.iter().find(|pass| run.log.passes[**pass].end > state.start + 1e-6);
+        if let Some(pass) = next.or(visit.passes.last()) {
+            tool[row] = edge_name(run.log.passes[*pass].edge);
+        }
+        feed[row] = 1.0;
+    }
+    time.extend(vec![run.log.horizon; machines]);
+    machine.extend(run.scenario.machines.iter().take(machines).map(|machine| machine.name.clone()));
+    name.extend(vec![END.to_owned(); machines]);
+    records.set_numbers("time", time);
+    records.set_texts("machine", machine);
+    records.set_texts("state", name);
+    records.set_texts("program", program);
+    records.set_texts("operation_id", operation);
+    records.set_texts("tool_id", tool);
+    records.set_numbers("feed_override", feed);
+    records
+}
+
+/// States with their words, in time. The log counts holds as time in cut and has them among its events:
+/// here they are a state of their own.
+fn states(log: &RunLog) -> Vec<(StateRow, &'static str)> {
+    let mut holds: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
+    for event in &log.events {
+        let Some(machine) = event.machine else { continue };
+        let own = holds.entry(machine).or_default();
+        match event.event {
+            "feed_hold" => own.push((event.time, log.horizon)),
+            "feed_release" => own.iter_mut().last().into_iter().for_each(|hold| hold.1 = event.time),
+            _ => {}
+        }
+    }
+    let mut states: Vec<(StateRow, &'static str)> = Vec::with_capacity(log.states.len());
+    for state in &whole_states(log) {
+        let own = holds.get(&state.machine).map_or(&[][..], Vec::as_slice);
+        let hold = own.iter().find(|(from, to)| *from < state.end && state.start < *to);
+        match hold.filter(|_| state.state == MachineState::Cutting) {
+            Some((from, _)) if *from > state.start => {
+                states.push((StateRow { end: *from, ..*state }, state.state.name()));
+                states.push((StateRow { start: *from, ..*state }, HELD));
+            }
+            Some(_) => states.push((*state, HELD)),
+            None => states.push((*state, state.state.name())),
+        }
+    }
+    states.sort_by(|(a, _), (b, _)| a.start.total_cmp(&b.start).then(a.machine.cmp(&b.machine)));
+    states
+}

@@ -1,0 +1,116 @@
+//! What is written of a run reads back as what happened.
+
+use crate::simulated;
+use crate::visits::whole_states;
+use toolroom_records::{RecordKind, Records, Sensor, parse_csv, write_csv};
+use toolroom_scenario::Scenario;
+use toolroom_shop::RunLog;
+use toolroom_shop::runlog::{MachineState, StateRow};
+
+fn shop(file: &str, overrides: &[&str]) -> (Scenario, RunLog, Vec<Records>) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap").join(file);
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let scenario = toolroom_scenario::file::read(&path, &overrides).expect("a shipped scenario").scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
+    let all = simulated(&scenario, &log, &|_, channel| Sensor::usual(channel));
+    let again = |records: &Records| {
+        let mut bytes = Vec::new();
+        write_csv(records, &mut bytes).expect("memory can be written");
+        let (read, report) = parse_csv("records", &bytes, records.kind).expect("its own records");
+        assert!(report.dropped.is_empty() && report.unused.is_empty(), "{report}");
+        read
+    };
+    let all = all.iter().map(again).collect();
+    (scenario, log, all)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let all: Vec<f64> = values.collect();
+    all.iter().sum::<f64>() / all.len() as f64
+}
+
+#[test]
+fn a_shop_reads_back_as_operations_cuts_and_events() {
+    let (_, log, all) = shop("shop.toml", &["shop.horizon=48 h"]);
+    let kinds: Vec<RecordKind> = all.iter().map(|records| records.kind).collect();
+    assert_eq!(kinds, [RecordKind::Turning, RecordKind::Milling, RecordKind::Shop]);
+    let rows: usize = all[..2].iter().map(Records::len).sum();
+    assert_eq!(rows, log.passes.iter().filter(|pass| pass.cutting_time > 0.0).count());
+    // Stays in a state last until the next event of the machine.
+    let events = &all[2];
+    let (time, machine) = (events.numbers("time").expect("times"), events.texts("machine").expect("machines"));
+    let state = events.texts("state").expect("states");
+    let stayed = |name: &str| -> f64 {
+        (1..events.len())
+            .filter(|row| machine[*row] == machine[row - 1] && state[row - 1] == name)
+            .map(|row| time[row] - time[row - 1])
+            .sum()
+    };
+    for kind in [MachineState::Cutting, MachineState::Handling, MachineState::ToolChange, MachineState::Down] {
+        let logged: f64 = log.states.iter().filter(|row| row.state == kind).map(|row| row.end - row.start).sum();
+        assert!((stayed(kind.name()) - logged).abs() < 1e-3 * logged + 1e-3, "{}", kind.name());
+        assert!(logged > 0.0);
+    }
+}
+
+#[test]
+fn a_repair_over_the_end_of_a_shift_is_one_stay() {
+    let row = |start, end, state, in_shift| StateRow { machine: 0, state, start, end, in_shift, job: Some(1) };
+    let (down, handling) = (MachineState::Down, MachineState::Handling);
+    let night = [row(0.0, 5.0, down, true), row(5.0, 20.0, down, false), row(20.0, 25.0, down, true)];
+    // Unloading after one operation and loading for the next are two.
+    let day = [row(25.0, 26.0, handling, true), row(26.0, 28.0, handling, true)];
+    let whole = whole_states(&RunLog { states: [&night[..], &day].concat(), ..RunLog::default() });
+    let ends: Vec<(f64, f64)> = whole.iter().map(|row| (row.start, row.end)).collect();
+    assert_eq!(ends, [(0.0, 25.0), (25.0, 26.0), (26.0, 28.0)]);
+}
+
+#[test]
+fn forces_and_wear_are_those_of_the_log_within_their_sensors() {
+    let (_, log, all) = shop("turning.toml", &[]);
+    let force = mean(all[0].numbers("cutting_force").expect("forces").iter().copied());
+    let ends = mean(log.passes.iter().map(|pass| pass.cutting_force));
+    // The land is narrower in the middle of a pass than at its end.
+    assert!(force < 1.01 * ends && force > 0.9 * ends, "{force} N, {ends} N");
+    let wear = mean(all[0].numbers("flank_wear").expect("wear").iter().copied());
+    let logged = mean(log.passes.iter().map(|pass| pass.flank_wear_end));
+    assert!((wear / logged - 1.0).abs() < 0.02, "{wear} m, {logged} m");
+    let cycle = mean(all[0].numbers("cycle_time").expect("cycles").iter().copied());
+    let handling: f64 =
+        log.states.iter().filter(|row| row.state == MachineState::Handling).map(|row| row.end - row.start).sum();
+    let cutting: f64 = log.passes.iter().map(|pass| pass.cutting_time).sum();
+    let expected = (handling + cutting) / log.passes.len() as f64;
+    assert!((cycle / expected - 1.0).abs() < 0.01, "{cycle} s, {expected} s");
+}
+
+#[test]
+fn grinding_trials_carry_the_stock_of_the_paper_machine() {
+    let (_, log, all) = shop("grinding.toml", &[]);
+    assert_eq!(all[0].kind, RecordKind::Grinding);
+    // 16 revolutions of 4.43 um and 4 of spark-out, K = 0.553: all but what springs back.
+    let stock = mean(all[0].numbers("stock_removed").expect("stock").iter().copied());
+    let commanded = 16.0 * 4.43e-6;
+    assert!(stock < commanded + 1e-6 && stock > 0.98 * commanded, "{stock} m");
+    let force = mean(all[0].numbers("normal_force").expect("forces").iter().copied());
+    let logged = mean(log.passes.iter().filter(|pass| pass.pass == 0).map(|pass| pass.cutting_force));
+    assert!((force / logged - 1.0).abs() < 0.01, "{force} N, {logged} N");
+}
+
+#[test]
+fn lots_and_coolants_are_written_where_they_matter() {
+    let overrides = ["part.part.batch_size=20", "part.part.deviating_lot=2", "machine.L.coolant_change=1 h"];
+    let (_, log, all) = shop("turning.toml", &overrides);
+    let (lots, coolants) = (all[0].texts("lot").expect("lots"), all[0].texts("coolant_id").expect("coolants"));
+    let (ids, starts) = (all[0].texts("operation_id").expect("ids"), all[0].numbers("start_time").expect("starts"));
+    let ages = all[0].numbers("coolant_age").expect("ages");
+    for row in 0..all[0].len() {
+        let job: usize = ids[row][1..].split('/').next().and_then(|number| number.parse().ok()).expect("J12/turn");
+        assert_eq!(lots[row], format!("part-{}", log.jobs[job].lot));
+        let later = starts[row] >= 3600.0;
+        assert_eq!(coolants[row], if later { "second" } else { "first" });
+        let age = starts[row] - if later { 3600.0 } else { 0.0 };
+        assert!((ages[row] - age).abs() < 1e-6 * starts[row], "{} s at {} s", ages[row], starts[row]);
+    }
+    let (_, _, plain) = shop("turning.toml", &[]);
+    assert!(plain[0].texts("lot").is_none() && plain[0].texts("coolant_id").is_none());
+}
