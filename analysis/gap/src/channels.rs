@@ -88,6 +88,8 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         ranking,
         tried: each().flat_map(|own| own.tried.clone()).collect(),
         notes: each().flat_map(|own| own.notes.clone()).collect(),
+        facts: Vec::new(),
+        findings: Vec::new(),
     }
 }
 

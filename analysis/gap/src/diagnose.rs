@@ -91,6 +91,8 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         ranking: ranking(model, &decision),
         tried,
         notes,
+        facts: Vec::new(),
+        findings: Vec::new(),
     };
     if diagnosis.verdict == GapVerdict::NoGap
         && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)

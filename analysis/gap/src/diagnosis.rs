@@ -2,12 +2,15 @@
 
 use super::Identifiable;
 use serde_json::{Value, json};
+use toolroom_facts::{Fact, Finding};
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GapVerdict {
     /// A missing effect is named.
     Effect,
+    /// A constant of the file is contradicted by what the log counts.
+    Constant,
     /// There is a gap that no effect of the catalogue explains.
     Unknown,
     /// What is missing cannot be seen in such data: calibration takes it up.
@@ -23,6 +26,7 @@ impl GapVerdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Effect => "effect",
+            Self::Constant => "constant",
             Self::Unknown => "unknown",
             Self::Masked => "masked",
             Self::NoGap => "no_gap",
@@ -155,6 +159,10 @@ pub struct Diagnosis {
     pub tried: Vec<Tried>,
     /// Anything else worth knowing.
     pub notes: Vec<String>,
+    /// What was counted and no channel predicts.
+    pub facts: Vec<Fact>,
+    /// The facts that contradict the file.
+    pub findings: Vec<Finding>,
 }
 
 /// A model with effects that was fitted.
@@ -244,6 +252,8 @@ impl Diagnosis {
             ranking: Vec::new(),
             tried: Vec::new(),
             notes: vec![why],
+            facts: Vec::new(),
+            findings: Vec::new(),
         }
     }
 
@@ -298,6 +308,9 @@ impl Diagnosis {
                 "effects": tried.effects, "gain": number(tried.gain), "closure": tried.closure.json(None),
             })).collect::<Vec<_>>(),
             "notes": self.notes,
+            "facts": self.facts.iter().enumerate().map(|(index, fact)| {
+                fact.json(self.findings.iter().any(|finding| finding.fact == index))
+            }).collect::<Vec<_>>(),
         })
     }
 }
