@@ -180,7 +180,7 @@ pub struct Unit {
 enum Home {
     Here(Arc<Library>),
     #[cfg(unix)]
-    Workers(Workers),
+    Workers(Box<Workers>),
 }
 
 impl std::fmt::Debug for Unit {
@@ -230,7 +230,7 @@ impl Unit {
             Isolation::None => Home::Here(Library::load(&plan).map_err(refused)?),
             #[cfg(unix)]
             Isolation::Process(program) => {
-                Home::Workers(Workers::start(plan, program.clone(), folder.path()).map_err(refused)?)
+                Home::Workers(Box::new(Workers::start(plan, program.clone(), folder.path()).map_err(refused)?))
             }
             #[cfg(not(unix))]
             Isolation::Process(_) => {

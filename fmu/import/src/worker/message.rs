@@ -351,10 +351,12 @@ mod tests {
                 Action::Forget(place), Action::Serialize,
             ];
             let request = Request::Act { number, actions };
-            prop_assert_eq!(Request::read(&content(&request.write())).expect("sound"), request);
+            let written = content(&request.write());
+            prop_assert_eq!(Request::read(&written).expect("sound"), request);
             let start_values = vec![(a, StartValue::Number(value)), (b, StartValue::Text(c"set".to_owned()))];
             let request = Request::New { number, start_values, start: value };
-            prop_assert_eq!(Request::read(&content(&request.write())).expect("sound"), request);
+            let written = content(&request.write());
+            prop_assert_eq!(Request::read(&written).expect("sound"), request);
         }
 
         #[test]
