@@ -1,6 +1,5 @@
 //! `toolroom gap diagnose`.
 
-use super::joined::joined;
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -9,6 +8,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use toolroom_chart::page::Provenance;
+use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
