@@ -62,7 +62,9 @@ mod plausible;
 mod pooled;
 mod processes;
 pub mod program;
+mod rules;
 mod score;
+mod search;
 mod settings;
 mod settle;
 pub mod shop;
@@ -76,7 +78,7 @@ pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use constants::FEWEST_GROUPS;
-pub use decide::Decision;
+pub use decide::{Decision, Refused};
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
@@ -93,6 +95,7 @@ pub use method::Method;
 pub use noise::Noise;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use processes::{Answers, Asked, diagnose_processes};
+pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use settings::Settings;
 pub use trial::Trial;
