@@ -77,7 +77,7 @@ pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
     let mut summary = tally::json(&tallies, &ablations);
     if let Some(out) = out {
         out.put("cases.csv", &row::csv(&rows)?)?;
-        out.put("rates.md", &markdown::tables(&tallies, &ablations))?;
+        out.put("rates.md", &markdown::tables(&tallies, &ablations, &rows))?;
         out.put_json("blind.json", &summary)?;
         let seed = args.from.is_empty().then_some(args.seed);
         out.record(&provenance("gap blind", &[], arguments(args), seed), start.elapsed())?;
@@ -99,6 +99,13 @@ fn arguments(args: &BlindArgs) -> Vec<String> {
     let mut list = vec!["--seed".to_owned(), args.seed.to_string(), "--cases".to_owned(), args.cases.name().to_owned()];
     args.process.iter().for_each(|process| list.extend(["--process".to_owned(), process.clone()]));
     args.part.iter().for_each(|(k, n)| list.extend(["--part".to_owned(), format!("{k}/{n}")]));
+    args.only.iter().for_each(|only| list.extend(["--only".to_owned(), only.clone()]));
+    if args.times > 1 {
+        list.extend(["--times".to_owned(), args.times.to_string()]);
+    }
+    if args.form > 0.0 {
+        list.extend(["--form".to_owned(), args.form.to_string()]);
+    }
     if args.no_ablations {
         list.push("--no-ablations".to_owned());
     }
@@ -153,6 +160,16 @@ fn chosen(args: &BlindArgs) -> Result<Vec<Case>, Failure> {
             let message = format!("no hidden effects are known for the process `{process}`");
             return Err(Failure::argument(message, format_args!("one of: {}", known.join(", "))));
         }
+    }
+    if let Some(only) = &args.only {
+        cases.retain(|case| case.set.name() == only || (only == "outside" && case.set == Set::Outside));
+        if cases.is_empty() {
+            let message = format!("no cases of the set `{only}`");
+            return Err(Failure::argument(message, "one of: null, effect, pair, outside, stress world"));
+        }
+    }
+    for case in &mut cases {
+        (case.times, case.form) = (args.times, args.form);
     }
     if let Some((k, n)) = args.part {
         let mut at = 0;

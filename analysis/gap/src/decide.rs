@@ -1,13 +1,13 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
-use super::constants::{CLEAR, CLEARLY_LEFT_OUT, GATE, MOST_EFFECTS, RIVAL, SAME, FEWEST_GROUPS};
+use super::constants::{CLEAR, CLEARLY_LEFT_OUT, FEWEST_GROUPS, GATE, MOST_EFFECTS, RIVAL, SAME};
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
 use super::search;
 use super::trial::{Remainder, Trial};
-use super::{Closure, Forward, GapVerdict};
+use super::{Closure, Forward, Found, GapVerdict, NotNamed};
 
 /// A single effect with its gain over the nominal model.
 #[derive(Clone, Debug)]
@@ -22,14 +22,6 @@ pub struct Single {
     pub evidence: Evidence,
     /// Index among the refitted trials, where it was.
     pub trial: Option<usize>,
-}
-
-/// A model that was the best of its kind and was not named.
-pub struct Refused {
-    /// Its effects.
-    pub effects: Vec<&'static str>,
-    /// The rules that stood against it, in their order, with what they found.
-    pub rules: Vec<(&'static Rule, String)>,
 }
 
 /// Everything on which a verdict rests.
@@ -50,8 +42,8 @@ pub struct Decision {
     pub after: Option<Remainder>,
     /// Why, in words.
     pub reasons: Vec<String>,
-    /// Models that were not named, with the rules that stood against them and what these found.
-    pub refused: Vec<Refused>,
+    /// Best models that were not named, with the rules that stood against them.
+    pub not_named: Vec<NotNamed>,
     /// What a name pays for having been chosen among several processes.
     pub share: f64,
 }
@@ -138,7 +130,7 @@ pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
         before,
         after: None,
         reasons: Vec::new(),
-        refused: Vec::new(),
+        not_named: Vec::new(),
         share: context.basis.method.share(),
     };
     search::pairs(context, &mut decision);
@@ -182,7 +174,6 @@ fn shape(context: Diagnosing<'_>, decision: &Decision, index: usize, closed: &Cl
     Some((other, note))
 }
 
-
 /// The trial of that many effects with the greatest gain, among those on which the groups agree: where they disagree
 /// about the best effect, the next may be the one they agree on.
 fn best_of(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Option<usize> {
@@ -196,11 +187,14 @@ fn best_of(context: Diagnosing<'_>, decision: &Decision, effects: usize) -> Opti
     (0..decision.trials.len()).filter(eligible).max_by(|a, b| value(a).total_cmp(&value(b)))
 }
 
-/// The rules against a model; noted where there are any.
-fn refusals(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rules: Vec<(&'static Rule, String)>) {
+/// Notes the rules against trial `index`.
+fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rules: Vec<(&'static Rule, String)>) {
     let candidates = &context.model.frame().candidates;
     let effects = decision.trials[index].fit.active.iter().map(|index| candidates[*index].id).collect();
-    decision.refused.push(Refused { effects, rules });
+    let found = |(rule, found): (&Rule, String)| Found { rule: rule.id, asks: rule.reason, found };
+    decision
+        .not_named
+        .push(NotNamed { effects, rules: rules.into_iter().map(|(rule, each)| found((rule, each))).collect() });
 }
 
 /// The best single effect, and further ones beside it as long as the rules let them.
@@ -216,7 +210,7 @@ fn stepwise(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize> {
         let judged = Judged::against(context, decision, &decision.trials[next], &decision.trials[chosen]);
         let rules = judged.refusals();
         if !rules.is_empty() {
-            refusals(decision, context, next, rules);
+            not_named(decision, context, next, rules);
             break;
         }
         chosen = next;
@@ -246,12 +240,12 @@ fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
                     decision.reasons.push(format!("{ids} not named because of the rule {}: {found}", rule.id));
                     decision.after = Some(after);
                     decision.verdict = GapVerdict::Unknown;
-                    refusals(decision, context, index, rules);
+                    not_named(decision, context, index, rules);
                 }
             }
             return;
         }
-        refusals(decision, context, index, rules);
+        not_named(decision, context, index, rules);
     }
     if structured && context.basis.method.abstention {
         decision.reasons.push("structure is left that no effect of the catalogue explains".to_owned());

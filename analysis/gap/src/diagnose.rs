@@ -91,6 +91,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         ranking: ranking(model, &decision),
         tried,
         notes,
+        not_named: decision.not_named.clone(),
     };
     if diagnosis.verdict == GapVerdict::NoGap
         && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)

@@ -78,10 +78,11 @@ pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
 pub use constants::FEWEST_GROUPS;
-pub use decide::{Decision, Refused};
+pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
+    Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
+    Tried,
 };
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;

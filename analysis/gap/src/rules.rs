@@ -6,8 +6,8 @@
 
 use super::closure::closures;
 use super::constants::{
-    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, LEAST_SIZE,
-    PAIR_GATE, PROMISED, REMAINDER, SCATTERED, SLACK, STRAINED,
+    AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, LEAST_SIZE, PAIR_GATE,
+    PROMISED, REMAINDER, SCATTERED, SLACK, STRAINED,
 };
 use super::decide::Decision;
 use super::diagnosing::Diagnosing;
@@ -171,13 +171,7 @@ impl<'a> Judged<'a> {
         Self::new(context, decision, trial, beside, lead)
     }
 
-    fn new(
-        context: Diagnosing<'a>,
-        decision: &'a Decision,
-        trial: &'a Trial,
-        beside: &'a Trial,
-        lead: f64,
-    ) -> Self {
+    fn new(context: Diagnosing<'a>, decision: &'a Decision, trial: &'a Trial, beside: &'a Trial, lead: f64) -> Self {
         Self { context, decision, trial, beside, lead, own: OnceLock::new(), after: OnceLock::new() }
     }
 
@@ -289,11 +283,11 @@ fn scattered(judged: &Judged<'_>) -> f64 {
 /// Share of what the further effects do that they do to readings which the others move too.
 fn overlap(judged: &Judged<'_>) -> f64 {
     let (model, linear) = (judged.model(), &judged.trial.fit.linear);
-    let moves = |list: &[usize], i: usize| list.iter().map(|index| linear.effects[*index][i]).map(f64::abs).sum::<f64>();
+    let moves =
+        |list: &[usize], i: usize| list.iter().map(|index| linear.effects[*index][i]).map(f64::abs).sum::<f64>();
     let (before, added) = (&judged.beside.fit.active, judged.added());
-    let square = |i: usize| {
-        (moves(&added, i) / judged.context.basis.noise.deviation(&model.frame().measured, i)).powi(2)
-    };
+    let square =
+        |i: usize| (moves(&added, i) / judged.context.basis.noise.deviation(&model.frame().measured, i)).powi(2);
     let rows = 0..linear.residual.len();
     let all: f64 = rows.clone().map(square).sum();
     let shared: f64 = rows.filter(|i| moves(before, *i) != 0.0).map(square).sum();
@@ -348,7 +342,10 @@ fn scores(judged: &Judged<'_>) -> Vec<f64> {
 
 /// Whether a model keeps the rules of [`Refusal::Nothing`] that need no new prediction.
 pub(super) fn stands(judged: &Judged<'_>) -> bool {
-    RULES.iter().filter(|rule| rule.refusal == Refusal::Nothing && (rule.applies)(judged)).all(|rule| (rule.verdict)(judged).is_none())
+    RULES
+        .iter()
+        .filter(|rule| rule.refusal == Refusal::Nothing && (rule.applies)(judged))
+        .all(|rule| (rule.verdict)(judged).is_none())
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Which models get the chance to be named: single effects, and step by step further ones beside them.
 
+use super::Forward;
 use super::constants::{
     DETECTABLE, EARLY, FURTHER, GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, REFITTED, REFITTED_SCORE, SHAPES, STRAINED,
 };
@@ -8,7 +9,6 @@ use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain};
 use super::rules::strain;
 use super::trial::{Remainder, Trial};
-use super::Forward;
 use rayon::prelude::*;
 
 /// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
@@ -74,7 +74,6 @@ fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: 
     refit(context, base, singles, &refitted, trials);
 }
 
-
 /// Fits the singles at `places` anew, side by side.
 fn refit(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], places: &[usize], trials: &mut Vec<Trial>) {
     let one = |place: &usize| context.trial(&base.fit, &[singles[*place].candidate]);
@@ -86,7 +85,6 @@ fn refit(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], places: 
         trials.push(trial);
     }
 }
-
 
 /// Adds the best second effect to each of the best singles.
 pub(super) fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
@@ -119,7 +117,6 @@ pub(super) fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
     let fitted: Vec<Trial> = sought.par_iter().map(one).collect();
     decision.trials.extend(fitted);
 }
-
 
 /// The effects of `trial` with one more, the best first, where that leads; at most `most`. The trial is complete.
 fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {

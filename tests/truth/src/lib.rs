@@ -30,9 +30,9 @@
 //! Anything that would make the world real: it is as plausible as its author could make it without
 //! looking at the models that it tests.
 
+mod form;
 pub mod grinding;
 pub mod milling;
-mod form;
 mod noise;
 pub mod program;
 mod shop;
