@@ -42,7 +42,8 @@ impl Basis {
             .collect();
         let residual = offset_residual(model, linear, &at.active);
         let local_scale = scatter(model, linear, &before.noise, &residual);
-        let gram = Gram::new(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
+        let gram =
+            super::gram::normal_equations(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
         let (nuisance, effects) = (linear.nuisance.len(), linear.effects.len());
         let all: Vec<usize> = (0..columns.len()).collect();
         let prior = |i: usize| match i {
@@ -129,7 +130,7 @@ fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]
             .iter()
             .map(|factor| scale.iter().enumerate().map(|(i, own)| if i == kind { *factor } else { *own }).collect())
             .collect();
-        let grams = Gram::at_scales(measured, noise, linear, &columns, residual, &trials);
+        let grams = super::gram::at_scales(measured, noise, linear, &columns, residual, &trials);
         let weight =
             |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, linear.nuisance.len()) - 0.5 * factor * factor;
         let weights: Vec<f64> = grams.par_iter().zip(&SCALES).map(weight).collect();

@@ -5,7 +5,7 @@ use super::constants::{CLEAR, CLEARLY_LEFT_OUT, FEWEST_GROUPS, GATE, MOST_EFFECT
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
-use super::search;
+use super::stepwise;
 use super::trial::{Remainder, Trial};
 use super::{Closure, Forward, Found, GapVerdict, NotNamed};
 
@@ -120,7 +120,7 @@ fn price(candidates: usize, effects: usize) -> f64 {
 
 /// Chooses a model and says why.
 pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
-    let (before, singles, trials) = search::singles(context, &base);
+    let (before, singles, trials) = stepwise::singles(context, &base);
     let mut decision = Decision {
         verdict: GapVerdict::NoGap,
         base,
@@ -133,7 +133,7 @@ pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
         not_named: Vec::new(),
         share: context.basis.method.share(),
     };
-    search::pairs(context, &mut decision);
+    stepwise::pairs(context, &mut decision);
     choose(context, &mut decision);
     decision
 }
@@ -198,13 +198,13 @@ fn not_named(decision: &mut Decision, context: Diagnosing<'_>, index: usize, rul
 }
 
 /// The best single effect, and further ones beside it as long as the rules let them.
-fn stepwise(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize> {
+fn best_model(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize> {
     let mut chosen = best_of(context, decision, 1)?;
     for effects in 2..=MOST_EFFECTS {
         let next = match effects {
             // Beside each of the best singles a second one was sought, whether or not they are the very best.
             2 => best_of(context, decision, 2),
-            _ => search::further(context, decision, chosen),
+            _ => stepwise::further(context, decision, chosen),
         };
         let Some(next) = next else { break };
         let judged = Judged::against(context, decision, &decision.trials[next], &decision.trials[chosen]);
@@ -215,7 +215,7 @@ fn stepwise(context: Diagnosing<'_>, decision: &mut Decision) -> Option<usize> {
         }
         chosen = next;
         if effects > 2
-            && let Some(other) = search::swapped(context, decision, chosen)
+            && let Some(other) = stepwise::swapped(context, decision, chosen)
         {
             chosen = other;
         }
@@ -227,7 +227,7 @@ fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
     let strongest = decision.before.strongest;
     let structure = decision.before.scores.score.get(strongest).map_or(0.0, |score| score.abs());
     let structured = structure > decision.before.threshold && decision.generic_gain() > GATE;
-    if let Some(index) = stepwise(context, decision) {
+    if let Some(index) = best_model(context, decision) {
         let judged = Judged::against_nominal(context, decision, &decision.trials[index]);
         let rules = judged.refusals();
         if rules.iter().all(|(rule, _)| rule.refusal == Refusal::Abstention) {

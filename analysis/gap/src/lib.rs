@@ -28,6 +28,8 @@
 //! by a prior: Kennedy & O'Hagan 2001, Brynjarsdóttir & O'Hagan 2014. Max-T null: Westfall & Young
 //! 1993. Thresholds are assumptions, checked by the blind benchmark.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod basis;
 mod broken;
 mod catalogue;
@@ -68,6 +70,7 @@ mod search;
 mod settings;
 mod settle;
 pub mod shop;
+mod stepwise;
 mod summary;
 mod tolerance;
 mod trial;
@@ -85,10 +88,8 @@ pub use diagnosis::{
     Tried,
 };
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use evidence::Evidence;
 pub use fit::Fit;
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
-pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
 pub use linear::Linear;
 pub use measured::{Channel, Measured, Observation, Transform};
@@ -98,5 +99,7 @@ pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use processes::{Answers, Asked, diagnose_processes};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
+pub use search::Untried;
 pub use settings::Settings;
+pub use toolroom_evidence::{Evidence, Gram};
 pub use trial::Trial;

@@ -1,179 +1,194 @@
-//! Which models get the chance to be named: single effects, and step by step further ones beside them.
+//! Shapes in which an effect is tried on records, by its row of the catalogue; or why it is not tried.
 
-use super::Forward;
-use super::constants::{
-    DETECTABLE, EARLY, FURTHER, GATE, PAIRED, PAIRED_LEAD, PAIRED_SCORE, REFITTED, REFITTED_SCORE, SHAPES, STRAINED,
-};
-use super::decide::{Decision, Single};
-use super::diagnosing::Diagnosing;
-use super::evidence::{Evidence, gain};
-use super::rules::strain;
-use super::trial::{Remainder, Trial};
-use rayon::prelude::*;
+use super::Candidate;
+use super::features::{self, standardised};
+use toolroom_effects::{CatalogueEntry, Effect, Search};
+use toolroom_records::Records;
+use toolroom_statistics::median;
 
-/// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
-pub(super) fn singles(context: Diagnosing<'_>, base: &Trial) -> (Remainder, Vec<Single>, Vec<Trial>) {
-    let (model, count) = (context.model, context.candidates());
-    let scores = base.scores();
-    let single = |candidate: usize| Single {
-        candidate,
-        id: model.frame().candidates[candidate].id,
-        score: scores.score[candidate],
-        evidence: base.with(candidate),
-        trial: None,
-    };
-    let (before, mut singles): (Remainder, Vec<Single>) =
-        rayon::join(|| context.remainder(base), || (0..count).into_par_iter().map(single).collect());
-    singles.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut refitted: Vec<usize> = Vec::new();
-    for (place, single) in singles.iter().enumerate() {
-        if refitted.len() == REFITTED || single.score < REFITTED_SCORE {
-            break;
-        }
-        if refitted.iter().filter(|known| singles[**known].id == single.id).count() < SHAPES {
-            refitted.push(place);
-        }
+/// An effect of the process that the diagnosis did not try.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Untried {
+    /// Word of the catalogue.
+    pub id: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
+/// Effects of a catalogue that are not among the candidates, each with what the records lack.
+pub(super) fn missing(catalogue: &[CatalogueEntry], candidates: &[Candidate]) -> Vec<Untried> {
+    let absent = catalogue.iter().filter(|entry| candidates.iter().all(|candidate| candidate.id != entry.id));
+    absent.map(|entry| Untried { id: entry.id, reason: format!("the records do not show {}", entry.regime) }).collect()
+}
+
+/// Rows on which a shape acts, where it is not all of them.
+pub(super) enum Rows {
+    All,
+    /// 1 on those of one lot.
+    Lot(Vec<f64>),
+    /// 1 on those of one coolant.
+    Coolant(Vec<f64>),
+    /// All, and infeed is positioned by command since the dressing.
+    SinceDressing,
+}
+
+/// An effect in a shape that the records can tell.
+pub(super) struct Shape {
+    /// What distinguishes it from others of the same effect; may be empty.
+    pub name: String,
+    pub effect: Effect,
+    /// An ordinary size, SI.
+    pub typical: f64,
+    /// Greatest admissible size, SI.
+    pub greatest: f64,
+    pub rows: Rows,
+}
+
+/// What the records and their model can tell of effects.
+pub(super) struct Sought<'a> {
+    pub process: &'static str,
+    pub records: &'a Records,
+    /// Greatest value of a quantity of the context, where it varies.
+    pub greatest: &'a dyn Fn(&str) -> Option<f64>,
+    /// Ways to act on some rows only that the model has.
+    pub ways: &'static [Way],
+}
+
+/// A way to act on some rows only.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    Lots,
+    Coolants,
+    WheelPosition,
+}
+
+impl Sought<'_> {
+    /// Shapes of an effect that acts on the process.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn shapes(&self, effect: Effect) -> Result<Vec<Shape>, String> {
+        let entry = effect.entry();
+        let most = entry.size.max;
+        let shape = |name: String, effect: Effect, typical: f64| Shape {
+            name,
+            effect,
+            typical,
+            greatest: most,
+            rows: Rows::All,
+        };
+        let one = |typical: f64| vec![shape(String::new(), effect, typical)];
+        let search = entry.search(self.process).ok_or_else(|| format!("it does not act on {}", self.process))?;
+        let shapes = match search {
+            Search::Untried(reason) => return Err(reason.to_owned()),
+            Search::Shaped => return Err(format!("nothing shapes it in records of {}", self.process)),
+            Search::Size(size) => one(size),
+            Search::ShareOfMedian { column, share } => {
+                let level = self.level(column).ok_or_else(|| format!("{column} is not recorded"))?;
+                one(share * level)
+            }
+            Search::AtGreatest { quantity, change, most: admitted } => {
+                let greatest =
+                    (self.greatest)(quantity).ok_or_else(|| format!("{quantity} is not recorded or does not vary"))?;
+                vec![Shape {
+                    greatest: most.min(admitted / greatest),
+                    ..shape(String::new(), effect, change / greatest)
+                }]
+            }
+            Search::Values { parameter, values, told_by, size } => {
+                let told = |column: &str| self.records.numbers(column).and_then(standardised).is_some();
+                let usual = told_by.filter(|(column, _)| !told(column)).map(|(_, usual)| [usual]);
+                let values = usual.as_ref().map_or(values, |usual| &usual[..]);
+                let each = |value: &f64| Some(shape(format!("{value} s"), with(effect, parameter, *value)?, size));
+                values.iter().filter_map(each).collect()
+            }
+            Search::Window { column, centre, width, count, size } => {
+                let (low, high) = self.range(column).ok_or_else(|| format!("{column} does not vary by {SPREAD}"))?;
+                let window = |i: usize, narrow: bool| {
+                    let middle = low * (high / low).powf(i as f64 / (count - 1) as f64);
+                    let placed = with(effect, centre, middle)?;
+                    let placed = if narrow { with(placed, width.0, width.1)? } else { placed };
+                    let narrow = if narrow { ", narrow" } else { "" };
+                    Some(shape(format!("{:.0} m/min{narrow}", middle * 60.0), placed, size))
+                };
+                [false, true].into_iter().flat_map(|narrow| (0..count).filter_map(move |i| window(i, narrow))).collect()
+            }
+            Search::Below { column, bound, size } => {
+                let below = |values: &[f64]| values.iter().any(|value| *value < bound);
+                if !self.records.numbers(column).is_some_and(below) {
+                    return Err(format!("no {column} below {bound} is recorded"));
+                }
+                one(size)
+            }
+            Search::Lots(size) => {
+                let rows = self.levels(Way::Lots, "lot")?.into_iter();
+                rows.map(|(name, rows)| Shape { rows: Rows::Lot(rows), ..shape(name, effect, size) }).collect()
+            }
+            Search::CoolantStiffness(size) => {
+                let rows = self.levels(Way::Coolants, "coolant_id")?.into_iter();
+                rows.map(|(name, rows)| Shape { rows: Rows::Coolant(rows), ..shape(name, effect, size) }).collect()
+            }
+            Search::WheelPosition { each_part, since_dressing } => {
+                self.has(Way::WheelPosition)?;
+                let positioned = shape("positioned since dressing".to_owned(), effect, since_dressing);
+                vec![
+                    shape("each part finds contact".to_owned(), effect, each_part),
+                    Shape { rows: Rows::SinceDressing, ..positioned },
+                ]
+            }
+        };
+        Ok(shapes)
     }
-    let mut trials: Vec<Trial> = Vec::new();
-    refit(context, base, &mut singles, &refitted, &mut trials);
-    early(context, base, &mut singles, &mut trials);
-    let value = |evidence: &Evidence| {
-        if evidence.admissible { gain(evidence, &base.evidence) } else { f64::NEG_INFINITY }
-    };
-    singles.sort_by(|a, b| value(&b.evidence).total_cmp(&value(&a.evidence)));
-    (before, singles, trials)
-}
 
-/// Where the nominal model was bent out of shape to follow the data, the scores beside it are not
-/// what an effect promises: those at the nominal point are asked too.
-fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: &mut Vec<Trial>) {
-    if strain(context.model, base).is_none_or(|(_, x)| x < STRAINED) {
-        return;
+    fn has(&self, way: Way) -> Result<(), String> {
+        if self.ways.contains(&way) {
+            return Ok(());
+        }
+        let what = match way {
+            Way::Lots => "lots",
+            Way::Coolants => "coolants",
+            Way::WheelPosition => "the position of a wheel",
+        };
+        Err(format!("the model of {} tells nothing of {what}", self.process))
     }
-    let unbent = super::Fit::at(context.basis.nominal.clone(), f64::INFINITY);
-    let scores = context.trial_of(unbent).scores();
-    let mut order: Vec<usize> = (0..singles.len()).collect();
-    order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
-    let mut tried: Vec<&'static str> = Vec::new();
-    let mut refitted: Vec<usize> = Vec::new();
-    for place in order {
-        let single = &mut singles[place];
-        let score = scores.score[single.candidate];
-        if tried.len() == EARLY || score < DETECTABLE {
-            break;
-        }
-        if tried.contains(&single.id) {
-            continue;
-        }
-        tried.push(single.id);
-        single.score = single.score.max(score);
-        if single.trial.is_none() {
-            refitted.push(place);
-        }
-    }
-    refit(context, base, singles, &refitted, trials);
-}
 
-/// Fits the singles at `places` anew, side by side.
-fn refit(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], places: &[usize], trials: &mut Vec<Trial>) {
-    let one = |place: &usize| context.trial(&base.fit, &[singles[*place].candidate]);
-    let fitted: Vec<Trial> = places.par_iter().map(one).collect();
-    for (place, trial) in places.iter().zip(fitted) {
-        let single = &mut singles[*place];
-        single.evidence = trial.evidence.clone();
-        single.trial = Some(trials.len());
-        trials.push(trial);
+    /// Levels of a text column by name, each with 1 on its rows.
+    fn levels(&self, way: Way, column: &str) -> Result<Vec<(String, Vec<f64>)>, String> {
+        self.has(way)?;
+        let word = column.trim_end_matches("_id");
+        let levels = features::indicators(self.records, &[column]);
+        let named: Vec<_> = levels.into_iter().map(|(_, level, rows)| (format!("{word} {level}"), rows)).collect();
+        if named.is_empty() { Err(format!("{column} does not vary")) } else { Ok(named) }
+    }
+
+    fn level(&self, column: &str) -> Option<f64> {
+        let values = self.records.numbers(column)?.iter().copied().filter(|value| value.is_finite());
+        let mut values: Vec<f64> = values.collect();
+        (!values.is_empty()).then(|| median(&mut values))
+    }
+
+    /// Least and greatest positive value of a column, where they differ enough.
+    fn range(&self, column: &str) -> Option<(f64, f64)> {
+        let values = self.records.numbers(column)?;
+        let known = || values.iter().copied().filter(|value| value.is_finite() && *value > 0.0);
+        let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
+        (high >= SPREAD * low).then_some((low, high))
     }
 }
 
-/// Adds the best second effect to each of the best singles.
-pub(super) fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
-    let Diagnosing { model, basis, folds, .. } = context;
-    let count = context.candidates();
-    let best: Vec<usize> = decision.singles.iter().filter_map(|single| single.trial).take(PAIRED).collect();
-    let promising = |first: &usize| {
-        let trial = &decision.trials[*first];
-        decision.gain_of(trial, count) >= GATE && trial.evidence.admissible
-    };
-    let best: Vec<usize> = best.into_iter().filter(promising).collect();
-    let completed: Vec<(Trial, Option<Vec<usize>>)> = best
-        .par_iter()
-        .map(|first| {
-            let single = decision.trials[*first].clone().complete(model, basis, folds);
-            let second = beside(model, &single, 1).pop();
-            (single, second)
-        })
-        .collect();
-    let mut sought: Vec<(usize, Vec<usize>)> = Vec::new();
-    for (first, (single, active)) in best.into_iter().zip(completed) {
-        decision.trials[first] = single;
-        if let Some(active) = active
-            && sought.iter().all(|(_, known)| *known != active)
-        {
-            sought.push((first, active));
-        }
-    }
-    let one = |(first, active): &(usize, Vec<usize>)| context.trial(&decision.trials[*first].fit, active);
-    let fitted: Vec<Trial> = sought.par_iter().map(one).collect();
-    decision.trials.extend(fitted);
+/// Least ratio of the ends of a range in which windows are told apart (assumption).
+const SPREAD: f64 = 1.2;
+
+/// The effect with another value of a parameter, SI.
+fn with(mut effect: Effect, name: &str, value: f64) -> Option<Effect> {
+    let i = effect.parameters().fields().iter().position(|field| field.name == name)?;
+    effect.parameters_mut().set_value(i, value);
+    Some(effect)
 }
 
-/// The effects of `trial` with one more, the best first, where that leads; at most `most`. The trial is complete.
-fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
-    let candidates = &model.frame().candidates;
-    let scores = trial.scores();
-    let known = |other: usize| trial.fit.active.iter().any(|index| candidates[*index].id == candidates[other].id);
-    let mut leads: Vec<(usize, f64)> = (0..candidates.len())
-        .filter(|other| !known(*other) && scores.score[*other] > PAIRED_SCORE)
-        .map(|other| (other, trial.with(other)))
-        .filter(|(_, evidence)| evidence.admissible)
-        .map(|(other, evidence)| (other, gain(&evidence, &trial.evidence)))
-        .filter(|(_, lead)| *lead >= PAIRED_LEAD)
-        .collect();
-    leads.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let with = |(other, _): (usize, f64)| {
-        let mut active = trial.fit.active.clone();
-        active.push(other);
-        active.sort_unstable();
-        active
-    };
-    leads.into_iter().take(most).map(with).collect()
-}
-
-/// The best model with one effect more than trial `index`, fitted; `None` where none leads.
-pub(super) fn further(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> Option<usize> {
-    let Diagnosing { model, basis, folds, .. } = context;
-    decision.trials[index] = decision.trials[index].clone().complete(model, basis, folds);
-    let sought = beside(model, &decision.trials[index], FURTHER);
-    best(context, decision, index, &sought)
-}
-
-/// Another model of as many effects as trial `index` that is better by the gate: with one of the earlier effects
-/// exchanged, since what was best alone need not be best beside the others.
-pub(super) fn swapped(context: Diagnosing<'_>, decision: &mut Decision, index: usize) -> Option<usize> {
-    let Diagnosing { model, basis, folds, .. } = context;
-    let own = decision.trials[index].clone();
-    let without = |place: usize| {
-        let mut active = own.fit.active.clone();
-        active.remove(place);
-        let left = context.trial(&own.fit, &active).complete(model, basis, folds);
-        beside(model, &left, 1).pop().filter(|other| *other != own.fit.active)
-    };
-    let places: Vec<usize> = (0..own.fit.active.len()).collect();
-    let mut sought: Vec<Vec<usize>> = places.into_par_iter().filter_map(without).collect();
-    sought.dedup();
-    let other = best(context, decision, index, &sought)?;
-    let better = gain(&decision.trials[other].evidence, &own.evidence) > GATE;
-    better.then_some(other)
-}
-
-/// Fits the models of the effects `sought` from trial `index`, keeps them, and gives the best that is admissible.
-fn best(context: Diagnosing<'_>, decision: &mut Decision, index: usize, sought: &[Vec<usize>]) -> Option<usize> {
-    let first = decision.trials.len();
-    let from = decision.trials[index].fit.clone();
-    let fitted: Vec<Trial> = sought.par_iter().map(|active| context.trial(&from, active)).collect();
-    decision.trials.extend(fitted);
-    let profile = |index: &usize| decision.trials[*index].evidence.profile;
-    let admissible = (first..decision.trials.len()).filter(|index| decision.trials[*index].evidence.admissible);
-    admissible.max_by(|a, b| profile(a).total_cmp(&profile(b)))
+/// Greatest value of a recorded column that varies.
+pub(super) fn greatest(records: &Records, column: &str) -> Option<f64> {
+    let values = records.numbers(column)?;
+    standardised(values)?;
+    Some(values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max))
 }
