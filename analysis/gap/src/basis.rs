@@ -10,6 +10,10 @@ const SCALES: [f64; 6] = [0.15, 0.3, 0.5, 0.75, 1.1, 1.6];
 /// Prior standard deviation of generic signatures in the saturated model, relative (assumption).
 const GENERIC_PRIOR: f64 = 0.03;
 
+/// Prior precision of the size of a candidate where all of them take part at once: a standard deviation of three
+/// ordinary sizes (assumption).
+pub(super) const CANDIDATE_PRECISION: f64 = 1.0 / 9.0;
+
 /// The common ground of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Basis {
@@ -48,7 +52,7 @@ impl Basis {
         let all: Vec<usize> = (0..columns.len()).collect();
         let prior = |i: usize| match i {
             i if i < nuisance => 1.0,
-            i if i < nuisance + effects => 1.0 / 9.0,
+            i if i < nuisance + effects => CANDIDATE_PRECISION,
             _ => GENERIC_PRIOR.powi(-2),
         };
         let mut ridge = part(&gram.total, &all, &all);

@@ -43,6 +43,15 @@ pub(super) const LEAST_OF_CLOSABLE: f64 = 0.1;
 /// the row "size" of the ablation.
 pub(super) const LEAST_SIZE: f64 = 0.25;
 
+// Probabilities.
+
+/// Greatest probability of a name (1). Assumption: the blind benchmark has too few names to show that more than
+/// ninety-nine of a hundred are right.
+pub(super) const PROBABLE: f64 = 0.99;
+/// Greatest probability of a name where the equations are off by more than was thought of (1). Assumption: form errors of
+/// that size were blamed on an effect in a few of a hundred shops that hid nothing.
+pub(super) const PROBABLE_THOUGH_OFF: f64 = 0.9;
+
 // Scores and agreement: how strongly, and by how many groups, the data ask for an effect.
 
 /// Score from which an effect counts as detectable, in standard deviations (1). Assumption: five standard
@@ -100,6 +109,13 @@ pub(super) const TOLERANCE: f64 = 0.25;
 /// Move of a form allowance beside a named effect above which the equations are not believed, in prior
 /// standard deviations (1). Assumption: no honest form error is five standard deviations.
 pub(super) const STRAINED: f64 = 5.0;
+
+/// Length scales of a discrepancy that are tried, in standard deviations of the conditions (1). Assumption: shorter
+/// than most of the range, and so long that it is nearly a polynomial.
+pub(super) const LENGTHS: [f64; 3] = [0.9, 1.5, 2.5];
+/// Log posterior density that a discrepancy gains before it takes part (1). Assumption: odds of e² ≈ 7 to 1; without it
+/// every diagnosis would pay in time and power for an amplitude that noise alone asks for.
+pub(super) const DISCREPANT: f64 = 2.0;
 
 // Classes: which effects the data cannot tell apart.
 

@@ -42,6 +42,7 @@ mod decide;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
+mod discrepancy;
 pub mod empirical;
 mod empirical_effects;
 mod enough;
@@ -87,6 +88,7 @@ pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
     Tried,
 };
+pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use fit::Fit;
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};

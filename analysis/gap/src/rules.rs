@@ -243,7 +243,7 @@ fn generic(judged: &Judged<'_>) -> Option<String> {
 
 /// What is added has to shrink the gap of groups left out by more than [`LEAST_CLOSED`], or by
 /// [`LEAST_OF_CLOSABLE`] of what can be closed at all. An effect of which the form allowance could take half has to do so for certain. Where the form of
-/// the equations drowns the gap (the interval reaches from nothing to more than the least closure), an effect that the
+/// the equations drowns the gap (the interval holds zero and is wider than the least closure), an effect that the
 /// form could not imitate has to improve the prediction of left-out groups beside the allowance, for certain. A further
 /// effect that moves the same readings has to be certain, or to lead by more.
 fn closes(judged: &Judged<'_>) -> Option<String> {
@@ -255,7 +255,7 @@ fn closes(judged: &Judged<'_>) -> Option<String> {
     let kept = if judged.further() {
         much && (certain || judged.lead > PAIR_GATE + scattered(judged))
     } else {
-        let drowned = !certain && closed.ci90[1] > LEAST_CLOSED;
+        let drowned = !certain && closed.ci90[1] > 0.0 && closed.ci90[1] - closed.ci90[0] > LEAST_CLOSED;
         (much && (certain || !imitated)) || (drowned && !imitated && predicts(judged))
     };
     if kept {
