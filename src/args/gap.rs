@@ -129,7 +129,7 @@ pub struct BlindArgs {
     /// Only the k-th of n equal parts of the cases; every set is spread over all parts
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
-    /// Only the cases of this set: null, effect, pair, outside, "stress world"
+    /// Only the cases of this set: null, effect, pair, "outside the catalogue", …
     #[arg(long, value_name = "SET")]
     pub only: Option<String>,
     /// So many times as many groups (edges, dressings, days) as usual

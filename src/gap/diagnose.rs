@@ -1,6 +1,5 @@
 //! `toolroom gap diagnose`.
 
-use super::joined::joined;
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -9,8 +8,9 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use toolroom_chart::page::Provenance;
+use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
-use toolroom_gap::shop::{queues, visits};
+use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
@@ -58,9 +58,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            let named = !diagnosis.effects.is_empty();
-            let scores = queues(shop, &visits(&records), diagnosis, args.seed);
-            diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
+            add_facts(shop, &records, diagnosis, args.seed);
         }
     }
     write(args, out, &answers, voice)?;

@@ -110,6 +110,8 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         tried,
         notes,
         not_named: decision.not_named.clone(),
+        facts: Vec::new(),
+        findings: Vec::new(),
     };
     if diagnosis.verdict == GapVerdict::NoGap
         && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)

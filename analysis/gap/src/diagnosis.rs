@@ -2,12 +2,15 @@
 
 use super::Identifiable;
 use serde_json::{Value, json};
+use toolroom_facts::{Fact, Finding};
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GapVerdict {
     /// A missing effect is named.
     Effect,
+    /// A constant of the file is contradicted by what the log counts.
+    Constant,
     /// There is a gap that no effect of the catalogue explains.
     Unknown,
     /// What is missing cannot be seen in such data: calibration takes it up.
@@ -23,6 +26,7 @@ impl GapVerdict {
     pub fn name(self) -> &'static str {
         match self {
             Self::Effect => "effect",
+            Self::Constant => "constant",
             Self::Unknown => "unknown",
             Self::Masked => "masked",
             Self::NoGap => "no_gap",
@@ -157,6 +161,10 @@ pub struct Diagnosis {
     pub notes: Vec<String>,
     /// Best models that were not named, and why.
     pub not_named: Vec<NotNamed>,
+    /// What was counted and no channel predicts.
+    pub facts: Vec<Fact>,
+    /// The facts that contradict the file.
+    pub findings: Vec<Finding>,
 }
 
 /// A model that was the best of its kind and was not named.
@@ -274,6 +282,8 @@ impl Diagnosis {
             tried: Vec::new(),
             notes: vec![why],
             not_named: Vec::new(),
+            facts: Vec::new(),
+            findings: Vec::new(),
         }
     }
 
@@ -329,6 +339,9 @@ impl Diagnosis {
             })).collect::<Vec<_>>(),
             "not_named": self.not_named.iter().map(NotNamed::json).collect::<Vec<_>>(),
             "notes": self.notes,
+            "facts": self.facts.iter().enumerate().map(|(index, fact)| {
+                fact.json(self.findings.iter().any(|finding| finding.fact == index))
+            }).collect::<Vec<_>>(),
         })
     }
 }

@@ -22,7 +22,7 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table};
 /// Lines of the terminal's summary.
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
-const LISTS: [&str; 7] = ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named"];
+const LISTS: [&str; 8] = ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts"];
 
 /// A process of a data set with its nominal model over its table.
 pub struct Asked {
@@ -94,7 +94,8 @@ impl Answers {
     /// The answer in one word: that of the process where most is found; no gap is answered only where
     /// every process could be told.
     pub fn verdict(&self) -> GapVerdict {
-        let order = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked, GapVerdict::CannotTell];
+        let order =
+            [GapVerdict::Effect, GapVerdict::Constant, GapVerdict::Unknown, GapVerdict::Masked, GapVerdict::CannotTell];
         let any = |verdict: &GapVerdict| self.processes.iter().any(|(_, own)| own.verdict == *verdict);
         order.into_iter().find(any).unwrap_or(GapVerdict::NoGap)
     }
@@ -134,7 +135,7 @@ impl Answers {
             "closure": { "total": total, "channels": self.channels() },
             "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
-            "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes,
+            "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
             "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
         })
     }

@@ -9,7 +9,7 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
 const LISTED: usize = 4;
 
 pub(super) fn rounded(value: f64) -> String {
-    toolroom_scenario::file::significant(value)
+    toolroom_form::significant(value)
 }
 
 pub(super) fn percent(share: f64) -> String {
@@ -30,6 +30,12 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
         GapVerdict::Effect => {
             let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
             format!("missing effect: {}", names.join(" and "))
+        }
+        GapVerdict::Constant => {
+            let constants = diagnosis.findings.iter().filter(|finding| finding.constant).map(|finding| finding.fact);
+            let name =
+                |fact: usize| format!("{} of {}", diagnosis.facts[fact].quantity.words(), diagnosis.facts[fact].place);
+            format!("the file has another constant: {}", constants.map(name).collect::<Vec<_>>().join("; "))
         }
         GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
         GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
@@ -57,6 +63,10 @@ impl Diagnosis {
                 let _ =
                     writeln!(text, "    cannot be told from {}: {}", effect.class[1..].join(", "), effect.class_reason);
             }
+        }
+        for finding in &self.findings {
+            let kind = if finding.constant { "constant" } else { "queue   " };
+            let _ = writeln!(text, "{kind} {}", finding.words);
         }
         if let Some(cell) = self.cells.first() {
             let place = if cell.group == "all" { &cell.regime } else { &cell.group };

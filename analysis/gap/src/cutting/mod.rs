@@ -9,7 +9,9 @@ pub use nominal::Nominal;
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::{Channel, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, Transform, broken};
+use super::{
+    Channel, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, Transform, broken,
+};
 use run::Step;
 use toolroom_process::Record;
 use toolroom_records::{Records, Sensor};

@@ -18,6 +18,7 @@
 
 mod block;
 mod constant;
+mod facts;
 mod kpi;
 mod logs;
 mod model;
@@ -29,10 +30,11 @@ mod stops;
 mod tests;
 mod visit;
 
+pub use facts::add_facts;
 pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
 pub use queue::{QueueFit, QueueScore, queues};
 pub use state::State;
-pub use visit::{Visit, Visits, visits};
+pub use visit::{Breakdowns, Visit, Visits, visits};

@@ -1,0 +1,123 @@
+//! Why a file was not read, and where each fault is.
+
+use crate::walk::Problem;
+use std::fmt;
+use std::ops::Range;
+use toolroom_process::parameters::place;
+
+/// Why a file was not read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file cannot be opened.
+    #[error("{file} cannot be read: {source}")]
+    Unreadable {
+        /// File.
+        file: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// UTF-16 instead of UTF-8.
+    #[error("{file} is UTF-16 (\"Unicode\" in some editors); save it as UTF-8")]
+    Utf16 {
+        /// File.
+        file: String,
+    },
+    /// Bytes that are not UTF-8.
+    #[error("{file}:{line}:{column}: byte 0x{byte:02X} is not UTF-8; the file seems to be {likely}: save it as UTF-8")]
+    NotUtf8 {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// The byte.
+        byte: u8,
+        /// What the encoding probably is.
+        likely: &'static str,
+    },
+    /// Faults in what it says.
+    #[error(transparent)]
+    Faults(Box<FaultList>),
+}
+
+/// Every fault of one file, in the order of the text.
+#[derive(Clone, Debug)]
+pub struct FaultList {
+    /// Name of the file.
+    pub file: String,
+    /// Its text.
+    pub text: String,
+    /// The `--set` texts, which follow the file in the count of bytes.
+    pub overrides: Vec<String>,
+    /// What is wrong, never empty.
+    pub problems: Vec<Problem>,
+}
+
+/// Where the text of a fault comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The file.
+    File,
+    /// The `--set` of this index.
+    Override(usize),
+}
+
+/// Where a fault is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Which text.
+    pub origin: Origin,
+    /// Bytes within that text.
+    pub span: Range<usize>,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl FaultList {
+    /// Where a problem is.
+    pub fn place(&self, problem: &Problem) -> Place {
+        let mut base = 0;
+        let texts = std::iter::once(&self.text).chain(&self.overrides).enumerate();
+        let (mut origin, mut text, mut start) = (Origin::File, self.text.as_str(), 0);
+        for (i, each) in texts {
+            if problem.span.start >= base {
+                origin = if i == 0 { Origin::File } else { Origin::Override(i - 1) };
+                (text, start) = (each, base);
+            }
+            base += each.len() + 1;
+        }
+        let within = |at: usize| at.saturating_sub(start).min(text.len());
+        let span = within(problem.span.start)..within(problem.span.end).max(within(problem.span.start));
+        let (line, column) = place(text, span.start);
+        Place { origin, span, line, column }
+    }
+
+    /// The text that a place counts in, with its name.
+    pub fn source(&self, origin: Origin) -> (&str, &str) {
+        match origin {
+            Origin::File => (&self.file, &self.text),
+            Origin::Override(i) => ("--set", self.overrides.get(i).map_or("", String::as_str)),
+        }
+    }
+}
+
+impl fmt::Display for FaultList {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, problem) in self.problems.iter().enumerate() {
+            let place = self.place(problem);
+            let (name, _) = self.source(place.origin);
+            let newline = if i == 0 { "" } else { "\n" };
+            write!(f, "{newline}{name}:{}:{}: {}", place.line, place.column, problem.fault)?;
+            if let Some(fix) = problem.fault.fix() {
+                write!(f, "\n    {fix}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for FaultList {}

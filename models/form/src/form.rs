@@ -1,0 +1,187 @@
+//! The vocabulary in which the sections of a file are described: one table a section, from which
+//! reader, JSON schema, echo and error texts are all made.
+
+use toolroom_process::Field;
+
+/// A section: `[shop]`, one `[[machine]]`, one inline table.
+#[derive(Debug)]
+pub struct Form {
+    /// How people write it, `[[machine]]`.
+    pub title: &'static str,
+    /// One line for people.
+    pub doc: &'static str,
+    /// Keys in the order in which they are explained.
+    pub keys: &'static [Key],
+}
+
+/// One key of a section.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// As written.
+    pub name: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// Whether it has to be there.
+    pub need: Need,
+    /// The choice of another key of the section under which it applies; always, if `None`.
+    pub when: Option<When>,
+    /// One line for people.
+    pub doc: &'static str,
+}
+
+/// The condition under which a key applies: `key` has one of `values`.
+#[derive(Clone, Copy, Debug)]
+pub struct When {
+    /// The deciding key.
+    pub key: &'static str,
+    /// Its values under which this one applies.
+    pub values: &'static [&'static str],
+}
+
+/// Whether a key has to be there.
+#[derive(Clone, Copy, Debug)]
+pub enum Need {
+    /// It has to.
+    Required,
+    /// It may be left out.
+    Optional,
+    /// Left out, it has this value, written as in a file (without quotes for text).
+    Default(&'static str),
+}
+
+/// What a key takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A name or word.
+    Name,
+    /// A line for people.
+    Text,
+    /// A number with its unit.
+    Quantity(Quantity),
+    /// A whole number.
+    Count {
+        /// Least.
+        min: u64,
+        /// Greatest.
+        max: u64,
+    },
+    /// `true` or `false`.
+    Flag,
+    /// One word of these.
+    Choice(&'static [&'static str]),
+    /// The name of another section's entry, of this kind.
+    Reference(&'static str),
+    /// One or more, in brackets; a single one may stand without.
+    List(&'static Kind),
+    /// A section or inline table.
+    Table(&'static Form),
+    /// Sections `[[…]]` or an array of inline tables.
+    Tables(&'static Form),
+    /// A word, or a table whose key `selector` is that word.
+    Shorthand {
+        /// The scalar form.
+        word: &'static Kind,
+        /// The full form.
+        form: &'static Form,
+    },
+    /// A word, or a table of values of a record, each in the unit of its field.
+    Fields {
+        /// The scalar form.
+        word: &'static Kind,
+        /// The record's fields.
+        fields: &'static [Field],
+    },
+    /// Groups of parameters of a process, `{ group = { name = value } }`.
+    Parameters,
+    /// A table of texts or numbers under names that the file chooses.
+    Texts,
+    /// A value that the kind of file reads itself.
+    Content(&'static Content),
+}
+
+/// What people and editors are told about a value that a kind of file reads itself.
+#[derive(Debug)]
+pub struct Content {
+    /// What is due, in words.
+    pub expected: &'static str,
+    /// A value that would do, as written in a file.
+    pub example: &'static str,
+    /// Its JSON schema.
+    pub schema: fn() -> serde_json::Value,
+}
+
+/// Currencies whose amounts can be read.
+pub const CURRENCIES: &[&str] = &["EUR", "USD", "GBP", "CHF", "JPY", "CNY", "INR", "RUB"];
+
+/// The unit and range of a quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantity {
+    /// SI unit.
+    pub unit: &'static str,
+    /// Unit in which people are answered.
+    pub display: &'static str,
+    /// Least admissible value, SI.
+    pub min: f64,
+    /// Greatest admissible value, SI.
+    pub max: f64,
+    /// Whether the least value itself is excluded.
+    pub above: bool,
+    /// A value that would do.
+    pub example: &'static str,
+}
+
+impl Quantity {
+    /// Whether `value` (SI) may stand here.
+    pub fn admits(&self, value: f64) -> bool {
+        value.is_finite() && value <= self.max && if self.above { value > self.min } else { value >= self.min }
+    }
+}
+
+/// Keys of several lists as one.
+///
+/// # Panics
+/// Where `N` is not the number of all.
+pub const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut list, mut count) = (0, 0);
+    while list < lists.len() {
+        let mut key = 0;
+        while key < lists[list].len() {
+            all[count] = lists[list][key];
+            (key, count) = (key + 1, count + 1);
+        }
+        list += 1;
+    }
+    assert!(count == N);
+    all
+}
+
+impl Key {
+    /// A key that has to be there.
+    pub const fn required(name: &'static str, kind: Kind, doc: &'static str) -> Self {
+        Self { name, kind, need: Need::Required, when: None, doc }
+    }
+
+    /// A key that may be left out.
+    pub const fn optional(name: &'static str, kind: Kind, doc: &'static str) -> Self {
+        Self { name, kind, need: Need::Optional, when: None, doc }
+    }
+
+    /// A key with a default.
+    pub const fn default(name: &'static str, kind: Kind, value: &'static str, doc: &'static str) -> Self {
+        Self { name, kind, need: Need::Default(value), when: None, doc }
+    }
+
+    /// The same key, applying only where `key` has one of `values`.
+    pub const fn when(mut self, key: &'static str, values: &'static [&'static str]) -> Self {
+        self.when = Some(When { key, values });
+        self
+    }
+}
+
+impl Form {
+    /// The key called `name`.
+    pub fn key(&self, name: &str) -> Option<&'static Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+}
