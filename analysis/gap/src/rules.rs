@@ -251,7 +251,9 @@ fn closes(judged: &Judged<'_>) -> Option<String> {
     let imitated = judged.added().iter().any(|index| judged.decision.base.imitated(judged.model(), *index) > IMITATED);
     let certain = closed.ci90[0] > 0.0;
     // Where noise is most of a gap, a root mean square hides what is closed; where form errors are, the other does.
-    let much = closed.closed > LEAST_CLOSED || (closed.closed > 0.0 && !(closed.of_closable < LEAST_OF_CLOSABLE));
+    // Nothing to be closed above the noise is no objection.
+    let share = if closed.of_closable.is_nan() { 1.0 } else { closed.of_closable };
+    let much = closed.closed > LEAST_CLOSED || (closed.closed > 0.0 && share >= LEAST_OF_CLOSABLE);
     let kept = if judged.further() {
         much && (certain || judged.lead > PAIR_GATE + scattered(judged))
     } else {
