@@ -38,6 +38,7 @@ Exit code 3: an alarm")]
   toolroom gap blind --cases smoke
   toolroom gap blind --cases full --seed 1001 --out out/blind
   toolroom gap blind --cases full --seed 1001 --part 1/4 --out out/first      a quarter of them
+  toolroom gap blind --cases full --only null --process turning --times 5 --form 0.02    60 edges, equations off
   toolroom gap blind --from out/first --from out/second --out out/both        both together")]
     Blind(BlindArgs),
 }
@@ -150,11 +151,20 @@ pub struct BlindArgs {
     /// Only the k-th of n equal parts of the cases; every set is spread over all parts
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
+    /// Only the cases of this set: null, effect, pair, "outside the catalogue", …
+    #[arg(long, value_name = "SET")]
+    pub only: Option<String>,
+    /// So many times as many groups (edges, dressings, days) as usual
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = times)]
+    pub times: usize,
+    /// How far the equations of the shops are off: share of forces and temperatures, from 0 to 0.2
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = form)]
+    pub form: f64,
     /// Only the whole method, not what is left of it without its parts
     #[arg(long)]
     pub no_ablations: bool,
     /// Diagnose nothing: count the cases of finished runs together; repeatable
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["seed", "cases", "process", "part", "no_ablations"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["seed", "cases", "process", "part", "only", "times", "form", "no_ablations"])]
     pub from: Vec<PathBuf>,
     /// Directory of cases.csv, rates.md and blind.json
     #[arg(long, value_name = "DIR")]
@@ -165,6 +175,18 @@ pub struct BlindArgs {
 fn part(text: &str) -> Result<(usize, usize), String> {
     let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
     numbers.filter(|(k, n)| (1..=*n).contains(k)).ok_or_else(|| "give K/N with K from 1 to N, as in 2/5".to_owned())
+}
+
+fn times(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|times| (1..=100).contains(times))
+        .ok_or_else(|| "give a whole number from 1 to 100".to_owned())
+}
+
+fn form(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=0.2).contains(share));
+    share.ok_or_else(|| "give a share from 0 to 0.2, as in 0.02".to_owned())
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
