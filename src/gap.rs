@@ -9,6 +9,7 @@ mod plan;
 mod predict;
 mod rounds;
 mod tables;
+mod watch;
 
 use crate::args::{GapCommand, GapData};
 use crate::failure::Failure;
@@ -26,6 +27,7 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Plan(args) => plan::run(args, voice),
         GapCommand::Predict(args) => predict::run(args, voice),
         GapCommand::Loop(args) => rounds::run(args, voice),
+        GapCommand::Watch(args) => watch::run(args, voice),
     }
 }
 

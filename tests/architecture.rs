@@ -117,7 +117,9 @@ fn lines(folder: &Path) -> usize {
 fn no_crate_outgrows_what_one_reader_can_hold() {
     for [folder, name, ..] in rows().iter().filter(|[_, name, ..]| name != "–") {
         let source = root().join(folder).join(if name == "toolroom" { "" } else { "src" });
-        assert!(lines(&source) <= 12_000, "{name} has {} lines", lines(&source));
+        // The program holds arguments, dispatch, output folder and voice: what is computed has a room of its own.
+        let most = if name == "toolroom" { 8_000 } else { 12_000 };
+        assert!(lines(&source) <= most, "{name} has {} lines", lines(&source));
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::{Measured, Untried, Words};
+use super::{Discrepancy, Measured, Untried, Words};
 use rayon::prelude::*;
 use toolroom_effects::Effect;
 use toolroom_scenario::Scope;
@@ -149,6 +149,8 @@ pub struct Frame {
     pub notes: Vec<String>,
     /// Where fits start, and what a scenario calls what they move.
     pub words: Words,
+    /// How its equations may be off beyond the form allowance; `None` where nothing is known of it.
+    pub discrepancy: Option<Discrepancy>,
 }
 
 impl Frame {
@@ -164,6 +166,7 @@ impl Frame {
             covariates: Vec::new(),
             notes: Vec::new(),
             words: Words::default(),
+            discrepancy: None,
         }
     }
 }
