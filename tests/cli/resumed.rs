@@ -162,7 +162,7 @@ fn a_recorded_shop_is_diagnosed_and_its_key_figures_come_nearer() {
         (&"effect".into(), &"operator_delay".into()),
         "{found}"
     );
-    assert_eq!(found["effects"][0]["shape"], "shift=S2");
+    assert_eq!(found["effects"][0]["scope"]["shift"][0], "S2");
     let diagnosis = format!("{out}/diagnosis.json");
     let apply = ["gap", "apply", "--model", &nominal, "--diagnosis", &diagnosis, "--out", &better];
     let applied = json(&toolroom(&[&apply[..], &["--data", &records, "--json"]].concat()));

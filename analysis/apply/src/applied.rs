@@ -2,7 +2,7 @@
 
 use crate::predict::{Prediction, at};
 use nalgebra::DMatrix;
-use toolroom_gap::{Bare, Basis, Forward, Gram, Linear, Movable, Point, WrittenEffect, fit};
+use toolroom_gap::{Bare, Basis, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations};
 use toolroom_scenario::{Calibration, Moved};
 
 /// Prior standard deviation of an effect, in ordinary sizes: all but flat, as in the diagnosis.
@@ -154,7 +154,7 @@ fn posterior(model: &dyn Forward, basis: &Basis, linear: &Linear, active: &[usiz
     let effects = active.iter().map(|index| linear.effects[*index].as_slice());
     let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).chain(effects).collect();
     let measured = &model.frame().measured;
-    let gram = Gram::new(measured, &basis.noise, linear, &columns, &linear.residual, &basis.local_scale, &[]);
+    let gram = normal_equations(measured, &basis.noise, linear, &columns, &linear.residual, &basis.local_scale, &[]);
     let count = columns.len();
     let precision = DMatrix::from_fn(count, count, |i, j| {
         let prior = if i < linear.nuisance.len() { 1.0 } else { EFFECT_PRIOR.powi(-2) };

@@ -12,7 +12,7 @@ const BATCH: usize = 16;
 
 /// Normal equations of `columns` and the residual, also by `folds`, which are lists of groups;
 /// `local_scale` multiplies the prior standard deviation of each kind of local factor.
-pub(crate) fn normal_equations(
+pub fn normal_equations(
     measured: &Measured,
     noise: &Noise,
     linear: &Linear,

@@ -94,6 +94,7 @@ pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use fit::{Fit, fit};
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect};
+pub use gram::normal_equations;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::{Linear, predict};
