@@ -73,7 +73,16 @@ fn every_effect_is_kept(process: &'static str, text: &str) {
     let forward = over(text, &records);
     for index in sample(forward.as_ref()) {
         let id = forward.frame().candidates[index].id;
+        // What no scenario has a word for is refused, not lost.
+        let unwritable = forward.written(index).shape.iter().any(|(name, ..)| *name == "positioned_since_dressing");
         let (diagnosis, applied) = diagnosed(text, &records, &[index]);
+        if unwritable {
+            let process = model(text).kind().name();
+            let request =
+                Request { text, overrides: &[], diagnosis: &diagnosis, process, only: &[], calibration: true };
+            assert!(apply(request).is_err());
+            continue;
+        }
         let better = written(text, &diagnosis);
         let far = difference(&better, &records, &applied);
         assert!(far <= 1e-9, "{process}, {id} {}: {far:e}\n{better}", forward.frame().candidates[index].shape);
@@ -99,8 +108,7 @@ fn grinding_loses_nothing() {
 fn effects_with_a_scope_are_kept_and_replaced_by_their_total() {
     let records = records("turning", TURNING);
     let machine = records.texts("machine").expect("machines")[0].clone();
-    // The truth has machines of its own names.
-    let named = TURNING.replacen("name = \"L\"\ncount = 2", &format!("name = \"{machine}\""), 1);
+    let named = TURNING;
     for (effect, size) in [
         ("id = \"wear_force\", shape = { feed_force_ratio = 4.1, reference_wear = \"0.2 mm\" }", "0.3"),
         ("id = \"built_up_edge\", shape = { centre = \"151 m/min\", width = 0.15 }", "0.2"),

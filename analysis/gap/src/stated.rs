@@ -18,6 +18,8 @@ pub struct Stated {
     pub calibrations: Vec<Calibration>,
     /// Mean time of loading and unloading by machine, s.
     pub handling: Vec<(String, f64)>,
+    /// Names of the parts of the scenario.
+    pub parts: Vec<String>,
     /// Hashes of the records that the calibration has seen.
     pub seen: Vec<String>,
     /// Whether the records were not seen by the calibration: then it is where their fit starts and as certain as
@@ -38,6 +40,7 @@ impl Stated {
             deviations: scenario.deviations.clone(),
             calibrations: scenario.calibrations.clone(),
             handling: scenario.machines.iter().map(handling).collect(),
+            parts: scenario.parts.iter().map(|part| part.name.clone()).collect(),
             seen: Vec::new(),
             fresh: true,
         }

@@ -42,6 +42,14 @@ impl<P: Nominal> Cutting<P> {
             let name = &surface.name;
             let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
             let gain = |target: Target| Movable::factor(format!("gain.{channel}"), target);
+            // Machines and parts that the scenario does not know have no words in it.
+            let machine = name.split_once(", machine ").map(|(_, machine)| machine);
+            let part = name.split_once(", fixture of ").map(|(_, part)| part);
+            let strange = machine.is_some_and(|name| stated.handling.iter().all(|(own, _)| own != name))
+                || part.is_some_and(|name| stated.parts.iter().all(|own| own != name));
+            if strange {
+                continue;
+            }
             let movable = if name == "handling time" {
                 Movable { summand: true, ..Movable::factor("handling_time", tool()) }
             } else if let Some((_, machine)) = name.split_once(", machine ") {

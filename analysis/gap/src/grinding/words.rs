@@ -19,6 +19,9 @@ impl Grinding {
                 Change::Scale => Movable::factor("gain.infeed_per_rev", tool()),
                 Change::Machine(_) => {
                     let machine = parameter.name.rsplit("machine ").next().unwrap_or_default().to_owned();
+                    if stated.handling.iter().all(|(own, _)| *own != machine) {
+                        continue;
+                    }
                     let scope = Scope { names: vec![("machine", vec![machine])], ..Scope::default() };
                     Movable { scope, ..Movable::factor("infeed.system_stiffness", tool()) }
                 }
@@ -86,7 +89,14 @@ impl Grinding {
     /// How a scenario says a candidate.
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
         match &self.actions[candidate] {
-            Action::Effect { effect, .. } => WrittenEffect::of(effect, &Scope::default()),
+            Action::Effect { effect, by_command } => {
+                let mut written = WrittenEffect::of(effect, &Scope::default());
+                if *by_command {
+                    // No scenario has a word for it: an application refuses it rather than lose it.
+                    written.shape.push(("positioned_since_dressing", 1.0, "1", "1"));
+                }
+                written
+            }
             Action::Coolant(_) => {
                 let name = &self.frame.candidates[candidate].shape;
                 let name = name.strip_prefix("coolant ").unwrap_or(name).to_owned();
