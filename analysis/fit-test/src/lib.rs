@@ -7,6 +7,7 @@
 //!
 //! | item | what it is |
 //! |---|---|
+//! | [`Design`] | a linear model of groups, and the scores of groups that it predicts from the others |
 //! | [`Channel`] | how the scores of a channel lie: groups in sequence, covariates |
 //! | [`Statistics`] | six numbers of the scores of a channel |
 //! | [`judge`] | one probability over all of them, and one of each |
@@ -17,8 +18,10 @@
 //! not do. The greatest of standardised statistics: Westfall & Young 1993, with differences from the
 //! median over the upper spread in place of ranks, which tie. Anderson & Darling 1954.
 
+mod design;
 mod judged;
 mod statistics;
 
+pub use design::{Design, Group};
 pub use judged::{Judged, interpolated, judge};
 pub use statistics::{Channel, Statistic, Statistics};

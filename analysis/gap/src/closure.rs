@@ -11,6 +11,7 @@ use super::{Basis, Closure, Direction, Forward, Frame, Measured, Method, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use toolroom_innovations::Chain;
 
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
@@ -71,6 +72,10 @@ impl Forward for Turned<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(at)
+    }
+
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        self.model.chains(at)
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {

@@ -2,6 +2,7 @@
 
 use super::Measured;
 use rayon::prelude::*;
+use toolroom_innovations::Chain;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
 /// deviations from nominal.
@@ -166,6 +167,11 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
+    /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
+    /// sensors; empty where the model does not say.
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
+    }
     /// Derivatives of the raw values by each of `along`; `raw` is [`Forward::simulate`] at the same point.
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let slope = |direction: &Direction| {

@@ -14,10 +14,13 @@ use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{self, Form, GAP, Key, Kind, Outline, ReadError};
-use toolroom_scenario::{GapSection, ProcessModel, SensorErrors};
+use toolroom_scenario::{Distribution, GapSection, ProcessModel, SensorErrors};
+use toolroom_wear::Scatter;
 
 /// Stretches of part programs that are told by name.
 const PLACES: usize = 6;
+/// Shares of a distribution by which its variance is taken.
+const QUANTILES: usize = 400;
 
 /// The process behind a nominal model.
 #[derive(Clone, Debug)]
@@ -150,6 +153,9 @@ impl NominalModel {
         if let Some(section) = section {
             model.settings = settings(&file, &section, model.kind())?;
         }
+        if let Some(scenario) = scenario {
+            randomness(&mut model.settings, scenario, &wanted);
+        }
         Ok(model)
     }
 
@@ -280,6 +286,26 @@ fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path)
 /// Whether a file has no shop: nothing but priors and sensors of an empirical model.
 fn is_plain(outline: &Outline) -> bool {
     !outline.has("shop")
+}
+
+/// What a run of the scenario draws for the tools of a process, their workpieces and the handling of parts.
+fn randomness(settings: &mut Settings, scenario: &Scenario, process: &str) {
+    let tool = scenario.tools.iter().find(|tool| tool.process.name() == process);
+    settings.scatter = tool.map(|tool| tool.scatter).filter(|scatter| *scatter != Scatter::none());
+    settings.lots = scenario.parts.iter().map(|part| (part.name.clone(), part.batch_size)).collect();
+    let variance = |distribution: &Distribution| {
+        if distribution.is_constant() {
+            return 0.0;
+        }
+        // The mean over equal shares of the probability.
+        let mean = |value: &dyn Fn(f64) -> f64| {
+            (0..QUANTILES).map(|i| value((i as f64 + 0.5) / QUANTILES as f64)).sum::<f64>() / QUANTILES as f64
+        };
+        mean(&|u| (distribution.quantile(u) - distribution.mean()).powi(2))
+    };
+    let machines = scenario.machines.iter().filter(|machine| machine.process == process);
+    let handling = machines.map(|machine| variance(&machine.load_time) + variance(&machine.unload_time));
+    settings.handling = handling.fold(0.0, f64::max).sqrt();
 }
 
 fn settings(file: &str, section: &GapSection, kind: RecordKind) -> Result<Settings, ModelFileError> {

@@ -1,6 +1,7 @@
 //! Priors and sensors of a diagnosis, with the defaults of the records contract.
 
 use toolroom_records::Sensor;
+use toolroom_wear::Scatter;
 
 /// Prior standard deviation of a machine's gain on a channel.
 pub(super) const MACHINE_GAIN: f64 = 0.03;
@@ -34,6 +35,12 @@ pub struct Settings {
     pub constant_rate: bool,
     /// Sensors that differ from the sheet.
     pub sensors: Vec<(String, Sensor)>,
+    /// How edges and workpieces scatter in the scenario; `None` where it says nothing of it.
+    pub scatter: Option<Scatter>,
+    /// Parts of the scenario and the number of their workpieces that share a hardness.
+    pub lots: Vec<(String, u32)>,
+    /// Standard deviation of the time to load and unload a part, s.
+    pub handling: f64,
 }
 
 impl Default for Settings {
@@ -52,16 +59,21 @@ impl Default for Settings {
             channels: Vec::new(),
             constant_rate: false,
             sensors: Vec::new(),
+            scatter: None,
+            lots: Vec::new(),
+            handling: 0.0,
         }
     }
 }
 
 impl Settings {
-    /// The sensor of a channel.
+    /// The sensor of a channel; handling scatters like an error of the cycle time.
     pub fn sensor(&self, channel: &str) -> Sensor {
-        if let Some((_, sensor)) = self.sensors.iter().find(|(name, _)| name == channel) {
-            return *sensor;
+        let given = self.sensors.iter().find(|(name, _)| name == channel);
+        let mut sensor = given.map_or_else(|| Sensor::usual(channel), |(_, sensor)| *sensor);
+        if channel == "cycle_time" {
+            sensor.absolute = sensor.absolute.hypot(self.handling);
         }
-        Sensor::usual(channel)
+        sensor
     }
 }

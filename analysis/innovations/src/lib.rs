@@ -2,8 +2,8 @@
 //!
 //! Three deviations decide about the readings of a row beside the errors of their sensors: a **level** that is
 //! carried from row to row (the land of the edge), a **rate** by which it grows (an Ornstein–Uhlenbeck process),
-//! and what the row has of its **own** (the hardness of its workpiece). Readings of all channels hang on them, so
-//! that they are neither independent of each other nor of those of rows before.
+//! and the **hardness** of the workpiece, a part of which it shares with its lot. Readings of all channels hang on
+//! them, so that they are neither independent of each other nor of those of rows before.
 //!
 //! [`Chain`] says how; [`Filter`] turns any column of readings into innovations: what of each reading those before
 //! it do not predict, in units of its predicted standard deviation. Where the chain is right they are independent
@@ -16,16 +16,18 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Number of deviations: level, rate, own.
-const STATES: usize = 3;
+/// Number of deviations: level, rate, hardness.
+const DEVIATIONS: usize = 3;
+/// Number of states: level, rate, hardness of the lot, hardness of the piece beside it.
+const STATES: usize = 4;
 
 /// A reading of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Its place in the columns that are whitened.
     pub place: usize,
-    /// Its derivatives by level and rate at the start of the row, and by what the row has of its own.
-    pub by: [f64; STATES],
+    /// Its derivatives by level and rate at the start of the row, and by the hardness of the piece.
+    pub by: [f64; DEVIATIONS],
     /// Standard deviation of its sensor.
     pub deviation: f64,
 }
@@ -35,10 +37,12 @@ pub struct Reading {
 pub struct Row {
     /// Its readings, in any order.
     pub readings: Vec<Reading>,
-    /// Derivatives of the level at its end by level and rate at its start, and by what it has of its own.
-    pub level_by: [f64; STATES],
+    /// Derivatives of the level at its end by level and rate at its start, and by the hardness of the piece.
+    pub level_by: [f64; DEVIATIONS],
     /// Correlation of the rate in the next row with that of this one, 0 … 1.
     pub memory: f64,
+    /// The lot of its piece; numbers are those of all chains.
+    pub lot: usize,
 }
 
 /// Rows in sequence.
@@ -48,22 +52,28 @@ pub struct Chain {
     pub level: f64,
     /// Standard deviation of the rate, relative to the nominal one.
     pub rate: f64,
-    /// Standard deviation of what each row has of its own.
-    pub own: f64,
+    /// Standard deviation of the hardness of lots, relative.
+    pub lot: f64,
+    /// Standard deviation of the hardness of pieces about that of their lot, relative.
+    pub piece: f64,
     /// The rows.
     pub rows: Vec<Row>,
 }
 
 impl Chain {
-    /// Adds a draw of what the chain scatters by, without errors of sensors, to `column`. The rate is multiplied by a
-    /// lognormal factor of mean 1. Takes two numbers a row and one for the first level from `random`.
-    pub fn add_draw<R: Rng + ?Sized>(&self, random: &mut R, column: &mut [f64]) {
+    /// Adds a draw of what the chain scatters by, without errors of sensors, to `column`; `lots` holds a standard
+    /// normal number for each lot. The rate is multiplied by a lognormal factor of mean 1. Takes two numbers a row and
+    /// two more from `random`.
+    ///
+    /// # Panics
+    /// Where a lot has no number, or a reading no place in `column`.
+    pub fn add_draw<R: Rng + ?Sized>(&self, random: &mut R, lots: &[f64], column: &mut [f64]) {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let mut level = self.level * normal();
         let mut noise = self.rate * normal();
         for row in &self.rows {
-            let own = self.own * normal();
-            let x = [level, (noise - 0.5 * self.rate * self.rate).exp_m1(), own];
+            let hardness = self.lot * lots[row.lot] + self.piece * normal();
+            let x = [level, (noise - 0.5 * self.rate * self.rate).exp_m1(), hardness];
             for reading in &row.readings {
                 column[reading.place] += dot(&reading.by, &x);
             }
@@ -89,41 +99,55 @@ struct Gain {
 /// The filter of a chain: its gains do not depend on the readings.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    rows: Vec<(Vec<Gain>, [f64; STATES], f64)>,
+    rows: Vec<FilteredRow>,
+}
+
+#[derive(Clone, Debug)]
+struct FilteredRow {
+    gains: Vec<Gain>,
+    level_by: [f64; STATES],
+    /// Share of the rate, and of the hardness of the lot, that the next row keeps.
+    kept: [f64; 2],
+}
+
+/// Hardness counts the same, whether of lot or piece.
+fn of_states([level, rate, hardness]: [f64; DEVIATIONS]) -> [f64; STATES] {
+    [level, rate, hardness, hardness]
 }
 
 impl Filter {
-    /// The filter of `chain`.
+    /// The filter of `chain`. A lot that comes back after another counts as a new one.
     pub fn new(chain: &Chain) -> Self {
+        let squares = [chain.level, chain.rate, chain.lot, chain.piece].map(|deviation| deviation * deviation);
         let mut p = [[0.0; STATES]; STATES];
-        p[0][0] = chain.level * chain.level;
-        p[1][1] = chain.rate * chain.rate;
+        (0..STATES).for_each(|i| p[i][i] = squares[i]);
         let mut rows = Vec::with_capacity(chain.rows.len());
-        for row in &chain.rows {
-            p[2] = [0.0, 0.0, chain.own * chain.own];
-            p[0][2] = 0.0;
-            p[1][2] = 0.0;
+        for (index, row) in chain.rows.iter().enumerate() {
             let mut gains = Vec::with_capacity(row.readings.len());
             for reading in &row.readings {
-                let cross: [f64; STATES] = std::array::from_fn(|i| dot(&p[i], &reading.by));
+                let by = of_states(reading.by);
+                let cross: [f64; STATES] = std::array::from_fn(|i| dot(&p[i], &by));
                 let sensor = reading.deviation * reading.deviation;
-                let variance = dot(&cross, &reading.by) + sensor;
+                let variance = dot(&cross, &by) + sensor;
                 let gain = cross.map(|cross| cross / variance);
-                for i in 0..STATES {
-                    for j in 0..STATES {
-                        p[i][j] -= gain[i] * cross[j];
-                    }
+                for (p, gain) in p.iter_mut().zip(gain) {
+                    p.iter_mut().zip(cross).for_each(|(p, cross)| *p -= gain * cross);
                 }
                 let precision = variance.sqrt().recip();
-                gains.push(Gain { place: reading.place, by: reading.by, gain, precision, share: sensor / variance });
+                gains.push(Gain { place: reading.place, by, gain, precision, share: sensor / variance });
             }
-            // To the next row: the level grows, the rate forgets.
-            let to = [row.level_by, [0.0, row.memory, 0.0], [0.0; STATES]];
+            // To the next row: the level grows, the rate forgets, a lot stays or goes.
+            let stays = chain.rows.get(index + 1).is_some_and(|next| next.lot == row.lot);
+            let kept = [row.memory, f64::from(u8::from(stays))];
+            let level_by = of_states(row.level_by);
+            let to = [level_by, [0.0, kept[0], 0.0, 0.0], [0.0, 0.0, kept[1], 0.0], [0.0; STATES]];
             let half: [[f64; STATES]; STATES] =
                 std::array::from_fn(|i| std::array::from_fn(|j| (0..STATES).map(|k| to[i][k] * p[k][j]).sum()));
             p = std::array::from_fn(|i| std::array::from_fn(|j| dot(&half[i], &to[j])));
-            p[1][1] += chain.rate * chain.rate * (1.0 - row.memory * row.memory);
-            rows.push((gains, row.level_by, row.memory));
+            for (i, kept) in [(1, kept[0]), (2, kept[1]), (3, 0.0)] {
+                p[i][i] += squares[i] * (1.0 - kept * kept);
+            }
+            rows.push(FilteredRow { gains, level_by, kept });
         }
         Self { rows }
     }
@@ -132,25 +156,24 @@ impl Filter {
     /// the readings; other places stay as they are.
     pub fn whiten(&self, column: &[f64], white: &mut [f64]) {
         let mut x = [0.0; STATES];
-        for (gains, level_by, memory) in &self.rows {
-            x[2] = 0.0;
+        for FilteredRow { gains, level_by, kept } in &self.rows {
             for gain in gains {
                 let innovation = column[gain.place] - dot(&gain.by, &x);
                 white[gain.place] = innovation * gain.precision;
                 x.iter_mut().zip(&gain.gain).for_each(|(x, gain)| *x += gain * innovation);
             }
-            x = [dot(level_by, &x), memory * x[1], 0.0];
+            x = [dot(level_by, &x), kept[0] * x[1], kept[1] * x[2], 0.0];
         }
     }
 
     /// The place of each reading, and the share of its predicted variance that is its sensor's.
     pub fn shares(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.rows.iter().flat_map(|(gains, ..)| gains.iter().map(|gain| (gain.place, gain.share)))
+        self.rows.iter().flat_map(|row| row.gains.iter().map(|gain| (gain.place, gain.share)))
     }
 }
 
-fn dot(a: &[f64; STATES], b: &[f64; STATES]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
@@ -167,9 +190,9 @@ mod tests {
             let force = Reading { place: 5 + i, by: [0.004, 0.01, 0.9], deviation: 0.02 };
             let power = Reading { place: 10 + i, by: [0.004, 0.012, 1.0], deviation: 0.025 };
             let readings = if i.is_multiple_of(2) { vec![land, force, power] } else { vec![force, land] };
-            Row { readings, level_by: [1.02, 6.0 + i as f64, 2.0], memory: 0.8 - 0.1 * i as f64 }
+            Row { readings, level_by: [1.02, 6.0 + i as f64, 2.0], memory: 0.8 - 0.1 * i as f64, lot: 4 + i / 3 }
         };
-        Chain { level: 2.5, rate: 0.1, own: 0.02, rows: (0..5).map(row).collect() }
+        Chain { level: 2.5, rate: 0.1, lot: 0.03, piece: 0.02, rows: (0..5).map(row).collect() }
     }
 
     const PLACES: usize = 15;
@@ -177,20 +200,26 @@ mod tests {
     /// The covariance of the readings written out: every independent deviation with all that it moves.
     fn covariance(chain: &Chain) -> DMatrix<f64> {
         let mut covariance = DMatrix::zeros(PLACES, PLACES);
-        let mut add = |first: usize, mut x: [f64; 3]| {
+        // Level and rate at the start of row `first`, and the hardness of each row.
+        let mut add = |first: usize, [level, rate]: [f64; 2], hardness: &dyn Fn(usize) -> f64| {
             let mut column = vec![0.0; PLACES];
-            for row in &chain.rows[first..] {
+            let (mut level, mut rate) = (level, rate);
+            for (i, row) in chain.rows.iter().enumerate().skip(first) {
+                let x = [level, rate, hardness(i)];
                 row.readings.iter().for_each(|reading| column[reading.place] += dot(&reading.by, &x));
-                x = [dot(&row.level_by, &x), row.memory * x[1], 0.0];
+                (level, rate) = (dot(&row.level_by, &x), row.memory * rate);
             }
             let column = nalgebra::DVector::from_vec(column);
             covariance += &column * column.transpose();
         };
-        add(0, [chain.level, 0.0, 0.0]);
+        add(0, [chain.level, 0.0], &|_| 0.0);
+        for lot in [4, 5] {
+            add(0, [0.0; 2], &|i| if chain.rows[i].lot == lot { chain.lot } else { 0.0 });
+        }
         let mut fresh = 1.0;
         for (i, row) in chain.rows.iter().enumerate() {
-            add(i, [0.0, chain.rate * f64::sqrt(fresh), 0.0]);
-            add(i, [0.0, 0.0, chain.own]);
+            add(i, [0.0, chain.rate * f64::sqrt(fresh)], &|_| 0.0);
+            add(i, [0.0; 2], &|row| if row == i { chain.piece } else { 0.0 });
             fresh = 1.0 - row.memory * row.memory;
         }
         for reading in chain.rows.iter().flat_map(|row| &row.readings) {
@@ -231,7 +260,8 @@ mod tests {
         let mut squares = DMatrix::<f64>::zeros(PLACES, PLACES);
         for _ in 0..count {
             let mut column = vec![0.0; PLACES];
-            chain.add_draw(&mut random, &mut column);
+            let lots: Vec<f64> = (0..6).map(|_| StandardNormal.sample(&mut random)).collect();
+            chain.add_draw(&mut random, &lots, &mut column);
             let column = nalgebra::DVector::from_vec(column);
             squares += &column * column.transpose() / f64::from(count);
         }
@@ -245,7 +275,7 @@ mod tests {
 
     #[test]
     fn sensors_alone_give_readings_over_their_deviations() {
-        let chain = Chain { level: 0.0, rate: 0.0, own: 0.0, ..chain() };
+        let chain = Chain { level: 0.0, rate: 0.0, lot: 0.0, piece: 0.0, ..chain() };
         let filter = Filter::new(&chain);
         let mut white = vec![f64::NAN; PLACES];
         filter.whiten(&[6.0; PLACES], &mut white);

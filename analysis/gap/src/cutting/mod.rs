@@ -1,7 +1,9 @@
 //! Turning and milling as nominal models of recorded operations.
 
+mod chains;
 mod nominal;
 mod run;
+mod scattered;
 mod slopes;
 
 pub use nominal::Nominal;
@@ -11,6 +13,7 @@ use super::features::{self, standardised};
 use super::settings::Settings;
 use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, broken};
 use run::Step;
+use scattered::Scattered;
 use toolroom_process::Record;
 use toolroom_records::{Records, Sensor};
 
@@ -24,6 +27,8 @@ enum Change {
     WearFeature(Vec<f64>),
     /// Multiplies the wear rate by a function of the land, weighted by a feature of the row if it has one.
     WearOfLand(Option<Vec<f64>>, LandForm),
+    /// Moves the land of a new edge.
+    Start,
 }
 
 /// Forms that the rate of wear may have along the land.
@@ -42,6 +47,9 @@ struct Ports {
     force: usize,
     lot: usize,
     pass_time: Option<usize>,
+    hardness: usize,
+    mechanical: Option<usize>,
+    thermal: Option<usize>,
 }
 
 /// A cutting process over the rows of [`Records`].
@@ -57,6 +65,8 @@ pub struct Cutting<P: Nominal> {
     places: Vec<usize>,
     /// Steps of each row.
     steps: Vec<Vec<Step>>,
+    /// Land of a new edge beside that of the process, m.
+    start: f64,
     /// Output of each channel; wear and cycle time have none.
     outputs: Vec<Source>,
     /// Channels that are means over the cut, each with its output.
@@ -68,6 +78,8 @@ pub struct Cutting<P: Nominal> {
     changes: Vec<Change>,
     actions: Vec<Action>,
     ports: Ports,
+    /// How the scenario scatters; `None` where it says nothing of it.
+    scattered: Option<Scattered>,
 }
 
 /// Where a channel's prediction comes from.
@@ -124,11 +136,17 @@ impl<P: Nominal> Cutting<P> {
             force: index("force_factor"),
             lot: index("lot_deviation"),
             pass_time: P::Input::index_of("pass_time"),
+            hardness: index("hardness_ratio"),
+            mechanical: P::Input::index_of("mechanical_wear_factor"),
+            thermal: P::Input::index_of("thermal_wear_factor"),
         };
+        let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
         let mut channels = channels::<P>(records, settings);
         let broken = broken::take_out(&mut channels, &group_of_row);
         let mut measured = Measured::new(channels, names, group_of_row, fitted);
-        broken::widen(&mut measured);
+        if settings.scatter.is_none() {
+            broken::widen(&mut measured);
+        }
         let measured_channels = measured.channels.len();
         let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
         let mean = |(channel, source): (usize, &Source)| match source {
@@ -137,10 +155,13 @@ impl<P: Nominal> Cutting<P> {
         };
         let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
         let readings = measured.channels.iter().all(|channel| known(channel.name));
-        let locals = vec![
+        let mut locals = vec![
             Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true, scatter: true },
             Local { name: "force of the edge", deviation: settings.edge_force, estimated: false, scatter: true },
         ];
+        if let Some(scattered) = &scattered {
+            scattered.set_locals(&mut locals);
+        }
         let mut model = Self {
             process,
             frame: Frame { locals, ..Frame::new(measured) },
@@ -149,6 +170,7 @@ impl<P: Nominal> Cutting<P> {
             rows,
             places,
             steps: Vec::new(),
+            start: 0.0,
             signs: vec![1.0; measured_channels],
             means: outputs.iter().enumerate().filter_map(mean).collect(),
             outputs,
@@ -156,6 +178,7 @@ impl<P: Nominal> Cutting<P> {
             changes: Vec::new(),
             actions: Vec::new(),
             ports,
+            scattered,
         };
         model.calibration(records, settings);
         let wear = model.schedule();
@@ -226,6 +249,10 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         self.parameter("wear rate level", settings.wear_level, false, Change::Wear);
+        if let Some(land) = self.scattered.as_ref().map(|own| own.land).filter(|land| *land > 0.0) {
+            self.start = land;
+            self.parameter("land of a new edge", scattered::NEW_LAND, false, Change::Start);
+        }
         for (name, feature, linear) in features::surface(records, P::CONDITIONS) {
             let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
             self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));

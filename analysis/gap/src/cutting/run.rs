@@ -1,9 +1,10 @@
 //! An edge through its operations, in steps that are the same wherever the model is asked.
 
-use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source};
+use super::{Action, Change, Cutting, LAND, LandForm, NARROW, Nominal, Source, scattered};
 use crate::{Direction, Forward, Frame, Point};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
+use toolroom_innovations::Chain;
 use toolroom_process::Record;
 
 /// The start of a cut that force, power and temperature means leave out, s.
@@ -50,6 +51,8 @@ pub(super) struct Setting<'a, P> {
     of_row: Vec<(f64, &'a [f64])>,
     /// Size and rows of lots.
     lots: Vec<(f64, &'a [f64])>,
+    /// Factor on the land of a new edge.
+    pub start: f64,
 }
 
 /// One number a row, where rows differ.
@@ -110,7 +113,7 @@ impl<P: Nominal> Cutting<P> {
         let parts = Parts::of::<P>();
         let lag = self.process.lag();
         for rows in &self.rows {
-            let mut x = self.fresh();
+            let mut x = self.fresh(1.0);
             for row in rows {
                 let held = self.process.held(&self.inputs[*row]);
                 let duration = self.durations[*row];
@@ -139,9 +142,11 @@ impl<P: Nominal> Cutting<P> {
         wear
     }
 
-    pub(super) fn fresh(&self) -> [f64; MOST] {
+    /// A new edge whose land is `factor` times that of the scenario.
+    pub(super) fn fresh(&self, factor: f64) -> [f64; MOST] {
         let mut x = [0.0; MOST];
         self.process.initial().write_to(&mut x);
+        x[Parts::of::<P>().land] += factor * self.start;
         x
     }
 
@@ -153,6 +158,7 @@ impl<P: Nominal> Cutting<P> {
             wear: 0.0,
             of_row: Vec::new(),
             lots: Vec::new(),
+            start: 1.0,
         };
         for ((change, x), parameter) in self.changes.iter().zip(&at.parameters).zip(&self.frame.parameters) {
             let weight = parameter.deviation * x;
@@ -161,6 +167,7 @@ impl<P: Nominal> Cutting<P> {
                 Change::Wear => setting.wear += weight,
                 Change::WearFeature(feature) => setting.of_row.push((weight, feature)),
                 Change::WearOfLand(feature, form) => setting.of_land.push((weight, feature.as_deref(), *form)),
+                Change::Start => setting.start = (1.0 + weight).max(0.0),
                 Change::Constant { .. } => {}
             }
         }
@@ -216,7 +223,7 @@ impl<P: Nominal> Cutting<P> {
         let channels = self.outputs.len().max(1);
         let mut values = vec![0.0; channels * self.rows[group].len()];
         let mut y = vec![0.0; P::Output::LEN];
-        let mut x = self.fresh();
+        let mut x = self.fresh(setting.start);
         for (row, values) in self.rows[group].iter().zip(values.chunks_exact_mut(channels)) {
             let (u, factor) = self.conditions(setting, group, *row);
             let of_land = setting.of_land(*row);
@@ -258,6 +265,9 @@ impl<P: Nominal> Cutting<P> {
     pub(super) fn conditions(&self, setting: &Setting<'_, P>, group: usize, row: usize) -> (P::Input, f64) {
         let local = |kind: usize| setting.at.locals[kind][group] * self.frame.locals[kind].deviation;
         let mut u = self.inputs[row];
+        if let (Some(scattered), true) = (&self.scattered, setting.at.locals.len() > scattered::KIND) {
+            scattered.set_kinds(&self.ports, local(scattered::KIND), &mut u);
+        }
         u.set(self.ports.force, local(1).exp());
         if !setting.lots.is_empty() {
             u.set(self.ports.lot, setting.lots.iter().map(|(size, rows)| size * rows[row]).sum());
@@ -355,8 +365,15 @@ impl Half {
     }
 }
 
+/// Rates per second where the edge wears by `factor` faster, and by what it does along the land.
 #[inline]
-fn rates<P: Nominal>(parts: &Parts, held: &P::Held<'_>, x: &[f64; MOST], factor: f64, of_land: &OfLand) -> [f64; MOST] {
+pub(super) fn rates<P: Nominal>(
+    parts: &Parts,
+    held: &P::Held<'_>,
+    x: &[f64; MOST],
+    factor: f64,
+    of_land: &OfLand,
+) -> [f64; MOST] {
     let bent = factor * of_land.factor(x[parts.land]);
     let mut slope = [0.0; MOST];
     P::rates(held, &P::State::from_slice(x), bent).write_to(&mut slope);
@@ -384,6 +401,9 @@ impl<P: Nominal> Forward for Cutting<P> {
             }
         }
         raw
+    }
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        self.chains_at(at)
     }
     fn slopes(&self, at: &Point, _raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         self.slopes_along(at, along)

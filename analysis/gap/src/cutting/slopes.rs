@@ -35,7 +35,7 @@ enum Way<'a, P> {
 }
 
 /// Components of the state by which others change, and their places.
-type Sensitive = [f64; 3];
+pub(super) type Sensitive = [f64; 3];
 
 /// What is carried along with one direction.
 struct Carried<'a, 's, P: Nominal> {
@@ -76,6 +76,7 @@ impl<P: Nominal> Cutting<P> {
                     }
                     // Forces do not wear the edge.
                     Change::Constant { group, .. } => still && *group == "force",
+                    Change::Start => false,
                 }
             }
             Direction::Effect(i) => match &self.actions[i] {
@@ -87,7 +88,8 @@ impl<P: Nominal> Cutting<P> {
                 Action::Effect(effect) => still && effect.entry().channels.iter().all(|it| it.channel != "flank_wear"),
             },
             Direction::Local(0) => return Way::Rate(self.frame.locals[0].deviation, None),
-            Direction::Local(_) => still,
+            // Force does not wear the edge; what differs between kinds of wear does.
+            Direction::Local(kind) => still && kind == 1,
         };
         let setting = self.setting(ahead);
         if seen { Way::Seen(setting, *step) } else { Way::Run(setting, *step) }
@@ -97,9 +99,13 @@ impl<P: Nominal> Cutting<P> {
     fn edge_slopes(&self, here: &Setting<'_, P>, ways: &[Way<'_, P>], group: usize) -> Vec<Vec<f64>> {
         let (channels, rows) = (self.outputs.len(), &self.rows[group]);
         let parts = Parts::of::<P>();
-        let mut x = self.fresh();
-        let mut carried: Vec<Carried<'_, '_, P>> =
-            ways.iter().map(|way| Carried { way, x, s: [0.0; 3], values: vec![0.0; channels * rows.len()] }).collect();
+        let mut x = self.fresh(here.start);
+        let started = |way: &Way<'_, P>| match way {
+            Way::Run(setting, _) => self.fresh(setting.start),
+            Way::Rate(..) | Way::RateOfLand(..) | Way::Seen(..) | Way::Reading(..) => x,
+        };
+        let carry = |way| Carried { way, x: started(way), s: [0.0; 3], values: vec![0.0; channels * rows.len()] };
+        let mut carried: Vec<Carried<'_, '_, P>> = ways.iter().map(carry).collect();
         let mut means = vec![0.0; channels];
         for (place, row) in rows.iter().enumerate() {
             let (u, factor) = self.conditions(here, group, *row);
@@ -187,20 +193,20 @@ impl<P: Nominal> Cutting<P> {
 }
 
 /// Outputs that a process has at most.
-const OUTPUTS: usize = 32;
+pub(super) const OUTPUTS: usize = 32;
 
-fn written<R: Record>(record: &R) -> [f64; OUTPUTS] {
+pub(super) fn written<R: Record>(record: &R) -> [f64; OUTPUTS] {
     let mut values = [0.0; OUTPUTS];
     record.write_to(&mut values);
     values
 }
 
 /// A step of the run, differentiated.
-struct Differentiated {
-    middle: [f64; MOST],
-    end: [f64; MOST],
+pub(super) struct Differentiated {
+    pub middle: [f64; MOST],
+    pub end: [f64; MOST],
     /// Outputs halfway.
-    y: [f64; OUTPUTS],
+    pub y: [f64; OUTPUTS],
     /// Components that something depends on.
     active: [bool; 3],
     /// `∂middle/∂x` and `∂end/∂x`, by column.
@@ -214,7 +220,7 @@ struct Differentiated {
 }
 
 impl Differentiated {
-    fn new<P: Nominal>(
+    pub(super) fn new<P: Nominal>(
         model: &Cutting<P>,
         parts: &Parts,
         held: &P::Held<'_>,
@@ -266,7 +272,14 @@ impl Differentiated {
 
     /// Carries `s` through the step, with the logarithms of the factors changing by `phi`; adds to the means.
     #[inline]
-    fn carry<P: Nominal>(&self, model: &Cutting<P>, s: &mut Sensitive, phi: [f64; 2], weight: f64, sums: &mut [f64]) {
+    pub(super) fn carry<P: Nominal>(
+        &self,
+        model: &Cutting<P>,
+        s: &mut Sensitive,
+        phi: [f64; 2],
+        weight: f64,
+        sums: &mut [f64],
+    ) {
         let active = || (0..3).filter(|c| self.active[*c]);
         let moved = |stage: usize| -> Sensitive {
             std::array::from_fn(|to| {
