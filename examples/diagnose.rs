@@ -3,7 +3,7 @@
 
 use std::error::Error;
 use std::fs;
-use toolroom::study::simulate::simulated;
+use toolroom::recording::simulated;
 
 /// Runs the example.
 pub fn main() -> Result<(), Box<dyn Error>> {

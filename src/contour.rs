@@ -1,19 +1,20 @@
 //! `toolroom contour FILE`: plans of least time and least cost along a contour.
 
-mod compute;
 mod input;
-mod picture;
-mod report;
-mod results;
-mod text;
 
 use crate::args::ContourArgs;
 use crate::failure::Failure;
-use crate::output::OutputDir;
+use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
+use input::Task;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_chart::page::Provenance;
+use toolroom_contour::EdgeLife;
+use toolroom_planning::contour::{NAMES, StudyOptions, files, studies, summary, text};
+use toolroom_process::unit;
+use toolroom_shards::fingerprint;
 
 /// Name and number of passes of a contour file that can be read.
 pub fn check(file: &Path, set: &[String]) -> Result<(String, usize), Failure> {
@@ -25,18 +26,64 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let task = input::read(&args.file, args.gcode.as_deref(), &args.set, &args.pass)?;
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
     let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref());
-    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
+    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     let start = Instant::now();
-    let studies = compute::studies(&task, args, voice)?;
+    let options = options(args)?;
+    let studies = studies(&task.file, &options, &|note| voice.say(note)).map_err(|refused| task.refused(&refused))?;
     let wall = start.elapsed();
-    results::write(&out, args, &task, &studies, wall)?;
+    let provenance = origin(args, &task);
+    let results = files(&task.file, &studies, provenance.clone()).map_err(|refused| task.refused(&refused))?;
+    out.put_all(&results)?;
+    out.record(&provenance, wall)?;
     let target = out.publish()?;
     if voice.json {
-        voice.json(&results::summary(&task, &studies))?;
+        voice.json(&summary(&task.file, &studies))?;
     } else {
-        voice.data(text::summary(&task, &studies))?;
+        voice.data(text(&task.file, &studies))?;
     }
     voice.detail(format_args!("{:.2} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
+}
+
+fn options(args: &ContourArgs) -> Result<StudyOptions, Failure> {
+    let edge = args.edge.as_ref().map(|text| {
+        let refuse = |reason: String| {
+            Failure::argument(
+                format_args!("--edge {text}: {reason}"),
+                "write for example --edge 0.3 or --edge \"30 %\"",
+            )
+        };
+        let remaining = unit::quantity(text, "1").map_err(|error| refuse(error.to_string()))?;
+        if !(0.0..=1.0).contains(&remaining) {
+            return Err(refuse("a share from 0 to 1 is due".to_owned()));
+        }
+        Ok(EdgeLife { remaining, ..EdgeLife::default() })
+    });
+    Ok(StudyOptions {
+        passes: args.pass.clone(),
+        ramps: args.ramps,
+        edge: edge.transpose()?,
+        draws: args.draws,
+        seed: args.seed,
+    })
+}
+
+/// Command and input files of a plan.
+fn origin(args: &ContourArgs, task: &Task) -> Provenance {
+    let mut arguments: Vec<String> = Vec::new();
+    for (flag, values) in [("--pass", &args.pass), ("--set", &args.set)] {
+        arguments.extend(values.iter().flat_map(|value| [flag.to_owned(), value.clone()]));
+    }
+    if let Some(program) = &args.gcode {
+        arguments.extend(["--gcode".to_owned(), program.display().to_string()]);
+    }
+    arguments.extend(args.ramps.then(|| "--ramps".to_owned()));
+    arguments.extend(args.edge.iter().flat_map(|edge| ["--edge".to_owned(), edge.clone()]));
+    arguments.extend(["--draws".to_owned(), args.draws.to_string()]);
+    let setup = [(task.inputs[0].name.clone(), task.inputs[0].text.as_bytes())];
+    let mut provenance = provenance("contour", &setup, arguments, Some(args.seed));
+    let programs = task.inputs[1..].iter();
+    provenance.inputs.extend(programs.map(|input| (input.name.clone(), fingerprint(input.text.as_bytes()))));
+    provenance
 }

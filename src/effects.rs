@@ -18,7 +18,12 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
         let unit = if entry.size.display == "1" { String::new() } else { format!(" [{}]", entry.size.display) };
         let _ = writeln!(text, "{}  {}", entry.id, entry.title);
         let _ = writeln!(text, "  size{unit}: {}", entry.size.doc.trim());
-        let _ = writeln!(text, "  acts on {}; moves {}", entry.processes.join(", "), channels(entry.channels));
+        let _ = writeln!(
+            text,
+            "  acts on {}; moves {}",
+            entry.process_names().collect::<Vec<_>>().join(", "),
+            channels(entry.channels)
+        );
         let _ = writeln!(text, "  shows {}; mistaken for {}", entry.regime, entry.confounder);
         let _ = writeln!(text, "  told apart by {}", entry.separating_test);
         let _ = writeln!(text, "  source: {}\n", entry.source);
@@ -56,7 +61,7 @@ fn as_json(entry: &CatalogueEntry) -> serde_json::Value {
             "max": entry.size.to_display(entry.size.max),
             "meaning": entry.size.doc.trim(),
         },
-        "processes": entry.processes,
+        "processes": entry.process_names().collect::<Vec<_>>(),
         "channels": channels,
         "regime": entry.regime,
         "confounder": entry.confounder,

@@ -1,41 +1,32 @@
 //! `toolroom grind FILE`: the fastest cycle within limits, and the dressing interval.
 
-mod picture;
-mod results;
-mod text;
-
 use crate::args::GrindArgs;
 use crate::failure::Failure;
 use crate::faulty::{FaultyFile, Placed, key_place};
-use crate::output::OutputDir;
+use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_infeed::{Cycle, CycleError, CycleFile, CycleFileError, DressingInterval};
-
-/// A grinding task worked out.
-struct Design {
-    name: String,
-    text: String,
-    file: CycleFile,
-    cycle: Cycle,
-    /// By estimated cycles and by the exact cycle of every part.
-    dressing: Option<[DressingInterval; 2]>,
-}
+use toolroom_infeed::{CycleError, CycleFile, CycleFileError};
+use toolroom_planning::cycle::{CycleDesign, NAMES};
 
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let target = args.out.clone().unwrap_or_else(|| default_out(&name(&args.file)));
-    let out = OutputDir::create(&target, results::NAMES, [args.file.as_path()], voice.force)?;
-    let design = design(&args.file, &args.set)?;
+    let out = OutputDir::create(&target, NAMES, [args.file.as_path()], voice.force)?;
+    let (text, design) = design(&args.file, &args.set)?;
     let wall = start.elapsed();
-    results::write(&out, args, &design, wall)?;
+    let inputs = [(args.file.display().to_string(), text.as_bytes())];
+    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let provenance = provenance("grind", &inputs, changes, None);
+    out.put_all(&design.files(provenance.clone()))?;
+    out.record(&provenance, wall)?;
     let target = out.publish()?;
     if voice.json {
-        voice.json(&results::summary(&design))?;
+        voice.json(&design.summary())?;
     } else {
-        voice.data(text::summary(&design))?;
+        voice.data(design.text())?;
     }
     voice.detail(format_args!("{:.3} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
@@ -52,7 +43,8 @@ pub fn check(file: &Path, set: &[String]) -> Result<(), Failure> {
     design(file, set).map(|_| ())
 }
 
-fn design(file: &Path, set: &[String]) -> Result<Design, Failure> {
+/// The text of a cycle file and the design that it asks for.
+fn design(file: &Path, set: &[String]) -> Result<(String, CycleDesign), Failure> {
     let name = name(file);
     let path = file.display().to_string();
     let text = std::fs::read_to_string(file).map_err(|error| {
@@ -74,41 +66,8 @@ fn design(file: &Path, set: &[String]) -> Result<Design, Failure> {
             )
         })?;
     }
-    let refuse = |error| conflict(&error, &path, &text);
-    let cycle = file.fastest_cycle().map_err(refuse)?;
-    let dressing = file.dressing_intervals().map_err(refuse)?;
-    Ok(Design { name, text, file, cycle, dressing })
-}
-
-impl Design {
-    /// Limits that the cycle breaks in the process itself. The search takes the wheel as it is at
-    /// the start of the part; dulling within the part and warm gauging come on top.
-    fn broken(&self) -> Vec<&'static str> {
-        let (cycle, limits) = (&self.cycle, &self.file.limits);
-        let above = |value: f64, limit: f64| value > limit * (1.0 + 1e-9);
-        [
-            ("rough_temperature_rise", above(cycle.peak_temperature_rise, limits.rough_temperature_rise)),
-            ("finish_stock", above(limits.finish_stock, cycle.finish_stock)),
-            ("last_depth", above(cycle.last_depth, limits.last_depth)),
-            ("size_error", above(cycle.size_error, limits.size_error)),
-            ("roundness_error", above(cycle.roundness_error, limits.roundness_error)),
-        ]
-        .into_iter()
-        .filter_map(|(limit, broken)| broken.then_some(limit))
-        .collect()
-    }
-
-    /// What to know about broken limits before the cycle is used.
-    fn warning(&self) -> Option<String> {
-        let broken = self.broken();
-        (!broken.is_empty()).then(|| {
-            format!(
-                "what the wheel does within the part breaks {}: the search takes the wheel as it is at the start; tighten \
-                 the limit by what is missing",
-                broken.join(", ")
-            )
-        })
-    }
+    let design = CycleDesign::new(name, file).map_err(|error| conflict(&error, &path, &text))?;
+    Ok((text, design))
 }
 
 fn refused_file(error: &CycleFileError, text: &str) -> Failure {

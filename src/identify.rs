@@ -1,22 +1,19 @@
 //! `toolroom identify DATA`: lag and stiffnesses from plunge trials.
 
-mod picture;
-mod results;
-mod text;
-
 use crate::args::{IdentifyArgs, IdentifyBasis};
 use crate::failure::Failure;
 use crate::faulty::{FaultyFile, Placed};
-use crate::output::OutputDir;
+use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_infeed::{
-    Basis, Identification, IdentifyError, IdentifyOptions, TableError, Trial, identify, read_force_traces, read_trials,
-};
+use toolroom_chart::page::Provenance;
+use toolroom_infeed::{Basis, IdentifyError, IdentifyOptions, TableError, read_force_traces, read_trials};
+use toolroom_planning::identification::{IdentificationStudy, NAMES};
 use toolroom_process::{AnyRecord, unit};
 use toolroom_scenario::file::nearest;
+use toolroom_shards::fingerprint;
 
 /// An input file as read.
 struct Input {
@@ -24,28 +21,21 @@ struct Input {
     bytes: Vec<u8>,
 }
 
-/// Trials and what they say.
-struct Study {
-    title: String,
-    inputs: Vec<Input>,
-    trials: Vec<Trial>,
-    options: IdentifyOptions,
-    found: Identification,
-}
-
 pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let target = args.out.clone().unwrap_or_else(|| default_out(&title(args)));
     let inputs = std::iter::once(args.data.as_path()).chain(args.forces.as_deref());
-    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
-    let study = study(args, voice)?;
+    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
+    let (inputs, study) = study(args, voice)?;
     let wall = start.elapsed();
-    results::write(&out, args, &study, wall)?;
+    let provenance = origin(args, &inputs);
+    out.put_all(&study.files(provenance.clone()))?;
+    out.record(&provenance, wall)?;
     let target = out.publish()?;
     if voice.json {
-        voice.json(&results::summary(&study))?;
+        voice.json(&study.summary())?;
     } else {
-        voice.data(text::summary(&study))?;
+        voice.data(study.text())?;
     }
     voice.detail(format_args!("{:.3} s", wall.as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
@@ -57,7 +47,22 @@ fn title(args: &IdentifyArgs) -> String {
     args.data.file_stem().map_or_else(|| "trials".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn study(args: &IdentifyArgs, voice: &Voice) -> Result<Study, Failure> {
+/// Command and input files of an identification.
+fn origin(args: &IdentifyArgs, inputs: &[Input]) -> Provenance {
+    let mut arguments: Vec<String> = Vec::new();
+    if let Some(force) = &args.forces {
+        arguments.extend(["--forces".to_owned(), force.display().to_string()]);
+    }
+    arguments.extend(["--basis".to_owned(), args.basis.name().to_owned()]);
+    arguments.extend(args.error.iter().flat_map(|change| ["--error".to_owned(), change.clone()]));
+    let trials = [(inputs[0].name.clone(), inputs[0].bytes.as_slice())];
+    let mut provenance = provenance("identify", &trials, arguments, Some(args.seed));
+    provenance.inputs.extend(inputs[1..].iter().map(|input| (input.name.clone(), fingerprint(&input.bytes))));
+    provenance
+}
+
+/// The input files, and the study of the trials in them.
+fn study(args: &IdentifyArgs, voice: &Voice) -> Result<(Vec<Input>, IdentificationStudy), Failure> {
     let options = options(args)?;
     let data = read(&args.data)?;
     let table = read_trials(&data.name, &data.bytes).map_err(|error| refused_table(error, &data))?;
@@ -75,8 +80,9 @@ fn study(args: &IdentifyArgs, voice: &Voice) -> Result<Study, Failure> {
     for (file, note) in &notes {
         voice.say(format_args!("{file}: {note}"));
     }
-    let found = identify(&trials, &options).map_err(|error| impossible(error, &inputs[0]))?;
-    Ok(Study { title: title(args), inputs, trials, options, found })
+    let study = IdentificationStudy::new(title(args), trials, options);
+    let study = study.map_err(|error| impossible(error, &inputs[0]))?;
+    Ok((inputs, study))
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {

@@ -53,7 +53,7 @@ pub struct Checked {
 }
 
 /// Every kind; of a file with signs of several, the first counts.
-pub static KINDS: [FileKind; 8] = [
+pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "scenario",
         doc: "A shop under policies, for run and compare",
@@ -177,7 +177,7 @@ impl FileKind {
 }
 
 /// What a reader found in a file of a kind: `name` is its own, if it has one.
-fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
+pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
     let mut result = Map::new();
     result.insert("kind".to_owned(), json!(word));
     result.extend(name.map(|name| ("name".to_owned(), json!(name))));

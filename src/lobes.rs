@@ -1,33 +1,31 @@
 //! `toolroom lobes FILE`: the stability chart, or the verdict at one point.
 
-mod picture;
-mod results;
 mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::output::OutputDir;
+use crate::output::{OutputDir, provenance};
 use crate::shard::{perform, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
-use results::Origin;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
-use toolroom_chatter::{ChatterError, Hole, Lobes};
-use toolroom_planning::lobes::{Curve, Cut, Judged, LobesFile, Point, Quantity, boundaries, read, word};
+use toolroom_chatter::{ChatterError, Lobes};
+use toolroom_planning::lobes::{ChartStudy, Cut, LobesFile, NAMES, read};
 use toolroom_process::unit;
 use toolroom_scenario::file::{FormFile, significant};
 
 pub use shards::{merge, shard};
 
-/// A chart worked out.
-struct Computed {
-    curves: Vec<Curve>,
-    /// The grid, unless only the boundary was wanted.
-    grid: Option<Lobes>,
-    /// One an operating point.
-    judgements: Vec<Judged>,
+/// Where a chart comes from.
+struct Origin<'a> {
+    /// Name of the lobes file.
+    file: &'a str,
+    /// Changes to it, `path=value`.
+    changes: &'a [String],
+    /// When the work began.
+    start: Instant,
 }
 
 pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
@@ -50,7 +48,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let target = args.out.clone().unwrap_or_else(|| default_out(&file.content.name));
     let inputs = std::iter::once(path.as_path()).chain(file.files.iter().map(AsRef::as_ref));
-    let out = OutputDir::create(&target, results::NAMES, inputs, voice.force)?;
+    let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     pool(args.threads)?.install(|| {
         let LobesFile { cut, chart, .. } = &file.content;
         let start = Instant::now();
@@ -73,61 +71,25 @@ fn finish(
     out: OutputDir,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let LobesFile { cut, chart, points, .. } = &file.content;
-    let judge = |point: &Point| match cut.judge(point.speed, point.depth, chart) {
-        Err(error) if !error.is_failed_search() => Err(error),
-        judged => Ok(judged),
-    };
-    let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>().map_err(refused)?;
-    let curves = boundaries(cut, chart).map_err(refused)?;
-    let computed = Computed { curves, grid, judgements };
-    for warning in holes(&file.content, &computed) {
+    let study = ChartStudy::new(&file.content, grid).map_err(refused)?;
+    for warning in study.holes() {
         voice.say(format_args!("warning: {warning}"));
     }
-    let told = results::write(&out, origin, file, &computed)?;
+    let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
+    let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let provenance = provenance("lobes", &inputs, changes, None);
+    let (summary, files) = study.files(&file.echo, provenance.clone());
+    out.put_all(&files)?;
+    out.record(&provenance, origin.start.elapsed())?;
     let target = out.publish()?;
     if voice.json {
-        voice.json(&told)?;
+        voice.json(&summary)?;
     } else {
-        voice.data(summary(&file.content, &computed))?;
+        voice.data(study.text())?;
     }
     voice.detail(format_args!("{:.2} s", origin.start.elapsed().as_secs_f64()));
     voice.say(format_args!("wrote {}", target.join("report.html").display()));
     Ok(())
-}
-
-/// What the chart lacks, a sentence each: points, limits and operating points for which the search failed.
-fn holes(file: &LobesFile, computed: &Computed) -> Vec<String> {
-    let axes = file.cut.axes();
-    let mut told = Vec::new();
-    if let Some(grid) = &computed.grid
-        && let Some(Hole { speed, depth, reason }) = grid.holes.first()
-    {
-        let (count, all) = (grid.holes.len(), grid.verdicts.len());
-        let (speed, depth) = (with_unit(&axes.speed, *speed), with_unit(&axes.depth, *depth));
-        told.push(format!(
-            "{count} of {all} points have no verdict and are holes in the chart, first {speed}, {depth}: {reason}"
-        ));
-    }
-    for curve in &computed.curves {
-        if let Some((speed, reason)) = curve.holes.first() {
-            let (count, all, label) = (curve.holes.len(), curve.limit.len(), &curve.label);
-            let speed = with_unit(&axes.speed, *speed);
-            told.push(format!("{label}: not found at {count} of {all} speeds, first {speed}: {reason}"));
-        }
-    }
-    for (point, judged) in file.points.iter().zip(&computed.judgements) {
-        if let Err(error) = judged {
-            told.push(format!("operating point \"{}\" has no verdict: {error}", point.name));
-        }
-    }
-    told
-}
-
-/// A quantity for people, to four decimals.
-fn with_unit(quantity: &Quantity, value: f64) -> String {
-    let number = significant((quantity.shown(value) * 1e4).round() / 1e4);
-    if quantity.unit == "1" { number } else { format!("{number} {}", quantity.unit) }
 }
 
 /// What the stability model refuses: an iteration without result is no fault of the input.
@@ -205,61 +167,4 @@ fn depth_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
         return Ok(depth);
     }
     Err(Failure::argument(format_args!("the depth must not be negative, is {text}"), example))
-}
-
-/// The chart in a few lines.
-fn summary(file: &LobesFile, computed: &Computed) -> String {
-    let axes = file.cut.axes();
-    let mut text = format!("{}\n", file.title);
-    for curve in &computed.curves {
-        let limits = || curve.limit.iter().filter(|(_, depth)| depth.is_finite());
-        let least = limits().min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some((speed, depth)) = least {
-            let (depth, speed) = (with_unit(&axes.depth, *depth), with_unit(&axes.speed, *speed));
-            let _ = writeln!(text, "  {}: least {depth} at {} {speed}", curve.label, axes.speed.label.to_lowercase());
-        } else {
-            let _ = writeln!(text, "  {}: none on the chart", curve.label);
-        }
-    }
-    if let Some(grid) = &computed.grid {
-        let (all, holes) = (grid.verdicts.len(), grid.holes.len());
-        let share = 100.0 * grid.stable_share();
-        let _ = match holes {
-            0 => writeln!(text, "  stable: {share:.1} % of the chart"),
-            _ if holes == all => writeln!(text, "  no point of the chart has a verdict"),
-            _ => {
-                writeln!(text, "  stable: {share:.1} % of the {} points with a verdict; {holes} have none", all - holes)
-            }
-        };
-    }
-    if !computed.judgements.is_empty() {
-        let _ = writeln!(
-            text,
-            "  {:20} {:>12} {:>12}  {:10} {:>9} {:>12} {:>8} {:>10}",
-            "operating point", axes.speed.key, axes.depth.key, "verdict", "radius", "limit", "margin", "frequency"
-        );
-    }
-    for (point, judged) in file.points.iter().zip(&computed.judgements) {
-        let Ok(judgement) = judged else {
-            let (speed, depth) = (with_unit(&axes.speed, point.speed), with_unit(&axes.depth, point.depth));
-            let _ = writeln!(text, "  {:20} {speed:>12} {depth:>12}  no verdict", point.name);
-            continue;
-        };
-        let verdict = &judgement.verdict;
-        let none = || "none".to_owned();
-        let _ = writeln!(
-            text,
-            "  {:20} {:>12} {:>12}  {:10} {:>9.4} {:>12} {:>8} {:>10}",
-            point.name,
-            with_unit(&axes.speed, point.speed),
-            with_unit(&axes.depth, point.depth),
-            word(verdict.kind),
-            verdict.spectral_radius,
-            judgement.limit.map_or_else(none, |limit| with_unit(&axes.depth, limit)),
-            judgement.margin().map_or_else(none, |margin| format!("{:.1} %", 100.0 * margin)),
-            format!("{:.1} Hz", file.cut.chatter_frequency(verdict)),
-        );
-    }
-    text.truncate(text.trim_end().len());
-    text
 }

@@ -32,7 +32,6 @@ mod output;
 mod point;
 mod program;
 mod progress;
-mod records;
 mod report;
 mod results;
 mod run;

@@ -22,8 +22,8 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
+use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_process::table::{Cell, csv_text};
 use toolroom_shards::fingerprint;
 
 /// A folder of results while it is written.
@@ -160,14 +160,9 @@ impl OutputDir {
         fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
     }
 
-    /// Writes a CSV table of the draft.
-    pub fn put_table<'a, R: IntoIterator<Item = Cell<'a>>>(
-        &self,
-        name: &str,
-        header: impl IntoIterator<Item = impl AsRef<str>>,
-        rows: impl IntoIterator<Item = R>,
-    ) -> Result<(), Failure> {
-        self.put(name, &csv_text(header, rows).map_err(|error| no_table(name, &error))?)
+    /// Writes every file of a result into the draft.
+    pub fn put_all(&self, files: &ResultFiles) -> Result<(), Failure> {
+        files.iter().try_for_each(|(name, contents)| self.put_bytes(name, contents))
     }
 
     /// Writes a JSON file of the draft.

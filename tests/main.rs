@@ -5,6 +5,7 @@ mod blind;
 mod cli;
 mod determinism;
 mod examples;
+mod extension;
 mod fmu_files;
 mod fmu_import;
 mod gap_data;

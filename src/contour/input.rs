@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::faulty::{FaultyFile, Placed, key_place};
 use std::path::Path;
 use toolroom_contour::{ContourError, ContourFile, FileError, GcodeFileError};
+use toolroom_planning::contour::RefusedPass;
 use toolroom_process::ModelError;
 
 /// A text file with its name.
@@ -63,7 +64,8 @@ fn refused(input: &Text, error: FileError) -> Failure {
 
 impl Task {
     /// What the planner refuses, with the place of the section or key where there is one.
-    pub fn refused(&self, pass: &str, error: &ContourError) -> Failure {
+    pub fn refused(&self, refused: &RefusedPass) -> Failure {
+        let error = refused.error.as_ref();
         let setup = &self.inputs[0];
         // Sections stand in the part program where there is one.
         let drawn = self.inputs.last().unwrap_or(setup);
@@ -77,7 +79,7 @@ impl Task {
             }
             (None, _) => (setup, (1, 1)),
         };
-        let fault = Placed::new(error.code(), place, format_args!("pass `{pass}`: {error}"));
+        let fault = Placed::new(error.code(), place, refused);
         FaultyFile::new(&input.name, &input.text, vec![fault]).into()
     }
 }

@@ -1,21 +1,18 @@
 //! Charts in shards: the columns of the grid are cut into parts. Boundaries, which are traced from
 //! column to column, and operating points cost a tenth of the grid and are worked out at the merge.
 
-use super::results::{NAMES, Origin};
-use super::{finish, refused};
+use super::{Origin, finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
 use crate::output::{Files, OutputDir};
 use crate::shard::{leave, refused as failed};
 use crate::speak::Voice;
 use crate::study::default_out;
-use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_chatter::{Hole, Lobes, StabilityVerdict};
-use toolroom_planning::lobes::{LobesFile, parse};
+use toolroom_planning::lobes::{Columns, LobesFile, NAMES, parse};
 use toolroom_scenario::file::FormFile;
-use toolroom_shards::{Computed, Plan, ShardError, fingerprint};
+use toolroom_shards::{Computed, Plan, ShardError};
 
 /// `--plan FILE`: the columns of the grid cut into shards.
 pub fn plan(
@@ -59,38 +56,26 @@ fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
     Ok(parse(&plan.file, &plan.text, &plan.overrides)?)
 }
 
-/// What a shard leaves: verdicts column by column, and where there is none.
-#[derive(serde::Serialize, serde::Deserialize)]
-struct Part {
-    verdicts: Vec<Option<StabilityVerdict>>,
-    holes: Vec<Hole>,
-}
-
 /// One shard of a planned chart.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let file = chart_of(plan)?;
     let mut refusal = None;
     let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
-        let LobesFile { cut, chart, .. } = &file.content;
-        let content = match cut.lobes(chart, from as usize..to as usize) {
-            Ok(Lobes { verdicts, holes, .. }) => Part { verdicts, holes },
+        let content = match Columns::new(&file.content, from, to) {
+            Ok(columns) => columns,
             Err(error) => {
                 refusal = Some(refused(error));
                 let source = std::io::Error::other("the chart was refused");
                 return Err(ShardError::File { path: out.to_owned(), source });
             }
         };
-        let digest = digest(&content);
+        let digest = content.digest();
         Ok(Computed { content, digest, rows: false })
     });
     match refusal {
         Some(refusal) => Err(refusal),
         None => ran.map_err(failed),
     }
-}
-
-fn digest(content: &Part) -> u64 {
-    u64::from_str_radix(&fingerprint(json!(content).to_string().as_bytes()), 16).unwrap_or(0)
 }
 
 /// Merges the parts of a planned chart: the same files and digest as without a plan.
@@ -100,19 +85,9 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let chart = &file.content.chart;
-    let (speed, depth) = (chart.speed.values("speed"), chart.depth.values("depth"));
-    let (speed, depth) = (speed.map_err(refused)?, depth.map_err(refused)?);
-    let checked = |content: &Part, (from, to): (u64, u64)| {
-        let (found, due) = (content.verdicts.len(), (to - from) as usize * depth.len());
-        if found == due { Ok(digest(content)) } else { Err(format!("it holds {found} verdicts, not {due}")) }
-    };
+    let checked = |columns: &Columns, (from, to): (u64, u64)| columns.checked(chart, to - from);
     let parts = toolroom_shards::parts(plan, parts, checked).map_err(failed)?;
-    let (mut verdicts, mut holes) = (Vec::new(), Vec::new());
-    for part in parts {
-        verdicts.extend(part.verdicts);
-        holes.extend(part.holes);
-    }
-    let grid = Lobes { speed, depth, verdicts, holes };
+    let grid = Columns::merged(chart, parts).map_err(refused)?;
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
     finish(&file, Some(grid), &origin, out, voice)
 }

@@ -13,6 +13,7 @@
 
 mod axis;
 mod bars;
+mod files;
 mod frame;
 mod gantt;
 mod heat;
@@ -33,6 +34,7 @@ mod waterfall;
 
 pub use axis::{Axis, number};
 pub use bars::{Bars, Estimate};
+pub use files::ResultFiles;
 pub use gantt::Gantt;
 pub use heat::{ColourMap, HeatMap};
 pub use histogram::Histogram;

@@ -1,10 +1,10 @@
 //! Effects of turning and milling that the diagnosis tries, with the shapes that the data ask for.
 
 use super::features::{self, standardised};
+use super::search::{self, Rows, Shape, Sought, Untried, Way};
 use super::{Candidate, Channel};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::{Effect, Effects, Search};
 use toolroom_records::Records;
-use toolroom_statistics::median;
 
 /// Which prior a constant has.
 pub(super) enum Prior {
@@ -38,8 +38,8 @@ pub(super) const CONSTANTS: &[(&str, &str, Prior)] = &[
 pub(super) enum Action {
     /// By the process.
     Effect(Effect),
-    /// By the hardness of the rows of one lot.
-    Lot(Vec<f64>),
+    /// By the process, on the rows of one lot.
+    Lot(Effect, Vec<f64>),
     /// On the reading of a channel, SI per size.
     Reading {
         /// Index of the channel.
@@ -57,106 +57,49 @@ pub(super) struct Seen<'a> {
     pub channels: &'a [Channel],
 }
 
-/// Centres of the window of a built-up edge that are tried within the range of speeds.
-const WINDOWS: usize = 5;
-/// Width of a narrow window in the logarithm of speed, beside that of the catalogue (assumption).
-const NARROW: f64 = 0.08;
 /// Mean duration of a stop that nobody books, s.
 const STOP: f64 = 20.0;
-/// Feed override below which an edge crawls.
-const CRAWL: f64 = 0.3;
 
-/// Candidates of a process that can show in the recorded channels at all.
-pub(super) fn candidates(process: &str, seen: &Seen<'_>) -> Vec<(Candidate, Action)> {
-    let mut list = Vec::new();
+/// Candidates of a process that can show in the recorded channels at all, and effects that are not tried.
+pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candidate, Action)>, Vec<Untried>) {
+    let (mut list, mut untried) = (Vec::new(), Vec::new());
     let measured = |name: &str| seen.channels.iter().any(|channel| channel.name == name);
+    let greatest = |quantity: &str| match quantity {
+        // Sensor and machine are as old as the records.
+        "sensor_time" | "machine_time" => {
+            let times = features::elapsed(seen.records)?;
+            Some(times.into_iter().filter(|time| time.is_finite()).fold(0.0, f64::max))
+        }
+        column => search::greatest(seen.records, column),
+    };
+    let sought = Sought { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
     for effect in Effects::every(process).iter() {
         let entry = effect.entry();
-        if !entry.channels.iter().any(|touched| measured(touched.channel)) {
-            continue;
-        }
-        for (shape, effect, typical) in shapes(*effect, seen) {
-            let candidate = Candidate { id: entry.id, shape, typical, greatest: entry.size.max };
-            list.push((candidate, Action::Effect(effect)));
-        }
-        if entry.id == "lot_hardness" {
-            for (_, lot, rows) in features::indicators(seen.records, &["lot"]) {
-                let candidate =
-                    Candidate { id: entry.id, shape: format!("lot {lot}"), typical: 0.1, greatest: entry.size.max };
-                list.push((candidate, Action::Lot(rows)));
+        let touched: Vec<&str> = entry.channels.iter().map(|touched| touched.channel).collect();
+        let shapes = match entry.search(process) {
+            Some(Search::Untried(reason)) => Err(reason.to_owned()),
+            _ if !touched.iter().any(|channel| measured(channel)) => {
+                Err(format!("no channel that it moves is compared: {}", touched.join(", ")))
             }
+            _ => sought.shapes(*effect),
+        };
+        match shapes {
+            Ok(shapes) => list.extend(shapes.into_iter().map(|shape| {
+                let Shape { name, effect, typical, greatest, rows } = shape;
+                let action = match rows {
+                    Rows::Lot(rows) => Action::Lot(effect, rows),
+                    Rows::All => Action::Effect(effect),
+                    Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
+                };
+                (Candidate { id: entry.id, shape: name, typical, greatest }, action)
+            })),
+            Err(reason) => untried.push(Untried { id: entry.id, reason }),
         }
     }
     if let Some(channel) = seen.channels.iter().position(|channel| channel.name == "cycle_time") {
         list.extend(cycle(channel, seen));
     }
-    list
-}
-
-/// Shapes of an effect that the records can tell, with an ordinary size each.
-fn shapes(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
-    let one = |typical: f64| vec![(String::new(), effect, typical)];
-    let spread = |name: &str| {
-        let values = seen.records.numbers(name)?;
-        standardised(values)?;
-        Some(values.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max))
-    };
-    let level = |name: &str| {
-        let mut values: Vec<f64> =
-            seen.records.numbers(name)?.iter().copied().filter(|value| value.is_finite()).collect();
-        (!values.is_empty()).then(|| median(&mut values))
-    };
-    match effect.entry().id {
-        "wear_force" => one(0.2),
-        "wear_temperature" => one(0.1),
-        "wear_acceleration" | "thermal_heredity" => one(1.0),
-        "run_in" => one(1.5),
-        "thermal_softening" => one(0.15),
-        "runout" => one(10e-6),
-        "servo_lag" | "helix_form_error" => one(0.5),
-        "stock_offset" => level("width_of_cut").map_or_else(Vec::new, |width| one(0.1 * width)),
-        "coolant_ageing" => spread("coolant_age").map_or_else(Vec::new, |greatest| one(0.1 / greatest)),
-        "force_drift" => {
-            let latest = features::elapsed(seen.records)
-                .map(|times| times.into_iter().filter(|time| time.is_finite()).fold(0.0, f64::max));
-            latest.map_or_else(Vec::new, |latest| one(0.1 / latest))
-        }
-        "force_bias" => level("cutting_force").map_or_else(Vec::new, |force| one(0.05 * force)),
-        "spindle_loss" => level("spindle_power").map_or_else(Vec::new, |power| one(0.1 * power)),
-        "built_up_edge" => windows(effect, seen),
-        "temperature_lag" => [30.0, 60.0, 120.0, 240.0]
-            .into_iter()
-            .filter_map(|time| Some((format!("{time} s"), with(effect, "time_constant", time)?, 50.0)))
-            .collect(),
-        "crawl_wear" => {
-            let crawls = |values: &[f64]| values.iter().any(|value| *value < CRAWL);
-            if seen.records.numbers("feed_override").is_some_and(crawls) { one(1.0) } else { Vec::new() }
-        }
-        // Chipping has no mean; lots have a shape each.
-        _ => Vec::new(),
-    }
-}
-
-fn with(mut effect: Effect, name: &str, value: f64) -> Option<Effect> {
-    let i = effect.parameters().fields().iter().position(|field| field.name == name)?;
-    effect.parameters_mut().set_value(i, value);
-    Some(effect)
-}
-
-fn windows(effect: Effect, seen: &Seen<'_>) -> Vec<(String, Effect, f64)> {
-    let Some(speeds) = seen.records.numbers("cutting_speed") else { return Vec::new() };
-    let known = || speeds.iter().copied().filter(|speed| speed.is_finite() && *speed > 0.0);
-    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
-    if high < 1.2 * low {
-        return Vec::new();
-    }
-    let window = |i: usize, width: &str| {
-        let speed = low * (high / low).powf(i as f64 / (WINDOWS - 1) as f64);
-        let placed = with(effect, "speed", speed)?;
-        let placed = if width.is_empty() { placed } else { with(placed, "width", NARROW)? };
-        Some((format!("{:.0} m/min{width}", speed * 60.0), placed, 0.5))
-    };
-    ["", ", narrow"].into_iter().flat_map(|width| (0..WINDOWS).filter_map(move |i| window(i, width))).collect()
+    (list, untried)
 }
 
 /// Delays that a cycle time may hold.

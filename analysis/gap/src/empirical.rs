@@ -6,6 +6,7 @@
 
 use super::empirical_effects::{self, Action};
 use super::features::{self, standardised};
+use super::search;
 use super::settings::Settings;
 use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform};
 use toolroom_records::{ColumnKind, RecordColumn, Records};
@@ -117,6 +118,7 @@ impl Empirical {
             known: &known,
         };
         (model.frame.candidates, model.actions) = empirical_effects::candidates(&seen).into_iter().unzip();
+        model.frame.untried = search::missing(empirical_effects::EMPIRICAL_EFFECTS, &model.frame.candidates);
         model
     }
 

@@ -3,7 +3,7 @@
 use super::empirical::{LAND, accelerated};
 use super::features::{self, standardised};
 use super::{Candidate, cutting_effects};
-use toolroom_effects::{CatalogueEntry, Sign, Touched};
+use toolroom_effects::{CatalogueEntry, Search, Sign, Touched};
 use toolroom_process::{Record, record};
 use toolroom_records::Records;
 use toolroom_statistics::median;
@@ -31,7 +31,7 @@ pub const EMPIRICAL_EFFECTS: &[CatalogueEntry] = &[CatalogueEntry {
     confounder: "lot_hardness",
     separating_test: "vary the condition on one edge and one lot",
     source: "power law of the response, as in handbooks",
-    processes: &["empirical"],
+    processes: &[("empirical", Search::Shaped)],
 }];
 
 /// What a candidate does to the values of its channel, row by row.

@@ -1,6 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::Measured;
+use super::{Measured, Untried};
 use rayon::prelude::*;
 use toolroom_innovations::Chain;
 
@@ -140,6 +140,8 @@ pub struct Frame {
     pub locals: Vec<Local>,
     /// Effects that may be missing.
     pub candidates: Vec<Candidate>,
+    /// Effects of the process that are not among them, and why.
+    pub untried: Vec<Untried>,
     /// Covariates of the generic dictionary.
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
@@ -155,6 +157,7 @@ impl Frame {
             surfaces: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
+            untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
         }

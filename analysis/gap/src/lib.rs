@@ -28,6 +28,8 @@
 //! by a prior: Kennedy & O'Hagan 2001, Brynjarsdóttir & O'Hagan 2014. Max-T null: Westfall & Young
 //! 1993. Thresholds are assumptions, checked by the blind benchmark.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod basis;
 mod broken;
 mod catalogue;
@@ -63,6 +65,7 @@ mod pooled;
 mod processes;
 pub mod program;
 mod score;
+mod search;
 mod settings;
 mod settle;
 pub mod shop;
@@ -94,5 +97,6 @@ pub use noise::Noise;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use processes::{Answers, Asked, diagnose_processes};
 pub use score::Scores;
+pub use search::Untried;
 pub use settings::Settings;
 pub use trial::Trial;

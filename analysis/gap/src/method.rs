@@ -85,7 +85,7 @@ impl Forward for Bare<'_> {
             .iter()
             .map(|direction| match direction {
                 Direction::Parameter(i) => Direction::Parameter(self.kept[0][*i]),
-                other => *other,
+                Direction::Effect(_) | Direction::Local(_) => *direction,
             })
             .collect();
         self.model.slopes(&self.whole(at), raw, &along)

@@ -146,7 +146,8 @@ impl NominalModel {
                 Some(ProcessModel::Turning(turning)) => NominalProcess::Turning(Box::new((**turning).clone())),
                 Some(ProcessModel::Milling(milling)) => NominalProcess::Milling(Box::new((**milling).clone())),
                 Some(ProcessModel::Infeed(infeed)) => NominalProcess::Grinding(Box::new((**infeed).clone())),
-                _ => return Err(ModelFileError::NoTool { file, process: wanted }),
+                // The equations of an imported unit are nobody's to calibrate.
+                Some(ProcessModel::Other(_)) | None => return Err(ModelFileError::NoTool { file, process: wanted }),
             }
         };
         let mut model = Self { process, settings: Settings::default() };
@@ -234,7 +235,10 @@ impl NominalModel {
             NominalProcess::Program(_) => {
                 records.levels("section").or_else(|| records.levels("operation_id")).unwrap_or_else(whole)
             }
-            _ => records.levels("tool_id").unwrap_or_else(whole),
+            NominalProcess::Turning(_)
+            | NominalProcess::Milling(_)
+            | NominalProcess::Empirical
+            | NominalProcess::Shop(_) => records.levels("tool_id").unwrap_or_else(whole),
         });
         let fitted = names.iter().enumerate().map(|(i, name)| !held(i, name)).collect();
         (names, of_row, fitted)

@@ -12,7 +12,7 @@ use super::channels::{diagnose_among, mean_budget};
 use super::diagnose::Diagnosed;
 use super::pooled::pooled;
 use super::summary::{named, percent, rounded, verdict, with_unit};
-use super::{Closure, Diagnosis, Forward, GapVerdict};
+use super::{Closure, Diagnosis, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -44,6 +44,8 @@ pub struct Answers {
     /// Closure over all of them, in units of noise: of a process with a name the channels that its
     /// effects touch, of another all.
     pub total: Closure,
+    /// Effects that were not tried, each with its process.
+    pub untried: Vec<(&'static str, Untried)>,
 }
 
 /// Diagnoses every process of a data set; one alone is diagnosed as by
@@ -64,7 +66,14 @@ pub fn diagnose_processes(asked: &[Asked], seed: u64) -> Answers {
         }
     };
     let processes = asked.iter().zip(all).map(|(own, (diagnosis, _))| (own.process, diagnosis)).collect();
-    Answers { processes, total }
+    let mut untried: Vec<(&'static str, Untried)> = Vec::new();
+    for (own, part) in asked.iter().flat_map(|own| own.parts.iter().map(move |part| (own, part))) {
+        // Parts of a power law leave out the same.
+        let new = part.frame().untried.iter().filter(|each| !untried.contains(&(own.process, (*each).clone())));
+        let new: Vec<_> = new.map(|each| (own.process, each.clone())).collect();
+        untried.extend(new);
+    }
+    Answers { processes, total, untried }
 }
 
 fn answered(asked: &Asked, processes: usize, seed: u64) -> (Diagnosis, Vec<Diagnosed>) {
@@ -98,6 +107,7 @@ impl Answers {
         if let [(process, document)] = &own[..] {
             let mut document = document.clone();
             LISTS.iter().for_each(|list| document[*list] = tagged(&document, list, process).into());
+            document["untried"] = self.untried_json();
             return document;
         }
         let list = |name: &str| -> Vec<Value> {
@@ -124,7 +134,7 @@ impl Answers {
             "closure": { "total": total, "channels": self.channels() },
             "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
-            "notes": notes,
+            "untried": self.untried_json(), "notes": notes,
             "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
         })
     }
@@ -149,10 +159,32 @@ impl Answers {
         self.processes.iter().flat_map(|(process, own)| own.notes.iter().map(move |note| format!("{process}: {note}")))
     }
 
+    fn untried_json(&self) -> Value {
+        let entry = |(process, untried): &(&str, Untried)| json!({ "process": process, "id": untried.id, "reason": untried.reason });
+        self.untried.iter().map(entry).collect()
+    }
+
+    /// Names of the effects that were not tried, process by process; the reasons stand in the report.
+    fn untried_line(&self) -> String {
+        let several = self.processes.len() > 1;
+        let mut each: Vec<String> = Vec::new();
+        for (process, _) in &self.processes {
+            let names = self.untried.iter().filter(|(own, _)| own == process).map(|(_, untried)| untried.id);
+            let names = names.collect::<Vec<_>>().join(", ");
+            if !names.is_empty() {
+                each.push(if several { format!("{process}: {names}") } else { names });
+            }
+        }
+        if each.is_empty() {
+            return String::new();
+        }
+        format!("\nuntried  {}; --out says why", each.join("; "))
+    }
+
     /// About ten lines that say what was found and what to do.
     pub fn terminal(&self) -> String {
         if let [(_, only)] = &self.processes[..] {
-            return only.terminal();
+            return only.terminal() + &self.untried_line();
         }
         let mut text = String::new();
         for (process, own) in &self.processes {
@@ -216,13 +248,13 @@ impl Answers {
         if notes.len() > room {
             let _ = writeln!(text, "note     {} more in diagnosis.json", notes.len() - room);
         }
-        text.trim_end().to_owned()
+        text.trim_end().to_owned() + &self.untried_line()
     }
 
     /// The report: all processes beside each other, then each by itself.
     pub fn report(&self, provenance: Provenance) -> Report {
         if let [(_, only)] = &self.processes[..] {
-            return only.report(provenance);
+            return self.untried_section().into_iter().fold(only.report(provenance), Report::section);
         }
         let words = |(process, own): &(&str, Diagnosis)| format!("{process}: {}", verdict(own));
         let mut report = Report::new("Where the shop and its models differ")
@@ -237,7 +269,19 @@ impl Answers {
         for (process, own) in &self.processes {
             report = own.sections(process).into_iter().fold(report, Report::section);
         }
-        report.provenance(provenance)
+        self.untried_section().into_iter().fold(report, Report::section).provenance(provenance)
+    }
+
+    fn untried_section(&self) -> Option<Section> {
+        let mut table = Table::new(["process", "effect", "why it was not tried"]);
+        for (process, untried) in &self.untried {
+            table.push([(*process).into(), untried.id.into(), untried.reason.clone().into()]);
+        }
+        (!self.untried.is_empty()).then(|| {
+            Section::new("What was not tried")
+                .paragraph("Effects that act on the process and that these records and models cannot show.")
+                .table("Effects that were not tried", table)
+        })
     }
 
     fn overview(&self) -> Section {

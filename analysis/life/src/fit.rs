@@ -130,7 +130,11 @@ impl Fit {
             Law::CompetingRisks { wear_sigma, chipping_shape, .. } => {
                 wear_sigma > 1.02 * NARROWEST && chipping_shape < 0.98 * STEEPEST
             }
-            _ => true,
+            Law::Weibull { .. }
+            | Law::Lognormal { .. }
+            | Law::Normal { .. }
+            | Law::Gamma { .. }
+            | Law::InverseGaussian { .. } => true,
         }
     }
 
@@ -166,20 +170,14 @@ impl Fit {
         // The first parameter of the search is exchanged for the quantile.
         let with = |x: &[f64]| -> Option<Law> {
             let mut at = x.to_vec();
-            let quantile = match family {
-                Family::CompetingRisks => return None,
-                Family::Normal => x[0] * self.unit,
-                _ => x[0].exp() * self.unit,
-            };
             at[0] = match family {
+                Family::CompetingRisks => return None,
                 Family::Normal => x[0] - x[1].exp() * normal::quantile(share),
-                _ => {
+                Family::Weibull | Family::Weibull3 | Family::Lognormal | Family::Gamma | Family::InverseGaussian => {
+                    let quantile = x[0].exp() * self.unit;
                     at[0] = 0.0;
                     let one = law(family, &at, self.unit);
-                    let location = match one {
-                        Law::Weibull3 { location, .. } => location,
-                        _ => 0.0,
-                    };
+                    let location = if let Law::Weibull3 { location, .. } = one { location } else { 0.0 };
                     ((quantile - location) / (one.quantile(share) - location)).ln()
                 }
             };
@@ -205,7 +203,7 @@ fn search_of(family: Family, parameter: usize) -> usize {
     match family {
         // These list their shape first, the search has the level first.
         Family::Weibull | Family::Weibull3 | Family::Gamma => [1, 0, 2][parameter],
-        _ => parameter,
+        Family::Lognormal | Family::Normal | Family::InverseGaussian | Family::CompetingRisks => parameter,
     }
 }
 

@@ -99,7 +99,7 @@ impl Observing {
     fn of(sample: &Sample) -> Self {
         let mirrored = sample.lives().iter().map(|(life, weight)| match *life {
             Observation::Censored(age) => (Observation::Failed(age), *weight),
-            other => (Observation::Censored(other.age()), *weight),
+            Observation::Failed(_) | Observation::Between(..) => (Observation::Censored(life.age()), *weight),
         });
         let censored = sample.lives().iter().any(|(life, _)| !life.ended());
         let censoring = Sample::weighted(mirrored).ok().filter(|_| censored);

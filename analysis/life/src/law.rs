@@ -52,7 +52,7 @@ impl Family {
         match self {
             Self::Weibull3 => 3,
             Self::CompetingRisks => 4,
-            _ => 2,
+            Self::Weibull | Self::Lognormal | Self::Normal | Self::Gamma | Self::InverseGaussian => 2,
         }
     }
 }
@@ -181,13 +181,13 @@ impl Law {
 
     /// The two risks of a competition.
     fn risks(&self) -> Option<(Self, Self)> {
-        match *self {
-            Self::CompetingRisks { wear_median, wear_sigma, chipping_shape, chipping_scale } => Some((
-                Self::Lognormal { median: wear_median, sigma: wear_sigma },
-                Self::Weibull { shape: chipping_shape, scale: chipping_scale },
-            )),
-            _ => None,
-        }
+        let Self::CompetingRisks { wear_median, wear_sigma, chipping_shape, chipping_scale } = *self else {
+            return None;
+        };
+        Some((
+            Self::Lognormal { median: wear_median, sigma: wear_sigma },
+            Self::Weibull { shape: chipping_shape, scale: chipping_scale },
+        ))
     }
 
     /// Logarithm of the density at an age.
@@ -227,7 +227,11 @@ impl Law {
             Self::InverseGaussian { mean, shape } => {
                 (normal::below(-first_passage(age, mean, shape)) - second_passage(age, mean, shape)).clamp(0.0, 1.0)
             }
-            _ => self.ln_survival(age).exp(),
+            Self::Weibull { .. }
+            | Self::Weibull3 { .. }
+            | Self::Lognormal { .. }
+            | Self::Normal { .. }
+            | Self::CompetingRisks { .. } => self.ln_survival(age).exp(),
         }
     }
 
@@ -263,7 +267,9 @@ impl Law {
             }
             Self::Lognormal { median, sigma } => normal::below((age / median).ln() / sigma),
             Self::Normal { mean, deviation } => normal::below((age - mean) / deviation),
-            _ => -self.ln_survival(age).exp_m1(),
+            Self::Weibull { .. } | Self::Weibull3 { .. } | Self::CompetingRisks { .. } => {
+                -self.ln_survival(age).exp_m1()
+            }
         }
     }
 
@@ -280,7 +286,7 @@ impl Law {
             Self::Weibull3 { shape, scale, location } => location + weibull(shape, scale),
             Self::Lognormal { median, sigma } => median * (sigma * normal::quantile(share)).exp(),
             Self::Normal { mean, deviation } => mean + deviation * normal::quantile(share),
-            _ => {
+            Self::Gamma { .. } | Self::InverseGaussian { .. } | Self::CompetingRisks { .. } => {
                 let (mut low, mut high) = (self.typical(), self.typical());
                 while self.failed(low) > share && low > f64::MIN_POSITIVE {
                     low *= 0.5;

@@ -28,6 +28,8 @@
 //!
 //! Times are in any one unit; results come in the same.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 pub mod analysis;
 pub mod bootstrap;
 mod claims;

@@ -122,7 +122,7 @@ impl Sample {
                 Observation::Between(low, high) if !(low >= 0.0 && good(high) && low < high) => {
                     return Err(SampleError::Inspections { number, low, high });
                 }
-                _ => {}
+                Observation::Failed(_) | Observation::Censored(_) | Observation::Between(..) => {}
             }
             if !(weight >= 0.0 && weight.is_finite()) {
                 return Err(SampleError::Weight { number, weight });

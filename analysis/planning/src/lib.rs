@@ -2,11 +2,16 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`contour`] | how the gains of a planned contour move with the conditions |
+//! | [`contour`] | plans along a contour, and how their gains move with the conditions |
+//! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
+//! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
 //!
-//! # What is not modelled
-//! Pictures and reports are made by the command line from what stands here.
+//! A study hands out text for a terminal, JSON for programs, and its files: tables, pictures and the report. It
+//! writes nothing by itself.
 
 pub mod contour;
+pub mod cycle;
+pub mod identification;
 pub mod lobes;
+mod tables;

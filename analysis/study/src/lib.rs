@@ -6,7 +6,7 @@
 //! Scenario ──►  RunLog ──► kpi ──► statistics ──► compare ──► terminal, summary.json
 //!                  │                                 │
 //!                  ├──► logs: Parquet, CSV           └──► report ──► chart, page: report.html
-//!                  ├──► simulate: records                    results: the whole directory
+//!                  │                                              results: the whole directory
 //!                  └──► trace.json
 //! ```
 //!
@@ -16,7 +16,6 @@
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
-//! | [`simulate`] | a simulated run as if it had been measured: records for the gap diagnosis |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
@@ -50,7 +49,6 @@ pub mod kpi;
 pub mod logs;
 pub mod report;
 pub mod results;
-pub mod simulate;
 pub mod study;
 pub mod summary;
 pub mod terminal;

@@ -1,7 +1,7 @@
 //! Work material builds up on the edge in a window of speeds.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -23,6 +23,10 @@ record! {
     }
 }
 
+/// Windows that are tried over the range of recorded speeds; the narrow width is one of the logarithm of speed.
+const WINDOWS: Search =
+    Search::Window { column: "cutting_speed", centre: "speed", width: ("width", 0.08), count: 5, size: 0.5 };
+
 pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     id: "built_up_edge",
     title: "a built-up edge in a window of speeds",
@@ -32,7 +36,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "the wear law's dependence on speed",
     separating_test: "sweep the speed in 14 steps across the window, three edges",
     source: "Trent & Wright, Metal Cutting; window and ratio are assumptions",
-    processes: &["turning", "milling"],
+    processes: &[("turning", WINDOWS), ("milling", WINDOWS)],
 };
 
 impl<N: Number> BuiltUpEdge<N> {

@@ -1,5 +1,6 @@
 //! The catalogue row of an effect.
 
+use crate::Search;
 use toolroom_process::Field;
 
 /// What is known about one effect before any measurement.
@@ -21,8 +22,28 @@ pub struct CatalogueEntry {
     pub separating_test: &'static str,
     /// Paper and equation, or `assumption`.
     pub source: &'static str,
-    /// Processes that it acts on, by [`Process::NAME`](toolroom_process::Process::NAME).
-    pub processes: &'static [&'static str],
+    /// Processes that it acts on, by [`Process::NAME`](toolroom_process::Process::NAME), and how the diagnosis
+    /// looks for it in records of each.
+    pub processes: &'static [(&'static str, Search)],
+}
+
+impl CatalogueEntry {
+    /// How the diagnosis looks for the effect in records of a process; `None` where it does not act.
+    ///
+    /// ```
+    /// use toolroom_effects::{Effect, Search};
+    /// let chipping = Effect::named("chipping").unwrap().entry();
+    /// assert!(matches!(chipping.search("turning"), Some(Search::Untried(_))));
+    /// assert_eq!(chipping.search("infeed"), None);
+    /// ```
+    pub fn search(&self, process: &str) -> Option<Search> {
+        self.processes.iter().find(|(name, _)| *name == process).map(|(_, search)| *search)
+    }
+
+    /// Names of the processes that it acts on.
+    pub fn process_names(&self) -> impl Iterator<Item = &'static str> {
+        self.processes.iter().map(|(name, _)| *name)
+    }
 }
 
 /// One channel that an effect moves.

@@ -1,7 +1,7 @@
 //! Edges chip.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "a wear limit that is not kept",
     separating_test: "photograph every edge that ends early",
     source: "Ramalingam & Watson 1977, recalled",
-    processes: &["turning", "milling"],
+    processes: &[
+        ("turning", Search::Untried("it decides when an edge ends, which no channel of a cut reads")),
+        ("milling", Search::Untried("it decides when an edge ends, which no channel of a cut reads")),
+    ],
 };
 
 impl<N: Number> ChippingHazard<N> {

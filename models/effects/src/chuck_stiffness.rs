@@ -1,7 +1,7 @@
 //! A chuck of three jaws is stiffer over a jaw than between two.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "regenerative chatter",
     separating_test: "change the speed by 10 %: parametric regions are a few percent wide; clamp in a collet",
     source: "Zakovorotny et al., eq. (1)",
-    processes: &["turning"],
+    processes: &[(
+        "turning",
+        Search::Untried("it makes the cut vibrate; a nominal model of records predicts no vibration"),
+    )],
 };
 
 impl<N: Number> ChuckStiffness<N> {

@@ -1,7 +1,7 @@
 //! Old coolant cools less.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "calendar drift, lot",
     separating_test: "old and fresh coolant on one day",
     source: "assumption: linear in age",
-    processes: &["turning", "infeed"],
+    processes: &[
+        ("turning", Search::AtGreatest { quantity: "coolant_age", change: 0.1, most: f64::INFINITY }),
+        ("infeed", Search::Untried("it warms the contact, and records of grinding hold no temperature")),
+    ],
 };
 
 impl<N: Number> CoolantAgeing<N> {

@@ -1,7 +1,7 @@
 //! Another coolant lubricates better.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -25,7 +25,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wheel_dulling, calendar drift",
     separating_test: "both coolants on one day with one freshly dressed wheel",
     source: "assumption: factor on the normal force per depth of cut",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::CoolantStiffness(0.1))],
 };
 
 impl<N: Number> CoolantChange<N> {

@@ -1,7 +1,7 @@
 //! An edge that crawls rubs and wears.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "lot_hardness, operator",
     separating_test: "one edge at 20 % override, one at 100 %, the same path",
     source: "assumption: step at 30 %",
-    processes: &["turning", "milling"],
+    processes: &[
+        ("turning", Search::Below { column: "feed_override", bound: 0.3, size: 1.0 }),
+        ("milling", Search::Below { column: "feed_override", bound: 0.3, size: 1.0 }),
+    ],
 };
 
 impl<N: Number> CrawlWear<N> {

@@ -76,7 +76,7 @@ impl Effects {
     /// assert_eq!(off.terms(&Context::<f64>::neutral()), Terms::neutral());
     /// ```
     pub fn every(process: &str) -> Self {
-        Self(Effect::all().filter(|effect| effect.entry().processes.contains(&process)).collect())
+        Self(Effect::all().filter(|effect| effect.entry().search(process).is_some()).collect())
     }
 
     /// That every effect acts on `process`.
@@ -84,7 +84,7 @@ impl Effects {
     /// # Errors
     /// [`EffectError::NotOfProcess`] for the first that does not.
     pub fn check(&self, process: &'static str) -> Result<(), EffectError> {
-        match self.iter().find(|effect| !effect.entry().processes.contains(&process)) {
+        match self.iter().find(|effect| effect.entry().search(process).is_none()) {
             None => Ok(()),
             Some(effect) => {
                 let known = Self::every(process).iter().map(|effect| effect.entry().id).collect::<Vec<_>>().join(", ");

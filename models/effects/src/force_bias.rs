@@ -1,7 +1,7 @@
 //! The force reading has a zero error.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "edge force of the sharp edge",
     separating_test: "read the sensor in air before and after each cut",
     source: "assumption: constant",
-    processes: &["turning", "milling"],
+    processes: &[
+        ("turning", Search::ShareOfMedian { column: "cutting_force", share: 0.05 }),
+        ("milling", Search::ShareOfMedian { column: "cutting_force", share: 0.05 }),
+    ],
 };
 
 impl<N: Number> ForceBias<N> {

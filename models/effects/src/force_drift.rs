@@ -1,7 +1,7 @@
 //! The force reading drifts.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -25,7 +25,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wear_force",
     separating_test: "re-zero the sensor; compare spindle power, which does not drift",
     source: "assumption: linear in time",
-    processes: &["turning", "milling"],
+    processes: &[
+        ("turning", Search::AtGreatest { quantity: "sensor_time", change: 0.1, most: f64::INFINITY }),
+        ("milling", Search::AtGreatest { quantity: "sensor_time", change: 0.1, most: f64::INFINITY }),
+    ],
 };
 
 impl<N: Number> ForceDrift<N> {

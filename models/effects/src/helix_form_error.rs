@@ -1,7 +1,7 @@
 //! The helix bends the wall along the axis.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -25,7 +25,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "tilted spindle",
     separating_test: "gauge the wall at five heights",
     source: "Kline, DeVor & Shareef 1982",
-    processes: &["milling"],
+    processes: &[("milling", Search::Size(0.5))],
 };
 
 impl<N: Number> HelixFormError<N> {

@@ -20,6 +20,7 @@
 //! | [`Effect`] | one effect with size and shape; reads `{ id = "wear_force", size = 0.2 }` and `wear_force=0.2` |
 //! | [`Effects`] | the list that a process holds |
 //! | [`Effect::CATALOGUE`], [`CatalogueEntry`] | what is known about each: channels, regime, confounder, separating test |
+//! | [`Search`] | how a diagnosis looks for an effect, or why it does not |
 //! | [`Context`] | what an effect may look at |
 //! | [`Terms`] | what an effect may change |
 //!
@@ -31,8 +32,8 @@
 //! assert!((terms.process_stiffness - 1.2).abs() < 1e-12);
 //! ```
 //!
-//! To add an effect: one file with its record (`size` first), its `ENTRY` and its `act`; one
-//! line in the list in `effect.rs`. The tests of this crate and of every process pick it up.
+//! To add an effect: one file with its record (`size` first), its `ENTRY` and its `act`, and its line in the
+//! list in `effect.rs` and among the modules here. The shop, the units, the diagnosis and the tests pick it up.
 //!
 //! # What is not modelled
 //! Effects of the shop (feed override, stops, delays) change no term of a cutting process; the
@@ -59,6 +60,7 @@ mod lot_hardness;
 mod process_damping;
 mod run_in;
 mod runout;
+mod search;
 mod servo_lag;
 mod spindle_loss;
 mod start_offset;
@@ -78,12 +80,8 @@ mod wheel_wear;
 
 pub use catalogue::{CatalogueEntry, Sign, Touched};
 pub use context::Context;
-pub use effect::{
-    BuiltUpEdge, ChippingHazard, ChuckStiffness, CoolantAgeing, CoolantChange, CrawlWear, Effect, ForceBias,
-    ForceDrift, HelixFormError, LotHardness, ProcessDamping, RunIn, Runout, ServoLag, SpindleLoss, StartOffset,
-    StiffnessDrift, StockOffset, TemperatureLag, ThermalGrowth, ThermalHeredity, ThermalSoftening, ThresholdForce,
-    WearAcceleration, WearForce, WearTemperature, WheelDulling, WheelWear,
-};
+pub use effect::*;
 pub use effects::Effects;
 pub use error::EffectError;
+pub use search::Search;
 pub use terms::Terms;

@@ -1,7 +1,7 @@
 //! One lot of material is harder.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -26,7 +26,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "machine or calendar drift",
     separating_test: "both lots with one edge on one machine",
     source: "ISCAR table of specific cutting forces, VDI 3323 groups 1 and 3; equal shares are an assumption",
-    processes: &["turning", "milling"],
+    processes: &[("turning", Search::Lots(0.1)), ("milling", Search::Lots(0.1))],
 };
 
 impl<N: Number> LotHardness<N> {

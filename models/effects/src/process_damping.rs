@@ -1,7 +1,7 @@
 //! The flank rubs on the waves that the cut leaves.
 
 use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,16 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "damping of the structure",
     separating_test: "slow down: damping by the cut grows, that of the structure stays",
     source: "Altintas, Eynian and Onozuka 2008",
-    processes: &["turning", "milling"],
+    processes: &[
+        (
+            "turning",
+            Search::Untried("it moves the limit of stability; a nominal model of records predicts no vibration"),
+        ),
+        (
+            "milling",
+            Search::Untried("it moves the limit of stability; a nominal model of records predicts no vibration"),
+        ),
+    ],
 };
 
 impl<N: Number> ProcessDamping<N> {

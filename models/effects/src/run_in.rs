@@ -1,7 +1,7 @@
 //! A fresh edge wears faster.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "sharp-edge geometry",
     separating_test: "read the wear early and often on new edges",
     source: "first stage of the wear curve (ISO 3685); exponential form and 4 min are assumptions",
-    processes: &["turning", "milling"],
+    processes: &[("turning", Search::Size(1.5)), ("milling", Search::Size(1.5))],
 };
 
 impl<N: Number> RunIn<N> {

@@ -1,7 +1,7 @@
 //! Tool or blank runs out of true.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "unequal wear of the teeth",
     separating_test: "dial gauge on the tool or blank",
     source: "Kline & DeVor 1983, parallel offset",
-    processes: &["turning", "milling"],
+    processes: &[("turning", Search::Size(10e-6)), ("milling", Search::Size(10e-6))],
 };
 
 impl<N: Number> Runout<N> {

@@ -1,7 +1,7 @@
 //! The drives cut corners.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "deflection of the cutter",
     separating_test: "mill one circle at half and at full feed rate",
     source: "Koren 1983, first-order position loop; gain is an assumption",
-    processes: &["milling"],
+    processes: &[("milling", Search::Size(0.5))],
 };
 
 impl<N: Number> ServoLag<N> {

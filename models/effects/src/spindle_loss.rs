@@ -1,7 +1,7 @@
 //! The spindle drive loses power.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "efficiency of the drive",
     separating_test: "run the spindle in air at the speeds of the programme",
     source: "assumption: square of speed",
-    processes: &["turning", "milling"],
+    processes: &[
+        ("turning", Search::ShareOfMedian { column: "spindle_power", share: 0.1 }),
+        ("milling", Search::ShareOfMedian { column: "spindle_power", share: 0.1 }),
+    ],
 };
 
 impl<N: Number> SpindleLoss<N> {

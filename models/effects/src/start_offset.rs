@@ -1,7 +1,7 @@
 //! Contact begins late.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "K, thermal_growth",
     separating_test: "vary the infeed per revolution: an offset stays, a lag grows",
     source: "assumption: constant per plunge",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::Size(3e-6))],
 };
 
 impl<N: Number> StartOffset<N> {

@@ -1,7 +1,7 @@
 //! The machine grows softer.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wheel_dulling",
     separating_test: "probe the stiffness with the wheel at rest; redress the wheel",
     source: "assumption: linear in time",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::AtGreatest { quantity: "machine_time", change: 0.1, most: 0.9 })],
 };
 
 impl<N: Number> StiffnessDrift<N> {

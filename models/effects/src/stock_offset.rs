@@ -1,7 +1,7 @@
 //! There is more stock than planned.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "lot_hardness",
     separating_test: "probe the blank before the cut",
     source: "assumption: constant",
-    processes: &["milling"],
+    processes: &[("milling", Search::ShareOfMedian { column: "width_of_cut", share: 0.1 })],
 };
 
 impl<N: Number> StockOffset<N> {

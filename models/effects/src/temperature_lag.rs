@@ -1,7 +1,7 @@
 //! The temperature reading lags behind in short cuts.
 
 use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -26,7 +26,10 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "the temperature law's dependence on conditions",
     separating_test: "sweep the length of the cut at constant conditions",
     source: "first-order sensor; time constant is an assumption",
-    processes: &["turning"],
+    processes: &[(
+        "turning",
+        Search::Values { parameter: "time_constant", values: &[30.0, 60.0, 120.0, 240.0], told_by: None, size: 50.0 },
+    )],
 };
 
 impl<N: Number> TemperatureLag<N> {

@@ -1,7 +1,7 @@
 //! The part is gauged warm.
 
 use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -28,7 +28,15 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "start_offset",
     separating_test: "gauge the same part at once and after a long wait",
     source: "assumption: heat by force and time, Newton cooling",
-    processes: &["infeed"],
+    processes: &[(
+        "infeed",
+        Search::Values {
+            parameter: "time_constant",
+            values: &[15.0, 60.0, 240.0],
+            told_by: Some(("wait_time", 60.0)),
+            size: 5e-10,
+        },
+    )],
 };
 
 impl<N: Number> ThermalGrowth<N> {

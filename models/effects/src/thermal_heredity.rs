@@ -1,7 +1,7 @@
 //! Overheating leaves the tool material weaker.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wear_acceleration",
     separating_test: "the same cut after a hot and after a cool cut, at equal flank wear",
     source: "Postnov & Shafikov, eq. (6), structure; linear coupling is an assumption",
-    processes: &["turning"],
+    processes: &[("turning", Search::Size(1.0))],
 };
 
 impl<N: Number> ThermalHeredity<N> {

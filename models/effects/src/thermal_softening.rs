@@ -1,7 +1,7 @@
 //! Hot work material cuts more easily.
 
 use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "the force law's dependence on speed",
     separating_test: "alternate dry and wet at constant speed, three edges",
     source: "Johnson & Cook 1983, structure; linear form is an assumption",
-    processes: &["turning"],
+    processes: &[("turning", Search::Size(0.15))],
 };
 
 impl<N: Number> ThermalSoftening<N> {

@@ -1,7 +1,7 @@
 //! The grinding wheel rubs before it cuts.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -26,7 +26,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "force exponent below one",
     separating_test: "low infeed and a long spark-out: the force keeps a floor",
     source: "King & Hahn 1986, threshold force",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::Size(15.0))],
 };
 
 impl<N: Number> ThresholdForce<N> {

@@ -1,7 +1,7 @@
 //! Wear feeds itself.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -30,7 +30,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wear_temperature",
     separating_test: "temperature of a worn and of a new insert in the same cut",
     source: "Postnov & Shafikov, eqs. (6), (7); the square is an assumption",
-    processes: &["turning", "milling"],
+    processes: &[("turning", Search::Size(1.0)), ("milling", Search::Size(1.0))],
 };
 
 impl<N: Number> WearAcceleration<N> {

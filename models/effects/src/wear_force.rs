@@ -1,7 +1,7 @@
 //! Forces grow with flank wear.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -33,7 +33,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "force_drift",
     separating_test: "change the edge: wear starts anew, a drifting sensor does not; compare spindle power",
     source: "Vicomtech turning set: 13 tools, forces linear in flank wear",
-    processes: &["turning", "milling"],
+    processes: &[("turning", Search::Size(0.2)), ("milling", Search::Size(0.2))],
 };
 
 impl<N: Number> WearForce<N> {

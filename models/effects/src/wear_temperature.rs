@@ -1,7 +1,7 @@
 //! The contact grows hotter with flank wear.
 
 use crate::catalogue::{CatalogueEntry, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -29,7 +29,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "wear_acceleration",
     separating_test: "temperature of a worn and of a new insert in the same cut",
     source: "assumption: first-order form of flank friction heating",
-    processes: &["turning"],
+    processes: &[("turning", Search::Size(0.1))],
 };
 
 impl<N: Number> WearTemperature<N> {

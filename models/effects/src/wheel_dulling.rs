@@ -1,7 +1,7 @@
 //! The grinding wheel dulls between dressings.
 
 use crate::catalogue::{CatalogueEntry, falls, rises};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -27,7 +27,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "stiffness_drift",
     separating_test: "redress: the force falls back, a softer machine does not harden",
     source: "assumption: linear in removed volume, 1500 mm3/mm",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::Size(0.3))],
 };
 
 impl<N: Number> WheelDulling<N> {

@@ -1,7 +1,7 @@
 //! The grinding wheel wears.
 
 use crate::catalogue::{CatalogueEntry, falls};
-use crate::{Context, Terms};
+use crate::{Context, Search, Terms};
 use toolroom_process::{Number, Record, record};
 
 record! {
@@ -24,7 +24,7 @@ pub(crate) const ENTRY: CatalogueEntry = CatalogueEntry {
     confounder: "an infeed scale error",
     separating_test: "measure the wheel before and after ten parts",
     source: "King & Hahn 1986, grinding ratio",
-    processes: &["infeed"],
+    processes: &[("infeed", Search::WheelPosition { each_part: 0.1, since_dressing: 0.01 })],
 };
 
 impl<N: Number> WheelWear<N> {

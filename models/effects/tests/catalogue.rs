@@ -3,7 +3,7 @@
 use num_dual::Dual64;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
-use toolroom_effects::{Context, Effect, EffectError, Effects, Sign, Terms};
+use toolroom_effects::{Context, Effect, EffectError, Effects, Search, Sign, Terms};
 use toolroom_process::{AnyRecord, Field, Record, num_dual, unit};
 
 const SIZE: usize = 0;
@@ -167,6 +167,46 @@ fn the_catalogue_is_complete() {
         }
     }
     assert!(Effect::CATALOGUE.iter().flat_map(|entry| entry.channels).any(|touched| touched.sign == Sign::Falls));
+}
+
+#[test]
+fn every_effect_says_how_it_is_diagnosed_in_every_process_or_why_it_is_not() {
+    for effect in Effect::all() {
+        let entry = effect.entry();
+        let fields = effect.parameters().fields();
+        let shaped = |name: &str| assert!(fields.iter().any(|field| field.name == name), "{}: {name}", entry.id);
+        for (process, search) in entry.processes {
+            let sizes = match *search {
+                Search::Size(size)
+                | Search::Lots(size)
+                | Search::CoolantStiffness(size)
+                | Search::Below { size, .. } => {
+                    vec![size]
+                }
+                Search::Values { parameter, size, .. } => {
+                    shaped(parameter);
+                    vec![size]
+                }
+                Search::Window { centre, width, size, .. } => {
+                    shaped(centre);
+                    shaped(width.0);
+                    vec![size]
+                }
+                Search::WheelPosition { each_part, since_dressing } => vec![each_part, since_dressing],
+                Search::AtGreatest { quantity, .. } => {
+                    assert!(Context::<f64>::index_of(quantity).is_some(), "{}: {quantity}", entry.id);
+                    Vec::new()
+                }
+                Search::ShareOfMedian { .. } => Vec::new(),
+                Search::Untried(reason) => {
+                    assert!(!reason.is_empty(), "{} in {process}", entry.id);
+                    Vec::new()
+                }
+                Search::Shaped => panic!("{} in {process}: only shops and power laws shape effects", entry.id),
+            };
+            assert!(sizes.iter().all(|size| *size > 0.0 && *size < entry.size.max), "{} in {process}", entry.id);
+        }
+    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ fn everything() -> Infeed {
         dulling_rate: 1.0 / 1.5e-3,
         ..Parameters::default()
     };
-    let sized = Effect::all().filter(|effect| effect.entry().processes.contains(&Infeed::NAME));
+    let sized = Effect::all().filter(|effect| effect.entry().search(Infeed::NAME).is_some());
     let sized = sized.map(|effect| effect.with_size(effect.entry().size.max * 1e-3)).collect();
     Infeed::new(parameters, Effects::new(sized).expect("distinct")).expect("effects of infeed")
 }

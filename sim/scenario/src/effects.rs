@@ -1,7 +1,7 @@
 //! Effects of the shop that a nominal simulation leaves out: catalogue rows beside those of the
 //! processes.
 
-use toolroom_effects::{CatalogueEntry, Sign, Touched};
+use toolroom_effects::{CatalogueEntry, Search, Sign, Touched};
 use toolroom_process::{Record, record};
 
 record! {
@@ -47,7 +47,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "micro_stops",
         separating_test: "log the override beside the cycle",
         source: "NIST smart manufacturing test bed, MTConnect logs of 2017: override not 100 % during a fifth of the active time of one machine",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "feed_hold",
@@ -58,7 +58,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "micro_stops",
         separating_test: "log execution states (INTERRUPTED, FEED_HOLD)",
         source: "MTConnect execution states; constant time per hold is an assumption",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "axis_acceleration",
@@ -69,7 +69,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "rapid override",
         separating_test: "time a program of long and one of short blocks",
         source: "trapezoidal speed profile between block ends (assumption: one acceleration for all axes)",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "canned_cycle_dwell",
@@ -80,7 +80,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "tool_change_delay",
         separating_test: "time a program with twice the holes",
         source: "G-code P word of G82 and G89; constant time is an assumption",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "micro_stops",
@@ -98,7 +98,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "feed_override",
         separating_test: "log every stop for a shift",
         source: "Nakajima, Introduction to TPM (1988): idling and minor stoppages; Poisson stops are an assumption",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "operator_delay",
@@ -109,7 +109,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "setup time",
         separating_test: "one operator at two shifts",
         source: "assumption: constant time per operation",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "tool_change_delay",
@@ -120,7 +120,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "operator_delay",
         separating_test: "time ten changes",
         source: "assumption: constant time per change",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "tool_change_policy",
@@ -131,7 +131,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "chipping",
         separating_test: "measure every edge that is taken out",
         source: "assumption: constant shift of the limit",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
     CatalogueEntry {
         id: "breakdown_shape",
@@ -142,7 +142,7 @@ pub const SHOP_EFFECTS: &[CatalogueEntry] = &[
         confounder: "breakdown rate",
         separating_test: "log breakdowns for a quarter of a year",
         source: "Weibull renewal of repairable machines (Rigdon & Basu 2000), recalled",
-        processes: &["shop"],
+        processes: &[("shop", Search::Shaped)],
     },
 ];
 

@@ -8,9 +8,9 @@ use std::fmt::Write;
 use std::path::Path;
 use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
 use toolroom_gap::{NominalModel, NominalProcess, Settings};
+use toolroom_recording::simulated;
 use toolroom_records::RecordKind;
 use toolroom_scenario::file::read;
-use toolroom_study::simulate::simulated;
 
 /// One key figure.
 pub struct Figure {

@@ -151,7 +151,7 @@ impl<P: Nominal> Cutting<P> {
         let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
         let mean = |(channel, source): (usize, &Source)| match source {
             Source::Output(output) => Some((channel, *output)),
-            _ => None,
+            Source::Wear | Source::Duration => None,
         };
         let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
         let readings = measured.channels.iter().all(|channel| known(channel.name));
@@ -191,9 +191,9 @@ impl<P: Nominal> Cutting<P> {
             durations: &model.durations,
             channels: &model.frame.measured.channels,
         };
-        let (candidates, actions) = cutting_effects::candidates(P::NAME, &context).into_iter().unzip();
-        model.frame.candidates = candidates;
-        model.actions = actions;
+        let (candidates, untried) = cutting_effects::candidates(P::NAME, &context);
+        model.frame.untried = untried;
+        (model.frame.candidates, model.actions) = candidates.into_iter().unzip();
         model.orient();
         if broken > 0 {
             model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));

@@ -172,7 +172,7 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         for (action, size) in self.actions.iter().zip(&at.effects) {
-            if let (Action::Lot(rows), true) = (action, *size != 0.0) {
+            if let (Action::Lot(_, rows), true) = (action, *size != 0.0) {
                 setting.lots.push((*size, rows));
             }
         }
@@ -191,9 +191,8 @@ impl<P: Nominal> Cutting<P> {
             }
             match action {
                 Action::Effect(effect) => effects.push(effect.with_size(*size)),
-                Action::Lot(_) => {
-                    effects.extend(Effect::named("lot_hardness").map(|effect| effect.with_size(1.0)));
-                }
+                // The deviation of the lot carries the size.
+                Action::Lot(effect, _) => effects.push(effect.with_size(1.0)),
                 Action::Reading { .. } => {}
             }
         }

@@ -83,7 +83,7 @@ impl<P: Nominal> Cutting<P> {
                 Action::Reading { channel, column } => {
                     return Way::Reading(*channel, column, self.frame.candidates[i].typical);
                 }
-                Action::Lot(_) => false,
+                Action::Lot(..) => false,
                 // The catalogue lists flank wear wherever an effect changes its rate.
                 Action::Effect(effect) => still && effect.entry().channels.iter().all(|it| it.channel != "flank_wear"),
             },
@@ -117,7 +117,7 @@ impl<P: Nominal> Cutting<P> {
                         let (u, factor) = self.conditions(setting, group, *row);
                         Some((setting.process.held(&u), factor, setting.of_land(*row)))
                     }
-                    _ => None,
+                    Way::Rate(..) | Way::RateOfLand(..) | Way::Reading(..) => None,
                 })
                 .collect();
             if let Some(body) = parts.lagged {

@@ -2,14 +2,11 @@
 
 use super::Grinding;
 use crate::Candidate;
-use crate::features::{self, standardised};
+use crate::search::{self, Rows, Shape, Sought, Untried, Way};
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
 use toolroom_records::Records;
-
-/// Share of its stiffness that a machine may lose by the last trial: what is left has to stay positive (assumption).
-const MOST_LOST: f64 = 0.9;
 
 /// How a candidate acts.
 pub(super) enum Action {
@@ -29,43 +26,29 @@ impl Action {
 impl Grinding {
     pub(super) fn catalogue(&mut self, records: &Records) {
         let latest = self.conditions.latest();
-        let waits = records.numbers("wait_time").and_then(standardised).is_some();
-        let mut add = |effect: Effect, shape: String, typical: f64, action: Action| {
-            let entry = effect.entry();
-            let greatest = match entry.id {
-                "stiffness_drift" => entry.size.max.min(MOST_LOST / latest),
-                _ => entry.size.max,
-            };
-            self.frame.candidates.push(Candidate { id: entry.id, shape, typical, greatest });
-            self.actions.push(action);
+        let greatest = |quantity: &str| match quantity {
+            "machine_time" => (latest > 0.0).then_some(latest),
+            column => search::greatest(records, column),
         };
-        let plain = |effect: Effect| Action::Effect { effect, by_command: false };
+        let ways = &[Way::Coolants, Way::WheelPosition];
+        let sought = Sought { process: Infeed::NAME, records, greatest: &greatest, ways };
         for effect in Effects::every(Infeed::NAME).iter().copied() {
-            match effect.entry().id {
-                "wheel_dulling" => add(effect, String::new(), 0.3, plain(effect)),
-                "wheel_wear" => {
-                    add(effect, "each part finds contact".to_owned(), 0.1, plain(effect));
-                    let by_command = Action::Effect { effect, by_command: true };
-                    // It adds up over the parts.
-                    add(effect, "positioned since dressing".to_owned(), 0.01, by_command);
+            let id = effect.entry().id;
+            let shapes = match sought.shapes(effect) {
+                Ok(shapes) => shapes,
+                Err(reason) => {
+                    self.frame.untried.push(Untried { id, reason });
+                    continue;
                 }
-                "threshold_force" => add(effect, String::new(), 15.0, plain(effect)),
-                "start_offset" => add(effect, String::new(), 3e-6, plain(effect)),
-                "thermal_growth" => {
-                    let times: &[f64] = if waits { &[15.0, 60.0, 240.0] } else { &[60.0] };
-                    for time in times {
-                        let mut shaped = effect;
-                        shaped.parameters_mut().set_value(1, *time);
-                        add(effect, format!("{time} s"), 5e-10, plain(shaped));
-                    }
-                }
-                "stiffness_drift" if latest > 0.0 => add(effect, String::new(), 0.1 / latest, plain(effect)),
-                "coolant_change" => {
-                    for (_, coolant, rows) in features::indicators(records, &["coolant_id"]) {
-                        add(effect, format!("coolant {coolant}"), 0.1, Action::Coolant(rows));
-                    }
-                }
-                _ => {}
+            };
+            for Shape { name, effect, typical, greatest, rows } in shapes {
+                self.frame.candidates.push(Candidate { id, shape: name, typical, greatest });
+                self.actions.push(match rows {
+                    Rows::Coolant(rows) => Action::Coolant(rows),
+                    Rows::SinceDressing => Action::Effect { effect, by_command: true },
+                    Rows::All => Action::Effect { effect, by_command: false },
+                    Rows::Lot(_) => unreachable!("the way of lots is not offered"),
+                });
             }
         }
     }

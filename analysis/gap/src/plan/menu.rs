@@ -100,7 +100,7 @@ pub(super) fn blocks(records: &Records) -> Vec<Offered> {
     let recipes = match records.kind {
         RecordKind::Grinding => GRINDING,
         RecordKind::Shop | RecordKind::Program => &[],
-        _ => CUTTING,
+        RecordKind::Turning | RecordKind::Milling | RecordKind::Empirical => CUTTING,
     };
     recipes.iter().filter_map(|recipe| block(records, recipe)).collect()
 }

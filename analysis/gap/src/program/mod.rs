@@ -17,6 +17,7 @@ pub use file::effects_section;
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};
+use super::search;
 use super::settings::Settings;
 use super::summary::rounded;
 use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform};
@@ -174,6 +175,7 @@ impl Stretches {
                 add("axis_acceleration", shape, 0.5, Action::Acceleration(corner, jerk));
             }
         }
+        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
     }
 
     fn covariates(&self, records: &Records) -> Vec<Covariate> {

@@ -17,6 +17,7 @@
 //! as a Poisson process of exponential durations, 20 s in the mean: assumption.
 
 mod block;
+mod constant;
 mod kpi;
 mod logs;
 mod model;

@@ -1,10 +1,12 @@
 //! The nominal shop over blocks of recorded operations.
 
 use super::super::features::standardised;
+use super::super::search;
 use super::super::{
     Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Surface, Transform,
 };
 use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
+use super::constant::Constant;
 use super::nominal::Shop;
 use super::stops::{SIZES, Shape, Stops, Timed};
 use super::visit::{Visits, visits};
@@ -179,16 +181,16 @@ impl ShopModel {
         };
         let ones = || vec![1.0; rows];
         let (time, handling, change) = (self.place(0), self.place(4), self.place(6));
-        add("programmed times".to_owned(), time.clone(), ones(), PROGRAM, false);
-        add("handling time".to_owned(), handling.clone(), ones(), HANDLING, false);
-        add("change time".to_owned(), change.clone(), ones(), CHANGE, false);
+        add(Constant::ProgrammedTimes.to_string(), time.clone(), ones(), PROGRAM, false);
+        add(Constant::Handling.to_string(), handling.clone(), ones(), HANDLING, false);
+        add(Constant::Change.to_string(), change.clone(), ones(), CHANGE, false);
         let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
         let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
         for (program, name) in seen.programs.iter().enumerate() {
             let own = on(&|block| block.program == Some(program));
             let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
-            add(format!("programmed time of {name}"), time.clone(), own.clone(), level, false);
-            add(format!("handling time of {name}"), handling.clone(), own.clone(), 0.5 * HANDLING, false);
+            add(Constant::ProgrammedTime(name).to_string(), time.clone(), own.clone(), level, false);
+            add(Constant::HandlingOfProgram(name).to_string(), handling.clone(), own.clone(), 0.5 * HANDLING, false);
             add(format!("scatter of {name}"), self.place(3), own.clone(), SCATTER, false);
             let skew: Vec<f64> = own.iter().map(|own| own * self.blocks.scatter[program]).collect();
             add(format!("skewness of {name}"), self.place(2), skew, SKEW, true);
@@ -202,11 +204,17 @@ impl ShopModel {
         add("scores of breakdowns".to_owned(), self.place(10), ones(), 0.02, false);
         for (machine, name) in seen.machines.iter().enumerate() {
             let own = on(&|block| block.machine == machine);
-            add(format!("gain of machine {name}"), time.clone(), own.clone(), MACHINE, false);
+            add(Constant::MachineGain(name).to_string(), time.clone(), own.clone(), MACHINE, false);
             let stranger = shop.station(name).is_none();
             let level = |known: f64| if stranger { UNKNOWN } else { known };
-            add(format!("handling at {name}"), handling.clone(), own.clone(), level(0.5 * HANDLING), false);
-            add(format!("changes at {name}"), change.clone(), own.clone(), level(CHANGE), false);
+            add(
+                Constant::HandlingAtMachine(name).to_string(),
+                handling.clone(),
+                own.clone(),
+                level(0.5 * HANDLING),
+                false,
+            );
+            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), own.clone(), level(CHANGE), false);
             add(format!("scatter of handling at {name}"), self.place(5), own.clone(), 0.5 * SCATTER, false);
             add(format!("scatter at {name}"), self.place(3), own.clone(), 0.5 * SCATTER, false);
             add(format!("lives of edges at {name}"), self.place(9), own, 0.1, false);
@@ -295,6 +303,7 @@ impl ShopModel {
             self.frame.candidates.push(Candidate { id, shape, typical, greatest });
             self.actions.push(action);
         }
+        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
     }
 
     fn covariates(&mut self, seen: &Visits) {
@@ -383,7 +392,12 @@ impl ShopModel {
                     Action::Overridden(mean) => overridden += size / mean,
                     Action::Delay(weights) => delay += size * weights[row],
                     Action::Acceleration(speeds) => blocks += size * speeds[row],
-                    _ => {}
+                    Action::Change
+                    | Action::Stops
+                    | Action::Booked
+                    | Action::Hold
+                    | Action::Policy
+                    | Action::Breakdowns => {} // acts on the channel that logs it
                 }
             }
             match kind {
@@ -431,7 +445,7 @@ impl Forward for ShopModel {
                 let (low, high) = ((size - typical).max(0.0), size + typical);
                 difference((&to(low), to(high)), (high - low) / typical)
             }
-            _ => {
+            Direction::Parameter(_) | Direction::Effect(_) | Direction::Local(_) => {
                 let (ahead, step) = direction.ahead(&self.frame, at);
                 difference((raw, self.simulated(&ahead, &shapes)), step)
             }

@@ -62,7 +62,8 @@ impl Shop {
                         let process = &scenario.tools[operation.tool].process;
                         cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum()
                     }
-                    _ => 0.0,
+                    // Neither a wheel nor a planned contour runs at a programmed feed.
+                    Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => 0.0,
                 };
                 programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
             }
@@ -90,8 +91,10 @@ impl Shop {
 fn feed_speed(cut: &Cut, duration: f64, process: &ProcessModel) -> f64 {
     match process {
         ProcessModel::Milling(_) => cut.path_length / duration,
-        _ if cut.diameter > 0.0 => cut.cutting_speed / (std::f64::consts::PI * cut.diameter) * cut.feed,
-        _ => 0.0,
+        ProcessModel::Turning(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) if cut.diameter > 0.0 => {
+            cut.cutting_speed / (std::f64::consts::PI * cut.diameter) * cut.feed
+        }
+        ProcessModel::Turning(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) => 0.0,
     }
 }
 
@@ -106,7 +109,10 @@ fn station(scenario: &Scenario, index: usize, log: &RunLog) -> Station {
     let shape = |distribution: &Distribution| match distribution {
         Distribution::Exponential { .. } => Some(1.0),
         Distribution::Weibull { shape, .. } => Some(*shape),
-        _ => None,
+        Distribution::Constant(_)
+        | Distribution::Lognormal { .. }
+        | Distribution::Triangular { .. }
+        | Distribution::Uniform { .. } => None,
     };
     let failure = match modes[..] {
         [mode] => shape(&mode.time_between).map(|shape| (mode.time_between.mean(), shape)),

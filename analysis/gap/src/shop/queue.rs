@@ -13,6 +13,7 @@
 //! assumption.
 
 use super::block::normal_score;
+use super::constant::Constant;
 use super::nominal::Shop;
 use super::visit::{Visit, Visits};
 use crate::{Diagnosis, NamedEffect};
@@ -150,8 +151,9 @@ impl<'a> Occupation<'a> {
         Self { shop, seen, factors, effects: &diagnosis.effects }
     }
 
-    fn factor(&self, names: &[String]) -> f64 {
-        names.iter().filter_map(|name| self.factors.get(name.as_str())).product()
+    /// Product of the calibrated factors; a constant that the records did not move stays at 1.
+    fn factor(&self, constants: &[Constant<'_>]) -> f64 {
+        constants.iter().filter_map(|constant| self.factors.get(constant.to_string().as_str())).product()
     }
 
     /// Time of one operation, s; the same random numbers are drawn with and without effects.
@@ -165,20 +167,14 @@ impl<'a> Occupation<'a> {
                 + visit.setup
                 + visit.changes.iter().chain(&visit.holds).sum::<f64>();
         };
-        let time = nominal.time
-            * self.factor(&[
-                "programmed times".to_owned(),
-                format!("programmed time of {program}"),
-                format!("gain of machine {machine}"),
-            ]);
+        use Constant::{
+            Change, ChangeAtMachine, Handling, HandlingAtMachine, HandlingOfProgram, MachineGain, ProgrammedTime,
+            ProgrammedTimes,
+        };
+        let time = nominal.time * self.factor(&[ProgrammedTimes, ProgrammedTime(program), MachineGain(machine)]);
         let handling = station.handling[(u * station.handling.len() as f64) as usize];
-        let handling = handling
-            * self.factor(&[
-                "handling time".to_owned(),
-                format!("handling time of {program}"),
-                format!("handling at {machine}"),
-            ]);
-        let change = station.tool_change * self.factor(&["change time".to_owned(), format!("changes at {machine}")]);
+        let handling = handling * self.factor(&[Handling, HandlingOfProgram(program), HandlingAtMachine(machine)]);
+        let change = station.tool_change * self.factor(&[Change, ChangeAtMachine(machine)]);
         let [changes, holds] = [visit.changes.len() as f64, visit.holds.len() as f64];
         let mut all = time + handling + visit.setup + changes * change;
         for effect in self.effects.iter().filter(|_| with_effects) {
@@ -206,7 +202,9 @@ impl<'a> Occupation<'a> {
                     }
                     stopped
                 }
-                _ => 0.0,
+                // Neither occupies a machine longer: lives of edges and breakdowns are those of the log.
+                ("tool_change_policy" | "breakdown_shape", _) => 0.0,
+                (id, _) => unreachable!("{id} is no effect of a shop's log"),
             };
         }
         all

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::{GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
+use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::Deviation;
-use toolroom_study::simulate::simulated;
 
 fn nominal() -> NominalModel {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");

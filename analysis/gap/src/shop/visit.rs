@@ -149,7 +149,7 @@ pub fn visits(events: &Records) -> Visits {
         let gone = |stay: &&Stay<'_>| match stay.state {
             State::Stopped => stay.end - stay.start > SHORT_STOP,
             State::OffShift | State::Unknown => true,
-            _ => false,
+            State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold | State::Idle => false,
         };
         all.away.push(stays.iter().filter(gone).map(|stay| (stay.start, stay.end)).collect());
         cut_off += of_machine(&mut all, machine, &stays);
@@ -254,7 +254,8 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
                 State::Setup => visit.setup += time,
                 State::Hold => visit.holds.push(time),
                 State::Stopped if time <= SHORT_STOP => visit.stops.push(time),
-                _ => {}
+                // Neither is time of the operation.
+                State::Stopped | State::Idle | State::OffShift | State::Unknown => {}
             }
             if stay.state == State::Cutting && !stay.tool.is_empty() {
                 visit.new_edge |= seen.insert(stay.tool);
@@ -303,7 +304,7 @@ fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
             }
             State::Unknown => used = f64::NAN,
             State::Idle | State::OffShift => {}
-            _ => used += time,
+            State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold => used += time,
         }
         down = 0.0;
     }

@@ -275,7 +275,7 @@ impl Study {
     fn run_in(&self, pair: &Pair) -> f64 {
         match &pair.law {
             WearLaw::EnergyBalance(law) => law.run_in_offset,
-            _ => pair.limits.wear_limit / 30.0,
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) => pair.limits.wear_limit / 30.0,
         }
     }
 

@@ -144,7 +144,7 @@ pub fn merge(plan: &Plan, cells: usize, directory: &Path) -> Result<Merged, Shar
 pub fn sample(tally: &Tally) -> Result<Sample, SampleError> {
     let minutes = |observation| match observation {
         Observation::Between(low, high) => Observation::Between(low / 60.0, high / 60.0),
-        other => other,
+        Observation::Failed(_) | Observation::Censored(_) => observation,
     };
     let lives = End::ALL.iter().zip(&tally.ends).flat_map(|(end, sketch)| {
         sketch.observations().map(move |(observation, weight)| {

@@ -18,6 +18,13 @@ vocabulary! {
     }
 }
 
+impl ProcessKind {
+    /// Words of the processes whose edges cut passes at a commanded speed.
+    pub const CUTTING: &'static [&'static str] = &[Self::Turning.word(), Self::Milling.word()];
+    /// Words of those whose feed is given per tooth, with a width of cut.
+    pub const PER_TOOTH: &'static [&'static str] = &[Self::Milling.word()];
+}
+
 vocabulary! {
     /// Families of positive random times.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,39 +95,6 @@ vocabulary! {
 }
 
 vocabulary! {
-    /// How the cutting speed is chosen.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(super) enum SpeedWord {
-        /// As programmed.
-        Programmed = "programmed",
-        /// A constant speed that the file gives.
-        Constant = "constant",
-        /// The constant speed of the longest cutting path per edge.
-        BestPath = "best_path",
-        /// The constant speed of the longest tool life.
-        BestLife = "best_life",
-        /// The constant speed of the greatest production rate.
-        BestRate = "best_rate",
-        /// The constant speed of least cost.
-        BestCost = "best_cost",
-        /// Makarov's constant speed.
-        Makarov = "makarov",
-        /// Speed against cumulative path.
-        Schedule = "schedule",
-        /// Minimum wear per path.
-        MinimumWear = "minimum_wear",
-        /// Minimum wear by the paper's literal rule.
-        MinimumWearLiteral = "minimum_wear_literal",
-        /// A set wear increment per pass.
-        SetIncrement = "set_increment",
-        /// Greatest production rate at a shadow price of edges.
-        Productivity = "productivity",
-        /// Minimum wear with the true wear known.
-        Oracle = "oracle",
-    }
-}
-
-vocabulary! {
     /// What is done about chatter.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum ChatterWord {
@@ -183,4 +157,4 @@ vocabulary! {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -15,7 +15,7 @@ pub struct Form {
 }
 
 /// One key of a section.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// As written.
     pub name: &'static str,
@@ -121,6 +121,25 @@ impl Quantity {
     pub fn admits(&self, value: f64) -> bool {
         value.is_finite() && value <= self.max && if self.above { value > self.min } else { value >= self.min }
     }
+}
+
+/// Keys of several lists as one.
+///
+/// # Panics
+/// Where `N` is not the number of all.
+pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut list, mut count) = (0, 0);
+    while list < lists.len() {
+        let mut key = 0;
+        while key < lists[list].len() {
+            all[count] = lists[list][key];
+            (key, count) = (key + 1, count + 1);
+        }
+        list += 1;
+    }
+    assert!(count == N);
+    all
 }
 
 impl Key {

@@ -17,7 +17,7 @@ const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64,
     Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
 }
 
-const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+pub(super) const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
 }
 
@@ -29,15 +29,15 @@ const LONG_DURATION: Kind = positive("s", "h", DECADE, "8 h");
 const COST: Kind = quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
 const RATE: Kind = quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
 /// A cutting speed that a cut is commanded: what the models of cutting take, in milling as in turning.
-const SPEED: Kind = positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
+pub(super) const SPEED: Kind = positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
 /// What a spindle is able to; above 6000 m/min nothing is cut.
 const SPINDLE: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
 const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = positive("m", "mm", 5e-3, "0.1 mm/tooth");
 const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
 const LENGTH: Kind = positive("m", "mm", 1e4, "250 mm");
-const PATH: Kind = positive("m", "m", 1e6, "75 m");
-const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
+pub(super) const PATH: Kind = positive("m", "m", 1e6, "75 m");
+pub(super) const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
 const SHARE: Kind = quantity("1", "1", 0.0, 1.0, "0.5");
 const DEVIATION: Kind = quantity("1", "1", 0.0, 0.5, "2 %");
 const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
@@ -147,7 +147,7 @@ static MACHINE: Form = Form {
         ),
         Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
         Key::required("speed_range", Kind::List(&SPINDLE), "Least and greatest cutting speed of spindle and program")
-            .when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
         Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
         Key::optional(
             "coolant_change",
@@ -170,9 +170,9 @@ static TOOL: Form = Form {
             "Tool and work material: name of a parameter set of the process; due unless a unit is named",
         ),
         Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
-            .when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
         Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
-            .when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::optional("effects", Kind::Effects, "Effects switched on in the true world"),
         Key::optional(
@@ -180,13 +180,13 @@ static TOOL: Form = Form {
             Kind::Text,
             "Lobes file beside this one with the vibration modes around the cut; left out: every cut is stable",
         )
-        .when("process", &["turning", "milling"]),
+        .when("process", ProcessKind::CUTTING),
         Key::optional(
             "structure_scatter",
             Kind::Table(&STRUCTURE_SCATTER),
             "How the machines' structures differ from that; left out: not at all",
         )
-        .when("process", &["turning", "milling"]),
+        .when("process", ProcessKind::CUTTING),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
@@ -256,17 +256,17 @@ static OPERATION: Form = Form {
             positive("m", "um", 1e-3, "3.2 um"),
             "Greatest roughness Ra of a good part after the last pass; left out: not looked at",
         )
-        .when("process", &["turning", "milling"]),
+        .when("process", ProcessKind::CUTTING),
         Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
         Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
-            .when("process", &["turning", "milling"]),
-        Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
+        Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", ProcessKind::CUTTING),
         Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
-        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
-        Key::optional("depth_of_cut", DEPTH, "Depth of cut").when("process", &["turning", "milling"]),
-        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", ProcessKind::PER_TOOTH),
+        Key::optional("depth_of_cut", DEPTH, "Depth of cut").when("process", ProcessKind::CUTTING),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", ProcessKind::PER_TOOTH),
         Key::optional("path_length", PATH, "Cutting path of a turning edge, or path of the cutter axis, in one pass")
-            .when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
         Key::optional(
             "diameter",
             LENGTH,
@@ -281,21 +281,21 @@ static OPERATION: Form = Form {
         )
         .when("process", &["turning"]),
         Key::optional("pass", Kind::Tables(&PASS), "Passes one by one; what a pass leaves out is the operation's")
-            .when("process", &["turning", "milling"]),
+            .when("process", ProcessKind::CUTTING),
         Key::optional(
             "contour",
             Kind::Text,
             "Instead of passes: path of a contour file, from the folder of this file; its constants are what the plan believes",
         )
-        .when("process", &["milling"]),
+        .when("process", ProcessKind::PER_TOOTH),
         Key::optional("contour_passes", Kind::List(&Kind::Name), "Passes of the contour file in order; left out: all")
-            .when("process", &["milling"]),
+            .when("process", ProcessKind::PER_TOOTH),
         Key::optional(
             "plan",
             Kind::Choice(ContourRule::WORDS),
             "Regime that is programmed, where the policy has none of its own; left out: handbook_one_feed",
         )
-        .when("process", &["milling"]),
+        .when("process", ProcessKind::PER_TOOTH),
         Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
             .when("process", &["infeed"]),
         Key::optional("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
@@ -321,9 +321,9 @@ static PASS: Form = Form {
     keys: &[
         Key::optional("cutting_speed", SPEED, "Programmed cutting speed"),
         Key::optional("feed_per_rev", FEED, "Feed per revolution").when("process", &["turning"]),
-        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", &["milling"]),
+        Key::optional("feed_per_tooth", FEED_PER_TOOTH, "Feed per tooth").when("process", ProcessKind::PER_TOOTH),
         Key::optional("depth_of_cut", DEPTH, "Depth of cut"),
-        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", &["milling"]),
+        Key::optional("width_of_cut", LENGTH, "Width of cut").when("process", ProcessKind::PER_TOOTH),
         Key::optional("path_length", PATH, "Path of this pass"),
         Key::optional("diameter", LENGTH, "Work diameter").when("process", &["turning"]),
         Key::optional("length", LENGTH, "Length of cut in feed direction").when("process", &["turning"]),

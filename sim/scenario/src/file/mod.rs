@@ -26,6 +26,7 @@ mod resolve;
 mod routing;
 mod rules;
 mod schema;
+mod speed;
 mod stability;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,8 @@ mod text;
 mod walk;
 mod words;
 
+#[cfg(test)]
+pub(crate) use choices::tests::speed_rules;
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use explain::{CODES, explain};
 pub use fault::{Fault, nearest};

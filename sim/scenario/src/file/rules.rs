@@ -1,17 +1,18 @@
 //! Arrivals, dispatching, policies, output.
 
 use super::Output;
-use super::choices::{FormatWord, GrowthWord, PatternWord, ProcessKind, SpeedWord, ToolChangeWord};
+use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
 use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
+use super::speed::speed_rule;
 use super::stability;
 use super::walk::{Section, Span, Value, Walk};
 use crate::effects::SHOP_EFFECTS;
 use crate::{
     Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
-    SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule,
+    SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_process::unit;
@@ -68,43 +69,6 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         policies.push((rule, section.span_of("name")));
     }
     policies
-}
-
-pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {
-    let constant = SpeedRule::Constant;
-    let Some(word) = section.chosen("speed", SpeedWord::from_word) else {
-        return SpeedRule::Programmed; // a problem was noted
-    };
-    match word {
-        SpeedWord::Constant => {
-            let speed = section.required("cutting_speed");
-            let within = |machine: &MachineType| (machine.speed_range.0..=machine.speed_range.1).contains(&speed);
-            let mut lathes =
-                machines.iter().filter(|machine| machine.process == ProcessKind::Turning.word()).peekable();
-            if speed.is_finite() && lathes.peek().is_some() && !lathes.any(within) {
-                let fault = Fault::OutOfRange {
-                    key: "cutting_speed".to_owned(),
-                    read: format!("{} m/min", super::words::significant(speed * 60.0)),
-                    range: "the speed_range of every turning machine".to_owned(),
-                    meant: Vec::new(),
-                };
-                walk.fault(section.span_of("cutting_speed"), fault);
-            }
-            constant(SpeedChoice::Given(speed))
-        }
-        SpeedWord::BestPath => constant(SpeedChoice::BestPath),
-        SpeedWord::BestLife => constant(SpeedChoice::BestLife),
-        SpeedWord::BestRate => constant(SpeedChoice::BestRate),
-        SpeedWord::BestCost => constant(SpeedChoice::BestCost),
-        SpeedWord::Makarov => constant(SpeedChoice::Makarov(section.required("at_flank_wear"))),
-        SpeedWord::Schedule => SpeedRule::Schedule,
-        SpeedWord::MinimumWear => SpeedRule::MinimumWear { literal: false },
-        SpeedWord::MinimumWearLiteral => SpeedRule::MinimumWear { literal: true },
-        SpeedWord::SetIncrement => SpeedRule::SetIncrement { path_per_edge: section.required("path_per_edge") },
-        SpeedWord::Productivity => SpeedRule::Productivity { price: section.si("price") },
-        SpeedWord::Oracle => SpeedRule::Oracle,
-        SpeedWord::Programmed => SpeedRule::Programmed,
-    }
 }
 
 pub(super) fn tool_change(walk: &mut Walk, section: &Section<'_>) -> ToolChangeRule {

@@ -304,29 +304,13 @@ impl Controller {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cut, PolicyRule, SpeedChoice, SpeedRule, ToolChangeRule};
+    use crate::{Cut, PolicyRule, SpeedRule, ToolChangeRule};
     use proptest::prelude::*;
 
+    /// Every speed rule that a file can name, and the productivity rule at a price of its own.
     fn rules() -> Vec<SpeedRule> {
-        let choices = [
-            SpeedChoice::Given(0.7),
-            SpeedChoice::BestPath,
-            SpeedChoice::BestLife,
-            SpeedChoice::BestRate,
-            SpeedChoice::BestCost,
-            SpeedChoice::Makarov(0.2e-3),
-        ];
-        let mut rules: Vec<SpeedRule> = choices.into_iter().map(SpeedRule::Constant).collect();
-        rules.extend([
-            SpeedRule::Programmed,
-            SpeedRule::Schedule,
-            SpeedRule::MinimumWear { literal: false },
-            SpeedRule::MinimumWear { literal: true },
-            SpeedRule::SetIncrement { path_per_edge: 500.0 },
-            SpeedRule::Productivity { price: Some(2.0) },
-            SpeedRule::Productivity { price: None },
-            SpeedRule::Oracle,
-        ]);
+        let mut rules = crate::file::speed_rules();
+        rules.push(SpeedRule::Productivity { price: Some(2.0) });
         rules
     }
 

@@ -175,33 +175,10 @@ fn controller(
         machine: machine.rate,
     };
     let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
-    let speed = match (&believed, rule.speed) {
-        _ if !tool.process.takes_speed_commands() => Speed::Fixed(programmed),
-        (_, SpeedRule::Programmed) => Speed::Fixed(programmed),
-        (believed, SpeedRule::Constant(choice)) => {
-            Speed::Fixed(constant::speed(choice, believed.as_ref(), &cost).unwrap_or(programmed))
-        }
-        (Some(believed), SpeedRule::Schedule) => Speed::Schedule(Arc::new(schedule::tabulate(believed))),
-        (Some(_), SpeedRule::SetIncrement { path_per_edge }) => Speed::SetIncrement(SetIncrement { path_per_edge }),
-        (Some(Believed { pair, cut, .. }), SpeedRule::MinimumWear { literal: true }) => {
-            planned(pair, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
-        }
-        (Some(Believed { pair, cut, .. }), SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle) => {
-            planned(pair, |flank_wear| pair.minimum_wear_speed(cut, flank_wear))
-        }
-        (Some(Believed { pair, cut, .. }), SpeedRule::Productivity { price }) => {
-            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
-            planned(pair, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
-        }
-        // Nothing to plan with.
-        (
-            None,
-            SpeedRule::Schedule
-            | SpeedRule::MinimumWear { .. }
-            | SpeedRule::SetIncrement { .. }
-            | SpeedRule::Productivity { .. }
-            | SpeedRule::Oracle,
-        ) => Speed::Fixed(programmed),
+    let speed = if tool.process.takes_speed_commands() {
+        speed(rule.speed, believed.as_ref(), programmed, &cost)
+    } else {
+        Speed::Fixed(programmed)
     };
     let own_limit = tool.process.wear_limit();
     let change = match rule.tool_change {
@@ -228,6 +205,27 @@ fn controller(
         sensors: rule.sensors,
         believed,
     })
+}
+
+/// A speed rule on the believed model, m/s; as programmed where there is no model to plan with.
+fn speed(rule: SpeedRule, believed: Option<&Believed>, programmed: f64, cost: &ChangeCost) -> Speed {
+    let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
+    match rule {
+        SpeedRule::Programmed => Speed::Fixed(programmed),
+        SpeedRule::Constant(choice) => Speed::Fixed(constant::speed(choice, believed, cost).unwrap_or(programmed)),
+        SpeedRule::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed)))),
+        SpeedRule::SetIncrement { path_per_edge } => on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge })),
+        SpeedRule::MinimumWear { literal: true } => on_model(&|Believed { pair, cut, .. }| {
+            planned(pair, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
+        }),
+        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => {
+            on_model(&|Believed { pair, cut, .. }| planned(pair, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)))
+        }
+        SpeedRule::Productivity { price } => on_model(&|Believed { pair, cut, .. }| {
+            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
+            planned(pair, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        }),
+    }
 }
 
 /// A controller for one pass with a tool of `pair` on a machine of this speed range.

@@ -4,6 +4,7 @@ use super::*;
 use crate::file::form::{Form, Key, Kind, Need};
 use crate::file::keys::SCENARIO;
 use crate::file::resolve::{Names, distribution};
+use crate::file::speed::{SpeedWord, speed_rule};
 use crate::file::walk::{Section, Walk};
 use crate::file::words::example;
 use crate::file::{planned, processes, rules, stability};
@@ -147,11 +148,16 @@ fn policy_with<T>(key: &str, word: &str, reader: impl FnOnce(&mut Walk, &Section
 
 #[test]
 fn every_speed_word_reads_as_its_rule() {
-    let policy = form_of(&SCENARIO, "policy");
-    for word in SpeedWord::WORDS {
-        let rule = read(policy, &body(policy, "speed", word), |walk, section| rules::speed_rule(walk, section, &[]));
+    for (rule, word) in speed_rules().into_iter().zip(SpeedWord::WORDS) {
         assert_eq!(word_of_speed(rule).word(), *word);
     }
+}
+
+/// Every speed rule, as read from its word and the examples of its keys.
+pub(crate) fn speed_rules() -> Vec<SpeedRule> {
+    let policy = form_of(&SCENARIO, "policy");
+    let rule = |word: &&str| read(policy, &body(policy, "speed", word), |walk, section| speed_rule(walk, section, &[]));
+    SpeedWord::WORDS.iter().map(rule).collect()
 }
 
 #[test]

@@ -1,67 +1,59 @@
 //! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
 
-use super::{BIAS, DEVIATION, DURATION, PATH, SPEED, WEAR, positive, quantity};
+use super::{BIAS, DEVIATION, DURATION, WEAR, positive, quantity};
 use crate::ContourRule;
-use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, SpeedWord, ToolChangeWord};
-use crate::file::form::{Form, Key, Kind};
+use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, ToolChangeWord};
+use crate::file::form::{Form, Key, Kind, joined};
+use crate::file::speed;
 
 /// Rules of tool change that need no number of their own.
 const TOOL_CHANGES_BY_WORD: &[&str] = &[ToolChangeWord::WearLimit.word(), ToolChangeWord::Predicted.word()];
 /// Rules of dressing that need no number of their own.
 const DRESSINGS_BY_WORD: &[&str] = &[DressingWord::Limit.word()];
 
-pub(super) static POLICY: Form = Form {
-    title: "[[policy]]",
-    doc: "One policy; the first is the baseline of every difference",
-    keys: &[
-        Key::required("name", Kind::Name, "Unique name"),
-        Key::required("speed", Kind::Choice(SpeedWord::WORDS), "How the cutting speed of turning passes is chosen"),
-        Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
-        Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
-        Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
-        Key::optional(
-            "price",
-            positive("s/m", "s/m", 1e5, "2.4 s/m"),
-            "Shadow price of edges; left out: the rate optimum",
-        )
-        .when("speed", &["productivity"]),
-        Key::default(
-            "chatter",
-            Kind::Shorthand { word: &Kind::Choice(ChatterWord::WORDS), form: &CHATTER },
-            ChatterWord::Ignore.word(),
-            "What is done about chatter, where tools have a structure",
-        ),
-        Key::default(
-            "tool_change",
-            Kind::Shorthand { word: &Kind::Choice(TOOL_CHANGES_BY_WORD), form: &TOOL_CHANGE },
-            ToolChangeWord::WearLimit.word(),
-            "When an edge is changed",
-        ),
-        Key::default(
-            "grinding",
-            Kind::Shorthand { word: &Kind::Choice(GrindingWord::WORDS), form: &GRINDING },
-            GrindingWord::Fixed.word(),
-            "How designed grinding cycles are run",
-        ),
-        Key::default(
-            "dressing",
-            Kind::Shorthand { word: &Kind::Choice(DRESSINGS_BY_WORD), form: &DRESSING },
-            DressingWord::Limit.word(),
-            "When a wheel is dressed",
-        ),
-        Key::optional(
-            "contour",
-            Kind::Choice(ContourRule::WORDS),
-            "How contours are planned; left out: as each operation says",
-        ),
-        Key::optional(
-            "believed_model",
-            Kind::Name,
-            "Parameter set that the controller believes in, where it is not the tool's own",
-        ),
-        Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
-    ],
-};
+const NAME: &[Key] = &[Key::required("name", Kind::Name, "Unique name")];
+/// What a policy does beside choosing the speed.
+const OTHERS: &[Key] = &[
+    Key::default(
+        "chatter",
+        Kind::Shorthand { word: &Kind::Choice(ChatterWord::WORDS), form: &CHATTER },
+        ChatterWord::Ignore.word(),
+        "What is done about chatter, where tools have a structure",
+    ),
+    Key::default(
+        "tool_change",
+        Kind::Shorthand { word: &Kind::Choice(TOOL_CHANGES_BY_WORD), form: &TOOL_CHANGE },
+        ToolChangeWord::WearLimit.word(),
+        "When an edge is changed",
+    ),
+    Key::default(
+        "grinding",
+        Kind::Shorthand { word: &Kind::Choice(GrindingWord::WORDS), form: &GRINDING },
+        GrindingWord::Fixed.word(),
+        "How designed grinding cycles are run",
+    ),
+    Key::default(
+        "dressing",
+        Kind::Shorthand { word: &Kind::Choice(DRESSINGS_BY_WORD), form: &DRESSING },
+        DressingWord::Limit.word(),
+        "When a wheel is dressed",
+    ),
+    Key::optional(
+        "contour",
+        Kind::Choice(ContourRule::WORDS),
+        "How contours are planned; left out: as each operation says",
+    ),
+    Key::optional(
+        "believed_model",
+        Kind::Name,
+        "Parameter set that the controller believes in, where it is not the tool's own",
+    ),
+    Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
+];
+const KEYS: [Key; NAME.len() + speed::KEYS.len() + OTHERS.len()] = joined(&[NAME, speed::KEYS, OTHERS]);
+
+pub(super) static POLICY: Form =
+    Form { title: "[[policy]]", doc: "One policy; the first is the baseline of every difference", keys: &KEYS };
 
 /// What is done about chatter.
 static CHATTER: Form = Form {

@@ -1,14 +1,13 @@
 //! The report of a contour plan.
 
-use super::compute::{PassStudy, runs, totals};
-use super::input::Task;
+use super::OBJECTIVES;
 use super::picture;
+use super::study::{PassStudy, runs, totals};
 use super::text::{percent, rpm};
-use crate::records::{input_table, push_record};
+use crate::tables::{input_table, push_record};
 use toolroom_chart::Table;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
-use toolroom_contour::{Constraint, CornerPolicy, FormError, Milling, PathError, Plan};
-use toolroom_planning::contour::OBJECTIVES;
+use toolroom_contour::{Constraint, ContourFile, CornerPolicy, FormError, Milling, PathError, Plan};
 use toolroom_scenario::file::significant;
 
 const MM: f64 = 1e3;
@@ -16,8 +15,8 @@ const MM: f64 = 1e3;
 const MOST_ROWS: usize = 60;
 
 /// The report of all passes.
-pub fn report(task: &Task, studies: &[PassStudy<'_>], provenance: Provenance) -> Report {
-    let mut report = Report::new(task.file.title.as_str());
+pub fn report(file: &ContourFile, studies: &[PassStudy<'_>], provenance: Provenance) -> Report {
+    let mut report = Report::new(file.title.as_str());
     for study in studies {
         report = report.lead(lead(study));
     }
@@ -39,7 +38,7 @@ pub fn report(task: &Task, studies: &[PassStudy<'_>], provenance: Provenance) ->
         report = report.tile(Tile::new("limits at least cost", active, format!("pass {}", study.name)));
     }
     for study in studies {
-        report = report.section(plans(task, study));
+        report = report.section(plans(file, study));
         if !study.conditions.is_empty() {
             report = report.section(gains(study));
         }
@@ -48,7 +47,7 @@ pub fn report(task: &Task, studies: &[PassStudy<'_>], provenance: Provenance) ->
         report = report.section(section);
     }
     report
-        .section(Section::new("Inputs").table("Every value as it was understood", inputs(task, studies)))
+        .section(Section::new("Inputs").table("Every value as it was understood", inputs(file, studies)))
         .provenance(provenance)
 }
 
@@ -68,8 +67,8 @@ fn lead(study: &PassStudy<'_>) -> String {
     }
 }
 
-fn plans(task: &Task, study: &PassStudy<'_>) -> Section {
-    let contour = &task.file.contour;
+fn plans(file: &ContourFile, study: &PassStudy<'_>) -> Section {
+    let contour = &file.contour;
     let mut section = Section::new(format!("Pass {}", study.name)).table("Regimes and plans", regimes(study));
     for warning in study.warnings() {
         section = section.warning(warning.to_string());
@@ -88,7 +87,7 @@ fn plans(task: &Task, study: &PassStudy<'_>) -> Section {
         )
         .figure(Figure::new(&picture::map(contour, study), "The wall from above, as it is drawn."))
         .figure(Figure::new(&picture::front(study), "Plans on the convex hull of time and cost, and the regimes."));
-    section = section.table("Sections of the plan of least cost", sections(task, study));
+    section = section.table("Sections of the plan of least cost", sections(file, study));
     if !study.plans[1].corners.is_empty() {
         section = section.table("Moves around sharp corners", corners(&study.plans[1]));
     }
@@ -172,7 +171,7 @@ fn regimes(study: &PassStudy<'_>) -> Table {
     table
 }
 
-fn sections(task: &Task, study: &PassStudy<'_>) -> Table {
+fn sections(file: &ContourFile, study: &PassStudy<'_>) -> Table {
     let mut table = Table::new([
         "sections",
         "shape",
@@ -183,7 +182,7 @@ fn sections(task: &Task, study: &PassStudy<'_>) -> Table {
         "time [s]",
         "active limit",
     ]);
-    let (plan, contour) = (&study.plans[1], &task.file.contour);
+    let (plan, contour) = (&study.plans[1], &file.contour);
     let runs = runs(plan);
     for (first, last) in runs.iter().take(MOST_ROWS) {
         let section = &plan.sections[*first];
@@ -260,17 +259,17 @@ fn hundredth(share: f64) -> f64 {
     (1e4 * share).round() / 1e2
 }
 
-fn inputs(task: &Task, studies: &[PassStudy<'_>]) -> Table {
+fn inputs(file: &ContourFile, studies: &[PassStudy<'_>]) -> Table {
     let mut table = input_table();
-    let mut parameters = task.file.parameters.clone();
+    let mut parameters = file.parameters.clone();
     for (group, record) in parameters.parameters_mut() {
         push_record(&mut table, group, record);
     }
-    push_record(&mut table, "scatter", &task.file.scatter);
+    push_record(&mut table, "scatter", &file.scatter);
     for study in studies {
         push_record(&mut table, &format!("pass {}", study.name), study.pass);
     }
-    let models = &task.file.models;
+    let models = &file.models;
     for (key, value) in [
         ("milling", if models.milling == Milling::Down { "down".to_owned() } else { "up".to_owned() }),
         ("path_error", path_error(&models.path_error)),

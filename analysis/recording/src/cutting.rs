@@ -2,7 +2,7 @@
 //! follow from the process itself, driven over each pass between the wear that the log knows, and
 //! brought to the end that the log knows.
 
-use super::{Run, edge_name};
+use crate::{Run, edge_name};
 use toolroom_process::{Field, MachineProcess};
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Cut, Work};

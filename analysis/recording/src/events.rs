@@ -1,7 +1,7 @@
 //! Events of the machines: one row for every state that a machine enters.
 
-use super::visits::whole_states;
-use super::{Run, edge_name};
+use crate::visits::whole_states;
+use crate::{Run, edge_name};
 use std::collections::BTreeMap;
 use toolroom_records::{RecordKind, Records};
 use toolroom_shop::RunLog;

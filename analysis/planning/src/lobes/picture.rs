@@ -1,9 +1,9 @@
 //! The chart as a picture and the report around it.
 
-use super::{Computed, holes, with_unit};
+use super::study::with_unit;
+use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
-use toolroom_planning::lobes::{Curve, Judged, LobesFile, Quantity, word};
 use toolroom_scenario::file::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
@@ -11,15 +11,16 @@ use toolroom_scenario::file::Echo;
 const MOST: f64 = 1.0;
 
 /// The chart: spectral radius as colour where it was computed, boundaries, operating points.
-pub fn picture(file: &LobesFile, computed: &Computed) -> Box<dyn Chart> {
+pub fn picture(study: &ChartStudy<'_>) -> Box<dyn Chart> {
+    let file = study.file;
     let axes = file.cut.axes();
     let (speed, depth) = (axes.speed, axes.depth);
     let title = file.title.clone();
     let description =
         format!("{} over {}: stability boundary and operating points.", depth.label, speed.label.to_lowercase());
-    let lobes = lobes(&computed.curves, &computed.judgements, speed, depth);
+    let lobes = lobes(&study.curves, &study.judgements, speed, depth);
     // Without a single verdict there is nothing to colour.
-    if let Some(grid) = computed.grid.as_ref().filter(|grid| grid.verdicts.iter().any(Option::is_some)) {
+    if let Some(grid) = study.grid.as_ref().filter(|grid| grid.verdicts.iter().any(Option::is_some)) {
         let rows = grid.depth.len();
         let growth = |row: usize, column: usize| {
             grid.at(column, row).map_or(f64::NAN, |verdict| verdict.spectral_radius.ln().clamp(-MOST, MOST))
@@ -59,11 +60,12 @@ fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> S
 }
 
 /// The report of a chart.
-pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: Provenance) -> Report {
+pub(super) fn report(study: &ChartStudy<'_>, echo: &[Echo], provenance: Provenance) -> Report {
+    let file = study.file;
     let axes = file.cut.axes();
-    let chart = picture(file, computed);
-    let mut report = Report::new(file.title.as_str()).lead(lead(&computed.judgements));
-    if let Some(grid) = &computed.grid {
+    let chart = picture(study);
+    let mut report = Report::new(file.title.as_str()).lead(lead(&study.judgements));
+    if let Some(grid) = &study.grid {
         if grid.holes.len() < grid.verdicts.len() {
             let share = format!("{:.1} %", 100.0 * grid.stable_share());
             let size = format!("{} × {} points", grid.speed.len(), grid.depth.len());
@@ -77,13 +79,13 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
     let finite = |curve: &Curve| {
         curve.limit.iter().copied().filter(|(_, depth)| depth.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
     };
-    for curve in &computed.curves {
+    for curve in &study.curves {
         let Some((speed, depth)) = finite(curve) else { continue };
         let note = format!("at {} {}", axes.speed.label.to_lowercase(), with_unit(&axes.speed, speed));
         report = report.tile(Tile::new(format!("least {}", curve.label), with_unit(&axes.depth, depth), note));
     }
     let mut section = Section::new("Stability chart");
-    if computed.grid.is_some() {
+    if study.grid.is_some() {
         section = section.paragraph(format!(
             "Colour is the growth of a disturbance over {}: below zero (blue) it dies out, above zero (red) it grows \
              until something else limits it. Beyond ±{MOST} the colour does not change.",
@@ -92,12 +94,12 @@ pub fn report(file: &LobesFile, echo: &[Echo], computed: &Computed, provenance: 
     }
     let caption = "Below the line every cut is stable; marks beyond it are where a cut becomes stable again.";
     section = section.figure(Figure::new(chart.as_ref(), caption).data_in("lobes.csv"));
-    for lack in holes(file, computed) {
+    for lack in study.holes() {
         section = section.paragraph(format!("Missing: {lack}."));
     }
     report = report.section(section);
-    if !computed.judgements.is_empty() {
-        report = report.section(points_section(file, &computed.judgements));
+    if !study.judgements.is_empty() {
+        report = report.section(points_section(file, &study.judgements));
     }
     let mut inputs = Table::new(["section", "key", "value"]);
     for value in echo {

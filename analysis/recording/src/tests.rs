@@ -1,7 +1,7 @@
 //! What is written of a run reads back as what happened.
 
-use super::simulated;
-use super::visits::whole_states;
+use crate::simulated;
+use crate::visits::whole_states;
 use toolroom_records::{RecordKind, Records, Sensor, parse_csv, write_csv};
 use toolroom_scenario::Scenario;
 use toolroom_shop::RunLog;

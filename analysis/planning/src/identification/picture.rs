@@ -1,6 +1,6 @@
 //! The lag, stock and force in pictures, and the report around them.
 
-use super::Study;
+use super::IdentificationStudy;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Colour, Dash, Estimate, Intervals, Marker, Plot, Style, Table};
 use toolroom_infeed::{Trial, fit_force_trace, lag_sd, stock_after};
@@ -14,7 +14,7 @@ const MOST_ROWS: usize = 30;
 const MOST_TRACES: usize = 4;
 
 /// The report of an identification.
-pub fn report(study: &Study, provenance: Provenance) -> Report {
+pub(super) fn report(study: &IdentificationStudy, provenance: Provenance) -> Report {
     let found = &study.found;
     let mut report = Report::new(format!("Grinding identification: {}", study.title)).lead(lead(study));
     report =
@@ -73,7 +73,7 @@ pub fn report(study: &Study, provenance: Provenance) -> Report {
         .provenance(provenance)
 }
 
-fn lead(study: &Study) -> String {
+fn lead(study: &IdentificationStudy) -> String {
     let found = &study.found;
     let by = if found.trials.iter().all(|trial| trial.from_force.is_none()) {
         "stock"
@@ -99,7 +99,7 @@ fn interval(name: &str, bounds: Option<[f64; 2]>, scale: f64, digits: usize) -> 
         .map_or_else(String::new, |[low, high]| format!("{name}: {:.digits$} … {:.digits$}", low * scale, high * scale))
 }
 
-fn intervals(study: &Study) -> Intervals {
+fn intervals(study: &IdentificationStudy) -> Intervals {
     let found = &study.found;
     let mut chart = Intervals::new("Lag K and how well it is known", Axis::linear("Lag K", ""))
         .reference(found.lag.mean, "mean")
@@ -131,12 +131,12 @@ fn intervals(study: &Study) -> Intervals {
 }
 
 /// Trials whose stock can be drawn over revolutions of infeed.
-fn plain_trials(study: &Study) -> impl Iterator<Item = (&Trial, f64)> {
+fn plain_trials(study: &IdentificationStudy) -> impl Iterator<Item = (&Trial, f64)> {
     let plain = |trial: &&Trial| trial.spark_out_revolutions == 0.0;
     study.trials.iter().filter(plain).filter_map(|trial| Some((trial, trial.stock_removed?)))
 }
 
-fn longest(study: &Study) -> f64 {
+fn longest(study: &IdentificationStudy) -> f64 {
     let most = study.trials.iter().map(|trial| trial.revolutions).fold(4.0, f64::max);
     (1.15 * most).ceil()
 }
@@ -147,7 +147,7 @@ fn whole_revolutions(most: f64) -> impl Iterator<Item = f64> {
 
 const MEASURED: Style = Style::nth(1).marker(Marker::Diamond);
 
-fn stock(study: &Study) -> Plot {
+fn stock(study: &IdentificationStudy) -> Plot {
     let (most, lag) = (longest(study), study.found.lag.mean);
     let infeed = plain_trials(study).next().map_or(0.0, |(trial, _)| trial.infeed_per_rev);
     let commanded = whole_revolutions(most).map(|n| (n, n * infeed * UM));
@@ -164,7 +164,7 @@ fn stock(study: &Study) -> Plot {
     plot.scatter("measured stock", plain_trials(study).map(|(trial, stock)| (trial.revolutions, stock * UM)), MEASURED)
 }
 
-fn deflection(study: &Study) -> Plot {
+fn deflection(study: &IdentificationStudy) -> Plot {
     let (most, found) = (longest(study), &study.found);
     let curve = |lag: f64| whole_revolutions(most).map(move |n| (n, n - stock_after(1.0, n, lag)));
     let mut plot = Plot::new(
@@ -191,7 +191,7 @@ fn deflection(study: &Study) -> Plot {
     plot.scatter("trials", measured, MEASURED)
 }
 
-fn traces(study: &Study) -> Vec<Plot> {
+fn traces(study: &IdentificationStudy) -> Vec<Plot> {
     let plot = |trial: &Trial| {
         let fit = fit_force_trace(&trial.force_trace, trial.revolutions, study.options.errors.force)?;
         let samples = trial.force_trace.iter().map(|sample| (sample.revolution, sample.force));
@@ -214,7 +214,7 @@ fn traces(study: &Study) -> Vec<Plot> {
     study.trials.iter().filter(|trial| !trial.force_trace.is_empty()).filter_map(plot).take(MOST_TRACES).collect()
 }
 
-fn lengths(study: &Study) -> Plot {
+fn lengths(study: &IdentificationStudy) -> Plot {
     let (lag, best) = (study.found.lag.mean, study.found.best);
     let infeed = study.trials.iter().map(|trial| trial.infeed_per_rev).sum::<f64>() / study.trials.len() as f64;
     let most = f64::from(best.revolutions * 3).max(longest(study));
@@ -230,7 +230,7 @@ fn lengths(study: &Study) -> Plot {
     .describe("Standard deviation of the lag over the length of the trial.")
 }
 
-fn trials(study: &Study) -> Table {
+fn trials(study: &IdentificationStudy) -> Table {
     let mut table = Table::new(["trial", "K", "sd of K", "K by stock", "K by force", "Cp [N/um]", "J [N/um]", "Pz/Py"]);
     for trial in &study.found.trials {
         let optional = |value: Option<f64>| value.unwrap_or(f64::NAN).into();

@@ -2,7 +2,7 @@
 //! the end of each phase; stock, rise and the other forces follow from the process, with the process
 //! stiffness that this force tells.
 
-use super::{Run, edge_name};
+use crate::{Run, edge_name};
 use toolroom_infeed::{Infeed, Input, State};
 use toolroom_process::Process;
 use toolroom_records::{RecordKind, Records};

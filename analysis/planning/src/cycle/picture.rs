@@ -1,8 +1,8 @@
 //! Infeed, force, size and temperature of a cycle over time, and the report around them.
 
-use super::Design;
+use super::CycleDesign;
 use super::text::phase_names;
-use crate::records::{input_table, push_record};
+use crate::tables::{input_table, push_record};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Colour, Dash, Plot, Style, Table};
 use toolroom_infeed::CyclePoint;
@@ -10,7 +10,7 @@ use toolroom_infeed::CyclePoint;
 const UM: f64 = 1e6;
 
 /// The report of a cycle design.
-pub fn report(design: &Design, provenance: Provenance) -> Report {
+pub(super) fn report(design: &CycleDesign, provenance: Provenance) -> Report {
     let (cycle, limits) = (&design.cycle, &design.file.limits);
     let title = if design.file.title.is_empty() { design.name.as_str() } else { design.file.title.as_str() };
     let mut report = Report::new(title)
@@ -92,7 +92,7 @@ pub fn report(design: &Design, provenance: Provenance) -> Report {
 }
 
 /// Infeed, size, force and temperature over time.
-fn courses(design: &Design) -> [Plot; 4] {
+fn courses(design: &CycleDesign) -> [Plot; 4] {
     let (cycle, limits) = (&design.cycle, &design.file.limits);
     let over = |value: fn(&CyclePoint) -> f64| cycle.course.iter().map(move |point| (point.time, value(point)));
     let time = || Axis::linear("Time since first contact", "s");
@@ -134,7 +134,7 @@ fn courses(design: &Design) -> [Plot; 4] {
     [infeed, size, force, temperature].map(phased)
 }
 
-fn phases(design: &Design) -> Table {
+fn phases(design: &CycleDesign) -> Table {
     let cycle = &design.cycle;
     let period = std::f64::consts::TAU / design.file.input.work_rotation_speed;
     let mut table = Table::new([
@@ -160,7 +160,7 @@ fn phases(design: &Design) -> Table {
     table
 }
 
-fn inputs(design: &Design) -> Table {
+fn inputs(design: &CycleDesign) -> Table {
     let file = &design.file;
     let mut table = input_table();
     push_record(&mut table, "parameters", &file.grinding.parameters);

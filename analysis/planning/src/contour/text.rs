@@ -1,32 +1,32 @@
 //! Plans on the terminal.
 
-use super::compute::{PassStudy, runs, totals};
-use super::input::Task;
+use super::OBJECTIVES;
+use super::study::{PassStudy, runs, totals};
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use toolroom_contour::{Plan, PlannedSection};
-use toolroom_planning::contour::OBJECTIVES;
+use toolroom_contour::{ContourFile, Plan, PlannedSection};
 
 const MM: f64 = 1e3;
 /// Runs of sections that are told one by one.
 const MOST_RUNS: usize = 24;
 
 /// A share with its sign, in per cent.
-pub fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     let text = format!("{:+.1} %", 100.0 * share);
     if let Some(rest) = text.strip_prefix('-') { format!("−{rest}") } else { text }
 }
 
 /// Spindle speed of a plan without the rounding of its conversion, rpm.
-pub fn rpm(section: &PlannedSection) -> f64 {
+pub(super) fn rpm(section: &PlannedSection) -> f64 {
     (section.setting.spindle_speed * 60.0 / TAU * 1e6).round() / 1e6
 }
 
-pub fn summary(task: &Task, studies: &[PassStudy<'_>]) -> String {
-    let contour = &task.file.contour;
+/// The plans of every pass in a few lines.
+pub fn text(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
+    let contour = &file.contour;
     let mut text = format!(
         "{}\n  {} sections, {:.1} mm of wall, {} corners\n",
-        task.file.title,
+        file.title,
         contour.sections.len(),
         contour.length() * MM,
         contour.corners.len()

@@ -1,14 +1,11 @@
 //! Baselines, plans, front, conditions and scatter of every pass.
 
-use super::input::Task;
-use crate::args::ContourArgs;
-use crate::failure::Failure;
-use crate::speak::Voice;
+use super::{Condition, OBJECTIVES, conditions};
 use toolroom_contour::{
-    ConditionScatter, ContourError, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity, Warning,
+    ConditionScatter, ContourError, ContourFile, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity,
+    Warning,
 };
-use toolroom_planning::contour::{Condition, OBJECTIVES, conditions};
-use toolroom_process::unit;
+use toolroom_scenario::file::significant;
 
 /// Sections beyond which conditions and scatter are not studied: each of their plans is as long
 /// as the plan itself.
@@ -22,8 +19,11 @@ const JOINT_SECTIONS: usize = 40;
 
 /// One pass worked out.
 pub struct PassStudy<'a> {
+    /// Name of the pass.
     pub name: &'a str,
+    /// Allowance, tolerance and hardness of the pass.
     pub pass: &'a Pass,
+    /// The planner of the pass.
     pub planner: Planner<'a>,
     /// Regimes to compare with; the first is the one that gains are told against.
     pub baselines: Vec<Baseline>,
@@ -31,19 +31,25 @@ pub struct PassStudy<'a> {
     pub plans: [Plan; 2],
     /// Plans on the front of time and cost, fastest first.
     pub front: Vec<Plan>,
+    /// Gains under changed conditions; none for a contour of very many sections.
     pub conditions: Vec<Condition>,
+    /// Gains under scattering conditions: each alone, then all together; none without draws.
     pub scatter: Vec<Scattered>,
 }
 
 /// A regime to compare with.
 pub struct Baseline {
+    /// Name of the regime.
     pub name: &'static str,
+    /// The plan, or why the regime is not admissible.
     pub plan: Result<Plan, ContourError>,
 }
 
 /// Gains over draws of the conditions, one for each of [`OBJECTIVES`].
 pub struct Scattered {
+    /// The condition that scatters, with its width.
     pub name: String,
+    /// One for each of [`OBJECTIVES`].
     pub by_objective: [Sensitivity; 2],
 }
 
@@ -66,30 +72,22 @@ impl PassStudy<'_> {
     }
 }
 
-/// What restricts the plans themselves.
-struct Demands {
-    ramps: bool,
-    edge: Option<EdgeLife>,
+/// What is studied of a contour file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StudyOptions {
+    /// Names of the passes; all of them where there is no name.
+    pub passes: Vec<String>,
+    /// Whether the feed changes within the limits of acceleration between sections.
+    pub ramps: bool,
+    /// The edge that starts the contour, where its remaining life restricts the plan.
+    pub edge: Option<EdgeLife>,
+    /// Draws of the conditions in the study of scatter; 0 for none.
+    pub draws: u32,
+    /// Seed of the draws.
+    pub seed: u64,
 }
 
-impl Demands {
-    fn of(args: &ContourArgs) -> Result<Self, Failure> {
-        let edge = args.edge.as_ref().map(|text| {
-            let refuse = |reason: String| {
-                Failure::argument(
-                    format_args!("--edge {text}: {reason}"),
-                    "write for example --edge 0.3 or --edge \"30 %\"",
-                )
-            };
-            let remaining = unit::quantity(text, "1").map_err(|error| refuse(error.to_string()))?;
-            if !(0.0..=1.0).contains(&remaining) {
-                return Err(refuse("a share from 0 to 1 is due".to_owned()));
-            }
-            Ok(EdgeLife { remaining, ..EdgeLife::default() })
-        });
-        Ok(Self { ramps: args.ramps, edge: edge.transpose()? })
-    }
-
+impl StudyOptions {
     fn plan(&self, planner: &Planner<'_>, objective: Objective) -> Result<Plan, ContourError> {
         match (self.ramps, self.edge) {
             (false, None) => planner.optimal(objective),
@@ -102,33 +100,54 @@ impl Demands {
     }
 }
 
-pub fn studies<'a>(task: &'a Task, args: &ContourArgs, voice: &Voice) -> Result<Vec<PassStudy<'a>>, Failure> {
-    let demands = Demands::of(args)?;
-    let wanted = |name: &str| args.pass.is_empty() || args.pass.iter().any(|pass| pass == name);
-    let passes = task.file.passes.iter().filter(|(name, _)| wanted(name));
-    passes.map(|(name, pass)| study(task, name, pass, &demands, args, voice)).collect()
+/// A pass for which there is no plan.
+#[derive(Debug, thiserror::Error)]
+#[error("pass `{pass}`: {error}")]
+pub struct RefusedPass {
+    /// Name of the pass.
+    pub pass: String,
+    /// What the planner says.
+    #[source]
+    pub error: Box<ContourError>,
+}
+
+impl RefusedPass {
+    pub(super) fn new(pass: &str, error: ContourError) -> Self {
+        Self { pass: pass.to_owned(), error: Box::new(error) }
+    }
+}
+
+/// Works out the passes of `file` one after the other. `note` receives a sentence wherever the work takes long or a
+/// part of it is left out.
+///
+/// # Errors
+/// [`RefusedPass`]: the first pass for which there is no plan.
+pub fn studies<'a>(
+    file: &'a ContourFile,
+    options: &StudyOptions,
+    note: &dyn Fn(&str),
+) -> Result<Vec<PassStudy<'a>>, RefusedPass> {
+    let wanted = |name: &str| options.passes.is_empty() || options.passes.iter().any(|pass| pass == name);
+    let passes = file.passes.iter().filter(|(name, _)| wanted(name));
+    passes
+        .map(|(name, pass)| study(file, name, pass, options, note).map_err(|error| RefusedPass::new(name, error)))
+        .collect()
 }
 
 fn study<'a>(
-    task: &'a Task,
+    file: &'a ContourFile,
     name: &'a str,
     pass: &'a Pass,
-    demands: &Demands,
-    args: &ContourArgs,
-    voice: &Voice,
-) -> Result<PassStudy<'a>, Failure> {
-    let file = &task.file;
-    let refuse = |error: ContourError| task.refused(name, &error);
-    let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models).map_err(refuse)?;
+    options: &StudyOptions,
+    note: &dyn Fn(&str),
+) -> Result<PassStudy<'a>, ContourError> {
+    let planner = Planner::new(&file.contour, &file.parameters, pass, &file.models)?;
     let sections = file.contour.sections.len();
-    if demands.ramps && demands.edge.is_some() && sections > JOINT_SECTIONS {
-        voice.say(format_args!("ramps and edge life together over {sections} sections may take minutes"));
+    if options.ramps && options.edge.is_some() && sections > JOINT_SECTIONS {
+        note(&format!("ramps and edge life together over {sections} sections may take minutes"));
     }
-    let plans = [
-        demands.plan(&planner, Objective::Time).map_err(refuse)?,
-        demands.plan(&planner, Objective::Cost).map_err(refuse)?,
-    ];
-    let front = planner.pareto().map_err(refuse)?;
+    let plans = [options.plan(&planner, Objective::Time)?, options.plan(&planner, Objective::Cost)?];
+    let front = planner.pareto()?;
     let baselines = vec![
         Baseline { name: "handbook", plan: planner.handbook() },
         Baseline { name: "handbook by section", plan: planner.handbook_by_section() },
@@ -137,10 +156,10 @@ fn study<'a>(
     ];
     let few = sections <= STUDIED;
     if !few {
-        voice.say(format_args!("more than {STUDIED} sections: conditions and scatter are not studied"));
+        note(&format!("more than {STUDIED} sections: conditions and scatter are not studied"));
     }
     let conditions = if few { conditions(file, pass) } else { Vec::new() };
-    let scatter = if few { scattered(&planner, &file.scatter, args).map_err(refuse)? } else { Vec::new() };
+    let scatter = if few { scattered(&planner, &file.scatter, options)? } else { Vec::new() };
     Ok(PassStudy { name, pass, planner, baselines, plans, front, conditions, scatter })
 }
 
@@ -148,13 +167,13 @@ fn study<'a>(
 fn scattered(
     planner: &Planner<'_>,
     scatter: &ConditionScatter,
-    args: &ContourArgs,
+    options: &StudyOptions,
 ) -> Result<Vec<Scattered>, ContourError> {
-    if args.draws == 0 {
+    if options.draws == 0 {
         return Ok(Vec::new());
     }
     let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
-    let percent = |share: f64| format!("{} %", toolroom_scenario::file::significant(100.0 * share));
+    let percent = |share: f64| format!("{} %", significant(100.0 * share));
     let cases = [
         (
             format!("allowance ± {}", percent(scatter.allowance)),
@@ -168,14 +187,14 @@ fn scattered(
         ("all together".to_owned(), *scatter),
     ];
     let study = |(name, scatter): (String, ConditionScatter)| {
-        let by = |objective| planner.sensitivity(objective, &scatter, args.draws, args.seed);
+        let by = |objective| planner.sensitivity(objective, &scatter, options.draws, options.seed);
         Ok(Scattered { name, by_objective: [by(Objective::Time)?, by(Objective::Cost)?] })
     };
     cases.into_iter().map(study).collect()
 }
 
 /// A regime over all passes.
-pub struct Total {
+pub(super) struct Total {
     pub name: String,
     /// s.
     pub time: f64,
@@ -183,7 +202,7 @@ pub struct Total {
 }
 
 /// Sums over all passes of the regimes that every pass has; nothing for a single pass.
-pub fn totals(studies: &[PassStudy<'_>]) -> Vec<Total> {
+pub(super) fn totals(studies: &[PassStudy<'_>]) -> Vec<Total> {
     if studies.len() < 2 {
         return Vec::new();
     }
@@ -204,7 +223,7 @@ pub fn totals(studies: &[PassStudy<'_>]) -> Vec<Total> {
 }
 
 /// Runs of sections with one setting and one active constraint: first and last index.
-pub fn runs(plan: &Plan) -> Vec<(usize, usize)> {
+pub(super) fn runs(plan: &Plan) -> Vec<(usize, usize)> {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs();
     let alike = |a: &PlannedSection, b: &PlannedSection| {
         let same_wall = near(a.evaluation.engagement.immersion, b.evaluation.engagement.immersion);

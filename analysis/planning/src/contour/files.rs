@@ -1,18 +1,15 @@
 //! The files of a contour plan.
 
-use super::compute::{Baseline, PassStudy, Scattered, totals};
-use super::input::Task;
 use super::report::report;
+use super::study::{Baseline, PassStudy, RefusedPass, Scattered, totals};
 use super::text::rpm;
-use crate::args::ContourArgs;
-use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
+use super::{Condition, Gain, OBJECTIVES};
+use crate::tables::table;
 use serde_json::{Value, json};
-use std::time::Duration;
-use toolroom_contour::{Constraint, Plan, PlannedSection, Sensitivity};
-use toolroom_planning::contour::{Condition, Gain, OBJECTIVES};
+use toolroom_chart::ResultFiles;
+use toolroom_chart::page::Provenance;
+use toolroom_contour::{Constraint, ContourFile, Plan, PlannedSection, Sensitivity};
 use toolroom_process::table::Cell;
-use toolroom_shards::fingerprint;
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
@@ -20,51 +17,39 @@ const UM: f64 = 1e6;
 /// The files of a plan but for its part programs; `draws.csv` where there are draws.
 pub const NAMES: &[&str] = &["sections.csv", "conditions.csv", "draws.csv", "contour.json", "report.html"];
 
-/// Writes `sections.csv`, `conditions.csv`, `draws.csv`, a part program for every pass and
-/// objective, `contour.json`, `report.html` and, last, `run.json`.
-pub fn write(
-    out: &OutputDir,
-    args: &ContourArgs,
-    task: &Task,
+/// `sections.csv`, `conditions.csv`, `draws.csv` where there are draws, a part program for every pass and objective,
+/// `contour.json` and `report.html`.
+///
+/// # Errors
+/// [`RefusedPass`]: a plan that cannot be written as a part program.
+pub fn files(
+    file: &ContourFile,
     studies: &[PassStudy<'_>],
-    wall: Duration,
-) -> Result<(), Failure> {
-    let mut arguments: Vec<String> = Vec::new();
-    for (flag, values) in [("--pass", &args.pass), ("--set", &args.set)] {
-        arguments.extend(values.iter().flat_map(|value| [flag.to_owned(), value.clone()]));
-    }
-    if let Some(program) = &args.gcode {
-        arguments.extend(["--gcode".to_owned(), program.display().to_string()]);
-    }
-    arguments.extend(args.ramps.then(|| "--ramps".to_owned()));
-    arguments.extend(args.edge.iter().flat_map(|edge| ["--edge".to_owned(), edge.clone()]));
-    arguments.extend(["--draws".to_owned(), args.draws.to_string()]);
-    let setup = [(task.inputs[0].name.clone(), task.inputs[0].text.as_bytes())];
-    let mut provenance = provenance("contour", &setup, arguments, Some(args.seed));
-    let programs = task.inputs[1..].iter();
-    provenance.inputs.extend(programs.map(|input| (input.name.clone(), fingerprint(input.text.as_bytes()))));
-    sections(out, task, studies)?;
-    conditions(out, studies)?;
+    provenance: Provenance,
+) -> Result<ResultFiles, RefusedPass> {
+    let mut files = ResultFiles::default();
+    files.push("sections.csv", sections(file, studies));
+    files.push("conditions.csv", conditions(studies));
     if studies.iter().any(|study| !study.scatter.is_empty()) {
-        draws(out, studies)?;
+        files.push("draws.csv", draws(studies));
     }
     for study in studies {
         for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
-            let title = format!("{} {} least {objective}", task.file.name, study.name);
-            let program = study.planner.part_program(plan, &title).map_err(|error| task.refused(study.name, &error))?;
+            let title = format!("{} {} least {objective}", file.name, study.name);
+            let program =
+                study.planner.part_program(plan, &title).map_err(|error| RefusedPass::new(study.name, error))?;
             let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
             let name: String = study.name.chars().map(fit).collect();
-            out.put(&format!("{name}-{objective}.nc"), &program)?;
+            files.push(format!("{name}-{objective}.nc"), program);
         }
     }
-    out.put_json("contour.json", &summary(task, studies))?;
-    out.put("report.html", &report(task, studies, provenance.clone()).html())?;
-    out.record(&provenance, wall)
+    files.push("contour.json", format!("{:#}\n", summary(file, studies)));
+    files.push("report.html", report(file, studies, provenance).html());
+    Ok(files)
 }
 
 /// The result for programs.
-pub fn summary(task: &Task, studies: &[PassStudy<'_>]) -> Value {
-    let file = &task.file;
+pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
     let plans: Vec<Value> = studies
         .iter()
         .flat_map(|study| {
@@ -201,7 +186,7 @@ fn scatter_json(study: &PassStudy<'_>, scattered: &Scattered) -> Value {
 }
 
 /// Every section of every regime.
-fn sections(out: &OutputDir, task: &Task, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+fn sections(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
     let columns = [
         "pass",
         "regime",
@@ -223,7 +208,7 @@ fn sections(out: &OutputDir, task: &Task, studies: &[PassStudy<'_>]) -> Result<(
     ];
     let ratios = Constraint::ALL.iter().map(|constraint| format!("{constraint}_ratio"));
     let header = columns.map(str::to_owned).into_iter().chain(ratios);
-    let contour = &task.file.contour;
+    let contour = &file.contour;
     let mut rows: Vec<Vec<Cell<'_>>> = Vec::new();
     for study in studies {
         let baselines =
@@ -256,10 +241,10 @@ fn sections(out: &OutputDir, task: &Task, studies: &[PassStudy<'_>]) -> Result<(
             }
         }
     }
-    out.put_table("sections.csv", header, rows)
+    table(header, rows)
 }
 
-fn conditions(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+fn conditions(studies: &[PassStudy<'_>]) -> String {
     let mut rows: Vec<[Cell<'_>; 5]> = Vec::new();
     for study in studies {
         for condition in &study.conditions {
@@ -274,10 +259,10 @@ fn conditions(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure>
             }
         }
     }
-    out.put_table("conditions.csv", ["pass", "condition", "objective", "productivity_gain", "cost_change"], rows)
+    table(["pass", "condition", "objective", "productivity_gain", "cost_change"], rows)
 }
 
-fn draws(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
+fn draws(studies: &[PassStudy<'_>]) -> String {
     let columns = [
         "pass",
         "scatter",
@@ -312,5 +297,5 @@ fn draws(out: &OutputDir, studies: &[PassStudy<'_>]) -> Result<(), Failure> {
             }
         }
     }
-    out.put_table("draws.csv", columns, rows)
+    table(columns, rows)
 }

@@ -1,10 +1,10 @@
 //! Feeds, limits, form errors and gains in pictures.
 
-use super::compute::{PassStudy, Scattered};
+use super::study::{PassStudy, Scattered};
+use super::{Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY};
 use std::ops::Range;
 use toolroom_chart::{Axis, Colour, Dash, Estimate, Hatch, Intervals, Marker, Plot, Style};
 use toolroom_contour::{Constraint, Contour, Plan};
-use toolroom_planning::contour::{Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;

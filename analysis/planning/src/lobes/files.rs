@@ -1,61 +1,44 @@
 //! The files of a chart.
 
-use super::Computed;
 use super::picture::{picture, report};
-use crate::failure::Failure;
-use crate::output::{OutputDir, no_table, provenance};
+use super::{ChartStudy, word};
+use crate::tables::table;
 use serde_json::{Value, json};
-use std::time::Instant;
-use toolroom_chart::png;
+use toolroom_chart::page::Provenance;
+use toolroom_chart::{ResultFiles, png};
 use toolroom_chatter::{Hole, Lobes};
-use toolroom_planning::lobes::{LobesFile, word};
-use toolroom_process::table::{Cell, csv_text};
-use toolroom_scenario::file::FormFile;
+use toolroom_process::table::Cell;
+use toolroom_scenario::file::Echo;
 use toolroom_shards::fingerprint;
 
 /// Width of the PNG: sharp over a column of print.
 const PIXELS: u32 = 1600;
 
-/// Where a chart comes from.
-pub struct Origin<'a> {
-    /// Name of the lobes file.
-    pub file: &'a str,
-    /// Changes to it, `path=value`.
-    pub changes: &'a [String],
-    /// When the work began.
-    pub start: Instant,
-}
-
 /// The files of a chart.
 pub const NAMES: &[&str] = &["lobes.svg", "lobes.png", "lobes.csv", "lobes.json", "report.html"];
 
-/// Writes `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html` and, last, `run.json`; returns what
-/// is in `lobes.json`.
-pub fn write(
-    out: &OutputDir,
-    origin: &Origin<'_>,
-    file: &FormFile<LobesFile>,
-    computed: &Computed,
-) -> Result<Value, Failure> {
-    let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
-    let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let provenance = provenance("lobes", &inputs, changes, None);
-    let picture = picture(&file.content, computed);
-    out.put("lobes.svg", &picture.svg())?;
-    out.put_bytes("lobes.png", &png(picture.as_ref(), PIXELS))?;
-    let table = table(&file.content, computed)?;
-    out.put("lobes.csv", &table)?;
-    let mut summary = summary(&file.content, computed);
-    // Of every verdict and boundary: the same, however many threads or shards there were.
-    summary["digest"] = json!(fingerprint(format!("{table}{summary}").as_bytes()));
-    out.put_json("lobes.json", &summary)?;
-    out.put("report.html", &report(&file.content, &file.echo, computed, provenance.clone()).html())?;
-    out.record(&provenance, origin.start.elapsed())?;
-    Ok(summary)
+impl ChartStudy<'_> {
+    /// `lobes.json` for programs, and `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html`; `echo` is the
+    /// file as it was understood.
+    pub fn files(&self, echo: &[Echo], provenance: Provenance) -> (Value, ResultFiles) {
+        let picture = picture(self);
+        let verdicts = verdicts(self);
+        let mut summary = summary(self);
+        // Of every verdict and boundary: the same, however many threads or shards there were.
+        summary["digest"] = json!(fingerprint(format!("{verdicts}{summary}").as_bytes()));
+        let mut files = ResultFiles::default();
+        files.push("lobes.svg", picture.svg());
+        files.push("lobes.png", png(picture.as_ref(), PIXELS));
+        files.push("lobes.csv", verdicts);
+        files.push("lobes.json", format!("{summary:#}\n"));
+        files.push("report.html", report(self, echo, provenance).html());
+        (summary, files)
+    }
 }
 
 /// The chart for programs: boundaries and operating points; the grid is in the table.
-fn summary(file: &LobesFile, computed: &Computed) -> Value {
+fn summary(study: &ChartStudy<'_>) -> Value {
+    let file = study.file;
     let axes = file.cut.axes();
     let pairs = |points: &[(f64, f64)]| -> Vec<Value> {
         let pair = |(speed, depth): &(f64, f64)| {
@@ -64,7 +47,7 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
         };
         points.iter().map(pair).collect()
     };
-    let boundaries: Vec<Value> = computed
+    let boundaries: Vec<Value> = study
         .curves
         .iter()
         .map(|curve| {
@@ -80,7 +63,7 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
     let points: Vec<Value> = file
         .points
         .iter()
-        .zip(&computed.judgements)
+        .zip(&study.judgements)
         .map(|(point, judged)| {
             let mut object = serde_json::Map::from_iter([("name".to_owned(), json!(point.name))]);
             match judged {
@@ -101,12 +84,12 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
             "reason": hole.reason,
         })
     };
-    let holes: Vec<Value> = computed.grid.iter().flat_map(|grid| &grid.holes).map(hole).collect();
+    let holes: Vec<Value> = study.grid.iter().flat_map(|grid| &grid.holes).map(hole).collect();
     json!({
         "schema": 1,
         "name": file.name,
         "process": file.cut.process(),
-        "stable_share": computed.grid.as_ref().map(Lobes::stable_share),
+        "stable_share": study.grid.as_ref().map(Lobes::stable_share),
         "holes": holes.len(),
         "without_verdict": holes,
         "points": points,
@@ -115,12 +98,13 @@ fn summary(file: &LobesFile, computed: &Computed) -> Value {
 }
 
 /// Every verdict of the grid, with the reason where there is none; the boundary where there is no grid.
-fn table(file: &LobesFile, computed: &Computed) -> Result<String, Failure> {
+fn verdicts(study: &ChartStudy<'_>) -> String {
+    let file = study.file;
     let axes = file.cut.axes();
     let (speed, depth) = (axes.speed, axes.depth);
     let columns = [speed.column(), depth.column()];
     let [at, deep] = columns.each_ref().map(String::as_str);
-    let text = match &computed.grid {
+    match &study.grid {
         Some(grid) => {
             let mut rows: Vec<[Cell<'_>; 7]> = Vec::new();
             // They come in the order of the points.
@@ -141,11 +125,11 @@ fn table(file: &LobesFile, computed: &Computed) -> Result<String, Failure> {
                     rows.push([at, deep, radius, stable, kind, frequency, hole]);
                 }
             }
-            csv_text([at, deep, "spectral_radius", "stable", "type", "chatter_frequency [Hz]", "hole"], rows)
+            table([at, deep, "spectral_radius", "stable", "type", "chatter_frequency [Hz]", "hole"], rows)
         }
         None => {
             let mut rows: Vec<[Cell<'_>; 4]> = Vec::new();
-            for curve in &computed.curves {
+            for curve in &study.curves {
                 for (crossing, points) in [("first", &curve.limit), ("further", &curve.further)] {
                     for (at, deep) in points.iter().filter(|(_, deep)| deep.is_finite()) {
                         rows.push([
@@ -157,8 +141,7 @@ fn table(file: &LobesFile, computed: &Computed) -> Result<String, Failure> {
                     }
                 }
             }
-            csv_text(["boundary", "crossing", at, deep], rows)
+            table(["boundary", "crossing", at, deep], rows)
         }
-    };
-    text.map_err(|error| no_table("lobes.csv", &error))
+    }
 }

@@ -1,0 +1,39 @@
+//! Lag and stiffnesses of plunge grinding from trials.
+//!
+//! ```text
+//!  trials ──► IdentificationStudy ──┬── summary ──► JSON for programs
+//!                                   ├── text    ──► lines for a terminal
+//!                                   └── files   ──► table, JSON, report with pictures
+//! ```
+
+mod files;
+mod picture;
+mod text;
+
+use toolroom_infeed::{Identification, IdentifyError, IdentifyOptions, Trial, identify};
+
+/// The files of every identification.
+pub const NAMES: &[&str] = &["trials.csv", "identify.json", "report.html"];
+
+/// Trials and what they say.
+pub struct IdentificationStudy {
+    /// Name of the study.
+    pub title: String,
+    /// The trials, in their order.
+    pub trials: Vec<Trial>,
+    /// Errors of measurement, and what is identified from.
+    pub options: IdentifyOptions,
+    /// Lag, stiffnesses and their intervals.
+    pub found: Identification,
+}
+
+impl IdentificationStudy {
+    /// Identifies lag and stiffnesses from `trials`.
+    ///
+    /// # Errors
+    /// [`IdentifyError`]: trials that cannot be, or too few of them.
+    pub fn new(title: impl Into<String>, trials: Vec<Trial>, options: IdentifyOptions) -> Result<Self, IdentifyError> {
+        let found = identify(&trials, &options)?;
+        Ok(Self { title: title.into(), trials, options, found })
+    }
+}

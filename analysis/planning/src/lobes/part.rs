@@ -1,0 +1,53 @@
+//! Columns of a chart, worked out apart from the others.
+
+use super::{Chart, LobesFile};
+use serde_json::json;
+use toolroom_chatter::{ChatterError, Hole, Lobes, StabilityVerdict};
+use toolroom_shards::fingerprint;
+
+/// What a shard leaves: verdicts column by column, and where there is none.
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
+pub struct Columns {
+    verdicts: Vec<Option<StabilityVerdict>>,
+    holes: Vec<Hole>,
+}
+
+impl Columns {
+    /// The columns `from..to` of the grid.
+    ///
+    /// # Errors
+    /// [`ChatterError`] where the model refuses a value.
+    pub fn new(file: &LobesFile, from: u64, to: u64) -> Result<Self, ChatterError> {
+        let Lobes { verdicts, holes, .. } = file.cut.lobes(&file.chart, from as usize..to as usize)?;
+        Ok(Self { verdicts, holes })
+    }
+
+    /// A digest of every verdict.
+    pub fn digest(&self) -> u64 {
+        u64::from_str_radix(&fingerprint(json!(self).to_string().as_bytes()), 16).unwrap_or(0)
+    }
+
+    /// The digest of columns that were read back; an error in words where they are not as many verdicts as `columns`
+    /// of `chart` have.
+    ///
+    /// # Errors
+    /// How many verdicts were found, and how many are due.
+    pub fn checked(&self, chart: &Chart, columns: u64) -> Result<u64, String> {
+        let (found, due) = (self.verdicts.len(), columns as usize * chart.depth.points);
+        if found == due { Ok(self.digest()) } else { Err(format!("it holds {found} verdicts, not {due}")) }
+    }
+
+    /// The whole grid from its columns in their order.
+    ///
+    /// # Errors
+    /// [`ChatterError`]: axes that are none.
+    pub fn merged(chart: &Chart, parts: impl IntoIterator<Item = Self>) -> Result<Lobes, ChatterError> {
+        let (speed, depth) = (chart.speed.values("speed")?, chart.depth.values("depth")?);
+        let (mut verdicts, mut holes) = (Vec::new(), Vec::new());
+        for part in parts {
+            verdicts.extend(part.verdicts);
+            holes.extend(part.holes);
+        }
+        Ok(Lobes { speed, depth, verdicts, holes })
+    }
+}
