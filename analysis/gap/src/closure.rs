@@ -74,6 +74,10 @@ impl Forward for Turned<'_> {
         self.model.simulate(at)
     }
 
+    fn sheet_is_known(&self) -> bool {
+        self.model.sheet_is_known()
+    }
+
     fn chains(&self, at: &Point) -> Vec<Chain> {
         self.model.chains(at)
     }

@@ -52,6 +52,9 @@ pub(super) const AGREED: f64 = 2.0;
 /// Fewest fitted groups that can name an effect (count). Assumption: the agreement of fewer groups cannot be
 /// judged.
 pub const FEWEST_GROUPS: usize = 5;
+/// Move of a constant that is named, in prior standard deviations (1). Assumption: what was believed of it is wrong
+/// then.
+pub(super) const FAR_CONSTANT: f64 = 3.0;
 /// Level of the tests of generic signatures against their null distribution, as a probability (1).
 /// Assumption: one in a hundred data sets without a gap shows structure by chance.
 pub(super) const NULL_LEVEL: f64 = 0.01;

@@ -6,11 +6,13 @@ use super::constants::NINETY;
 use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
 use super::evidence::{folds, gain, predictive_gain};
+use super::fitness::tested;
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
-use super::settle::settled;
+use super::settle::{settled, stated};
 use super::trial::Trial;
+use super::verdict::judged;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
@@ -91,9 +93,20 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         ranking: ranking(model, &decision),
         tried,
         notes,
+        fit: None,
+        fit_with_effects: None,
     };
-    if diagnosis.verdict == GapVerdict::NoGap
-        && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)
+    let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
+    if method.abstention {
+        let (stated, fit) = stated(model, &basis, &decision.base.fit);
+        let test = |fit: &super::Fit| tested(model, &stated, fit, &folds, model.sheet_is_known(), seed);
+        diagnosis.fit = Some(test(&fit));
+        if decision.verdict == GapVerdict::Effect {
+            diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
+        }
+        judged(&mut diagnosis, &model.frame().matters, pushed);
+    } else if diagnosis.verdict == GapVerdict::NoGap
+        && let Some(why) = pushed()
     {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
@@ -287,7 +300,10 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
         .filter(|(_, allowance, _, x)| !allowance || x.abs() > FAR)
-        .map(|(name, _, value, x)| Calibrated { parameter: name.clone(), value, prior_sd_moved: x })
+        .map(|(name, allowance, value, x)| {
+            let constant = !allowance && !name.starts_with("gain of ");
+            Calibrated { parameter: name.clone(), value, prior_sd_moved: x, constant }
+        })
         .collect();
     list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
     list

@@ -1,6 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
-use super::Identifiable;
+use super::{Fitness, Identifiable};
 use serde_json::{Value, json};
 
 /// The answer in one word.
@@ -8,23 +8,38 @@ use serde_json::{Value, json};
 pub enum GapVerdict {
     /// A missing effect is named.
     Effect,
+    /// A constant of the model is off by more than was believed; with it the model fits.
+    Constant,
     /// There is a gap that no effect of the catalogue explains.
     Unknown,
     /// What is missing cannot be seen in such data: calibration takes it up.
     Masked,
-    /// Nothing is left that calibration and noise do not explain.
+    /// The model does not fit, but what it leaves matters nowhere.
+    Small,
+    /// The calibrated model fits: a test with a stated level does not reject it.
     NoGap,
     /// Too little was measured for any answer.
     CannotTell,
 }
 
 impl GapVerdict {
+    /// The verdict over several parts: that of the part where most is found. No gap is answered only where every part
+    /// could be told.
+    pub fn of_all(parts: impl Iterator<Item = Self>) -> Self {
+        let order =
+            [Self::Effect, Self::Unknown, Self::Constant, Self::Masked, Self::Small, Self::CannotTell, Self::NoGap];
+        let rank = |verdict: &Self| order.iter().position(|own| own == verdict);
+        parts.min_by_key(rank).unwrap_or(Self::NoGap)
+    }
+
     /// Word in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Effect => "effect",
+            Self::Constant => "constant",
             Self::Unknown => "unknown",
             Self::Masked => "masked",
+            Self::Small => "small",
             Self::NoGap => "no_gap",
             Self::CannotTell => "cannot_tell",
         }
@@ -124,6 +139,8 @@ pub struct Calibrated {
     pub value: f64,
     /// Distance from nominal in prior standard deviations.
     pub prior_sd_moved: f64,
+    /// Whether it is a constant of the model: no form allowance, no gain of a sensor.
+    pub constant: bool,
 }
 
 /// Everything that a diagnosis says.
@@ -155,6 +172,10 @@ pub struct Diagnosis {
     pub tried: Vec<Tried>,
     /// Anything else worth knowing.
     pub notes: Vec<String>,
+    /// The test of the calibrated nominal model; `None` where none was made.
+    pub fit: Option<Fitness>,
+    /// The same test with the named effects; `None` where none is named.
+    pub fit_with_effects: Option<Fitness>,
 }
 
 /// A model with effects that was fitted.
@@ -244,6 +265,8 @@ impl Diagnosis {
             ranking: Vec::new(),
             tried: Vec::new(),
             notes: vec![why],
+            fit: None,
+            fit_with_effects: None,
         }
     }
 
@@ -298,6 +321,8 @@ impl Diagnosis {
                 "effects": tried.effects, "gain": number(tried.gain), "closure": tried.closure.json(None),
             })).collect::<Vec<_>>(),
             "notes": self.notes,
+            "fit": self.fit.as_ref().map_or(Value::Null, Fitness::json),
+            "remaining": self.remaining(),
         })
     }
 }

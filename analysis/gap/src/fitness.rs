@@ -81,12 +81,30 @@ pub struct Structure {
     pub level: f64,
     /// Standard deviation of the sensor, in the unit of comparison.
     pub sensor: f64,
+    /// SI units to a unit of comparison.
+    pub scale: f64,
 }
 
 impl Fitness {
     /// Whether the model fits.
     pub fn passed(&self) -> bool {
         self.p > self.level
+    }
+
+    /// Several tests as one: the least probability counts as often as tests were made (Bonferroni).
+    pub(super) fn together<'a>(all: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        let all: Vec<&Self> = all.collect();
+        let [first, others @ ..] = &all[..] else { return None };
+        let mut whole = (*first).clone();
+        for other in others {
+            whole.p = whole.p.min(other.p);
+            whole.parts.extend(other.parts.iter().cloned());
+            whole.least_seen.extend(other.least_seen.iter().cloned());
+            whole.structure.extend(other.structure.iter().cloned());
+        }
+        whole.parts.sort_by(|a, b| a.p.total_cmp(&b.p));
+        whole.p = (whole.p * all.len() as f64).min(1.0);
+        Some(whole)
     }
 
     /// The entry `fit` of the document.
@@ -96,9 +114,7 @@ impl Fitness {
             json!({ "what": part.what, "test": part.test, "follows": part.follows, "p": part.p,
                     "statistic": finite(part.statistic) })
         };
-        let seen = |seen: &LeastSeen| {
-            json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power })
-        };
+        let seen = |seen: &LeastSeen| json!({ "what": seen.what, "value": finite(seen.value), "unit": seen.unit, "power": seen.power });
         let structure = |own: &Structure| json!({ "channel": own.channel, "upper": finite(own.upper) });
         json!({
             "p": self.p, "level": self.level, "passed": self.passed(),
@@ -122,34 +138,24 @@ pub(super) fn tested(
     let test = Test::new(model, basis, fit, folds, known);
     let observed = test.observed();
     let mut draws = test.drawn(0..FIRST.0, seed);
-    let values = |draws: &[(Vec<f64>, Option<DVector<f64>>)]| draws.iter().map(|(own, _)| own.clone()).collect::<Vec<_>>();
+    let values = |draws: &[Draw]| draws.iter().map(|(own, _)| own.clone()).collect::<Vec<_>>();
     let mut judged = judge(&observed.values, &values(&draws));
     if judged.p <= FIRST.1 {
         draws.extend(test.drawn(FIRST.0..DRAWS, seed));
         judged = judge(&observed.values, &values(&draws));
     }
     let level = NULL_LEVEL / basis.method.processes.max(1) as f64;
-    let mut parts: Vec<Part> = observed
-        .names
-        .iter()
-        .zip(&observed.values)
-        .zip(&judged.each)
-        .map(|(((what, test, follows), statistic), p)| {
-            Part { what, test, follows: follows.clone(), p: *p, statistic: *statistic }
-        })
-        .zip(judged.standardised.iter())
-        .filter(|(_, standardised)| standardised.is_finite())
-        .map(|(part, standardised)| (part, *standardised))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .fold(Vec::new(), |mut sorted: Vec<(Part, f64)>, each| {
-            let place = sorted.partition_point(|(_, other)| *other >= each.1);
-            sorted.insert(place, each);
-            sorted
-        })
-        .into_iter()
-        .map(|(part, _)| part)
-        .collect();
+    let part = |(((what, test, follows), statistic), p): ((&Name, &f64), &f64)| Part {
+        what,
+        test,
+        follows: follows.clone(),
+        p: *p,
+        statistic: *statistic,
+    };
+    let all = observed.names.iter().zip(&observed.values).zip(&judged.each).map(part).zip(&judged.standardised);
+    let mut parts: Vec<(Part, f64)> = all.filter(|(_, far)| far.is_finite()).map(|(part, far)| (part, *far)).collect();
+    parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut parts: Vec<Part> = parts.into_iter().map(|(part, _)| part).collect();
     parts.truncate(PARTS);
     let least_seen = test.least_seen(&judged, &draws, judged.critical(level));
     Fitness { p: judged.p, level, parts, least_seen, structure: test.structure(&observed.scores) }
@@ -158,10 +164,15 @@ pub(super) fn tested(
 /// Parts that are reported.
 const PARTS: usize = 60;
 
+/// What a statistic asks, how, and what is followed most.
+type Name = (&'static str, &'static str, String);
+/// Statistics of a drawn data set, and its scores where they are kept.
+type Draw = (Vec<f64>, Option<DVector<f64>>);
+
 /// Statistics of the records with their names, and the scores.
 struct Observed {
     values: Vec<f64>,
-    names: Vec<(&'static str, &'static str, String)>,
+    names: Vec<Name>,
     scores: DVector<f64>,
 }
 
@@ -257,9 +268,9 @@ impl<'a> Test<'a> {
     }
 
     /// Statistics of data sets that the model draws; the scores of the first ones are kept.
-    fn drawn(&self, numbers: Range<usize>, seed: u64) -> Vec<(Vec<f64>, Option<DVector<f64>>)> {
+    fn drawn(&self, numbers: Range<usize>, seed: u64) -> Vec<Draw> {
         let numbers: Vec<usize> = numbers.collect();
-        let chunk = |numbers: &[usize]| -> Vec<(Vec<f64>, Option<DVector<f64>>)> {
+        let chunk = |numbers: &[usize]| -> Vec<Draw> {
             let sets: Vec<DVector<f64>> = numbers.iter().map(|number| self.data_set(*number, seed)).collect();
             let residuals = DMatrix::from_columns(&sets);
             let effects = self.catalogue.tr_mul(&residuals);
@@ -327,7 +338,7 @@ impl<'a> Test<'a> {
     }
 
     /// The least shift of each channel that would have been seen: statistics of the first draws with three sizes of it.
-    fn least_seen(&self, judged: &Judged, draws: &[(Vec<f64>, Option<DVector<f64>>)], critical: f64) -> Vec<LeastSeen> {
+    fn least_seen(&self, judged: &Judged, draws: &[Draw], critical: f64) -> Vec<LeastSeen> {
         let measured = &self.model.frame().measured;
         let per_channel = Statistic::ALL.len();
         let one = |(index, (channel, places, layout)): (usize, &(usize, Vec<usize>, Channel))| {
@@ -385,19 +396,17 @@ impl<'a> Test<'a> {
                 .sum();
             let error = (by_group.sqrt() / count).max((2.0 / count).sqrt());
             let own = &measured.channels[*channel];
-            let mut sensor: Vec<f64> = places
-                .iter()
-                .map(|place| measured.observations[self.places[*place]].deviation)
-                .collect();
+            let mut sensor: Vec<f64> =
+                places.iter().map(|place| measured.observations[self.places[*place]].deviation).collect();
             let sensor = toolroom_statistics::median(&mut sensor);
             let mut level: Vec<f64> =
                 places.iter().map(|place| self.fit.linear.raw[self.places[*place]].abs()).collect();
-            let level =
-                if own.transform == Transform::Log { 1.0 } else { toolroom_statistics::median(&mut level) };
+            let (relative, typical) = (own.transform == Transform::Log, toolroom_statistics::median(&mut level));
             // In units of the sheet: a noise that was read off the records is part of what they hold beside it.
             let scale = self.noise.scale[*channel];
             let excess = (mean + super::constants::NINETY * error) * scale * scale - 1.0;
-            Structure { channel: own.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }
+            let (level, scale) = if relative { (1.0, typical) } else { (typical, 1.0) };
+            Structure { channel: own.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor, scale }
         };
         self.channels.iter().map(one).collect()
     }

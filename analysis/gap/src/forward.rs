@@ -146,6 +146,17 @@ pub struct Frame {
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
     pub notes: Vec<String>,
+    /// What is left of a channel that does not matter in practice: relative, or SI.
+    pub matters: Vec<(String, Matters)>,
+}
+
+/// A deviation below which nobody acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Matters {
+    /// As a share of the channel's value.
+    Share(f64),
+    /// In SI units of the channel.
+    Absolute(f64),
 }
 
 impl Frame {
@@ -160,6 +171,7 @@ impl Frame {
             untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
+            matters: Vec::new(),
         }
     }
 }
@@ -170,6 +182,11 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
+    /// Whether the deviations of the observations are known beforehand, from a sensor sheet, and not read off the
+    /// records.
+    fn sheet_is_known(&self) -> bool {
+        true
+    }
     /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
     /// sensors; empty where the model does not say.
     fn chains(&self, _at: &Point) -> Vec<Chain> {

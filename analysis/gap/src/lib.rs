@@ -48,6 +48,7 @@ mod enough;
 mod evidence;
 pub mod features;
 mod fit;
+mod fitness;
 mod forward;
 mod generic;
 mod gram;
@@ -73,6 +74,7 @@ mod summary;
 mod tolerance;
 mod trial;
 mod units;
+mod verdict;
 
 pub use basis::Basis;
 pub use catalogue::report_units;
@@ -87,7 +89,8 @@ pub use diagnosis::{
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;
 pub use fit::Fit;
-pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
+pub use fitness::{Fitness, LeastSeen, Part, Structure};
+pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Matters, Parameter, Point, Surface};
 pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
 pub use linear::Linear;

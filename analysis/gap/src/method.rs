@@ -76,6 +76,10 @@ impl Forward for Bare<'_> {
         self.model.simulate(&self.whole(at))
     }
 
+    fn sheet_is_known(&self) -> bool {
+        self.model.sheet_is_known()
+    }
+
     fn chains(&self, at: &Point) -> Vec<Chain> {
         if self.frame.locals.is_empty() { Vec::new() } else { self.model.chains(&self.whole(at)) }
     }

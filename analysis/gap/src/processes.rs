@@ -94,9 +94,7 @@ impl Answers {
     /// The answer in one word: that of the process where most is found; no gap is answered only where
     /// every process could be told.
     pub fn verdict(&self) -> GapVerdict {
-        let order = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked, GapVerdict::CannotTell];
-        let any = |verdict: &GapVerdict| self.processes.iter().any(|(_, own)| own.verdict == *verdict);
-        order.into_iter().find(any).unwrap_or(GapVerdict::NoGap)
+        GapVerdict::of_all(self.processes.iter().map(|(_, own)| own.verdict))
     }
 
     /// The document `diagnosis.json`: that of a single process, with the key `process` in every entry

@@ -31,6 +31,21 @@ pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, Fit) {
     (basis, refit)
 }
 
+/// The noise of the sensor sheet and the scatter of the scenario, by which a fit is tested; the scatter between groups
+/// that nobody states is that of `basis`. Where the sheet is read off the records, the noise is, too.
+pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, Fit) {
+    if !model.sheet_is_known() {
+        return (basis.clone(), fit.clone());
+    }
+    let mut stated = Basis::unmeasured(model, basis.method, basis.nominal.clone());
+    stated.local_scale.clone_from(&basis.local_scale);
+    let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);
+    let fit = fit.complete(model);
+    // Wear moves its own scatter along: the chains are those of the fit.
+    stated.noise = super::Noise::of_sheet(&model.frame().measured, model.chains(&fit.linear.point));
+    (stated, fit)
+}
+
 /// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
 fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
     let scores = probe.scores();

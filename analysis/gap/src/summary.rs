@@ -31,9 +31,14 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
             let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
             format!("missing effect: {}", names.join(" and "))
         }
+        GapVerdict::Constant => "a constant of the model is wrong; with it corrected the model fits".to_owned(),
+        GapVerdict::Small => "the model does not fit exactly, but what it leaves matters nowhere".to_owned(),
         GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
         GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
-        GapVerdict::NoGap => "no gap beyond calibration and noise".to_owned(),
+        GapVerdict::NoGap => match &diagnosis.fit {
+            Some(fit) => format!("no gap beyond calibration and noise (p = {:.2})", fit.p),
+            None => "no gap beyond calibration and noise".to_owned(),
+        },
         GapVerdict::CannotTell => "too little was measured for any answer".to_owned(),
     }
 }

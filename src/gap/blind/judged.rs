@@ -79,7 +79,7 @@ fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
     match verdict {
         GapVerdict::Unknown => return Mark::Unknown,
         GapVerdict::Masked | GapVerdict::CannotTell => return Mark::Masked,
-        GapVerdict::NoGap => return Mark::NoGap,
+        GapVerdict::NoGap | GapVerdict::Small | GapVerdict::Constant => return Mark::NoGap,
         GapVerdict::Effect => {}
     }
     let hidden = |effect: &NamedEffect| case.hidden.iter().any(|hidden| effect.class.contains(&hidden.id));

@@ -423,6 +423,10 @@ impl Forward for ShopModel {
         &self.frame
     }
 
+    fn sheet_is_known(&self) -> bool {
+        false
+    }
+
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.simulated(at, &self.shapes(self.rate(at)))
     }
