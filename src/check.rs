@@ -6,7 +6,7 @@ use crate::kinds::FileKind;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_scenario::file::Echo;
+use toolroom_form::Echo;
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let path = &args.file;

@@ -7,7 +7,7 @@ use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 use toolroom_statistics::{CONFIDENCE, Interval, t_interval};
 use toolroom_study::difference::{Replications, difference, unpaired};
 

@@ -5,7 +5,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use serde_json::{Value, json};
 use std::fmt;
 use std::ops::Range;
-use toolroom_scenario::file::FaultList;
+use toolroom_form::FaultList;
 
 /// One fault with the text around it.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct Excerpt {
 impl Excerpt {
     /// The faults of a scenario.
     pub fn of_scenario(list: &FaultList) -> Vec<Self> {
-        let excerpt = |problem: &toolroom_scenario::file::Problem| {
+        let excerpt = |problem: &toolroom_form::Problem| {
             let place = list.place(problem);
             let (file, text) = list.source(place.origin);
             Self {

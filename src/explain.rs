@@ -5,10 +5,12 @@ use crate::codes::PLANNING;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
-use toolroom_scenario::file::CODES;
+use toolroom_form::CODES;
+use toolroom_gap::program;
+use toolroom_scenario::file;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
-    let all = || CODES.iter().chain(PLANNING).copied();
+    let all = || [CODES, file::CODES, program::CODES, PLANNING].into_iter().flatten().copied();
     let wanted: Vec<(&str, &str)> = match &args.code {
         None => all().collect(),
         Some(code) => {

@@ -8,7 +8,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use toolroom_scenario::file::ReadError;
+use toolroom_form::ReadError;
 
 /// Why a command did not do its work.
 #[derive(Debug)]

@@ -9,10 +9,10 @@ use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
+use toolroom_form::nearest;
 use toolroom_infeed::{Basis, IdentifyError, IdentifyOptions, TableError, read_force_traces, read_trials};
 use toolroom_planning::identification::{IdentificationStudy, NAMES};
 use toolroom_process::{AnyRecord, unit};
-use toolroom_scenario::file::nearest;
 use toolroom_shards::fingerprint;
 
 /// An input file as read.

@@ -6,9 +6,10 @@ use crate::failure::Failure;
 use crate::{contour, gap, grind, life};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use toolroom_form::{Echo, Form, Outline, schema};
 use toolroom_gap::NominalModel;
 use toolroom_records::import::{MAPPING, Mapping};
-use toolroom_scenario::file::{self, Echo, Form, Outline, SCENARIO, ScenarioFile, schema};
+use toolroom_scenario::file::{self, SCENARIO, ScenarioFile};
 use toolroom_scenario::lobes::LOBES;
 
 /// One kind of file.

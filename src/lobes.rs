@@ -12,9 +12,9 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
+use toolroom_form::{FormFile, significant};
 use toolroom_planning::lobes::{ChartStudy, Cut, LobesFile, NAMES, read};
 use toolroom_process::unit;
-use toolroom_scenario::file::{FormFile, significant};
 
 pub use shards::{merge, shard};
 

@@ -7,9 +7,9 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_cutting::{LifeModel, Milling, MillingInput, Turning, TurningInput, TurningState};
 use toolroom_effects::{Effect, Effects};
+use toolroom_form::{nearest, significant};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{AnyRecord, Field, Process, ProcessEvent, Record, unit};
-use toolroom_scenario::file::{nearest, significant};
 use toolroom_wear::{Cut, Pair};
 
 /// One operating point worked out.

@@ -4,8 +4,8 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
 use std::fmt::Write;
+use toolroom_form::significant;
 use toolroom_process::Claim;
-use toolroom_scenario::file::significant;
 
 pub fn run(voice: &Voice) -> Result<(), Failure> {
     let mut claims: Vec<(&str, Claim)> = Vec::new();

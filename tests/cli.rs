@@ -619,7 +619,7 @@ fn a_study_of_nothing_is_an_input_error() {
         (&["--policy", "adaptvie"], "did you mean \"adaptive\"?"),
         (&["--policy", "constant"], "only one policy"),
         (&["--set", "machine.L.tool_change_time=2"], "has no unit"),
-        (&["--set", "machine.M.rate=2 EUR/h"], "is not in the scenario"),
+        (&["--set", "machine.M.rate=2 EUR/h"], "is not in the file"),
         (&["--until", "often"], "half-width 2%"),
         (&["-P", "shop.seed", "1", "3", "0"], "STEP is positive"),
     ] {

@@ -1,6 +1,7 @@
 //! Nothing that is added to the program is left out in silence.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 use toolroom_effects::Effects;
 use toolroom_gap::NominalModel;
 use toolroom_records::Records;
@@ -69,4 +70,24 @@ fn what_a_cut_cannot_read_is_never_tried() {
     }
     let lots = reason("lot_hardness").expect("no lot is recorded");
     assert!(lots.contains("lot"), "{lots}");
+}
+
+/// `python3 tests/recipes.py` follows the recipes and runs what they add; here only what a move of code breaks most.
+#[test]
+fn every_line_that_a_recipe_names_stands_in_its_file_once() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("CONTRIBUTING.md")).expect("the recipes");
+    let mut count = 0;
+    for step in text.lines().filter(|line| line.starts_with("In `") && line.ends_with("`:")) {
+        let [_, path, how, line] = step.splitn(4, '`').collect::<Vec<_>>()[..] else { panic!("{step}") };
+        assert!([", after ", ", before ", ", replacing "].contains(&how), "{step}");
+        let line = line.trim_end_matches("`:");
+        let file = std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+        assert_eq!(file.lines().filter(|own| own.trim() == line).count(), 1, "{path}: `{line}`");
+        count += 1;
+    }
+    assert!(count > 10, "{count} steps");
+    for path in text.lines().filter_map(|line| line.strip_prefix("New file `")?.strip_suffix("`:")) {
+        assert!(!root.join(path).exists(), "{path} is an example and stands in no commit");
+    }
 }

@@ -74,7 +74,7 @@ fn unknown_limits_and_units_are_found_where_they_stand() {
 fn a_contour_file_that_is_missing_is_named_with_the_line_that_names_it() {
     let message = refused(CONTOUR, &["part.hole.operation.profile.contour=\"contour/none.toml\""]);
     assert!(message.contains("contour/none.toml cannot be read"), "{message}");
-    assert!(message.contains("from the folder of the scenario file"), "{message}");
+    assert!(message.contains("from the folder of the file that names them"), "{message}");
 }
 
 #[test]

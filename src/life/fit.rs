@@ -12,13 +12,13 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::Table;
 use toolroom_chart::page::{Provenance, Report, Section};
+use toolroom_form::significant;
 use toolroom_life::analysis::{Analysis, Request, analyse};
 use toolroom_life::measured::{Layout, Measured, MeasuredLife, read};
 use toolroom_life::page::{self, Words};
 use toolroom_life::picture;
 use toolroom_life::regression::{Regression, regress};
 use toolroom_life::sample::Sample;
-use toolroom_scenario::file::significant;
 use toolroom_shards::fingerprint;
 
 /// Lives that belong together.

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
 use toolroom_chart::{Axis, Chart, Estimate, Intervals, Plot, Style, Table, number};
+use toolroom_form::{FormFile, significant};
 use toolroom_life::analysis::{Analysis, Request, analyse};
 use toolroom_life::file::StudyFile;
 use toolroom_life::page::{self, Words};
@@ -19,7 +20,6 @@ use toolroom_life::study::shard::{Merged, sample};
 use toolroom_life::study::tally::ERROR;
 use toolroom_life::study::{Cell, End, Study};
 use toolroom_process::table::{Cell as CsvCell, csv_text};
-use toolroom_scenario::file::{FormFile, significant};
 use toolroom_shards::{Plan, fingerprint};
 
 /// What a result is made of.

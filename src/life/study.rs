@@ -13,11 +13,11 @@ use crate::study::default_out;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use toolroom_form::FormFile;
 use toolroom_life::file::{StudyFile, parse};
 use toolroom_life::study::run::lives;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
-use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Plan, ShardError, discard, read_plan, write_plan};
 use toolroom_study::study::Progress;
 

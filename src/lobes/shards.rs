@@ -10,8 +10,8 @@ use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_form::FormFile;
 use toolroom_planning::lobes::{Columns, LobesFile, NAMES, parse};
-use toolroom_scenario::file::FormFile;
 use toolroom_shards::{Computed, Plan, ShardError};
 
 /// `--plan FILE`: the columns of the grid cut into shards.

@@ -8,12 +8,13 @@ use super::shop::{Shop, ShopModel};
 use super::{Asked, Forward, Settings};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
+use toolroom_form::{Form, Key, Kind, Outline, ReadError, Section, Walk};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
 use toolroom_records::Sensor;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{self, Form, GAP, Key, Kind, Outline, ReadError};
+use toolroom_scenario::file::{self, GAP};
 use toolroom_scenario::{Distribution, GapSection, ProcessModel, SensorErrors};
 use toolroom_wear::Scatter;
 
@@ -99,12 +100,12 @@ impl NominalModel {
         let outline = Outline::read(path).ok();
         if outline.as_ref().is_some_and(is_program) {
             let directory = path.parent().unwrap_or(Path::new("."));
-            let resolve = |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, directory));
-            let (section, model) = file::read_form(path, overrides, &program::FORM, resolve)?.content;
+            let resolve = |walk: &mut Walk, root: &Section<'_>| Some(of_program(walk, root, directory));
+            let (section, model) = toolroom_form::read(path, overrides, &program::FORM, resolve)?.content;
             return Self::of_programs(&file, section, model);
         }
         if outline.as_ref().is_some_and(is_plain) {
-            let read = file::read_form(path, overrides, &PLAIN, file::gap_section)?;
+            let read = toolroom_form::read(path, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file, Some(read.content), None);
         }
         let read = file::read(path, overrides)?;
@@ -118,13 +119,12 @@ impl NominalModel {
     pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ModelFileError> {
         let outline = Outline::of(text);
         if is_program(&outline) {
-            let resolve =
-                |walk: &mut file::Walk, root: &file::Section<'_>| Some(of_program(walk, root, Path::new(".")));
-            let (section, model) = file::parse_form(file, text, overrides, &program::FORM, resolve)?.content;
+            let resolve = |walk: &mut Walk, root: &Section<'_>| Some(of_program(walk, root, Path::new(".")));
+            let (section, model) = toolroom_form::parse(file, text, overrides, &program::FORM, resolve)?.content;
             return Self::of_programs(file, section, model);
         }
         if is_plain(&outline) {
-            let read = file::parse_form(file, text, overrides, &PLAIN, file::gap_section)?;
+            let read = toolroom_form::parse(file, text, overrides, &PLAIN, file::gap_section)?;
             return Self::of(file.to_owned(), Some(read.content), None);
         }
         let read = file::parse(file, text, overrides)?;
@@ -283,7 +283,7 @@ fn is_program(outline: &Outline) -> bool {
     outline.text("gap", "process") == Some("program")
 }
 
-fn of_program(walk: &mut file::Walk, root: &file::Section<'_>, directory: &Path) -> (Option<GapSection>, ProgramModel) {
+fn of_program(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> (Option<GapSection>, ProgramModel) {
     (file::gap_section(walk, root), program::section(walk, root, directory))
 }
 

@@ -9,7 +9,7 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
 const LISTED: usize = 4;
 
 pub(super) fn rounded(value: f64) -> String {
-    toolroom_scenario::file::significant(value)
+    toolroom_form::significant(value)
 }
 
 pub(super) fn percent(share: f64) -> String {

@@ -12,10 +12,9 @@ use crate::study::policy::{Knows, Reading, Rule};
 use crate::study::spread::{Copula, Spread};
 use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use std::path::Path;
+use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
-use toolroom_scenario::file::{
-    Fault, FormFile, ReadError, Section, Walk, deviations, nearest, parse_form, scatter, sensors, significant,
-};
+use toolroom_scenario::file::{scatter, sensors};
 use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
 
 /// What may stand before the dot in the name of a field, for messages.
@@ -41,12 +40,12 @@ pub struct StudyFile {
 /// # Errors
 /// [`ReadError::Faults`] with every fault found.
 pub fn parse(file: &str, text: &str, directory: &Path, overrides: &[String]) -> Result<FormFile<StudyFile>, ReadError> {
-    parse_form(file, text, overrides, &STUDY, |walk, root| resolve(walk, root, directory))
+    toolroom_form::parse(file, text, overrides, &STUDY, |walk, root| resolve(walk, root, directory))
 }
 
 fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<StudyFile> {
     let mut pair = pair(walk, root)?;
-    deviations(walk, root, pair.parameters_mut());
+    set_parameters(walk, root, pair.parameters_mut());
     let scatter = scatter(walk, root);
     let conditions = conditions(walk, root, &pair);
     let ends = walk.table(root, "end").map_or_else(Ends::default, |section| ends(walk, &section));

@@ -1,9 +1,9 @@
 //! Tables of results as CSV, and records as rows of a table of inputs.
 
 use toolroom_chart::Table;
+use toolroom_form::significant;
 use toolroom_process::AnyRecord;
 use toolroom_process::table::{Cell, csv_text};
-use toolroom_scenario::file::significant;
 
 /// A table as CSV; every row is as long as the header.
 pub(crate) fn table<'a, R: IntoIterator<Item = Cell<'a>>>(

@@ -93,7 +93,7 @@ pub use life::{ConstantSpeed, Life, Objective};
 pub use limits::Limits;
 pub use observer::{Estimate, Measurement, Observer, ObserverNoise};
 pub use pair::{PARAMETER_SETS, Pair, PairError};
-pub use plan::{PassPlan, RampLimits, SpeedMode};
+pub use plan::{PassPlan, Ramp, RampLimits, SpeedMode};
 pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
 pub use speed::{RateOptimum, SetSpeed};

@@ -1,6 +1,6 @@
 //! Planning of one pass: speed at its start and end, and the ramp between them.
 
-use crate::{Cut, Pair};
+use crate::{Cut, Limits, Pair};
 use toolroom_process::ode::{self, Tolerance};
 use toolroom_process::record;
 
@@ -31,6 +31,60 @@ record! {
         largest_acceleration: Real["m/s2" => "m/min2"] = 20.0 / 3600.0, 0.0..=1e3;
         /// Greatest change of speed from one pass to the next; 0.15 of 40 m/min.
         largest_step: Real["m/s" => "m/min"] = 0.1, 0.0..=1e3;
+    }
+}
+
+/// Speeds at both ends of a pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ramp {
+    /// At the start, m/s.
+    pub start_speed: f64,
+    /// At the end, m/s.
+    pub end_speed: f64,
+    /// Whether the law met its demand at both ends.
+    pub feasible: bool,
+}
+
+impl RampLimits {
+    /// The ramp of a pass along a law of speed against flank wear: the one rule of every policy that plans passes.
+    ///
+    /// The speeds follow the law at the wear of either end; the wear at the end is a fixed point with the speed there.
+    /// The start is within `largest_step` of `previous_speed` (m/s), or free where that is `None`; the end is within what
+    /// `largest_acceleration` reaches over `path` (m).
+    ///
+    /// `law` gives the speed (m/s) at a flank wear (m) and whether it meets the demand. `growth` predicts the wear of the
+    /// pass, m, from the speed at its start alone, and then from the end speed and growth of the sweep before.
+    pub fn ramp(
+        &self,
+        limits: &Limits,
+        flank_wear: f64,
+        path: f64,
+        previous_speed: Option<f64>,
+        law: impl Fn(f64) -> (f64, bool),
+        mut growth: impl FnMut(f64, Option<(f64, f64)>) -> f64,
+    ) -> Ramp {
+        let clipped = |flank_wear: f64| {
+            let (speed, feasible) = law(flank_wear);
+            (limits.clip(speed), feasible)
+        };
+        let (wanted, start_feasible) = clipped(flank_wear);
+        let step = self.largest_step;
+        let start_speed = previous_speed.map_or(wanted, |last| limits.clip(wanted.max(last - step).min(last + step)));
+        // v² changes by 2·a·l over a path.
+        let reach = 2.0 * self.largest_acceleration * path;
+        let slowest = (start_speed * start_speed - reach).max(0.0).sqrt();
+        let fastest = (start_speed * start_speed + reach).sqrt();
+        let end = |growth: f64| {
+            let (speed, feasible) = clipped(flank_wear + growth);
+            (speed.max(slowest).min(fastest), feasible)
+        };
+        let mut grown = growth(start_speed, None);
+        let (mut end_speed, mut feasible) = end(grown);
+        for _ in 1..SWEEPS {
+            grown = growth(start_speed, Some((end_speed, grown)));
+            (end_speed, feasible) = end(grown);
+        }
+        Ramp { start_speed, end_speed, feasible: start_feasible && feasible }
     }
 }
 
@@ -104,28 +158,13 @@ impl Pair {
         previous_speed: Option<f64>,
         speed_at: impl Fn(f64) -> (f64, bool),
     ) -> PassPlan {
-        let speed_at = |flank_wear: f64| {
-            let (speed, feasible) = speed_at(flank_wear);
-            (self.limits.clip(speed), feasible)
+        let growth = |start: f64, before: Option<(f64, f64)>| match before {
+            None => (self.intensity_at(cut, flank_wear, start) * path).min(LOST * self.limits.wear_limit),
+            Some((end, _)) => self.wear_over_ramp(cut, flank_wear, path, start, end),
         };
-        let (start, start_feasible) = speed_at(flank_wear);
-        let start_speed = match previous_speed {
-            Some(last) => self.limits.clip(start.max(last - ramp.largest_step).min(last + ramp.largest_step)),
-            None => start,
-        };
-        // v² changes by 2·a·l over a path.
-        let reach = 2.0 * ramp.largest_acceleration * path;
-        let slowest = (start_speed * start_speed - reach).max(0.0).sqrt();
-        let fastest = (start_speed * start_speed + reach).sqrt();
-        let mut wear_increment =
-            (self.intensity_at(cut, flank_wear, start_speed) * path).min(LOST * self.limits.wear_limit);
-        let (mut end_speed, mut feasible) = (start_speed, start_feasible);
-        for _ in 0..SWEEPS {
-            let (end, end_feasible) = speed_at(flank_wear + wear_increment);
-            end_speed = end.max(slowest).min(fastest);
-            feasible = start_feasible && end_feasible;
-            wear_increment = self.wear_over_ramp(cut, flank_wear, path, start_speed, end_speed);
-        }
+        let Ramp { start_speed, end_speed, feasible } =
+            ramp.ramp(&self.limits, flank_wear, path, previous_speed, speed_at, growth);
+        let wear_increment = self.wear_over_ramp(cut, flank_wear, path, start_speed, end_speed);
         let duration = 2.0 * path / (start_speed + end_speed);
         PassPlan {
             start_speed,

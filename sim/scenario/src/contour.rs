@@ -4,6 +4,7 @@ use super::{MachineType, ToolType};
 use crate::policies::{ContourPlan, PlanError};
 use std::sync::Arc;
 use toolroom_contour::{ContourFile, Pass};
+use toolroom_form::vocabulary;
 
 vocabulary! {
     /// How spindle speeds and feeds of a contour are found.

@@ -19,9 +19,6 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 #![cfg_attr(test, allow(clippy::wildcard_enum_match_arm))]
 
-#[macro_use]
-mod vocabulary;
-
 mod calendar;
 mod contour;
 mod deviation;

@@ -4,6 +4,7 @@ use super::{Distribution, StructureScatter};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
+use toolroom_form::vocabulary;
 use toolroom_infeed::Infeed;
 use toolroom_process::MachineProcess;
 use toolroom_wear::{Pair, Scatter};

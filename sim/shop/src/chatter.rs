@@ -2,7 +2,7 @@
 
 use super::cut::Segment;
 use super::draws::owner;
-use super::machine::Task;
+use super::machine::{MOUNTED, Task};
 use super::pass::Place;
 use super::ports::{Ports, read};
 use super::recorder::Recorder;
@@ -145,7 +145,7 @@ impl<R: Recorder> Shop<'_, R> {
         self.close_pass(machine);
         let controller = self.controllers.of_pass(machine, pass);
         let state = &mut self.world.machines[machine];
-        let Some(edge) = state.edges[place.tool].as_ref() else { return self.next_pass(machine) };
+        let edge = state.edges[place.tool].as_ref().expect(MOUNTED);
         let mut noise: Stream =
             self.streams.at(edge.entity.part(owner::CHATTER), Purpose::Measurement, u64::from(edge.row.passes));
         let z: f64 = StandardNormal.sample(&mut noise);

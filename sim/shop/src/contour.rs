@@ -2,7 +2,7 @@
 //! judged by its form.
 
 use super::draws;
-use super::machine::Step;
+use super::machine::{Step, in_cut};
 use super::pass::Place;
 use super::ports::{Ports, write};
 use super::program::{Block, Program};
@@ -21,13 +21,14 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn begin_contour(&mut self, machine: usize, place: Place, first_pass: u32) -> Result<(), ShopError> {
         let pass = first_pass + place.pass as u32;
         let allowance = self.allowance(machine, place, first_pass);
-        let Some(plan) = self.controllers.contour(machine, pass) else { return Ok(()) };
+        let plan =
+            self.controllers.contour(machine, pass).expect("a contour is planned for every machine that may mill it");
         let controller = self.controllers.of_pass(machine, pass);
         let tool = &self.scenario.tools[place.tool];
         let tool_plan = &self.layout.tools[place.tool];
         let ports = &tool_plan.ports;
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let first = plan.sections.first().map_or((0.0, 0.0), |first| (first.cutting_speed, first.feed_per_tooth));
         let mut program = program(plan, allowance, ports);
         program.skip(plan.time() * (1.0 - task.share_left));

@@ -2,7 +2,7 @@
 
 use super::draws::owner;
 use super::layout::phase_duration;
-use super::machine::Step;
+use super::machine::{MOUNTED, Step, in_cut};
 use super::pass::Place;
 use super::ports::write;
 use super::program::{Block, Program};
@@ -25,7 +25,7 @@ impl<R: Recorder> Shop<'_, R> {
         };
         let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process else { return };
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let mut part = infeed.new_part(&Record::from_slice(&edge.state));
         task.correction = compensation * part.wheel_wear;
         part.commanded_infeed = task.correction;
@@ -46,7 +46,7 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &plan.ports;
         let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let mut input = plan.input.clone();
         let (programmed, work_rotation_speed) = match &scenario.parts[place.part].operations[place.operation].work {
             Work::Grinding { work_rotation_speed, phases } => (phases[place.pass], *work_rotation_speed),
@@ -55,7 +55,7 @@ impl<R: Recorder> Shop<'_, R> {
                 write(&mut input, ports.engaged, 1.0);
                 (cycle.programmed[place.pass], cycle.conditions.work_rotation_speed)
             }
-            Work::Cutting(_) | Work::Contour(_) => return Ok(()),
+            Work::Cutting(_) | Work::Contour(_) => unreachable!("phases are those of grinding"),
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
         ports.write_ages(&mut input, now, &scenario.machines[machine]);
@@ -99,7 +99,7 @@ impl<R: Recorder> Shop<'_, R> {
         let ProcessModel::Infeed(infeed) = &self.scenario.tools[place.tool].process else { return };
         let controller = self.controllers.grinding(first_pass);
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let part = State::from_slice(&edge.state);
         if let Some(controller) = controller {
             let past = task.readings.iter().take_while(|reading| reading.revolution <= part.revolutions).count();
@@ -120,7 +120,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The part is ground: the dressing rule decides on the wheel.
     pub(super) fn judge_wheel(&mut self, machine: usize, place: Place, first_pass: u32) {
         let Some(controller) = self.controllers.grinding(first_pass) else { return };
-        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         if controller.dressing_due(edge.row.parts, &edge.wheel) == Some(true) {
             edge.spent = Some(ChangeReason::Dressing);
         }

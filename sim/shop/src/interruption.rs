@@ -168,7 +168,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn restart(&mut self, machine: usize) {
         self.close_pass(machine);
         let now = self.now();
-        let Some(task) = self.world.machines[machine].task.as_mut() else { return };
+        let Some(task) = self.world.machines[machine].task.as_mut() else { return }; // an idle machine
         if task.step == Step::Setup {
             return; // no part in the machine yet
         }
@@ -185,7 +185,7 @@ impl<R: Recorder> Shop<'_, R> {
             return Ok(()); // no part in the machine yet
         }
         self.close_pass(machine);
-        let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) };
+        let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) }; // an idle machine
         let job = self.world.jobs.at(task.slot);
         let row = OperationRow {
             job: job.number,

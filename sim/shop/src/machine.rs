@@ -97,6 +97,19 @@ pub struct Task {
     pub readings: Vec<ForceReading>,
 }
 
+/// Why a step may count on an operation.
+pub(super) const IN_WORK: &str = "a step belongs to the operation in its machine";
+/// Why a pass may count on an edge.
+pub(super) const MOUNTED: &str = "a pass begins with an edge in its place, which stays until the next one is mounted";
+
+/// The operation in work and the edge that cuts it.
+///
+/// # Panics
+/// Where there is none of them: only passes ask.
+pub(super) fn in_cut<'a>(task: &'a mut Option<Task>, edge: &'a mut Option<Edge>) -> (&'a mut Task, &'a mut Edge) {
+    (task.as_mut().expect(IN_WORK), edge.as_mut().expect(MOUNTED))
+}
+
 /// Step of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {

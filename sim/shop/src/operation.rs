@@ -2,7 +2,7 @@
 
 use super::chatter::Surface;
 use super::draws::Blank;
-use super::machine::{Step, Task};
+use super::machine::{IN_WORK, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
@@ -70,7 +70,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// event: its job must not reach a queue before the instant is settled again.
     pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
         loop {
-            let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
+            let Some(task) = &self.world.machines[machine].task else { return Ok(()) }; // the operation is over
             if task.left > 0.0 || dispatching && task.step == Step::Unload {
                 let at = self.now().after(task.left)?;
                 let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
@@ -88,10 +88,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The step of a machine ends by its event.
     pub(super) fn step_ended(&mut self, machine: usize) -> Result<(), ShopError> {
-        if let Some(task) = &mut self.world.machines[machine].task {
-            task.end = None;
-            task.left = 0.0;
-        }
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.end = None;
+        task.left = 0.0;
         self.end_step(machine)?;
         self.drive(machine, false)
     }
@@ -99,6 +98,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Stops a machine in the middle of a step; what is left of it is kept.
     pub(super) fn halt(&mut self, machine: usize) -> Result<(), ShopError> {
         let now = self.now();
+        // An idle machine has nothing to stop, one that stands already neither.
         let Some(task) = &mut self.world.machines[machine].task else { return Ok(()) };
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
@@ -109,7 +109,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     fn end_step(&mut self, machine: usize) -> Result<(), ShopError> {
-        let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
+        let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
         let slot = task.slot;
         match task.step {
             Step::Setup => {
@@ -145,16 +145,15 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Begins loading or unloading.
     pub(super) fn handle(&mut self, machine: usize, step: Step) {
-        if let Some(task) = &mut self.world.machines[machine].task {
-            task.step = step;
-            task.left = if step == Step::Load { task.load_time } else { task.unload_time };
-        }
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.step = step;
+        task.left = if step == Step::Load { task.load_time } else { task.unload_time };
     }
 
     /// All passes are cut, or the part is lost: the wheel is dressed if it has to be, the part
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
-        let Some(task) = &mut self.world.machines[machine].task else { return };
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
         let delay = std::mem::take(&mut task.delay);
         if delay > 0.0 {
             task.step = Step::Delay;
@@ -183,7 +182,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn end_operation(&mut self, machine: usize) -> Result<(), ShopError> {
         self.stop_clocks(machine);
         let state = &mut self.world.machines[machine];
-        let Some(task) = state.task.take() else { return Ok(()) };
+        let task = state.task.take().expect(IN_WORK);
         if std::mem::take(&mut state.leaving) {
             state.off_shift = true;
         }
@@ -226,7 +225,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Writes the row of the operation that is in a machine at the end of the run.
     pub(super) fn log_in_process(&mut self, machine: usize) {
-        let Some(task) = &self.world.machines[machine].task else { return };
+        let Some(task) = &self.world.machines[machine].task else { return }; // nothing is in work
         let job = self.world.jobs.at(task.slot);
         let row = OperationRow {
             job: job.number,

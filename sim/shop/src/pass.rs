@@ -4,7 +4,7 @@ use super::cut::{CutFault, rest};
 use super::draws::{self, owner};
 use super::error::Refusal;
 use super::layout::cut_duration;
-use super::machine::Step;
+use super::machine::{IN_WORK, MOUNTED, Step, in_cut};
 use super::ports::{read, write};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
@@ -31,7 +31,7 @@ pub(super) struct Place {
 
 impl<R: Recorder> Shop<'_, R> {
     fn place(&self, machine: usize) -> Place {
-        let task = self.world.machines[machine].task.as_ref().expect("a pass belongs to an operation");
+        let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
         let job = self.world.jobs.at(task.slot);
         Place {
             slot: task.slot,
@@ -79,9 +79,7 @@ impl<R: Recorder> Shop<'_, R> {
         let tool = &self.scenario.tools[place.tool];
         let part = &self.scenario.parts[place.part];
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
-        if let Some(task) = &mut self.world.machines[machine].task {
-            task.blank = blank;
-        }
+        self.world.machines[machine].task.as_mut().expect(IN_WORK).blank = blank;
         self.clamp_ground_part(machine, place, first_pass);
     }
 
@@ -89,7 +87,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn watch(&mut self, machine: usize, place: Place, first_pass: u32) {
         let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
         let flank_wear = self.layout.tools[place.tool].ports.flank_wear_state;
-        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         if edge.observer.is_none() {
             // An edge that has cut before the policy came is measured once.
             let worn = read(&edge.state, flank_wear, 0.0);
@@ -107,7 +105,7 @@ impl<R: Recorder> Shop<'_, R> {
         let kind = self.controllers.kind_of_pass(machine, pass);
         let ports = &self.layout.tools[place.tool].ports;
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let seen = Observation {
             path: cut.path_length * task.share_left,
             edge_path: edge.row.path,
@@ -171,7 +169,7 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.scenario.tools[place.tool].process.machine_process();
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.row.passes += 1;
         let worn = match ports.flank_wear_state {
             Some(i) => edge.state[i],
@@ -224,7 +222,7 @@ impl<R: Recorder> Shop<'_, R> {
         let process = self.scenario.tools[place.tool].process.machine_process();
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return Ok(()) };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
         ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
         let idle = now - edge.clock;
@@ -254,13 +252,12 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         if closing && !process.goes_back() {
             // What was cut until the horizon cannot be known: the pass is left out.
-            if let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) {
-                task.row = None;
-                edge.row.passes -= 1;
-            }
+            let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+            task.row = None;
+            edge.row.passes -= 1;
             return Ok(());
         }
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_ref()) else { return Ok(()) };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
         let asked = segment.asked;
         let share = segment.share(&tool.ports, elapsed);
@@ -293,13 +290,11 @@ impl<R: Recorder> Shop<'_, R> {
             None => {
                 let plan = self.layout.operations[place.part][place.operation];
                 let state = &mut self.world.machines[machine];
-                let mut done = false;
-                if let (Some(task), Some(edge)) = (&mut state.task, &mut state.edges[place.tool]) {
-                    task.pass += 1;
-                    task.share_left = 1.0;
-                    done = task.pass == plan.passes;
-                    edge.row.parts += u32::from(done);
-                }
+                let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+                task.pass += 1;
+                task.share_left = 1.0;
+                let done = task.pass == plan.passes;
+                edge.row.parts += u32::from(done);
                 if done {
                     self.judge_wheel(machine, place, plan.first_pass);
                 }
@@ -324,8 +319,9 @@ impl<R: Recorder> Shop<'_, R> {
         let form_error = self.form_error(machine, place, plan.first_pass);
         let streams = self.streams;
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
-        let (segment, Some(row)) = (&state.segment, task.row.as_mut()) else { return };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let segment = &state.segment;
+        let row = task.row.as_mut().expect("a pass in work has a row");
         let cut = share * task.share_left;
         task.share_left -= cut;
         edge.state.copy_from_slice(&segment.state);
@@ -403,7 +399,7 @@ impl<R: Recorder> Shop<'_, R> {
         let owner = job.entity.part(place.operation as u64).part(place.pass as u64);
         let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
         let state = &mut self.world.machines[machine];
-        let (Some(task), Some(edge)) = (state.task.as_mut(), state.edges[place.tool].as_mut()) else { return };
+        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.spent = Some(match event {
             ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
             ProcessEvent::Chipping => ChangeReason::Chipping,
@@ -424,7 +420,7 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.operations[place.part][place.operation];
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let later = self.deviation("tool_change_policy", machine);
-        let Some(edge) = self.world.machines[machine].edges[place.tool].as_mut() else { return };
+        let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return };
         let reading = u64::from(edge.row.passes);
         let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, reading);

@@ -3,113 +3,94 @@
 use toolroom_process::{Field, MachineProcess};
 use toolroom_scenario::MachineType;
 
-/// Element indices of one process, looked up by name once. A quantity that the process does not
-/// have is neither set nor read.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ports {
-    pub cutting_speed: Option<usize>,
-    pub cutting_acceleration: Option<usize>,
-    pub feed: Option<usize>,
-    pub depth_of_cut: Option<usize>,
-    pub width_of_cut: Option<usize>,
-    pub work_rotation_speed: Option<usize>,
-    pub down_milling: Option<usize>,
-    pub engaged: Option<usize>,
-    pub hardness_ratio: Option<usize>,
-    pub mechanical_wear_factor: Option<usize>,
-    pub thermal_wear_factor: Option<usize>,
-    pub wear_rate_factor: Option<usize>,
-    pub chipping_resistance: Option<usize>,
-    pub process_stiffness_factor: Option<usize>,
-    pub flank_shear_factor: Option<usize>,
-    pub flank_pressure_factor: Option<usize>,
-    pub coolant_age: Option<usize>,
-    pub coolant_changed: Option<usize>,
-    pub machine_time: Option<usize>,
-    pub sensor_time: Option<usize>,
-    pub pass_time: Option<usize>,
-    pub lot_deviation: Option<usize>,
-    pub flank_wear_state: Option<usize>,
-    pub energy_state: Option<usize>,
-    pub feed_rate: Option<usize>,
-    pub flank_wear: Option<usize>,
-    pub cutting_force: Option<usize>,
-    pub feed_force: Option<usize>,
-    pub spindle_power: Option<usize>,
-    pub temperature: Option<usize>,
-    pub thermo_emf: Option<usize>,
-    pub size_error: Option<usize>,
-    pub workpiece_diameter: Option<usize>,
-    pub position: Option<usize>,
-    pub natural_frequency_factor: Option<usize>,
-    pub modal_damping_factor: Option<usize>,
-    pub speed_variation: Option<usize>,
-    pub variation_revolutions: Option<usize>,
-    pub chatter_time: Option<usize>,
-    pub stable: Option<usize>,
-    pub stability_margin: Option<usize>,
-    pub vibration_amplitude: Option<usize>,
-    pub dominant_frequency: Option<usize>,
-    pub chatter_growth_rate: Option<usize>,
-    pub force_ripple: Option<usize>,
-    pub roughness: Option<usize>,
-    /// Whether the process judges the stability of its cuts.
-    pub structure: bool,
+/// Which slice of a process a quantity stands in.
+#[derive(Clone, Copy)]
+enum Slice {
+    Input,
+    State,
+    Output,
 }
 
-impl Ports {
-    pub fn of(process: &dyn MachineProcess) -> Self {
-        let (u, x, y) = (process.inputs(), process.states(), process.outputs());
-        Self {
-            cutting_speed: element(u, &["cutting_speed"]),
-            cutting_acceleration: element(u, &["cutting_acceleration"]),
-            feed: element(u, &["feed_per_rev", "feed_per_tooth", "infeed_per_rev"]),
-            depth_of_cut: element(u, &["depth_of_cut"]),
-            width_of_cut: element(u, &["width_of_cut"]),
-            work_rotation_speed: element(u, &["work_rotation_speed"]),
-            down_milling: element(u, &["down_milling"]),
-            engaged: element(u, &["engaged"]),
-            hardness_ratio: element(u, &["hardness_ratio"]),
-            mechanical_wear_factor: element(u, &["mechanical_wear_factor"]),
-            thermal_wear_factor: element(u, &["thermal_wear_factor"]),
-            wear_rate_factor: element(u, &["wear_rate_factor"]),
-            chipping_resistance: element(u, &["chipping_resistance"]),
-            process_stiffness_factor: element(u, &["process_stiffness_factor"]),
-            flank_shear_factor: element(u, &["flank_shear_factor"]),
-            flank_pressure_factor: element(u, &["flank_pressure_factor"]),
-            coolant_age: element(u, &["coolant_age"]),
-            coolant_changed: element(u, &["coolant_changed"]),
-            machine_time: element(u, &["machine_time"]),
-            sensor_time: element(u, &["sensor_time"]),
-            pass_time: element(u, &["pass_time"]),
-            lot_deviation: element(u, &["lot_deviation"]),
-            flank_wear_state: element(x, &["flank_wear"]),
-            energy_state: element(x, &["energy"]),
-            feed_rate: element(y, &["feed_rate"]),
-            flank_wear: element(y, &["flank_wear", "wheel_wear"]),
-            cutting_force: element(y, &["cutting_force", "normal_force"]),
-            feed_force: element(y, &["feed_force"]),
-            spindle_power: element(y, &["spindle_power"]),
-            temperature: element(y, &["temperature"]),
-            thermo_emf: element(y, &["thermo_emf"]),
-            size_error: element(y, &["size_error"]),
-            workpiece_diameter: element(u, &["workpiece_diameter"]),
-            position: element(u, &["position"]),
-            natural_frequency_factor: element(u, &["natural_frequency_factor"]),
-            modal_damping_factor: element(u, &["modal_damping_factor"]),
-            speed_variation: element(u, &["speed_variation"]),
-            variation_revolutions: element(u, &["variation_revolutions"]),
-            chatter_time: element(x, &["chatter_time"]),
-            stable: element(y, &["stable"]),
-            stability_margin: element(y, &["stability_margin"]),
-            vibration_amplitude: element(y, &["vibration_amplitude"]),
-            dominant_frequency: element(y, &["dominant_frequency"]),
-            chatter_growth_rate: element(y, &["chatter_growth_rate"]),
-            force_ripple: element(y, &["force_ripple"]),
-            roughness: element(y, &["roughness_ra"]),
-            structure: false,
+impl Slice {
+    fn fields(self, process: &dyn MachineProcess) -> &[Field] {
+        match self {
+            Self::Input => process.inputs(),
+            Self::State => process.states(),
+            Self::Output => process.outputs(),
         }
     }
+}
+
+/// Declares the quantities: one line each, with its slice and the names that processes give it.
+macro_rules! ports {
+    ($($quantity:ident: $slice:ident [$($name:literal),+];)+) => {
+        /// Element indices of one process, looked up by name once. A quantity that the process does not
+        /// have is neither set nor read.
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct Ports {
+            $(pub $quantity: Option<usize>,)+
+            /// Whether the process judges the stability of its cuts.
+            pub structure: bool,
+        }
+
+        impl Ports {
+            pub fn of(process: &dyn MachineProcess) -> Self {
+                Self {
+                    $($quantity: element(Slice::$slice.fields(process), &[$($name),+]),)+
+                    structure: false,
+                }
+            }
+        }
+    };
+}
+
+ports! {
+    cutting_speed: Input ["cutting_speed"];
+    cutting_acceleration: Input ["cutting_acceleration"];
+    feed: Input ["feed_per_rev", "feed_per_tooth", "infeed_per_rev"];
+    depth_of_cut: Input ["depth_of_cut"];
+    width_of_cut: Input ["width_of_cut"];
+    work_rotation_speed: Input ["work_rotation_speed"];
+    down_milling: Input ["down_milling"];
+    engaged: Input ["engaged"];
+    hardness_ratio: Input ["hardness_ratio"];
+    mechanical_wear_factor: Input ["mechanical_wear_factor"];
+    thermal_wear_factor: Input ["thermal_wear_factor"];
+    wear_rate_factor: Input ["wear_rate_factor"];
+    chipping_resistance: Input ["chipping_resistance"];
+    process_stiffness_factor: Input ["process_stiffness_factor"];
+    flank_shear_factor: Input ["flank_shear_factor"];
+    flank_pressure_factor: Input ["flank_pressure_factor"];
+    coolant_age: Input ["coolant_age"];
+    coolant_changed: Input ["coolant_changed"];
+    machine_time: Input ["machine_time"];
+    sensor_time: Input ["sensor_time"];
+    pass_time: Input ["pass_time"];
+    lot_deviation: Input ["lot_deviation"];
+    flank_wear_state: State ["flank_wear"];
+    energy_state: State ["energy"];
+    feed_rate: Output ["feed_rate"];
+    flank_wear: Output ["flank_wear", "wheel_wear"];
+    cutting_force: Output ["cutting_force", "normal_force"];
+    feed_force: Output ["feed_force"];
+    spindle_power: Output ["spindle_power"];
+    temperature: Output ["temperature"];
+    thermo_emf: Output ["thermo_emf"];
+    size_error: Output ["size_error"];
+    workpiece_diameter: Input ["workpiece_diameter"];
+    position: Input ["position"];
+    natural_frequency_factor: Input ["natural_frequency_factor"];
+    modal_damping_factor: Input ["modal_damping_factor"];
+    speed_variation: Input ["speed_variation"];
+    variation_revolutions: Input ["variation_revolutions"];
+    chatter_time: State ["chatter_time"];
+    stable: Output ["stable"];
+    stability_margin: Output ["stability_margin"];
+    vibration_amplitude: Output ["vibration_amplitude"];
+    dominant_frequency: Output ["dominant_frequency"];
+    chatter_growth_rate: Output ["chatter_growth_rate"];
+    force_ripple: Output ["force_ripple"];
+    roughness: Output ["roughness_ra"];
 }
 
 impl Ports {

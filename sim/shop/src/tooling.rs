@@ -3,7 +3,7 @@
 use super::Shop;
 use super::draws;
 use super::edge::Edge;
-use super::machine::Step;
+use super::machine::{IN_WORK, Step};
 use super::ports::write;
 use super::recorder::Recorder;
 use crate::runlog::{ChangeReason, EdgeRow};
@@ -68,7 +68,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.job_in(machine);
         let state = &mut self.world.machines[machine];
         let refill = if state.magazine == 0 { kind.refill_time } else { 0.0 };
-        let Some(task) = &mut state.task else { return };
+        let task = state.task.as_mut().expect(IN_WORK);
         task.step = Step::ToolChange;
         task.left = kind.tool_change_time + refill + delay;
         let edge = state.edges[task.tool as usize].as_mut();
@@ -82,8 +82,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The change is done.
     pub(super) fn replace_edge(&mut self, machine: usize) {
         let state = &mut self.world.machines[machine];
-        let Some(task) = &state.task else { return };
-        let tool = task.tool as usize;
+        let tool = state.task.as_ref().expect(IN_WORK).tool as usize;
         if state.magazine == 0 {
             state.magazine = self.scenario.machines[machine].magazine;
         }
@@ -96,7 +95,7 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now().seconds();
         let job = self.job_in(machine);
         let state = &mut self.world.machines[machine];
-        let Some(task) = &mut state.task else { return };
+        let task = state.task.as_mut().expect(IN_WORK);
         let tool = task.tool as usize;
         task.step = Step::Dressing;
         task.left = self.scenario.tools[tool].dressing_time;
@@ -109,8 +108,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The wheel is sharp again; it counts as a new edge and keeps what it has lost.
     pub(super) fn dress(&mut self, machine: usize) {
-        let Some(task) = &self.world.machines[machine].task else { return };
-        let tool = task.tool as usize;
+        let tool = self.world.machines[machine].task.as_ref().expect(IN_WORK).tool as usize;
         let worn = self.world.machines[machine].edges[tool].as_ref().map(|edge| edge.state.clone());
         self.retire(machine, tool);
         let magazine = self.world.machines[machine].magazine;

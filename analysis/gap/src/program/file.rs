@@ -2,10 +2,12 @@
 
 use super::ProgramModel;
 use std::path::Path;
-use toolroom_contour::{Program, Units};
+use std::sync::Arc;
+use toolroom_contour::{Program, ProgramError, Units};
+use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Quantity, Section, Walk};
 use toolroom_process::Record;
 use toolroom_scenario::effects::ShopDeviations;
-use toolroom_scenario::file::{Fault, Form, GAP, Key, Kind, Quantity, Section, Walk};
+use toolroom_scenario::file::GAP;
 
 const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })
@@ -69,6 +71,34 @@ static PROGRAM: Form = Form {
     ],
 };
 
+/// A part program with a fault of its own.
+#[derive(Debug, thiserror::Error)]
+#[error("{file}, {reason}")]
+struct PartProgramFault {
+    /// The file as written.
+    file: String,
+    /// The fault with its place in that file.
+    reason: ProgramError,
+}
+
+/// The code of a part program at fault, with its explanation.
+pub const CODES: &[(&str, &str)] = &[(
+    "part-program",
+    "A part program named in the file has a block whose time cannot be told: a subprogram, a variable, a motion at feed without F, an arc that misses its end. `toolroom program` reads it by itself.",
+)];
+
+impl ContentFault for PartProgramFault {
+    fn code(&self) -> &'static str {
+        CODES[0].0
+    }
+}
+
+impl From<PartProgramFault> for Fault {
+    fn from(fault: PartProgramFault) -> Self {
+        Self::Content(Arc::new(fault))
+    }
+}
+
 /// Shipped part programs, found where the directory of the file has none of the name.
 const SHIPPED: [(&str, &str); 3] = [
     ("programs/bracket.nc", include_str!("../../../../scenarios/gap/programs/bracket.nc")),
@@ -108,7 +138,7 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
             Ok(text) => match Program::read_in(&text, section.text("units").and_then(Units::named)) {
                 Ok(program) => model.programs.push((name.to_owned(), program)),
-                Err(reason) => walk.fault(span, Fault::PartProgram { file, reason }),
+                Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
             },
             Err(error) => walk.fault(span, Fault::Unreadable { file, reason: error.kind() }),
         }

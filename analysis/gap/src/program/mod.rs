@@ -13,7 +13,7 @@
 mod file;
 mod rows;
 
-pub use file::effects_section;
+pub use file::{CODES, effects_section};
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};

@@ -1,7 +1,8 @@
 //! The sections of a study file.
 
+use toolroom_form::{Form, Key, Kind, Quantity};
 use toolroom_process::Record;
-use toolroom_scenario::file::{Form, Key, Kind, Quantity, SENSORS};
+use toolroom_scenario::file::SENSORS;
 use toolroom_wear::Scatter;
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {

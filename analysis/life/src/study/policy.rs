@@ -4,8 +4,9 @@ use super::Passes;
 use super::edge::rehearsed;
 use std::sync::Arc;
 use toolroom_scenario::SensorSheet;
+use toolroom_scenario::policies::ramp_limits;
 use toolroom_wear::{
-    Coefficients, Contact, Cut, Measurement, Objective, Observer, ObserverNoise, Pair, SpeedSchedule, SpeedTable,
+    Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SpeedSchedule, SpeedTable,
 };
 
 /// A rule, before it is worked out for a cut.
@@ -45,19 +46,6 @@ pub enum Reading {
     Period,
 }
 
-/// Greatest change of speed from pass to pass, share of the reference speed; Postnov & Shafikov
-/// restrict it, the size is an assumption.
-const LARGEST_STEP: f64 = 0.15;
-/// Greatest acceleration within a pass, share of the reference speed per second: 20 m/min per
-/// minute at 40 m/min (assumption).
-const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
-/// Inflation of the noise of the thermo-EMF for its bias, relative (assumption).
-const EMF_INFLATION: f64 = 0.02;
-/// Least noise that the filter reckons with, relative (assumption).
-const LEAST_NOISE: f64 = 1e-3;
-/// Sweeps of the fixed point between the speed at the end of a pass and the wear there.
-const SWEEPS: u32 = 3;
-
 #[derive(Clone, Debug)]
 enum Speed {
     Constant(f64),
@@ -76,7 +64,7 @@ pub struct Policy {
     sensors: SensorSheet,
     reading: Reading,
     template: Option<Observer>,
-    largest_step: f64,
+    ramp: RampLimits,
 }
 
 /// Speed over one pass, linear in time.
@@ -122,13 +110,7 @@ impl Policy {
             }
             Rule::Oracle(knows) => Speed::Planned { law: least(), oracle: Some(knows) },
         };
-        let noise = ObserverNoise {
-            power_noise: sensors.spindle_power.max(LEAST_NOISE),
-            feed_force_noise: sensors.feed_force.max(LEAST_NOISE),
-            emf_noise: sensors.thermo_emf.hypot(EMF_INFLATION),
-            depth_scatter: allowance,
-            ..ObserverNoise::default()
-        };
+        let noise = sensors.observer_noise(allowance);
         let observes = matches!(speed, Speed::Planned { oracle: None, .. });
         Self {
             template: observes.then(|| Observer::new(pair, noise)),
@@ -138,7 +120,7 @@ impl Policy {
             contact: pair.contact(cut).coefficients(),
             sensors,
             reading,
-            largest_step: LARGEST_STEP * limits.reference_speed,
+            ramp: ramp_limits(pair),
         }
     }
 
@@ -214,24 +196,14 @@ impl Policy {
         last: Option<f64>,
     ) -> Ramp {
         let limits = &self.pair.limits;
-        let wanted = law(wear);
-        let near = last.unwrap_or(wanted);
-        let start = limits.clip(wanted.max(near - self.largest_step).min(near + self.largest_step));
-        // v² changes by 2·a·l over a path.
-        let reach = 2.0 * LARGEST_ACCELERATION * limits.reference_speed * length;
-        let (slowest, fastest) = ((start * start - reach).max(0.0).sqrt(), (start * start + reach).sqrt());
-        let contact = contact.at_speed(start);
-        let growth = |wear: f64, speed: f64| {
-            let intensity = contact.near_speed(speed).steady_wear(wear).intensity(speed);
+        let mut near_start = None;
+        let growth = |start: f64, before: Option<(f64, f64)>| {
+            let contact = near_start.get_or_insert_with(|| contact.at_speed(start));
+            let (land, speed) = before.map_or((wear, start), |(end, grown)| (wear + 0.5 * grown, 0.5 * (start + end)));
+            let intensity = contact.near_speed(speed).steady_wear(land).intensity(speed);
             (factor * intensity * length).min(limits.wear_limit)
         };
-        let end_after = |growth: f64| law(wear + growth).max(slowest).min(fastest);
-        let mut grown = growth(wear, start);
-        let mut end = end_after(grown);
-        for _ in 1..SWEEPS {
-            grown = growth(wear + 0.5 * grown, 0.5 * (start + end));
-            end = end_after(grown);
-        }
-        Ramp { start, end: limits.clip(end) }
+        let ramp = self.ramp.ramp(limits, wear, length, last, |wear| (law(wear), true), growth);
+        Ramp { start: ramp.start_speed, end: ramp.end_speed }
     }
 }

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use toolroom_contour::{ContourFile, FormError, Models, Objective, Parameters, Pass, PathError, Planner};
+use toolroom_form::significant;
 use toolroom_process::Record;
-use toolroom_scenario::file::significant;
 
 /// What a plan makes least, with its name.
 pub const OBJECTIVES: [(&str, Objective); 2] = [("time", Objective::Time), ("cost", Objective::Cost)];

@@ -8,7 +8,7 @@ use crate::tables::{input_table, push_record};
 use toolroom_chart::Table;
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_contour::{Constraint, ContourFile, CornerPolicy, FormError, Milling, PathError, Plan};
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 
 const MM: f64 = 1e3;
 /// Rows of a table of sections in the report; the rest is in the file.

@@ -5,7 +5,7 @@ use toolroom_contour::{
     ConditionScatter, ContourError, ContourFile, EdgeLife, Objective, Pass, Plan, PlannedSection, Planner, Sensitivity,
     Warning,
 };
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 
 /// Sections beyond which conditions and scatter are not studied: each of their plans is as long
 /// as the plan itself.

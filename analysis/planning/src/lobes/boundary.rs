@@ -5,7 +5,7 @@ use super::file::Chart;
 use rayon::prelude::*;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{Axis, Boundary, BoundaryColumn, ChatterError, Milling, SpeedVariation, Turning};
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 
 /// One boundary of a chart: (speed, depth) in the units of [`Chart`].
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::cut::Cut;
 use std::path::Path;
-use toolroom_scenario::file::{FormFile, ReadError};
+use toolroom_form::{FormFile, ReadError};
 use toolroom_scenario::lobes;
 pub use toolroom_scenario::lobes::{Chart, Point};
 

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use toolroom_chart::page::Provenance;
 use toolroom_chart::{ResultFiles, png};
 use toolroom_chatter::{Hole, Lobes};
+use toolroom_form::Echo;
 use toolroom_process::table::Cell;
-use toolroom_scenario::file::Echo;
 use toolroom_shards::fingerprint;
 
 /// Width of the PNG: sharp over a column of print.

@@ -4,7 +4,7 @@ use super::study::with_unit;
 use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
 use toolroom_chart::{Axis, Chart, ColourMap, HeatMap, Plot, StabilityLobes, Standing, Table};
-use toolroom_scenario::file::Echo;
+use toolroom_form::Echo;
 
 /// Growth beyond which colours do not tell points apart; a factor of e a period is far from the
 /// boundary (assumption).

@@ -2,7 +2,7 @@
 
 use super::{Curve, Judged, LobesFile, Point, Quantity, boundaries};
 use toolroom_chatter::{ChatterError, Hole, Lobes};
-use toolroom_scenario::file::significant;
+use toolroom_form::significant;
 
 /// A chart worked out.
 pub struct ChartStudy<'a> {

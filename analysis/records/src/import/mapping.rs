@@ -4,10 +4,8 @@ use super::super::columns::{ColumnKind, RecordColumn};
 use super::super::{RecordKind, csv_table};
 use std::collections::BTreeMap;
 use std::path::Path;
+use toolroom_form::{Fault, Form, Key, Kind, Quantity, ReadError, Section, Walk, nearest};
 use toolroom_process::unit;
-use toolroom_scenario::file::{
-    Fault, Form, Key, Kind, Quantity, ReadError, Section, Walk, nearest, parse_form, read_form,
-};
 
 const NUMBER: Kind =
     Kind::Quantity(Quantity { unit: "1", display: "1", min: -1e30, max: 1e30, above: false, example: "1" });
@@ -164,7 +162,7 @@ impl Mapping {
     /// # Errors
     /// Every fault of the file, with its place.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ReadError> {
-        read_form(path, overrides, &MAPPING, resolve).map(|file| file.content)
+        toolroom_form::read(path, overrides, &MAPPING, resolve).map(|file| file.content)
     }
 
     /// Reads the text of a mapping; `file` is its name in messages.
@@ -172,7 +170,7 @@ impl Mapping {
     /// # Errors
     /// Every fault of the text, with its place.
     pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<Self, ReadError> {
-        parse_form(file, text, overrides, &MAPPING, resolve).map(|file| file.content)
+        toolroom_form::parse(file, text, overrides, &MAPPING, resolve).map(|file| file.content)
     }
 
     /// The mapping of a column.

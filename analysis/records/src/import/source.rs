@@ -149,7 +149,7 @@ fn column(
             column.name,
             column.greatest,
             column.display,
-            toolroom_scenario::file::significant(*value / column.scale()),
+            toolroom_form::significant(*value / column.scale()),
         ));
     }
     Ok(Cells::Numbers(numbers))

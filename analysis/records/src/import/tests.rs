@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use toolroom_scenario::file::ReadError;
+use toolroom_form::ReadError;
 
 const SERIES: &str = "schema = 1\nprocess = \"empirical\"\nrows_per_operation = 2\n\
     [[column]]\nname = \"tool_id\"\nfrom = \"tool\"\n\

@@ -5,6 +5,8 @@
 //! Rules without numbers of their own, such as [`DispatchRule`](crate::DispatchRule), are such
 //! lists themselves.
 
+use toolroom_form::vocabulary;
+
 vocabulary! {
     /// Processes that a machine can run.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]

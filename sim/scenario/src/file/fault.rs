@@ -1,133 +1,15 @@
-//! What can be wrong in a scenario file, and the likely fix of each.
+//! What can be wrong in a scenario beyond what every file can have.
 
 use crate::policies::{PlanError, PolicyError};
-use toolroom_contour::{FileError, ProgramError};
+use std::sync::Arc;
+use toolroom_contour::FileError;
+use toolroom_form::{ContentFault, Fault};
 use toolroom_infeed::{CycleError, CycleFileError};
-use toolroom_process::ModelError;
-use toolroom_process::unit::UnitError;
 
 /// One thing that is wrong in a scenario.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
-    /// Not TOML.
-    #[error("{message}")]
-    Syntax {
-        /// What the TOML reader says.
-        message: String,
-    },
-    /// A format version that this program does not read.
-    #[error("schema = {read} is not known; this program reads schema = 1")]
-    Schema {
-        /// What was read.
-        read: u64,
-    },
-    /// A key that the section does not have.
-    #[error("{section} has no key `{key}`")]
-    UnknownKey {
-        /// The section as people write it.
-        section: String,
-        /// What was read.
-        key: String,
-        /// The most similar key.
-        nearest: Option<&'static str>,
-        /// Every key that exists.
-        known: String,
-    },
-    /// A key that has to be given.
-    #[error("{section} lacks `{key}`")]
-    MissingKey {
-        /// The section as people write it.
-        section: String,
-        /// The key.
-        key: &'static str,
-        /// A value that would do.
-        example: String,
-    },
-    /// A key that says nothing here.
-    #[error("`{key}` does not apply to {case}")]
-    NotApplicable {
-        /// The key.
-        key: &'static str,
-        /// The case at hand, such as `pattern = "batch"`.
-        case: String,
-        /// Keys that do apply.
-        applicable: String,
-    },
-    /// A value of another kind than the key takes.
-    #[error("`{key}` is {read}, but {expected} is due")]
-    WrongType {
-        /// The key.
-        key: String,
-        /// What was read.
-        read: String,
-        /// What was expected.
-        expected: String,
-        /// A value that would do.
-        example: String,
-    },
-    /// A quantity that cannot be read in the unit of its key.
-    #[error("`{key}`: {reason}")]
-    Quantity {
-        /// The key.
-        key: String,
-        /// What is wrong.
-        reason: UnitError,
-        /// A value that would do.
-        example: String,
-    },
-    /// A value outside its range, infinite, or not a number.
-    #[error("`{key}` = {read} is outside {range}")]
-    OutOfRange {
-        /// The key.
-        key: String,
-        /// What was read.
-        read: String,
-        /// The range in display units.
-        range: String,
-        /// The same number in other units that would be in range.
-        meant: Vec<String>,
-    },
-    /// A word that is not among the choices.
-    #[error("`{key}` = \"{read}\" is not known")]
-    UnknownChoice {
-        /// The key.
-        key: String,
-        /// What was read.
-        read: String,
-        /// The most similar choice.
-        nearest: Option<String>,
-        /// Every choice.
-        choices: String,
-    },
-    /// A name that nothing carries.
-    #[error("there is no {kind} \"{name}\"")]
-    UnknownName {
-        /// Kind of thing: `machine`, `tool`, …
-        kind: &'static str,
-        /// What was read.
-        name: String,
-        /// The most similar name.
-        nearest: Option<String>,
-        /// Every name.
-        known: String,
-    },
-    /// Two things of one name.
-    #[error("two {kind}s are called \"{name}\"")]
-    DuplicateName {
-        /// Kind of thing.
-        kind: &'static str,
-        /// The name.
-        name: String,
-    },
-    /// Nothing where at least one is needed.
-    #[error("there is no {what}")]
-    Nothing {
-        /// What is missing, such as `machine`.
-        what: &'static str,
-        /// What to write.
-        example: &'static str,
-    },
+pub enum ScenarioFault {
     /// A tool that no operation uses.
     #[error("tool \"{tool}\" fits no operation: {reason}")]
     UnusedTool {
@@ -164,14 +46,6 @@ pub enum Fault {
         /// Part.
         part: String,
     },
-    /// A currency other than the shop's.
-    #[error("{read} stands beside {expected}: a shop has one currency")]
-    MixedCurrency {
-        /// What was read.
-        read: String,
-        /// The shop's currency.
-        expected: String,
-    },
     /// Working intervals out of order.
     #[error("shift {second} starts before shift {first} ends")]
     ShiftsOverlap {
@@ -180,20 +54,6 @@ pub enum Fault {
         /// Number of the later shift, from 1.
         second: usize,
     },
-    /// Two values that cannot both hold.
-    #[error("`{first}` = {first_value} and `{second}` = {second_value} contradict each other: {rule}")]
-    Contradiction {
-        /// One key.
-        first: &'static str,
-        /// Its value.
-        first_value: String,
-        /// The other key.
-        second: &'static str,
-        /// Its value.
-        second_value: String,
-        /// The rule that they break.
-        rule: &'static str,
-    },
     /// A parameter set that could not be read.
     #[error("parameter set \"{name}\": {reason}")]
     ParameterSet {
@@ -201,26 +61,6 @@ pub enum Fault {
         name: String,
         /// What its reader says.
         reason: String,
-    },
-    /// A file named in the scenario that cannot be opened.
-    #[error("{file} cannot be read: {reason}")]
-    Unreadable {
-        /// The file as written.
-        file: String,
-        /// What the system says.
-        reason: std::io::ErrorKind,
-    },
-    /// A table named in the file that does not hold what is due.
-    #[error("{reason}")]
-    Table {
-        /// The table and its place, and what is wrong there.
-        reason: String,
-    },
-    /// A file named in the scenario that is not UTF-8.
-    #[error("{file} is not UTF-8")]
-    NotUtf8 {
-        /// The file as written.
-        file: String,
     },
     /// A cycle file with faults of its own.
     #[error("{reason}")]
@@ -243,14 +83,6 @@ pub enum Fault {
         file: String,
         /// The fault with its place in that file.
         reason: FileError,
-    },
-    /// A part program with a fault of its own.
-    #[error("{file}, {reason}")]
-    PartProgram {
-        /// The file as written.
-        file: String,
-        /// The fault with its place in that file.
-        reason: ProgramError,
     },
     /// A contour that cannot be milled as planned.
     #[error("{subject}: {reason}")]
@@ -288,24 +120,6 @@ pub enum Fault {
         /// What to do about it.
         fix: String,
     },
-    /// A key that says nothing beside another one.
-    #[error("`{key}` does not apply beside `{beside}`: {rule}")]
-    Beside {
-        /// The key.
-        key: &'static str,
-        /// The other key.
-        beside: &'static str,
-        /// Why.
-        rule: &'static str,
-    },
-    /// What a process model or effect refuses.
-    #[error("{subject}: {reason}")]
-    Model {
-        /// Tool or key.
-        subject: String,
-        /// What is wrong.
-        reason: ModelError,
-    },
     /// An effect that could not be read.
     #[error("effect of tool \"{tool}\": {message}")]
     Effect {
@@ -314,145 +128,54 @@ pub enum Fault {
         /// What the catalogue says.
         message: String,
     },
-    /// A `--set` that is no `key=value`.
-    #[error("`{read}` is not of the form key=value")]
-    OverrideForm {
-        /// What was read.
-        read: String,
-    },
-    /// A `--set` whose path leads nowhere.
-    #[error("`{segment}` is not in the scenario")]
-    OverridePath {
-        /// The segment that was not found.
-        segment: String,
-        /// The most similar one.
-        nearest: Option<String>,
-        /// What there is.
-        known: String,
-    },
 }
 
-impl Fault {
-    /// Stable code, for `toolroom explain`.
-    pub fn code(&self) -> &'static str {
+impl ContentFault for ScenarioFault {
+    fn code(&self) -> &'static str {
         match self {
-            Self::Syntax { .. } => "syntax",
-            Self::Schema { .. } => "schema",
-            Self::UnknownKey { .. } => "unknown-key",
-            Self::MissingKey { .. } => "missing-key",
-            Self::NotApplicable { .. } => "not-applicable",
-            Self::WrongType { .. } => "wrong-type",
-            Self::Quantity { .. } => "quantity",
-            Self::OutOfRange { .. } => "out-of-range",
-            Self::UnknownChoice { .. } => "unknown-choice",
-            Self::UnknownName { .. } => "unknown-name",
-            Self::DuplicateName { .. } => "duplicate-name",
-            Self::Nothing { .. } => "nothing-there",
             Self::UnusedTool { .. } => "unused-tool",
             Self::WrongProcess { .. } => "wrong-process",
             Self::NoMachine { .. } => "no-machine",
             Self::NoOperation { .. } => "no-operation",
-            Self::MixedCurrency { .. } => "mixed-currency",
             Self::ShiftsOverlap { .. } => "shifts-overlap",
-            Self::Contradiction { .. } => "contradiction",
             Self::ParameterSet { .. } => "parameter-set",
-            Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::Table { .. } => "file",
             Self::CycleFile { .. } | Self::Cycle { .. } => "cycle",
-            Self::Unit { .. } => "unit",
-            Self::Beside { .. } => "beside",
             Self::ContourFile { .. } | Self::Contour { .. } => "contour",
-            Self::PartProgram { .. } => "part-program",
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
-            Self::Model { .. } => "model",
+            Self::Unit { .. } => "unit",
             Self::Effect { .. } => "effect",
-            Self::OverrideForm { .. } | Self::OverridePath { .. } => "override",
         }
     }
 
-    /// The likely fix, where one can be told.
-    pub fn fix(&self) -> Option<String> {
-        let near = |nearest: Option<&str>, known: &str| match nearest {
-            Some(nearest) => format!("did you mean `{nearest}`? known: {known}"),
-            None => format!("known: {known}"),
-        };
+    fn fix(&self) -> Option<String> {
         Some(match self {
-            Self::UnknownKey { nearest, known, .. } => near(*nearest, known),
-            Self::UnknownChoice { nearest, choices: known, .. }
-            | Self::UnknownName { nearest, known, .. }
-            | Self::OverridePath { nearest, known, .. } => near(nearest.as_deref(), known),
-            Self::MissingKey { key, example, .. } => format!("add `{key} = {example}`"),
-            Self::NotApplicable { applicable, .. } => format!("keys that apply here: {applicable}"),
-            Self::WrongType { example, .. } | Self::Quantity { example, .. } => format!("write for example {example}"),
-            Self::OutOfRange { meant, .. } if !meant.is_empty() => format!("did you mean {}?", meant.join(" or ")),
-            Self::DuplicateName { kind, .. } => format!("give one {kind} another name"),
-            Self::Nothing { example, .. } => format!("add {example}"),
             Self::UnusedTool { .. } => "name it in an operation, or remove it".to_owned(),
             Self::WrongProcess { tool_process, .. } => {
                 format!("list machines of process \"{tool_process}\", or choose another tool")
             }
             Self::NoMachine { .. } => "list at least one machine of the tool's process in `machines`".to_owned(),
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
-            Self::MixedCurrency { expected, .. } => format!("convert the amount to {expected}"),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
-            Self::Beside { key, .. } => format!("remove `{key}`"),
-            Self::Schema { .. } => "write schema = 1".to_owned(),
-            Self::OverrideForm { .. } => "write for example --set machine.L1.tool_change_time=\"1 min\"".to_owned(),
-            Self::Unreadable { .. } => "paths count from the folder of the scenario file".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
-            Self::NotUtf8 { .. } => "save it as UTF-8".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"
                 )
             }
-            Self::Syntax { .. }
+            Self::ParameterSet { .. }
             | Self::CycleFile { .. }
+            | Self::Cycle { .. }
             | Self::ContourFile { .. }
-            | Self::PartProgram { .. }
             | Self::Contour { .. }
             | Self::Policy { .. }
-            | Self::Cycle { .. }
-            | Self::OutOfRange { .. }
-            | Self::Contradiction { .. }
-            | Self::ParameterSet { .. }
-            | Self::Table { .. }
-            | Self::Model { .. }
             | Self::Effect { .. } => return None,
         })
     }
 }
 
-/// Letters from which on the beginning of a word stands for the word.
-const BEGUN: usize = 4;
-
-/// The text nearest to `read` among `known`, where it is near enough to be a slip.
-///
-/// ```
-/// use toolroom_scenario::file::nearest;
-/// assert_eq!(nearest("cuting_speed", ["cutting_speed", "depth_of_cut"]), Some("cutting_speed"));
-/// ```
-pub fn nearest<'a>(read: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let read = read.to_lowercase();
-    let limit = 1 + read.chars().count() / 3;
-    let distances = known.into_iter().map(|name| {
-        let word = name.to_lowercase();
-        // A word that was only begun is nearer than one that differs.
-        let begun = read.chars().count() >= BEGUN && word.starts_with(&read);
-        (if begun { 0 } else { strsim::damerau_levenshtein(&read, &word) }, name)
-    });
-    distances.filter(|(distance, _)| *distance <= limit).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::nearest;
-
-    #[test]
-    fn a_slip_finds_its_word_and_nonsense_none() {
-        let known = ["cutting_speed", "depth_of_cut"];
-        assert_eq!(nearest("cuting_speed", known), Some("cutting_speed"));
-        assert_eq!(nearest("zzz", known), None);
-        assert_eq!(nearest("flank_shear", ["flank_pressure", "flank_shear_stress"]), Some("flank_shear_stress"));
+impl From<ScenarioFault> for Fault {
+    fn from(fault: ScenarioFault) -> Self {
+        Self::Content(Arc::new(fault))
     }
 }

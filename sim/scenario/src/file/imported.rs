@@ -1,11 +1,11 @@
 //! Tools whose process is an imported unit.
 
 use super::choices::ProcessKind;
-use super::fault::Fault;
-use super::walk::{Section, Walk};
+use super::fault::ScenarioFault;
 use crate::ProcessModel;
 use crate::unit::{UnitRefusal, UnitRequest, import};
 use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput};
+use toolroom_form::{Fault, Section, Walk};
 use toolroom_process::{Field, Record, Wiring};
 
 /// The unit in `file` as the process of a tool; `None` where a problem was noted.
@@ -28,7 +28,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: ProcessKind,
     match import(&UnitRequest { path: &path, process, inputs, outputs, wiring: &wiring }) {
         Ok(unit) => Some(ProcessModel::Other(unit)),
         Err(UnitRefusal { reason, fix }) => {
-            walk.fault(tool.span_of("fmu"), Fault::Unit { file: file.to_owned(), reason, fix });
+            walk.fault(tool.span_of("fmu"), ScenarioFault::Unit { file: file.to_owned(), reason, fix });
             None
         }
     }

@@ -1,9 +1,8 @@
 //! Work that is planned: cycles designed to limits, contours, and the policies that run them.
 
 use super::choices::{DressingWord, GrindingWord};
-use super::fault::Fault;
-use super::processes::set_record;
-use super::walk::{Section, Span, Value, Walk};
+use super::fault::ScenarioFault;
+
 use crate::policies::ResolveError;
 use crate::policies::ResolvedPolicy;
 use crate::{
@@ -13,6 +12,7 @@ use crate::{
 use std::sync::Arc;
 use toml::de::DeValue;
 use toolroom_contour::ContourFile;
+use toolroom_form::{Fault, Section, Span, Value, Walk, set_record};
 use toolroom_infeed::{CycleFile, CycleLimits, Infeed, Input};
 
 /// Keys of a grinding operation that the cycle file contains.
@@ -43,7 +43,7 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
             match CycleFile::read(path, &text) {
                 Ok(file) => (file.grinding, file.input, file.limits),
                 Err(reason) => {
-                    walk.fault(section.span_of("cycle"), Fault::CycleFile { reason });
+                    walk.fault(section.span_of("cycle"), ScenarioFault::CycleFile { reason });
                     return None;
                 }
             }
@@ -55,7 +55,7 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
     match CycleWork::new(believed, conditions, limits, wear_compensation) {
         Ok(work) => Some(Work::Cycle(Arc::new(work))),
         Err(reason) => {
-            walk.fault(section.span_of("cycle"), Fault::Cycle { subject: section.path.clone(), reason });
+            walk.fault(section.span_of("cycle"), ScenarioFault::Cycle { subject: section.path.clone(), reason });
             None
         }
     }
@@ -78,7 +78,7 @@ pub(super) fn contour(
     let content = match ContourFile::read(&text) {
         Ok(content) => content,
         Err(reason) => {
-            walk.fault(section.span_of("contour"), Fault::ContourFile { file: path.to_owned(), reason });
+            walk.fault(section.span_of("contour"), ScenarioFault::ContourFile { file: path.to_owned(), reason });
             return None;
         }
     };
@@ -87,7 +87,7 @@ pub(super) fn contour(
     match ContourWork::new(path, content, passes, rule, tool?, machine?) {
         Ok(work) => Some(Work::Contour(Arc::new(work))),
         Err(reason) => {
-            walk.fault(section.span_of("contour"), Fault::Contour { subject: section.path.clone(), reason });
+            walk.fault(section.span_of("contour"), ScenarioFault::Contour { subject: section.path.clone(), reason });
             None
         }
     }
@@ -117,7 +117,7 @@ pub(super) fn policies(walk: &mut Walk, scenario: &Scenario, places: &[Span]) {
     }
     for (policy, place) in places.iter().enumerate() {
         if let Err(ResolveError::Policy { policy, tool, source }) = ResolvedPolicy::of(scenario, policy) {
-            walk.fault(place.clone(), Fault::Policy { policy, tool, reason: source });
+            walk.fault(place.clone(), ScenarioFault::Policy { policy, tool, reason: source });
         }
     }
 }

@@ -1,20 +1,18 @@
 //! Tools: parameter sets, deviations from them, effects, scatter.
 
 use super::choices::{ProcessKind, ScatterWord};
-use super::fault::{Fault, nearest};
-use super::form::Quantity;
+use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
-use super::walk::{Echo, Section, Value, Walk};
-use super::words::display;
 use crate::ProcessModel;
 use std::fmt::Display;
 use std::sync::Arc;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 use toolroom_cutting::{Milling, MillingInput, Turning};
 use toolroom_effects::{Effect, Effects};
+use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
 use toolroom_infeed::{Infeed, Parameters};
-use toolroom_process::{AnyRecord, ModelError, Process};
+use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Chipping, Pair, Scatter};
 
 /// The process of a tool; `None` where a problem was noted.
@@ -37,7 +35,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
             let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, &mut turning);
-            deviations(walk, tool, turning.parameters_mut());
+            set_parameters(walk, tool, turning.parameters_mut());
             if chips_by_share(tool, scatter) {
                 let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
                 match pair.chipping.for_share(pair, &cut, scatter.chipped_share) {
@@ -51,7 +49,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
             let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, &mut milling);
-            deviations(walk, tool, milling.parameters_mut());
+            set_parameters(walk, tool, milling.parameters_mut());
             if let Some(cutter) = drawn {
                 stability::same_cutter(walk, tool, &cutter, &milling);
             }
@@ -66,7 +64,7 @@ pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) ->
         ProcessKind::Infeed => {
             let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
             let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
-            deviations(walk, tool, infeed.parameters_mut());
+            set_parameters(walk, tool, infeed.parameters_mut());
             Some(ProcessModel::Infeed(Arc::new(infeed)))
         }
     }
@@ -131,7 +129,7 @@ fn loaded<T, E: Display>(
 }
 
 fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
-    let fault = Fault::ParameterSet {
+    let fault = ScenarioFault::ParameterSet {
         name: tool.text("parameter_set").unwrap_or_default().to_owned(),
         reason: reason.to_string(),
     };
@@ -171,7 +169,7 @@ fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
             Ok(effect) => effects.push(effect),
             Err(error) => {
                 let message = error.message().to_owned();
-                walk.fault(entry.span(), Fault::Effect { tool: name.clone(), message });
+                walk.fault(entry.span(), ScenarioFault::Effect { tool: name.clone(), message });
             }
         }
     }
@@ -181,68 +179,7 @@ fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
         Ok(effects)
     });
     checked.unwrap_or_else(|reason| {
-        walk.fault(got.span.clone(), Fault::Effect { tool: name, message: reason.to_string() });
+        walk.fault(got.span.clone(), ScenarioFault::Effect { tool: name, message: reason.to_string() });
         Effects::default()
     })
-}
-
-/// The key `parameters` of a section, `parameters = { group = { name = "1.5 mm" } }`, into the
-/// groups of a process.
-pub fn deviations(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'static str, &mut dyn AnyRecord)>) {
-    let Some(Value::Raw(raw)) = tool.got("parameters").map(|got| &got.value) else { return };
-    let span = tool.span_of("parameters");
-    let example = "{ limits = { wear_limit = \"0.5 mm\" } }";
-    let DeValue::Table(table) = raw else {
-        walk.wrong_type("parameters", raw, "a table of groups", span, example.to_owned());
-        return;
-    };
-    for (group, values) in table {
-        let Some((_, record)) = groups.iter_mut().find(|(name, _)| *name == &**group.get_ref()) else {
-            let fault = Fault::UnknownKey {
-                section: format!("parameter set of {}", tool.path),
-                key: group.get_ref().to_string(),
-                nearest: nearest(group.get_ref(), groups.iter().map(|(name, _)| *name)),
-                known: groups.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
-            };
-            walk.fault(group.span(), fault);
-            continue;
-        };
-        let DeValue::Table(table) = values.get_ref() else {
-            let expected = "a table of parameters";
-            walk.wrong_type(group.get_ref(), values.get_ref(), expected, values.span(), example.to_owned());
-            continue;
-        };
-        set_record(walk, &format!("{}, {}", tool.path, group.get_ref()), table, *record);
-    }
-}
-
-/// Sets the values that `table` holds, each read in the unit of its field.
-pub(super) fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
-    let fields = record.fields();
-    for (key, raw) in table {
-        let Some(i) = fields.iter().position(|field| field.name == key.get_ref()) else {
-            let fault = Fault::UnknownKey {
-                section: title.to_owned(),
-                key: key.get_ref().to_string(),
-                nearest: nearest(key.get_ref(), fields.iter().map(|field| field.name)),
-                known: fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", "),
-            };
-            walk.fault(key.span(), fault);
-            continue;
-        };
-        let field = &fields[i];
-        let quantity = Quantity {
-            unit: field.unit,
-            display: field.display,
-            min: field.min,
-            max: field.max,
-            above: false,
-            example: "",
-        };
-        if let Value::Si(value) = walk.quantity(field.name, &quantity, raw) {
-            record.set_value(i, value);
-            let (section, value) = (title.to_owned(), display(&quantity, value));
-            walk.echo.push(Echo { section, key: field.name.to_owned(), value, default: false });
-        }
-    }
 }

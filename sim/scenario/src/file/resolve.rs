@@ -1,13 +1,13 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
 use super::choices::{FamilyWord, ProcessKind};
-use super::fault::{Fault, nearest};
-use super::walk::{Got, Section, Value, Walk};
+use super::fault::ScenarioFault;
 use super::{Output, planned, processes, routing, rules, stability};
 use crate::{
     Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Scenario, Shift, ShiftCalendar,
     ToolType,
 };
+use toolroom_form::{Fault, Got, Section, Value, Walk, nearest};
 
 /// Machines, tools and calendars under their names, as references see them.
 #[derive(Default)]
@@ -81,7 +81,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
 /// A tool as operations see it: known by name and process even where its constants are at fault.
 pub(super) struct NamedTool {
     pub process: Option<ProcessKind>,
-    pub span: super::walk::Span,
+    pub span: toolroom_form::Span,
     pub tool: Option<ToolType>,
 }
 
@@ -163,7 +163,7 @@ fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Shif
                 walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
             }
             if shifts.last().is_some_and(|before| shift.start < before.end) {
-                walk.fault(each.span_of("start"), Fault::ShiftsOverlap { first: i, second: i + 1 });
+                walk.fault(each.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
             }
             shifts.push(shift);
         }

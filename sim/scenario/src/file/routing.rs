@@ -1,14 +1,12 @@
 //! Parts and their operations.
 
 use super::choices::ProcessKind;
-use super::fault::Fault;
-use super::form::{Kind, Quantity};
+use super::fault::ScenarioFault;
 use super::planned::{contour, cycle};
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
-use super::walk::{Section, Value, Walk};
-use super::words::{display, significant};
 use crate::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
 use std::f64::consts::PI;
+use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 
 pub(super) fn parts(
     walk: &mut Walk,
@@ -33,7 +31,7 @@ pub(super) fn parts(
     }
     for (i, tool) in tools.iter().enumerate().filter(|(i, _)| !used[*i]) {
         let reason = "no operation names it".to_owned();
-        walk.fault(tool.span.clone(), Fault::UnusedTool { tool: names.tools[i].clone(), reason });
+        walk.fault(tool.span.clone(), ScenarioFault::UnusedTool { tool: names.tools[i].clone(), reason });
     }
     parts
 }
@@ -50,12 +48,12 @@ fn operations(
     let mut operations: Vec<Operation> = Vec::new();
     let Some(Value::Raw(toml::de::DeValue::Array(raw))) = part.got("operation").map(|got| &got.value) else {
         if part.got("operation").is_none() {
-            walk.fault(part.span.clone(), Fault::NoOperation { part: part_name.to_owned() });
+            walk.fault(part.span.clone(), ScenarioFault::NoOperation { part: part_name.to_owned() });
         }
         return operations;
     };
     if raw.is_empty() {
-        walk.fault(part.span_of("operation"), Fault::NoOperation { part: part_name.to_owned() });
+        walk.fault(part.span_of("operation"), ScenarioFault::NoOperation { part: part_name.to_owned() });
     }
     let Some(Kind::Tables(form)) = part.form.key("operation").map(|key| key.kind) else { return operations };
     for (i, entry) in raw.iter().enumerate() {
@@ -124,7 +122,7 @@ fn able_machines(
     let fits = |machine: &&usize| machines[**machine].process == process || machines[**machine].process.is_empty();
     let able: Vec<usize> = candidates.iter().filter(fits).copied().collect();
     for machine in candidates.iter().filter(|machine| !fits(machine)) {
-        let fault = Fault::WrongProcess {
+        let fault = ScenarioFault::WrongProcess {
             operation: operation.to_owned(),
             tool: tool.to_owned(),
             tool_process: process.to_owned(),
@@ -134,7 +132,7 @@ fn able_machines(
         walk.fault(section.span_of("machines"), fault);
     }
     if able.is_empty() && section.got("machines").is_some_and(|got| !matches!(got.value, Value::Faulty)) {
-        walk.fault(section.span_of("machines"), Fault::NoMachine { operation: operation.to_owned() });
+        walk.fault(section.span_of("machines"), ScenarioFault::NoMachine { operation: operation.to_owned() });
     }
     able
 }

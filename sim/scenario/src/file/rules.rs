@@ -2,19 +2,18 @@
 
 use super::Output;
 use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
-use super::fault::{Fault, nearest};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::stability;
-use super::walk::{Section, Span, Value, Walk};
 use crate::effects::SHOP_EFFECTS;
 use crate::{
     Arrival, ArrivalPattern, ContourRule, Deviation, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors,
     SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
+use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
 use toolroom_process::unit;
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {

@@ -1,12 +1,9 @@
 //! How a file chooses the cutting speed: the words, the keys of their numbers, their reader.
 
 use super::choices::ProcessKind;
-use super::fault::Fault;
-use super::form::{Key, Kind};
 use super::keys::{PATH, SPEED, WEAR, positive};
-use super::walk::{Section, Walk};
-use super::words::significant;
 use crate::{MachineType, SpeedChoice, SpeedRule};
+use toolroom_form::{Fault, Key, Kind, Section, Walk, significant, vocabulary};
 
 vocabulary! {
     /// How the cutting speed is chosen.

@@ -1,13 +1,13 @@
 //! Structures of tools, and what policies do about chatter.
 
 use super::choices::ChatterWord;
-use super::fault::Fault;
-use super::walk::{Section, Walk};
+use super::fault::ScenarioFault;
 use crate::lobes::{self, LobesCut};
 use crate::{StabilityRule, StructureScatter, Uncertainty};
 use std::sync::Arc;
 use toolroom_chatter::Cutter;
 use toolroom_cutting::{Milling, MillingStructure, Regeneration, Turning, TurningStructure};
+use toolroom_form::{Section, Walk};
 
 /// The lobes file that a tool names, beside the scenario.
 fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
@@ -17,7 +17,7 @@ fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
     match lobes::read(&path, &[]) {
         Ok(file) => Some(file.content.cut),
         Err(error) => {
-            let fault = Fault::Structure { file: path.display().to_string(), reason: error.to_string() };
+            let fault = ScenarioFault::Structure { file: path.display().to_string(), reason: error.to_string() };
             walk.fault(tool.span_of("structure"), fault);
             None
         }
@@ -26,7 +26,7 @@ fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
 
 fn refused(walk: &mut Walk, tool: &Section<'_>, reason: impl ToString) {
     let file = tool.text("structure").unwrap_or_default().to_owned();
-    walk.fault(tool.span_of("structure"), Fault::Structure { file, reason: reason.to_string() });
+    walk.fault(tool.span_of("structure"), ScenarioFault::Structure { file, reason: reason.to_string() });
 }
 
 /// Puts the structure of a turning tool around it.

@@ -1,6 +1,6 @@
 //! The sections of a lobes file.
 
-use crate::file::{Form, Key, Kind, Quantity};
+use toolroom_form::{Form, Key, Kind, Quantity};
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min, max, above: false, example })

@@ -2,29 +2,29 @@
 
 use super::keys::LOBES;
 use super::{Chart, LobesCut, LobesFile, Point, axes};
-use crate::file::{Fault, FormFile, ReadError, Section, Walk, parse_form, read_form, significant};
 use std::f64::consts::TAU;
 use std::path::Path;
 use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
 use toolroom_chatter::{
     Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation, Support, Turning,
 };
+use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, significant};
 use toolroom_process::unit::convert;
 
 /// Reads a lobes file; `overrides` are `path=value` as after `--set`.
 ///
 /// # Errors
-/// As [`file::read`](crate::file::read).
+/// As [`file::read`](toolroom_form::read).
 pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
-    read_form(path, overrides, &LOBES, resolve)
+    toolroom_form::read(path, overrides, &LOBES, resolve)
 }
 
 /// [`read`] of a text; `file` is its name in messages.
 ///
 /// # Errors
-/// As [`file::parse`](crate::file::parse).
+/// As [`file::parse`](toolroom_form::parse).
 pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<LobesFile>, ReadError> {
-    parse_form(file, text, overrides, &LOBES, resolve)
+    toolroom_form::parse(file, text, overrides, &LOBES, resolve)
 }
 
 /// From the sections of a lobes file to what they mean.

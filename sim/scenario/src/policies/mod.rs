@@ -19,6 +19,9 @@
 //! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
 //! the observer's estimate from noisy channels. Only [`SpeedRule::Oracle`](crate::SpeedRule::Oracle) is shown the true wear.
 //!
+//! Tool-life studies plan passes by the same rule ([`toolroom_wear::RampLimits::ramp`], [`ramp_limits`]) and read the same
+//! sensors ([`SensorSheet::observer_noise`](crate::SensorSheet::observer_noise)).
+//!
 //! # What is not modelled
 //! Speeds are planned for continuous cut: a controller does not know that the tool cools in a
 //! pause. It does not learn from one edge for the next.
@@ -37,6 +40,7 @@ mod tool_change;
 pub use contour::{ContourPlan, ContourSection, PlanError};
 pub use grinding::{ForceReading, GrindingController, WheelEstimate};
 pub use observer::{Observer, Sample};
+pub use planned::ramp_limits;
 pub use resolve::ResolvedPolicy;
 pub use stability::{Stability, nominal_limit};
 pub use tool_change::ChangeRule;

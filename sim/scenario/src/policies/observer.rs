@@ -13,6 +13,19 @@ const LEAST_NOISE: f64 = 1e-3;
 /// 2.5 % of the filter's derivation (assumption).
 const EMF_INFLATION: f64 = 0.02;
 
+impl SensorSheet {
+    /// What the filter of a new edge reckons with: these sensors, and depths that scatter by `depth_scatter`, m.
+    pub fn observer_noise(&self, depth_scatter: f64) -> ObserverNoise {
+        ObserverNoise {
+            power_noise: self.spindle_power.max(LEAST_NOISE),
+            feed_force_noise: self.feed_force.max(LEAST_NOISE),
+            emf_noise: self.thermo_emf.hypot(EMF_INFLATION),
+            depth_scatter,
+            ..ObserverNoise::default()
+        }
+    }
+}
+
 /// What sensors would show at one instant of a pass, without their errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -49,15 +62,9 @@ pub struct Observer {
 impl Observer {
     /// For a new edge, or for one whose flank wear, m, was read.
     pub(super) fn new(believed: &Believed, sensors: &SensorSheet, reading: Option<f64>) -> Self {
-        let defaults = ObserverNoise::default();
-        let noise = ObserverNoise {
-            power_noise: sensors.spindle_power.max(LEAST_NOISE),
-            feed_force_noise: sensors.feed_force.max(LEAST_NOISE),
-            emf_noise: sensors.thermo_emf.hypot(EMF_INFLATION),
-            depth_scatter: believed.allowance,
-            initial_wear: if reading.is_some() { sensors.flank_wear } else { defaults.initial_wear },
-            ..defaults
-        };
+        let new = sensors.observer_noise(believed.allowance);
+        let initial_wear = if reading.is_some() { sensors.flank_wear } else { new.initial_wear };
+        let noise = ObserverNoise { initial_wear, ..new };
         let mut filter = toolroom_wear::Observer::new(&believed.pair, noise);
         if let Some(reading) = reading {
             let flank_wear = reading.max(0.0);

@@ -35,7 +35,8 @@ pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, speed_at: impl F
     Conditions::ramp(plan.start_speed, plan.end_speed)
 }
 
-fn ramp_limits(pair: &Pair) -> RampLimits {
+/// How fast a policy may change the speed of a pair, in passes of shops and of tool-life studies alike.
+pub fn ramp_limits(pair: &Pair) -> RampLimits {
     let reference = pair.limits.reference_speed;
     RampLimits { largest_acceleration: LARGEST_ACCELERATION * reference, largest_step: LARGEST_STEP * reference }
 }

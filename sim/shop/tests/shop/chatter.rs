@@ -1,7 +1,8 @@
 //! Chatter in the shop: where it sets in, what it spoils, what the rules make of it.
 
+use toolroom_form::ReadError;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::file::{ReadError, read};
+use toolroom_scenario::file::read;
 use toolroom_shop::run;
 use toolroom_shop::runlog::{JobOutcome, RunLog};
 

@@ -1,18 +1,16 @@
 //! Every word has its rule, and every rule its word.
 
 use super::*;
-use crate::file::form::{Form, Key, Kind, Need};
 use crate::file::keys::SCENARIO;
 use crate::file::resolve::{Names, distribution};
 use crate::file::speed::{SpeedWord, speed_rule};
-use crate::file::walk::{Section, Walk};
-use crate::file::words::example;
 use crate::file::{planned, processes, rules, stability};
 use crate::{
     ArrivalPattern, Distribution, DressingRule, GrindingRule, Interruption, ProcessModel, SpeedChoice, SpeedRule,
     StabilityRule, ToolChangeRule,
 };
 use toml::de::DeTable;
+use toolroom_form::{Form, Key, Kind, Need, Section, Walk, example};
 use toolroom_wear::Scatter;
 
 // Each function from a rule to its word matches without a wildcard: a rule without a word does not

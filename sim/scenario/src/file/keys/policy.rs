@@ -3,8 +3,8 @@
 use super::{BIAS, DEVIATION, DURATION, WEAR, positive, quantity};
 use crate::ContourRule;
 use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, ToolChangeWord};
-use crate::file::form::{Form, Key, Kind, joined};
 use crate::file::speed;
+use toolroom_form::{Form, Key, Kind, joined};
 
 /// Rules of tool change that need no number of their own.
 const TOOL_CHANGES_BY_WORD: &[&str] = &[ToolChangeWord::WearLimit.word(), ToolChangeWord::Predicted.word()];

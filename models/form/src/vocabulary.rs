@@ -4,6 +4,7 @@
 ///
 /// The list stands once: the words that a key admits (`WORDS`), the reader (`from_word`) and the
 /// variants are all made from it, so that none of them can miss an entry.
+#[macro_export]
 macro_rules! vocabulary {
     (
         $(#[$outer:meta])*

@@ -1,12 +1,12 @@
 //! Values, kinds and fixes in words.
 
-use super::form::{Kind, Quantity};
-use super::walk::Value;
+use crate::form::{Kind, Quantity};
+use crate::section::Value;
 use toml::de::DeValue;
 use toolroom_process::unit::{self, UnitError};
 
 /// A value in words, in the display unit of its key; `None` for sections, which speak themselves.
-pub(super) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
+pub(crate) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
     Some(match (kind, value) {
         (Kind::Quantity(quantity), Value::Si(si)) => display(quantity, *si),
         (_, Value::Count(count)) => count.to_string(),
@@ -21,7 +21,7 @@ pub(super) fn understood(kind: &Kind, value: &Value<'_>) -> Option<String> {
 }
 
 /// An SI value in a quantity's display unit; times in the unit that suits their length.
-pub(super) fn display(quantity: &Quantity, si: f64) -> String {
+pub fn display(quantity: &Quantity, si: f64) -> String {
     let unit = match quantity.unit {
         "s" if si.abs() < 60.0 => "s",
         "s" if si.abs() < 7200.0 => "min",
@@ -35,7 +35,7 @@ pub(super) fn display(quantity: &Quantity, si: f64) -> String {
 /// Six significant digits without trailing zeros.
 ///
 /// ```
-/// assert_eq!(toolroom_scenario::file::significant(0.12e-3 * 1e3), "0.12");
+/// assert_eq!(toolroom_form::significant(0.12e-3 * 1e3), "0.12");
 /// ```
 pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
@@ -46,7 +46,7 @@ pub fn significant(value: f64) -> String {
     if (1e-4..1e9).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-pub(super) fn range(quantity: &Quantity) -> String {
+pub(crate) fn range(quantity: &Quantity) -> String {
     let shown = |si| display(quantity, si);
     if quantity.above && quantity.min == 0.0 {
         format!("the range above 0 up to {}", shown(quantity.max))
@@ -56,7 +56,7 @@ pub(super) fn range(quantity: &Quantity) -> String {
 }
 
 /// The same number in units in which it would be in range.
-pub(super) fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
+pub(crate) fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
     let digits = number.trim().trim_end_matches(|c: char| !c.is_ascii_digit());
     let Some(digits) = digits.split_whitespace().next() else { return Vec::new() };
     unit::accepted(quantity.unit)
@@ -70,7 +70,7 @@ pub(super) fn meant(quantity: &Quantity, number: &str) -> Vec<String> {
 
 /// A value that would do in place of one that could not be read.
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever else is wrong, an example of the key would do")]
-pub(super) fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
+pub(crate) fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> String {
     match reason {
         UnitError::DecimalComma { fix, .. } => fix.clone(),
         UnitError::MissingUnit { .. } => {
@@ -83,12 +83,12 @@ pub(super) fn fix(quantity: &Quantity, number: &str, reason: &UnitError) -> Stri
     }
 }
 
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     format!("\"{text}\"")
 }
 
 /// What a key takes, in words.
-pub(super) fn expected(kind: &Kind) -> String {
+pub(crate) fn expected(kind: &Kind) -> String {
     match kind {
         Kind::Name | Kind::Text => "text in quotes".to_owned(),
         Kind::Quantity(quantity) if quantity.unit == "1" => "a number".to_owned(),
@@ -107,12 +107,12 @@ pub(super) fn expected(kind: &Kind) -> String {
         }
         Kind::Parameters => "a table of groups of parameters".to_owned(),
         Kind::Texts => "a table of names and texts".to_owned(),
-        Kind::Effects => "a list of effects".to_owned(),
+        Kind::Content(content) => content.expected.to_owned(),
     }
 }
 
 /// A value that would do, as written in a file.
-pub(super) fn example(kind: &Kind) -> String {
+pub fn example(kind: &Kind) -> String {
     match kind {
         Kind::Name | Kind::Text | Kind::Reference(_) => "\"…\"".to_owned(),
         Kind::Quantity(quantity) => quoted(quantity.example),
@@ -124,11 +124,11 @@ pub(super) fn example(kind: &Kind) -> String {
         Kind::Shorthand { word, .. } | Kind::Fields { word, .. } => example(word),
         Kind::Parameters => "{ limits = { wear_limit = \"0.5 mm\" } }".to_owned(),
         Kind::Texts => "{ cutting_speed = \"vc [m/min]\" }".to_owned(),
-        Kind::Effects => "[{ id = \"wear_force\", size = 0.2 }]".to_owned(),
+        Kind::Content(content) => content.example.to_owned(),
     }
 }
 
-pub(super) fn described(value: &DeValue<'_>) -> String {
+pub(crate) fn described(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(text) => format!("the text {text:?}"),
         DeValue::Integer(number) => format!("the bare number {number}"),

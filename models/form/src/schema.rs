@@ -1,16 +1,17 @@
 //! The JSON schema (draft 2020-12) of files, made from the same tables as the reader.
 
-use super::form::{Form, Key, Kind, Need};
+use crate::form::{Form, Key, Kind, Need};
 use serde_json::{Map, Value, json};
-use toolroom_effects::Effect;
 use toolroom_process::{Field, unit};
 
 /// JSON schema of a kind of file, called `title` in editors.
 ///
 /// ```
-/// use toolroom_scenario::file::{SCENARIO, schema};
-/// let schema = schema(&SCENARIO, "toolroom scenario");
-/// assert_eq!(schema["properties"]["machine"]["items"]["additionalProperties"], false);
+/// use toolroom_form::{Form, Key, Kind, schema};
+/// static MODE: Form = Form { title: "[[mode]]", doc: "A mode", keys: &[Key::required("name", Kind::Name, "Name")] };
+/// static FILE: Form = Form { title: "the file", doc: "Modes", keys: &[Key::optional("mode", Kind::Tables(&MODE), "Modes")] };
+/// let schema = schema(&FILE, "toolroom modes");
+/// assert_eq!(schema["properties"]["mode"]["items"]["additionalProperties"], false);
 /// ```
 pub fn schema(of: &'static Form, title: &str) -> Value {
     let Value::Object(body) = form(of) else { return Value::Null };
@@ -81,7 +82,7 @@ fn property(key: &'static Key) -> Value {
             | Kind::Fields { .. }
             | Kind::Parameters
             | Kind::Texts
-            | Kind::Effects => json!(text),
+            | Kind::Content(_) => json!(text),
         };
     }
     body
@@ -126,22 +127,12 @@ fn kind(of: &'static Kind) -> Value {
             "type": "object",
             "additionalProperties": { "type": ["boolean", "number", "string"] },
         }),
-        Kind::Effects => {
-            json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } })
-        }
+        Kind::Content(content) => (content.schema)(),
     }
 }
 
-/// An effect with its size and shape.
-fn effect(of: Effect) -> Value {
-    let mut properties = Map::new();
-    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
-    json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
-}
-
-/// A field of a record.
-fn field(of: &Field) -> Value {
+/// JSON schema of a field of a record.
+pub fn field(of: &Field) -> Value {
     let mut body = number(of.unit, of.min, of.max);
     let detail = body["description"].as_str().map_or(String::new(), |detail| format!(" {detail}"));
     body["description"] = json!(format!("{}{detail}", of.doc.trim()));

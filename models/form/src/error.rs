@@ -1,11 +1,11 @@
-//! Why a scenario was not read, and where each fault is.
+//! Why a file was not read, and where each fault is.
 
-use super::walk::Problem;
+use crate::walk::Problem;
 use std::fmt;
 use std::ops::Range;
 use toolroom_process::parameters::place;
 
-/// Why a scenario was not read.
+/// Why a file was not read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -37,13 +37,13 @@ pub enum ReadError {
         /// What the encoding probably is.
         likely: &'static str,
     },
-    /// Faults in the scenario.
+    /// Faults in what it says.
     #[error(transparent)]
     Faults(Box<FaultList>),
 }
 
-/// Every fault of one scenario, in the order of the text.
-#[derive(Clone, Debug, PartialEq)]
+/// Every fault of one file, in the order of the text.
+#[derive(Clone, Debug)]
 pub struct FaultList {
     /// Name of the file.
     pub file: String,
@@ -58,7 +58,7 @@ pub struct FaultList {
 /// Where the text of a fault comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// The scenario file.
+    /// The file.
     File,
     /// The `--set` of this index.
     Override(usize),

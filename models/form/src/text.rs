@@ -1,13 +1,13 @@
 //! From bytes to text: byte order marks and encodings.
 
-use super::ReadError;
+use crate::ReadError;
 use toolroom_process::parameters::place;
 
-/// Decodes a scenario file: UTF-8, with or without byte order mark.
+/// Decodes a file: UTF-8, with or without byte order mark.
 ///
 /// # Errors
 /// [`ReadError::Utf16`], or [`ReadError::NotUtf8`] with line, column and the likely encoding.
-pub(super) fn decode(file: &str, bytes: &[u8]) -> Result<String, ReadError> {
+pub(crate) fn decode(file: &str, bytes: &[u8]) -> Result<String, ReadError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if matches!(bytes, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) || looks_like_utf16(bytes) {
         return Err(ReadError::Utf16 { file: file.to_owned() });

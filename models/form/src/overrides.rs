@@ -1,12 +1,14 @@
 //! `--set machine.L1.tool_change_time="1 min"`: one value of the file replaced before it is read.
 
-use super::fault::{Fault, nearest};
-use super::walk::{Span, Walk};
+use crate::fault::{Fault, nearest};
+use crate::form::{Form, Kind, Need};
+use crate::section::Span;
+use crate::walk::{Walk, table_form};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Puts `text` (`path=value`) into `root`; its bytes count from `base` on.
-pub(super) fn apply<'d>(walk: &mut Walk, root: &mut DeTable<'d>, text: &'d str, base: usize) {
+/// Puts `text` (`path=value`) into `root`, a file of `form`; its bytes count from `base` on.
+pub(crate) fn apply<'d>(walk: &mut Walk, form: &'static Form, root: &mut DeTable<'d>, text: &'d str, base: usize) {
     let whole = base..base + text.len();
     let Some((path, value)) = text.split_once('=') else {
         walk.fault(whole, Fault::OverrideForm { read: text.to_owned() });
@@ -19,7 +21,7 @@ pub(super) fn apply<'d>(walk: &mut Walk, root: &mut DeTable<'d>, text: &'d str, 
     let at = base + text.len() - value.len();
     let span = at..at + value.len();
     let value = literal(value.trim(), span.clone());
-    insert(walk, root, &path, value, whole);
+    insert(walk, Some(form), root, &path, value, whole);
 }
 
 /// A TOML literal where the text is one, else the text itself: quotes do not survive a shell.
@@ -45,8 +47,16 @@ fn segments(path: &str) -> Option<Vec<String>> {
     None
 }
 
-fn insert<'d>(walk: &mut Walk, table: &mut DeTable<'d>, path: &[String], value: Spanned<DeValue<'d>>, whole: Span) {
+fn insert<'d>(
+    walk: &mut Walk,
+    form: Option<&'static Form>,
+    table: &mut DeTable<'d>,
+    path: &[String],
+    value: Spanned<DeValue<'d>>,
+    whole: Span,
+) {
     let [segment, rest @ ..] = path else { return };
+    let inside = form.and_then(|form| table_form(form, segment));
     if rest.is_empty() {
         // An empty key span: the override's own text is the place of an unknown key.
         let key = Spanned::new(value.span().start..value.span().start, segment.clone().into());
@@ -57,38 +67,40 @@ fn insert<'d>(walk: &mut Walk, table: &mut DeTable<'d>, path: &[String], value: 
     let known: Vec<String> = table.keys().map(|key| key.get_ref().to_string()).collect();
     let Some(inner) = table.get_mut(segment.as_str()) else {
         // A section that the file leaves out, such as [dispatch].
-        if rest.len() == 1 && !matches!(segment.as_str(), "machine" | "tool" | "part" | "policy" | "calendar") {
+        let entries = form.and_then(|form| form.key(segment)).is_some_and(|key| matches!(key.kind, Kind::Tables(_)));
+        if rest.len() == 1 && !entries {
             let key = Spanned::new(whole.start..whole.start, segment.clone().into());
             let mut section = DeTable::new();
-            insert(walk, &mut section, rest, value, whole.clone());
+            insert(walk, inside, &mut section, rest, value, whole.clone());
             table.insert(key, Spanned::new(whole, DeValue::Table(section)));
         } else {
             walk.fault(whole, not_found(segment, &known));
         }
         return;
     };
-    descend(walk, inner.get_mut(), segment, rest, value, whole);
+    descend(walk, inside, inner.get_mut(), (segment, rest), value, whole);
 }
 
 #[expect(clippy::wildcard_enum_match_arm, reason = "of TOML's values only tables and lists have something inside")]
 fn descend<'d>(
     walk: &mut Walk,
+    form: Option<&'static Form>,
     inner: &mut DeValue<'d>,
-    segment: &str,
-    rest: &[String],
+    (segment, rest): (&str, &[String]),
     value: Spanned<DeValue<'d>>,
     whole: Span,
 ) {
     match inner {
-        DeValue::Table(inner) => insert(walk, inner, rest, value, whole),
+        DeValue::Table(inner) => insert(walk, form, inner, rest, value, whole),
         DeValue::Array(entries) => {
             let [wanted, rest @ ..] = rest else { return };
+            let referred = form.and_then(reference);
             let names: Vec<String> = entries
                 .iter()
                 .enumerate()
                 .map(|(i, entry)| {
                     let name = entry.get_ref().as_table().and_then(|table| {
-                        ["name", "part"].iter().find_map(|key| table.get(*key)?.get_ref().as_str().map(str::to_owned))
+                        table.get("name").or_else(|| table.get(referred?))?.get_ref().as_str().map(str::to_owned)
                     });
                     name.unwrap_or_else(|| (i + 1).to_string())
                 })
@@ -98,12 +110,18 @@ fn descend<'d>(
                 number.checked_sub(1).filter(|index| *index < names.len())
             });
             match index.and_then(|index| entries.get_mut(index)).map(Spanned::get_mut) {
-                Some(DeValue::Table(entry)) if !rest.is_empty() => insert(walk, entry, rest, value, whole),
+                Some(DeValue::Table(entry)) if !rest.is_empty() => insert(walk, form, entry, rest, value, whole),
                 _ => walk.fault(whole, not_found(wanted, &names)),
             }
         }
         _ => walk.fault(whole, not_found(segment, &[])),
     }
+}
+
+/// The key by which entries without a name are called: what each of them has to refer to.
+fn reference(form: &'static Form) -> Option<&'static str> {
+    let mut keys = form.keys.iter();
+    keys.find(|key| matches!((key.kind, key.need), (Kind::Reference(_), Need::Required))).map(|key| key.name)
 }
 
 fn not_found(segment: &str, known: &[String]) -> Fault {

@@ -1,9 +1,9 @@
 //! Reads sections by their [`Form`]: units, ranges, unknown and missing keys, all faults at once.
 
-use super::fault::{Fault, nearest};
-use super::form::{Form, Key, Kind, Need, Quantity};
-use super::keys::CURRENCIES;
-use super::words::{described, example, expected, fix, meant, quoted, range, understood};
+use crate::fault::{Fault, nearest};
+use crate::form::{CURRENCIES, Form, Key, Kind, Need, Quantity};
+use crate::section::{Got, RuleTable, Section, Span, Value};
+use crate::words::{described, example, expected, fix, meant, quoted, range, understood};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -11,11 +11,8 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use toolroom_process::unit;
 
-/// Bytes of the file, or of a `--set` past its end.
-pub(super) type Span = Range<usize>;
-
 /// A fault and the text that it is about.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Problem {
     /// What is wrong.
     pub fault: Fault,
@@ -36,159 +33,27 @@ pub struct Echo {
     pub default: bool,
 }
 
-/// A value of a section.
-#[derive(Clone, Debug)]
-pub(super) struct Got<'d> {
-    pub span: Span,
-    pub given: bool,
-    pub value: Value<'d>,
-}
-
-#[derive(Clone, Debug)]
-pub(super) enum Value<'d> {
-    /// SI number.
-    Si(f64),
-    Count(u64),
-    Text(String),
-    Flag(bool),
-    List(Vec<Got<'d>>),
-    /// Not looked into yet.
-    Raw(DeValue<'d>),
-    /// Refused; the problem is noted.
-    Faulty,
-}
-
-/// A section whose keys were read.
-///
-/// A value is missing where the key is left out without a default, and where a problem was noted.
-#[derive(Clone, Debug)]
-pub struct Section<'d> {
-    pub(super) form: &'static Form,
-    pub(super) span: Span,
-    pub(super) path: String,
-    values: BTreeMap<&'static str, Got<'d>>,
-}
-
-impl<'d> Section<'d> {
-    pub(super) fn got(&self, key: &str) -> Option<&Got<'d>> {
-        self.values.get(key)
-    }
-
-    /// Bytes of the value, or of the section where the key is left out.
-    pub fn span_of(&self, key: &str) -> Range<usize> {
-        self.got(key).filter(|got| got.given).map_or(self.span.clone(), |got| got.span.clone())
-    }
-
-    /// Whether the file gives the key.
-    pub fn given(&self, key: &str) -> bool {
-        self.got(key).is_some_and(|got| got.given)
-    }
-
-    /// A quantity in SI units.
-    pub fn si(&self, key: &str) -> Option<f64> {
-        if let Value::Si(value) = self.got(key)?.value { Some(value) } else { None }
-    }
-
-    /// A value that must be there; NaN only where a problem was noted.
-    pub fn required(&self, key: &str) -> f64 {
-        self.si(key).unwrap_or(f64::NAN)
-    }
-
-    /// A whole number.
-    pub fn count(&self, key: &str) -> Option<u64> {
-        if let Value::Count(count) = self.got(key)?.value { Some(count) } else { None }
-    }
-
-    /// A count within `u32` by its form.
-    pub(super) fn count32(&self, key: &str) -> u32 {
-        self.count(key).and_then(|count| u32::try_from(count).ok()).unwrap_or(1)
-    }
-
-    /// A name, word or line.
-    pub fn text(&self, key: &str) -> Option<&str> {
-        if let Value::Text(text) = &self.got(key)?.value { Some(text) } else { None }
-    }
-
-    /// The variant of the word under `key`, by the `from_word` of the vocabulary whose words the key
-    /// admits; `None` where the key is left out without a default, and where a problem was noted.
-    ///
-    /// # Panics
-    /// Where the key admits a word that is not in that vocabulary.
-    pub(crate) fn chosen<T>(&self, key: &str, from_word: fn(&str) -> Option<T>) -> Option<T> {
-        let word = self.text(key)?;
-        let variant = from_word(word);
-        assert!(variant.is_some(), "{}: `{key}` admits `{word}`, which its vocabulary lacks", self.form.title);
-        variant
-    }
-
-    /// `true` or `false`.
-    pub fn flag(&self, key: &str) -> Option<bool> {
-        if let Value::Flag(flag) = self.got(key)?.value { Some(flag) } else { None }
-    }
-
-    /// The quantities of a list in SI units; `None` where one of them has a problem.
-    pub fn numbers(&self, key: &str) -> Option<Vec<f64>> {
-        let Value::List(list) = &self.got(key)?.value else { return None };
-        let number = |got: &Got<'_>| if let Value::Si(value) = got.value { Some(value) } else { None };
-        list.iter().map(number).collect()
-    }
-
-    /// The texts of a list.
-    pub fn texts(&self, key: &str) -> Vec<String> {
-        let text = |got: &Got<'_>| if let Value::Text(text) = &got.value { Some(text.clone()) } else { None };
-        self.list(key).iter().filter_map(text).collect()
-    }
-
-    pub(super) fn list(&self, key: &str) -> &[Got<'d>] {
-        match self.got(key).map(|got| &got.value) {
-            Some(Value::List(list)) => list,
-            _ => &[],
-        }
-    }
-}
-
-/// The numbers of a rule: none where the rule is only a word.
-pub(super) struct RuleTable<'d>(Option<Section<'d>>);
-
-impl<'d> RuleTable<'d> {
-    /// The table, where there is one.
-    pub(super) fn get(&self) -> Option<&Section<'d>> {
-        self.0.as_ref()
-    }
-
-    /// The table of a rule that cannot do without numbers.
-    ///
-    /// # Panics
-    /// Where the key admits the bare word of such a rule.
-    pub(super) fn due(&self) -> &Section<'d> {
-        self.get().expect("a key admits no bare word of a rule with required numbers")
-    }
-
-    /// A quantity that may be left out, SI.
-    pub(super) fn si(&self, key: &str) -> Option<f64> {
-        self.get().and_then(|table| table.si(key))
-    }
-}
-
 /// The state of a reading: what was found wrong so far, and what was understood.
 #[derive(Debug, Default)]
 pub struct Walk {
-    pub(super) problems: Vec<Problem>,
-    pub(super) echo: Vec<Echo>,
+    /// Faults so far.
+    pub problems: Vec<Problem>,
+    /// Values as they were understood.
+    pub echo: Vec<Echo>,
     /// Currency codes used, with their place.
-    pub(super) currencies: Vec<(&'static str, Span)>,
-    /// Currency of the shop, in which amounts are echoed.
-    pub(super) currency: String,
+    pub currencies: Vec<(&'static str, Span)>,
+    /// Currency of the file, in which amounts are echoed.
+    pub currency: String,
     /// Folder of the file, from which the files that it names are found.
-    pub(super) folder: PathBuf,
+    pub folder: PathBuf,
     /// Files that it names.
-    pub(super) files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
 }
 
 impl Walk {
     /// Notes a problem about the text at `span`, as [`Section::span_of`] tells it.
-    pub fn fault(&mut self, span: Range<usize>, fault: Fault) {
-        self.problems.push(Problem { fault, span });
+    pub fn fault(&mut self, span: Range<usize>, fault: impl Into<Fault>) {
+        self.problems.push(Problem { fault: fault.into(), span });
     }
 
     /// Notes a file that was read because the file names it.
@@ -197,13 +62,13 @@ impl Walk {
     }
 
     /// The text of a file that the value under `key` names; `None` where a problem was noted.
-    pub(super) fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
+    pub fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
         let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
         let place = self.folder.join(path);
         let bytes = std::fs::read(&place).map_err(refuse);
         self.files.push(place);
         match bytes {
-            Ok(bytes) => match super::text::decode(path, &bytes) {
+            Ok(bytes) => match crate::text::decode(path, &bytes) {
                 Ok(text) => return Some(text),
                 Err(_) => self.fault(section.span_of(key), Fault::NotUtf8 { file: path.to_owned() }),
             },
@@ -214,7 +79,7 @@ impl Walk {
 
     /// Reads a section. `case` decides keys that depend on something outside the section, such as
     /// the process of an operation's tool.
-    pub(super) fn section<'d>(
+    pub fn section<'d>(
         &mut self,
         form: &'static Form,
         path: &str,
@@ -311,7 +176,7 @@ impl Walk {
 
     /// The rule under `key`, a word or a table with the word under `rule`, and that table; `None` where
     /// a problem was noted.
-    pub(super) fn rule<'d, T>(
+    pub fn rule<'d, T>(
         &mut self,
         of: &Section<'d>,
         key: &str,
@@ -444,7 +309,7 @@ impl Walk {
             }
             (Kind::Shorthand { .. } | Kind::Fields { .. } | Kind::Table(_), DeValue::Table(_))
             | (Kind::Tables(_), DeValue::Array(_))
-            | (Kind::Parameters | Kind::Texts | Kind::Effects, _) => Value::Raw(raw.get_ref().clone()),
+            | (Kind::Parameters | Kind::Texts | Kind::Content(_), _) => Value::Raw(raw.get_ref().clone()),
             (_, other) => {
                 self.wrong_type(key, other, &expected(kind), span, example(kind));
                 Value::Faulty
@@ -454,7 +319,7 @@ impl Walk {
 
     /// A quantity with its unit; ratios may be bare numbers.
     #[expect(clippy::wildcard_enum_match_arm, reason = "every other value of TOML is a fault")]
-    pub(super) fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
+    pub fn quantity<'d>(&mut self, key: &str, quantity: &Quantity, raw: &Spanned<DeValue<'d>>) -> Value<'d> {
         let number = match raw.get_ref() {
             DeValue::String(text) => text.to_string(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
@@ -505,7 +370,8 @@ impl Walk {
         Value::Si(value)
     }
 
-    pub(super) fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
+    /// Notes a value of another kind than the key takes; `example` would do.
+    pub fn wrong_type(&mut self, key: &str, read: &DeValue<'_>, expected: &str, span: Span, example: String) {
         let fault =
             Fault::WrongType { key: key.to_owned(), read: described(read), expected: expected.to_owned(), example };
         self.fault(span, fault);
@@ -522,7 +388,8 @@ impl Walk {
     }
 }
 
-fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
+/// The form of the tables under a key, where it takes tables.
+pub(crate) fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
     match of.key(key)?.kind {
         Kind::Table(form) | Kind::Tables(form) | Kind::Shorthand { form, .. } => Some(form),
         Kind::Name
@@ -536,6 +403,6 @@ fn table_form(of: &Form, key: &str) -> Option<&'static Form> {
         | Kind::Fields { .. }
         | Kind::Parameters
         | Kind::Texts
-        | Kind::Effects => None,
+        | Kind::Content(_) => None,
     }
 }

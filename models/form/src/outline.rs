@@ -1,13 +1,13 @@
 //! What a TOML text has at its top, from which the kind of a file is told before a reader is chosen.
 
-use super::ReadError;
+use crate::ReadError;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 /// The top of a parsed TOML text: its keys, and the texts one table below.
 ///
 /// ```
-/// use toolroom_scenario::file::Outline;
+/// use toolroom_form::Outline;
 /// let outline = Outline::of("title = \"\"\"\n[shop]\n\"\"\"\n[ gap ] # priors\nprocess = 'program'\n");
 /// assert!(outline.has("gap") && !outline.has("shop"));
 /// assert_eq!(outline.text("gap", "process"), Some("program"));
@@ -44,7 +44,7 @@ impl Outline {
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let file = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
-        Ok(Self::of(&super::text::decode(&file, &bytes)?))
+        Ok(Self::of(&crate::text::decode(&file, &bytes)?))
     }
 
     /// Whether the key or table `key` stands at the top.

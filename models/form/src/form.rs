@@ -1,5 +1,5 @@
-//! The vocabulary in which the sections of a scenario file are described: one table a section,
-//! from which reader, JSON schema, echo and error texts are all made.
+//! The vocabulary in which the sections of a file are described: one table a section, from which
+//! reader, JSON schema, echo and error texts are all made.
 
 use toolroom_process::Field;
 
@@ -95,9 +95,23 @@ pub enum Kind {
     Parameters,
     /// A table of texts or numbers under names that the file chooses.
     Texts,
-    /// Effects of the catalogue, `[{ id = "wear_force", size = 0.2 }]`.
-    Effects,
+    /// A value that the kind of file reads itself.
+    Content(&'static Content),
 }
+
+/// What people and editors are told about a value that a kind of file reads itself.
+#[derive(Debug)]
+pub struct Content {
+    /// What is due, in words.
+    pub expected: &'static str,
+    /// A value that would do, as written in a file.
+    pub example: &'static str,
+    /// Its JSON schema.
+    pub schema: fn() -> serde_json::Value,
+}
+
+/// Currencies whose amounts can be read.
+pub const CURRENCIES: &[&str] = &["EUR", "USD", "GBP", "CHF", "JPY", "CNY", "INR", "RUB"];
 
 /// The unit and range of a quantity.
 #[derive(Clone, Copy, Debug)]
@@ -127,7 +141,7 @@ impl Quantity {
 ///
 /// # Panics
 /// Where `N` is not the number of all.
-pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
+pub const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
     let mut all = [lists[0][0]; N];
     let (mut list, mut count) = (0, 0);
     while list < lists.len() {

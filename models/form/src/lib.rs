@@ -1,0 +1,141 @@
+//! Files in TOML: what a kind of file may say is described once, and everything else is made from that.
+//!
+//! ```text
+//!  bytes ─decode─► text ─TOML─► tree ◄─ --set key=value
+//!                                │ Walk: units, ranges, unknown and missing keys, by the Form
+//!                                ▼
+//!                             Sections ─resolve: what the kind of file means by them─► content
+//! ```
+//! A [`Form`] says everything about every key once: kind, unit, range, default, meaning. The reader
+//! ([`read`], [`parse`]), the JSON schema ([`schema`]()), the values as they were understood
+//! ([`Echo`]) and the error texts are made from it. A file is answered with all its faults at once,
+//! each with its line and column ([`FaultList`]).
+//!
+//! | module | what it is |
+//! |---|---|
+//! | `form` | keys, kinds, ranges |
+//! | `walk`, `section` | sections read by their form |
+//! | `record` | tables of which a record says keys, units and ranges |
+//! | `fault`, `error`, `codes` | what can be wrong, where, how to mend it, longer texts |
+//! | `overrides` | single values replaced before the file is read |
+//! | `vocabulary` | lists of words, each with the variant that it becomes |
+//!
+//! # What is not modelled
+//! Files of other formats; JSON is read by `serde_json`, tables by the rooms that own them.
+
+mod codes;
+mod error;
+mod fault;
+mod form;
+mod outline;
+mod overrides;
+mod record;
+mod schema;
+mod section;
+mod text;
+mod vocabulary;
+mod walk;
+mod words;
+
+pub use codes::CODES;
+pub use error::{FaultList, Origin, Place, ReadError};
+pub use fault::{ContentFault, Fault, nearest};
+pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined};
+pub use outline::Outline;
+pub use record::{set_parameters, set_record};
+pub use schema::{field, schema};
+pub use section::{Got, RuleTable, Section, Span, Value};
+pub use walk::{Echo, Problem, Walk};
+pub use words::{display, example, significant};
+
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+use toolroom_process::parameters::place;
+
+/// A file of some [`Form`], understood.
+#[derive(Clone, Debug)]
+pub struct FormFile<T> {
+    /// What it says.
+    pub content: T,
+    /// Every value as it was understood, defaults included, in the order of the sections.
+    pub echo: Vec<Echo>,
+    /// The text, for records of what was computed.
+    pub text: String,
+    /// Other files that it names.
+    pub files: Vec<PathBuf>,
+}
+
+/// Reads a TOML file: `form` describes its top level, and `resolve` turns the sections into what
+/// the file means; `overrides` are `path=value` as after `--set`. Where `form` has a key `schema`,
+/// it must be 1.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
+pub fn read<T>(
+    path: &Path,
+    overrides: &[String],
+    form: &'static Form,
+    resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
+) -> Result<FormFile<T>, ReadError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+    parse(&file, &text::decode(&file, &bytes)?, overrides, form, resolve)
+}
+
+/// [`read`] of a text; `file` is its name in messages.
+///
+/// # Errors
+/// [`ReadError::Faults`] with every fault found.
+pub fn parse<T>(
+    file: &str,
+    text: &str,
+    overrides: &[String],
+    form: &'static Form,
+    resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
+) -> Result<FormFile<T>, ReadError> {
+    let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+    let folder = Path::new(file).parent().map(Path::to_path_buf).unwrap_or_default();
+    let mut walk = Walk { folder, ..Walk::default() };
+    let (mut root, errors) = DeTable::parse_recoverable(text);
+    let mut last_line = 0;
+    for error in errors {
+        let span = error.span().unwrap_or(0..0);
+        // One slip often gives several messages about its line; the first says what it is.
+        let (line, _) = place(text, span.start);
+        if line != last_line {
+            walk.fault(span, Fault::Syntax { message: error.message().to_owned() });
+        }
+        last_line = line;
+    }
+    let broken = !walk.problems.is_empty();
+    let mut base = text.len() + 1;
+    for each in overrides {
+        overrides::apply(&mut walk, form, root.get_mut(), each, base);
+        base += each.len() + 1;
+    }
+    // What follows from a file that is not TOML says nothing about its content.
+    let resolved = if broken {
+        None
+    } else {
+        let root = walk.section(form, "", root.get_ref(), 0..0, None);
+        if let Some(read) = root.count("schema").filter(|version| *version != 1) {
+            walk.fault(root.span_of("schema"), Fault::Schema { read });
+        }
+        resolve(&mut walk, &root)
+    };
+    match resolved {
+        Some(content) if walk.problems.is_empty() => {
+            Ok(FormFile { content, echo: walk.echo, text: text.to_owned(), files: walk.files })
+        }
+        _ => {
+            walk.problems.sort_by_key(|problem| problem.span.start);
+            let list = FaultList {
+                file: file.to_owned(),
+                text: text.to_owned(),
+                overrides: overrides.to_vec(),
+                problems: walk.problems,
+            };
+            Err(ReadError::Faults(Box::new(list)))
+        }
+    }
+}

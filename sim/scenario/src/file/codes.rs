@@ -1,0 +1,50 @@
+//! Longer texts for the codes of faults that only scenarios have.
+
+/// Every code of a [`ScenarioFault`](super::ScenarioFault), with its explanation.
+pub const CODES: &[(&str, &str)] = &[
+    (
+        "unused-tool",
+        "No operation uses the tool. That is nearly always a mistyped name in an operation; otherwise remove the tool.",
+    ),
+    (
+        "wrong-process",
+        "A turning tool runs on turning machines, a milling cutter on milling machines, a wheel on infeed machines.",
+    ),
+    (
+        "no-machine",
+        "None of the machines listed for the operation exists with the process of its tool, so its jobs would wait for ever.",
+    ),
+    ("no-operation", "A part needs at least one [[part.operation]]."),
+    (
+        "shifts-overlap",
+        "The shifts of a calendar are in order, do not overlap and end within its period. A night shift over midnight is written as two.",
+    ),
+    (
+        "parameter-set",
+        "The constants of a tool and work material come from a named parameter set. `toolroom schema` and the manual list them; `parameters` in a tool changes single constants.",
+    ),
+    (
+        "cycle",
+        "No rough, finish and spark-out cycle keeps all the limits on this wheel: the message names those that conflict. Policies that design for a duller wheel need wider limits than the dressed one. `toolroom grind` shows a cycle file by itself.",
+    ),
+    (
+        "contour",
+        "The contour file is at fault, is drawn for another cutter than the tool, or has a section that no spindle speed and feed of this machine can mill within its limits; the message names the section and the limits that conflict. `toolroom contour` shows a contour file by itself.",
+    ),
+    (
+        "policy",
+        "The work itself can be planned, but not as this policy asks: a cycle designed for a duller wheel may have no solution within the limits, a contour no handbook regime.",
+    ),
+    (
+        "structure",
+        "The vibration modes around a cut come from a lobes file, named from the folder of the scenario. `toolroom lobes FILE` draws it and tells its faults with their places.",
+    ),
+    (
+        "unit",
+        "An FMI unit can stand in for turning or milling where it has a Co-Simulation interface, a library for this computer and an input for the cutting speed. `toolroom fmu check` says what is wrong with a unit, docs/guide/fmu-import.md how it is wired.",
+    ),
+    (
+        "effect",
+        "Effects are named by their id, with a size in the unit of the catalogue; `toolroom effects` lists them. Each acts on some processes only and is given at most once.",
+    ),
+];
