@@ -31,49 +31,36 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod basis;
-mod broken;
 mod catalogue;
 mod channels;
 mod closure;
 mod constants;
-pub mod cutting;
-mod cutting_effects;
 mod decide;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
-pub mod empirical;
-mod empirical_effects;
 mod enough;
 mod evidence;
-pub mod features;
 mod fit;
 mod fitness;
-mod forward;
 mod generic;
 mod gram;
-pub mod grinding;
 mod identifiability;
 mod left_out;
 mod linear;
-mod measured;
 mod method;
 mod noise;
-mod nominal;
 pub mod plan;
-mod plausible;
 mod pooled;
 mod processes;
-pub mod program;
+mod queue;
 mod score;
-mod search;
-mod settings;
 mod settle;
-pub mod shop;
+#[cfg(test)]
+mod shop_tests;
 mod summary;
 mod tolerance;
 mod trial;
-mod units;
 mod verdict;
 
 pub use basis::Basis;
@@ -86,20 +73,25 @@ pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
 };
-pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use evidence::Evidence;
 pub use fit::Fit;
 pub use fitness::{Fitness, LeastSeen, Part, Structure};
-pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Matters, Parameter, Point, Surface};
 pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
 pub use linear::Linear;
-pub use measured::{Channel, Measured, Observation, Transform};
 pub use method::Method;
 pub use noise::Noise;
-pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
-pub use processes::{Answers, Asked, diagnose_processes};
+pub use processes::{Answers, diagnose_processes};
 pub use score::Scores;
-pub use search::Untried;
-pub use settings::Settings;
 pub use trial::Trial;
+pub use toolroom_nominal::{
+    Asked, Candidate, Channel, Covariate, Direction, EMPIRICAL_EFFECTS, EmpiricalSizes, Forward, Frame, Local, Matters,
+    Measured, ModelFileError, NominalModel, NominalProcess, Observation, Parameter, Point, Settings, Surface,
+    Transform, Untried, cutting, empirical, features, grinding, program, sensor_sheet,
+};
+
+/// Logs of shops as nominal models, and what their queues tell of a diagnosis.
+pub mod shop {
+    pub use super::queue::{QueueFit, QueueScore, queues};
+    pub use toolroom_nominal::shop::*;
+}

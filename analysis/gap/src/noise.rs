@@ -1,16 +1,13 @@
 //! Noise as the data show it: scale, memory and outliers of each channel.
 
 use super::Measured;
+pub(crate) use toolroom_nominal::{HUBER, MAD};
 use std::sync::Arc;
 use toolroom_innovations::{Chain, Filter};
 use toolroom_statistics::median;
 
-/// Residuals beyond this many standard deviations lose weight (Huber).
-pub(crate) const HUBER: f64 = 2.5;
 /// A sensor is never believed to be better than this share of its sheet (assumption).
 const LEAST_SCALE: f64 = 0.5;
-/// Consistency of the median absolute deviation with a normal standard deviation.
-pub(crate) const MAD: f64 = 1.4826;
 /// Greatest memory that is believed.
 const GREATEST_MEMORY: f64 = 0.95;
 /// Fewer residuals than these say nothing about a channel's noise.

@@ -12,7 +12,7 @@ use super::channels::{diagnose_among, mean_budget};
 use super::diagnose::Diagnosed;
 use super::pooled::pooled;
 use super::summary::{named, percent, rounded, verdict, with_unit};
-use super::{Closure, Diagnosis, Forward, GapVerdict, Untried};
+use super::{Asked, Closure, Diagnosis, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -23,18 +23,6 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table};
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
 const LISTS: [&str; 6] = ["effects", "where", "masked", "calibration", "ranking", "tried"];
-
-/// A process of a data set with its nominal model over its table.
-pub struct Asked {
-    /// `turning`, `grinding` …
-    pub process: &'static str,
-    /// The model, in parts that know nothing of each other; none where no row is of use.
-    pub parts: Vec<Box<dyn Forward>>,
-    /// What is said of the records whatever is found.
-    pub notes: Vec<String>,
-    /// Channels that were left out because no cut gives their numbers.
-    pub impossible: usize,
-}
 
 /// What is said of every process of a data set.
 #[derive(Clone, Debug, PartialEq)]

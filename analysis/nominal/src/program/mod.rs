@@ -19,7 +19,7 @@ pub(super) use file::{FORM, section};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::summary::rounded;
+use toolroom_scenario::file::significant as rounded;
 use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform};
 use rows::{Rows, rows};
 use toolroom_contour::{Drives, Program};

@@ -363,7 +363,7 @@ fn outliers(pools: &Pools, scatter: &[f64], logarithms: &dyn Fn(&[usize]) -> Vec
 }
 
 /// Normal score of a probability, bounded.
-pub(super) fn normal_score(probability: f64) -> f64 {
+pub fn normal_score(probability: f64) -> f64 {
     let normal = Normal::standard();
     normal.inverse_cdf(probability.clamp(1e-5, 1.0 - 1e-5))
 }

@@ -19,7 +19,7 @@ const SLIPS: [(f64, &str); 8] = [
 /// Ratio of measurement to the nominal model by channel, median.
 pub fn ratios(model: &dyn Forward) -> Vec<f64> {
     let measured = &model.frame().measured;
-    let (_, raw) = super::linear::predict(model, &Point::nominal(model));
+    let (_, raw) = super::predict(model, &Point::nominal(model));
     let ratio = |channel: usize| {
         let values = measured.observations.iter().zip(&raw).filter(|(observation, _)| observation.channel == channel);
         let mut ratios: Vec<f64> = values
@@ -59,11 +59,11 @@ fn slips(ratio: f64) -> bool {
 /// Greatest change of a channel, median of the logarithm, that one effect of ordinary size makes.
 fn reach(model: &dyn Forward, channel: usize) -> f64 {
     let frame = model.frame();
-    let nominal = super::linear::predict(model, &Point::nominal(model)).1;
+    let nominal = super::predict(model, &Point::nominal(model)).1;
     let by = |(index, candidate): (usize, &super::Candidate)| {
         let mut point = Point::nominal(model);
         point.effects[index] = candidate.typical;
-        let raw = super::linear::predict(model, &point).1;
+        let raw = super::predict(model, &point).1;
         let own = (0..raw.len()).filter(|i| frame.measured.observations[*i].channel == channel);
         let mut changes: Vec<f64> =
             own.map(|i| (raw[i] / nominal[i]).ln().abs()).filter(|change| change.is_finite()).collect();

@@ -22,17 +22,15 @@ mod kpi;
 mod logs;
 mod model;
 mod nominal;
-mod queue;
 mod state;
 mod stops;
-#[cfg(test)]
-mod tests;
 mod visit;
 
+pub use block::normal_score;
+pub use constant::Constant;
 pub use kpi::{ShopKpi, mix};
 pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
-pub use queue::{QueueFit, QueueScore, queues};
 pub use state::State;
 pub use visit::{Visit, Visits, visits};

@@ -5,7 +5,7 @@ use super::empirical::{self, Empirical};
 use super::grinding::Grinding;
 use super::program::{self, ProgramModel, Stretches};
 use super::shop::{Shop, ShopModel};
-use super::{Asked, Forward, Settings};
+use super::{Forward, Settings};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_form::{Form, Key, Kind, Outline, ReadError, Section, Walk};
@@ -47,6 +47,18 @@ pub struct NominalModel {
     pub process: NominalProcess,
     /// Priors and sensors.
     pub settings: Settings,
+}
+
+/// A process of a data set with its nominal model over its table.
+pub struct Asked {
+    /// `turning`, `grinding` …
+    pub process: &'static str,
+    /// The model, in parts that know nothing of each other; none where no row is of use.
+    pub parts: Vec<Box<dyn Forward>>,
+    /// What is said of the records whatever is found.
+    pub notes: Vec<String>,
+    /// Channels that were left out because no cut gives their numbers.
+    pub impossible: usize,
 }
 
 /// Why a nominal model cannot be used.

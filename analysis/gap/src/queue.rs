@@ -12,14 +12,11 @@
 //! comparison of queues: Balci & Sargent 1982. First come, first served, on any machine of the pool:
 //! assumption.
 
-use super::block::normal_score;
-use super::constant::Constant;
-use super::nominal::Shop;
-use super::visit::{Visit, Visits};
-use crate::{Diagnosis, NamedEffect};
+use super::{Diagnosis, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
+use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
 use toolroom_scenario::MICRO_STOP;
 
 /// Replications of a log.

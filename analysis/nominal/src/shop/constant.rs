@@ -4,7 +4,7 @@ use std::fmt;
 
 /// A constant of the shop, of one program or of one machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Constant<'a> {
+pub enum Constant<'a> {
     /// Times of all programs.
     ProgrammedTimes,
     /// Time of one program.

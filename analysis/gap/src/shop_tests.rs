@@ -1,6 +1,6 @@
 //! What a shop tells of itself.
 
-use super::*;
+use super::shop::*;
 use crate::{GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};

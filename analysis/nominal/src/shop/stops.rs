@@ -1,6 +1,6 @@
 //! What short stops do to the times of a program, by replication with common random numbers.
 
-use super::super::noise::{HUBER, MAD};
+use crate::constants::{HUBER, MAD};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::function::erf::erf_inv;
