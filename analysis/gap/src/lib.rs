@@ -83,12 +83,12 @@ pub use method::Method;
 pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes};
 pub use score::Scores;
-pub use trial::Trial;
 pub use toolroom_nominal::{
     Asked, Candidate, Channel, Covariate, Direction, EMPIRICAL_EFFECTS, EmpiricalSizes, Forward, Frame, Local, Matters,
     Measured, ModelFileError, NominalModel, NominalProcess, Observation, Parameter, Point, Settings, Surface,
     Transform, Untried, cutting, empirical, features, grinding, program, sensor_sheet,
 };
+pub use trial::Trial;
 
 /// Logs of shops as nominal models, and what their queues tell of a diagnosis.
 pub mod shop {

@@ -1,10 +1,10 @@
 //! Predictions at a point and their derivatives.
 
 use super::{Direction, Forward, Point, Transform};
-pub use toolroom_nominal::predict;
-use toolroom_nominal::{correct, touches, transformed};
 use rayon::prelude::*;
 use std::sync::Arc;
+pub use toolroom_nominal::predict;
+use toolroom_nominal::{correct, touches, transformed};
 
 /// Columns of derivatives: many fits start from the same ones.
 pub type Columns = Arc<Vec<Vec<f64>>>;

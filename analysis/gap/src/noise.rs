@@ -1,9 +1,9 @@
 //! Noise as the data show it: scale, memory and outliers of each channel.
 
 use super::Measured;
-pub(crate) use toolroom_nominal::{HUBER, MAD};
 use std::sync::Arc;
 use toolroom_innovations::{Chain, Filter};
+pub(crate) use toolroom_nominal::{HUBER, MAD};
 use toolroom_statistics::median;
 
 /// A sensor is never believed to be better than this share of its sheet (assumption).

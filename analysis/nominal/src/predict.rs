@@ -13,8 +13,7 @@ pub fn predict(model: &dyn Forward, point: &Point) -> (Vec<f64>, Vec<f64>) {
 /// Raw values as they are compared.
 pub fn transformed(model: &dyn Forward, raw: &[f64]) -> Vec<f64> {
     let measured = &model.frame().measured;
-    let each = |(raw, observation): (&f64, &Observation)| match measured.channels[observation.channel].transform
-    {
+    let each = |(raw, observation): (&f64, &Observation)| match measured.channels[observation.channel].transform {
         Transform::Linear => *raw,
         Transform::Log => raw.max(f64::MIN_POSITIVE).ln(),
     };

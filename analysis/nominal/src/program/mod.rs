@@ -19,10 +19,10 @@ pub(super) use file::{FORM, section};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use toolroom_scenario::file::significant as rounded;
 use super::{Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform};
 use rows::{Rows, rows};
 use toolroom_contour::{Drives, Program};
+use toolroom_form::significant as rounded;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
 
