@@ -15,6 +15,10 @@ use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, Nom
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 
+/// Score of the waits before a pool beyond which they are not explained (1). Assumption: standard normal scores of a few
+/// pools stay below.
+const QUEUE: f64 = 5.0;
+
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
     let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
@@ -61,6 +65,12 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             let named = !diagnosis.effects.is_empty();
             let scores = queues(shop, &visits(&records), diagnosis, args.seed);
             diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
+            for score in &scores {
+                let own = if named { score.with.score } else { score.without.score };
+                if own.abs() > QUEUE {
+                    diagnosis.unexplained_wait(&score.machines.join(", "), own);
+                }
+            }
         }
     }
     write(args, out, &answers, voice)?;

@@ -13,6 +13,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use toolroom_innovations::Chain;
 
+/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
+/// is known to a tenth.
+const CLOSABLE: f64 = 0.2;
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
 
@@ -230,7 +233,11 @@ pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
         after,
         closed: value,
         ci90: [stretch(quantile(0.05)), stretch(quantile(0.95))],
-        of_closable: if closable > 0.0 { (before * before - after * after) / closable } else { f64::NAN },
+        of_closable: if closable > CLOSABLE * before * before {
+            ((before * before - after * after) / closable).min(1.0)
+        } else {
+            f64::NAN
+        },
     }
 }
 

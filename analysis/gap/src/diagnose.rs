@@ -104,7 +104,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         if decision.verdict == GapVerdict::Effect {
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
         }
-        judged(&mut diagnosis, &model.frame().matters, pushed);
+        judged(&mut diagnosis, pushed);
     } else if diagnosis.verdict == GapVerdict::NoGap
         && let Some(why) = pushed()
     {

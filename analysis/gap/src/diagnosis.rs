@@ -100,7 +100,8 @@ pub struct Closure {
     pub closed: f64,
     /// 90 % interval of that.
     pub ci90: [f64; 2],
-    /// Share of what could be closed at all: of the mean square above the noise floor.
+    /// Share of what could be closed at all: of the mean square above the noise floor, at most 1. No number where less
+    /// than a fifth of the mean square lies above it.
     pub of_closable: f64,
 }
 

@@ -81,8 +81,6 @@ pub struct Structure {
     pub level: f64,
     /// Standard deviation of the sensor, in the unit of comparison.
     pub sensor: f64,
-    /// SI units to a unit of comparison.
-    pub scale: f64,
 }
 
 impl Fitness {
@@ -337,48 +335,62 @@ impl<'a> Test<'a> {
         DVector::from_iterator(self.places.len(), self.places.iter().map(|place| white[*place]))
     }
 
-    /// The least shift of each channel that would have been seen: statistics of the first draws with three sizes of it.
+    /// The least drift of each channel over the calendar (without times over the age of the edge), per standard deviation
+    /// of it, that would have been seen: statistics of the first draws with three sizes of it.
     fn least_seen(&self, judged: &Judged, draws: &[Draw], critical: f64) -> Vec<LeastSeen> {
-        let measured = &self.model.frame().measured;
-        let per_channel = Statistic::ALL.len();
-        let one = |(index, (channel, places, layout)): (usize, &(usize, Vec<usize>, Channel))| {
-            let own = &measured.channels[*channel];
-            let relative = own.transform == Transform::Log;
-            let shift: Vec<f64> =
-                measured.observations.iter().map(|each| f64::from(u8::from(each.channel == *channel))).collect();
-            let shift = self.noise.whiten(measured, &shift);
-            let shift = DVector::from_iterator(self.places.len(), self.places.iter().map(|place| shift[*place]));
-            let shift = self.scores(DMatrix::from_columns(&[shift]));
-            let shift: Vec<f64> = places.iter().map(|place| shift[(*place, 0)]).collect();
-            let seen = shift.iter().sum::<f64>().abs() / (places.len() as f64).sqrt();
-            let first = per_channel * index;
-            let [middle, high] = judged.scales[first];
-            let wanted = middle + critical * (high - middle) + 1.3;
-            let power = |size: f64| {
-                let (mut found, mut count) = (0.0, 0.0_f64);
-                for scores in draws.iter().filter_map(|(_, scores)| scores.as_ref()) {
-                    let moved: Vec<f64> =
-                        places.iter().zip(&shift).map(|(place, shift)| scores[*place] + size * shift).collect();
-                    let values = Statistics::of(&moved, layout).values;
-                    let beyond = |(i, value): (usize, &f64)| {
-                        let [middle, high] = judged.scales[first + i];
-                        high > middle && (value - middle) / (high - middle) > critical
-                    };
-                    found += f64::from(u8::from(values.iter().enumerate().any(beyond)));
-                    count += 1.0;
-                }
-                found / count.max(1.0)
-            };
-            let sizes = [0.7, 1.0, 1.4].map(|factor| factor * wanted / seen);
-            let value = if seen > 1e-9 {
-                interpolated(&sizes.map(|size| (size, power(size))), POWER).unwrap_or(f64::INFINITY)
-            } else {
-                f64::INFINITY
-            };
-            let unit = if relative { "1" } else { own.unit };
-            LeastSeen { what: format!("{} level", own.name), value, unit, power: POWER }
+        let frame = self.model.frame();
+        let place = |name: &str| frame.covariates.iter().position(|covariate| covariate.name == name);
+        let Some(along) = place("calendar").or_else(|| place("age of the edge")) else { return Vec::new() };
+        let one = |(index, channel): (usize, &(usize, Vec<usize>, Channel))| {
+            let own = &frame.measured.channels[channel.0];
+            let value = self.least_drift(along, Statistic::ALL.len() * index, channel, judged, draws, critical);
+            let what = format!("{} over {}", own.name, frame.covariates[along].name);
+            let unit = if own.transform == Transform::Log { "1" } else { own.unit };
+            LeastSeen { what, value, unit, power: POWER }
         };
         self.channels.par_iter().enumerate().map(one).collect()
+    }
+
+    fn least_drift(
+        &self,
+        along: usize,
+        first: usize,
+        (channel, places, layout): &(usize, Vec<usize>, Channel),
+        judged: &Judged,
+        draws: &[Draw],
+        critical: f64,
+    ) -> f64 {
+        let frame = self.model.frame();
+        let values = &frame.covariates[along].values;
+        let drift = |each: &super::Observation| if each.channel == *channel { values[each.row] } else { 0.0 };
+        let drift: Vec<f64> = frame.measured.observations.iter().map(drift).collect();
+        let drift = self.noise.whiten(&frame.measured, &drift);
+        let drift = DVector::from_iterator(self.places.len(), self.places.iter().map(|place| drift[*place]));
+        let drift = self.scores(DMatrix::from_columns(&[drift]));
+        let drift: Vec<f64> = places.iter().map(|place| drift[(*place, 0)]).collect();
+        let seen = drift.iter().zip(&layout.covariates[along]).map(|(z, x)| z * x).sum::<f64>().abs();
+        if seen < 1e-9 {
+            return f64::INFINITY;
+        }
+        let [middle, high] = judged.scales[first + Statistic::Covariate as usize];
+        let wanted = middle + critical * (high - middle) + 1.3;
+        let power = |size: f64| {
+            let (mut found, mut count) = (0.0, 0.0_f64);
+            for scores in draws.iter().filter_map(|(_, scores)| scores.as_ref()) {
+                let moved: Vec<f64> =
+                    places.iter().zip(&drift).map(|(place, drift)| scores[*place] + size * drift).collect();
+                let values = Statistics::of(&moved, layout).values;
+                let beyond = |(i, value): (usize, &f64)| {
+                    let [middle, high] = judged.scales[first + i];
+                    high > middle && (value - middle) / (high - middle) > critical
+                };
+                found += f64::from(u8::from(values.iter().enumerate().any(beyond)));
+                count += 1.0;
+            }
+            found / count.max(1.0)
+        };
+        let sizes = [0.7, 1.0, 1.4].map(|factor| factor * wanted / seen);
+        interpolated(&sizes.map(|size| (size, power(size))), POWER).unwrap_or(f64::INFINITY)
     }
 
     /// How much the scores of each channel exceed what noise and scatter make.
@@ -405,8 +417,8 @@ impl<'a> Test<'a> {
             // In units of the sheet: a noise that was read off the records is part of what they hold beside it.
             let scale = self.noise.scale[*channel];
             let excess = (mean + super::constants::NINETY * error) * scale * scale - 1.0;
-            let (level, scale) = if relative { (1.0, typical) } else { (typical, 1.0) };
-            Structure { channel: own.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor, scale }
+            let level = if relative { 1.0 } else { typical };
+            Structure { channel: own.name, upper: sensor * excess.max(0.0).sqrt(), level, sensor }
         };
         self.channels.iter().map(one).collect()
     }

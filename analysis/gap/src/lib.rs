@@ -84,7 +84,7 @@ pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes};
 pub use score::Scores;
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, Covariate, Direction, EMPIRICAL_EFFECTS, EmpiricalSizes, Forward, Frame, Local, Matters,
+    Asked, Candidate, Channel, Covariate, Direction, EMPIRICAL_EFFECTS, EmpiricalSizes, Forward, Frame, Local,
     Measured, ModelFileError, NominalModel, NominalProcess, Observation, Parameter, Point, Settings, Surface,
     Transform, Untried, cutting, empirical, features, grinding, program, sensor_sheet,
 };

@@ -7,9 +7,9 @@
 //! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
 
 use super::constants::FAR_CONSTANT;
-use super::{Diagnosis, Fitness, GapVerdict, Matters, Structure};
+use super::{Diagnosis, Fitness, GapVerdict, Structure};
 
-/// Share of a channel's value below which structure does not matter unless the file says otherwise (1). Assumption:
+/// Share of a channel's value below which structure does not matter (1). Assumption:
 /// nobody acts on one per cent.
 const SHARE: f64 = 0.01;
 /// The same in standard deviations of its sensor (1). Assumption: less is not seen in a single reading.
@@ -17,19 +17,13 @@ const SENSORS: f64 = 0.5;
 
 impl Structure {
     /// Whether what the model leaves of the channel may matter.
-    fn may_matter(&self, matters: &[(String, Matters)]) -> bool {
-        let given = matters.iter().find(|(channel, _)| channel == self.channel);
-        let least = match given {
-            Some((_, Matters::Share(share))) => share * self.level,
-            Some((_, Matters::Absolute(value))) => value / self.scale,
-            None => (SHARE * self.level).max(SENSORS * self.sensor),
-        };
-        self.upper > least
+    fn may_matter(&self) -> bool {
+        self.upper > (SHARE * self.level).max(SENSORS * self.sensor)
     }
 }
 
 /// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up.
-pub(super) fn judged(diagnosis: &mut Diagnosis, matters: &[(String, Matters)], pushed: impl Fn() -> Option<String>) {
+pub(super) fn judged(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
     let Some(fit) = diagnosis.fit.clone() else { return };
     if fit.passed() {
         if diagnosis.verdict == GapVerdict::Effect {
@@ -49,17 +43,27 @@ pub(super) fn judged(diagnosis: &mut Diagnosis, matters: &[(String, Matters)], p
         return;
     }
     if diagnosis.verdict == GapVerdict::Effect {
-        if let Some(words) = diagnosis.remaining().map(|_| rejected(diagnosis.fit_with_effects.as_ref(), matters)) {
+        if let Some(words) = diagnosis.remaining().map(|_| rejected(diagnosis.fit_with_effects.as_ref())) {
             diagnosis.notes.push(format!("beside it: {words}"));
         }
         return;
     }
-    let small = !fit.structure.iter().any(|channel| channel.may_matter(matters));
+    let small = !fit.structure.iter().any(|channel| channel.may_matter());
     diagnosis.verdict = if small { GapVerdict::Small } else { GapVerdict::Unknown };
-    diagnosis.notes.insert(0, rejected(Some(&fit), matters));
+    diagnosis.notes.insert(0, rejected(Some(&fit)));
     if let Some(why) = pushed() {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
+    }
+}
+
+impl Diagnosis {
+    /// Takes note of waits before machines that the model does not explain: no gap is answered no longer.
+    pub fn unexplained_wait(&mut self, machines: &str, score: f64) {
+        if matches!(self.verdict, GapVerdict::NoGap | GapVerdict::Small) {
+            self.verdict = GapVerdict::Unknown;
+        }
+        self.notes.insert(0, format!("waits before {machines} are not those of the model (score {score:.1})"));
     }
 }
 
@@ -78,13 +82,13 @@ fn constant(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// Where a rejected model is off, and by how much.
-fn rejected(fit: Option<&Fitness>, matters: &[(String, Matters)]) -> String {
+fn rejected(fit: Option<&Fitness>) -> String {
     let Some(fit) = fit else { return String::new() };
     let Some(part) = fit.parts.first() else { return String::new() };
     let follows = if part.follows.is_empty() { String::new() } else { format!(" ({})", part.follows) };
     let mut words = format!("the fit is rejected (p = {:.3}): {} {}{follows}", fit.p, part.what, part.test);
     let size = |own: &&Structure| format!("{} up to {:.2} times its sensor", own.channel, own.upper / own.sensor);
-    let large: Vec<String> = fit.structure.iter().filter(|own| own.may_matter(matters)).map(|own| size(&own)).collect();
+    let large: Vec<String> = fit.structure.iter().filter(|own| own.may_matter()).map(|own| size(&own)).collect();
     if !large.is_empty() {
         words += &format!("; beside noise and scatter {}", large.join(", "));
     }

@@ -146,17 +146,6 @@ pub struct Frame {
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
     pub notes: Vec<String>,
-    /// What is left of a channel that does not matter in practice: relative, or SI.
-    pub matters: Vec<(String, Matters)>,
-}
-
-/// A deviation below which nobody acts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Matters {
-    /// As a share of the channel's value.
-    Share(f64),
-    /// In SI units of the channel.
-    Absolute(f64),
 }
 
 impl Frame {
@@ -171,7 +160,6 @@ impl Frame {
             untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
-            matters: Vec::new(),
         }
     }
 }

@@ -33,7 +33,7 @@ mod units;
 
 pub use constants::{HUBER, MAD};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Matters, Parameter, Point, Surface};
+pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
 pub use measured::{Channel, Measured, Observation, Transform};
 pub use nominal::{Asked, ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use predict::{correct, predict, touches, transformed};

@@ -97,3 +97,46 @@ impl<P: Nominal> Cutting<P> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Direction, Forward, NominalModel, Point, Transform};
+    use toolroom_records::parse_csv;
+    use toolroom_truth::Case;
+
+    #[test]
+    fn a_rate_that_stays_moves_the_chain_as_the_level_of_the_wear_rate_moves_the_model() {
+        let text = include_str!("../../../../scenarios/gap/turning.toml");
+        let model = NominalModel::parse("turning.toml", text, &[]).unwrap();
+        let csv = Case::null("turning", 3).records();
+        let (records, _) = parse_csv("truth", csv.as_bytes(), model.kind()).unwrap();
+        let (model, _) = model.over(&records, None, |_, _| false);
+        let frame = model.frame();
+        let point = Point::nominal(model.as_ref());
+        let level = frame.parameters.iter().position(|parameter| parameter.name == "wear rate level").unwrap();
+        let raw = model.simulate(&point);
+        let slopes = model.slopes(&point, &raw, &[Direction::Parameter(level)]).remove(0);
+        let chains = model.chains(&point);
+        assert_eq!(chains.len(), frame.measured.groups.len());
+        let mut compared = 0;
+        for chain in &chains {
+            let mut land = 0.0;
+            for row in &chain.rows {
+                for reading in &row.readings {
+                    let observation = &frame.measured.observations[reading.place];
+                    let unit = match frame.measured.channels[observation.channel].transform {
+                        Transform::Linear => 1.0,
+                        Transform::Log => raw[reading.place],
+                    };
+                    let moved = (reading.by[0] * land + reading.by[1]) * unit;
+                    let golden = slopes[reading.place] / frame.parameters[level].deviation;
+                    let scale = golden.abs().max(1e-3 * raw[reading.place].abs());
+                    assert!((moved - golden).abs() < 0.01 * scale, "{moved} instead of {golden}");
+                    compared += 1;
+                }
+                land = row.level_by[0] * land + row.level_by[1];
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
+}
