@@ -229,8 +229,20 @@ pub enum FmuCommand {
     #[command(before_help = "Examples:
   toolroom fmu sim turning.fmu --stop \"60 s\"
   toolroom fmu sim turning.fmu --input cut.csv --output result.csv --step \"0.1 s\"
+  toolroom fmu sim trusted.fmu --isolation none
   toolroom fmu sim turning.fmu --start process.feed_per_rev=0.0002 --start tool.set=c45_t15k6")]
     Sim(FmuSimArgs),
+    /// Run units for the program that started this one
+    #[command(hide = true)]
+    Worker,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmuIsolation {
+    /// In a worker process: what happens to it does not happen to toolroom
+    Process,
+    /// In toolroom itself, for units that one trusts
+    None,
 }
 
 #[derive(Args, Debug)]
@@ -252,6 +264,12 @@ pub struct FmuSimArgs {
     /// Start value of a parameter or input in the unit's own units, name=value, repeatable
     #[arg(long, value_name = "NAME=VALUE")]
     pub start: Vec<String>,
+    /// Where the code of the unit runs
+    #[arg(long, value_name = "WHERE", value_enum, default_value = "process")]
+    pub isolation: FmuIsolation,
+    /// Longest time of one call of a unit in a worker process
+    #[arg(long, value_name = "TIME", default_value = "10 s")]
+    pub call_limit: String,
 }
 
 #[derive(Args, Debug)]

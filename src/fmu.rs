@@ -22,8 +22,13 @@ pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
         FmuCommand::Check(args) => check::run(&args.file, voice),
         #[cfg(feature = "fmu-import")]
         FmuCommand::Sim(args) => sim::run(args, voice),
+        #[cfg(all(feature = "fmu-import", unix))]
+        FmuCommand::Worker => toolroom_fmu_import::worker::serve()
+            .map_err(|error| Failure::Work { message: format!("the program that uses this worker is gone: {error}") }),
+        #[cfg(all(feature = "fmu-import", not(unix)))]
+        FmuCommand::Worker => Err(Failure::Work { message: "worker processes are for Linux and macOS".to_owned() }),
         #[cfg(not(feature = "fmu-import"))]
-        FmuCommand::Sim(_) => Err(Failure::argument(
+        FmuCommand::Sim(_) | FmuCommand::Worker => Err(Failure::argument(
             "this toolroom was built without the import of units",
             "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what that needs",
         )),

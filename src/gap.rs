@@ -4,7 +4,6 @@ mod apply;
 mod blind;
 mod diagnose;
 mod identifiability;
-mod joined;
 mod plan;
 mod tables;
 

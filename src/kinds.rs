@@ -190,6 +190,15 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
 
 fn scenario(path: &Path, set: &[String]) -> Result<Checked, Failure> {
     let ScenarioFile { scenario, echo, .. } = file::read(path, set)?;
+    // What `run` would refuse before its first event.
+    for policy in 0..scenario.policies.len() {
+        toolroom_shop::Shop::new(&scenario, policy, 0).map_err(|error| {
+            Failure::argument(
+                format_args!("policy `{}`: {error}", scenario.policies[policy].name),
+                "no run would begin",
+            )
+        })?;
+    }
     let mut result = Map::new();
     result.insert("name".to_owned(), json!(scenario.name));
     let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();

@@ -8,18 +8,25 @@
 //! | a scenario from its file | [`read_scenario`] | `toolroom check` |
 //! | one replication with its log | [`run`] | `toolroom run` |
 //! | policies on common random numbers | [`compare`] | `toolroom compare` |
-//! | laws of tool lives | [`life::analysis::analyse`] | `toolroom life --fit` |
+//! | laws of tool lives | [`life::measured_study::MeasuredStudy`] | `toolroom life --fit` |
+//! | results of a simulated study of lives | [`life::study::report::results`] | `toolroom life` |
+//! | plans along a contour | [`planning::contour::studies`] | `toolroom contour` |
+//! | the fastest grinding cycle | [`planning::cycle::CycleDesign`] | `toolroom grind` |
+//! | lag and stiffnesses from trials | [`planning::identification::IdentificationStudy`] | `toolroom identify` |
+//! | a stability chart | [`planning::lobes::ChartStudy`] | `toolroom lobes` |
+//! | the blind benchmark | [`blind::diagnose`] | `toolroom gap blind` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
 //! | a process at one point | [`cutting`], [`infeed`] | `toolroom point` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
 //!
-//! Quantities are SI numbers (rad, K) unless a name says otherwise. Each has an example in the
-//! folder `examples`.
+//! Quantities are SI numbers (rad, K) unless a name says otherwise. The folder `examples` has an example of scenarios,
+//! policies, lives, the diagnosis, points and units.
 //!
 //! # What is not modelled
-//! The functions write no files and draw nothing; reports and folders of results are those of the
-//! command line, made from the same values.
+//! The functions write no files. A study hands out its tables, pictures and report as [`chart::ResultFiles`], which
+//! the caller writes where they belong.
 
+pub use toolroom_blind as blind;
 pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;

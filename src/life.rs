@@ -1,7 +1,6 @@
 //! `toolroom life`: tool lives, measured or simulated.
 
 mod fit;
-mod page;
 mod study;
 
 use crate::args::{LifeArgs, Statistics};

@@ -54,7 +54,9 @@ fn main() -> ExitCode {
     let voice = Voice::new(&common);
     #[cfg(feature = "fmu-import")]
     fmu::machine::register();
-    match stop::watch().and_then(|()| perform(command, &voice)) {
+    // A worker ends when its program says so, and not by signals of the terminal.
+    let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) { Ok(()) } else { stop::watch() };
+    match watched.and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),
     }

@@ -47,17 +47,28 @@ fn turning(folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn forty_replications_with_a_unit_run_through_and_are_the_same_on_one_thread_and_two() {
+fn three_hundred_replications_with_a_unit_run_through_and_are_the_same_on_one_thread_and_two() {
     let folder = folder();
     let unit = format!("tool.insert.fmu={}", turning(folder.path()).display());
     let digest = |threads: &str| {
         let out = folder.path().join(threads);
         let shown = out.display().to_string();
         let file = shipped("fmu-lathe");
-        let study = ["run", &file, "--policy", "adaptive", "--set", &unit, "--set", "shop.horizon=5 h"];
-        expect(0, &[&study[..], &["--replications", "40", "--threads", threads, "--out", &shown]].concat());
+        let study = [
+            "run",
+            &file,
+            "--policy",
+            "adaptive",
+            "--set",
+            &unit,
+            "--set",
+            "shop.horizon=2 h",
+            "--set",
+            "shop.warm_up=0.5 h",
+        ];
+        expect(0, &[&study[..], &["--replications", "300", "--threads", threads, "--out", &shown]].concat());
         let run = json(&out.join("run.json"));
-        assert!(run["complete"] == true && run["replications"] == 40, "{run}");
+        assert!(run["complete"] == true && run["replications"] == 300, "{run}");
         run["digest"].clone()
     };
     let alone = digest("1");
@@ -176,7 +187,11 @@ fn bad_units_are_refused_before_anything_runs() {
 
 /// The shipped scenario with the unit of the tests, which steps fail in by `switch`.
 fn failing(folder: &Path, switch: &str) -> String {
-    let unit = fixture::unit(folder, &[switch], ("", ""));
+    with_unit(folder, &fixture::unit(folder, &[switch], ("", "")))
+}
+
+/// The shipped scenario with `unit`.
+fn with_unit(folder: &Path, unit: &Path) -> String {
     let text = fs::read_to_string(shipped("fmu-lathe")).expect("shipped");
     let text = text
         .replace("../out/fmu/toolroom_turning_fmi3.fmu", &unit.display().to_string())
@@ -246,4 +261,115 @@ fn a_run_that_stopped_goes_on_to_what_it_would_have_been() {
     let (at_once, sound) = digest(&failing(folder.path(), "SOUND"), "sound");
     assert!(attempts > 0 && at_once == 0, "{attempts} and {at_once} failures");
     assert_eq!(resumed, sound);
+}
+
+/// Folders of unpacked units that are there.
+fn unpacked(temporary: &Path) -> Vec<String> {
+    let entries = fs::read_dir(temporary).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    entries.map(|name| name.to_string_lossy().into_owned()).filter(|name| name.starts_with("toolroom-fmu-")).collect()
+}
+
+#[test]
+fn a_unit_that_hangs_crashes_or_ends_its_process_is_a_replication_that_failed() {
+    for (fault, expected) in [
+        ("for (;;)", "fmi2DoStep answered nothing within 0.5 s (call_limit); its process was ended"),
+        ("*(volatile int *)0 = 1", "fmi2DoStep answered nothing: its process ended by signal 11"),
+        ("abort()", "fmi2DoStep answered nothing: its process ended by signal 6 (abort)"),
+        ("_exit(0)", "fmi2DoStep answered nothing: its process ended with exit code 0"),
+        ("exit(0)", "fmi2DoStep answered nothing: its process ended with exit code 0"),
+    ] {
+        let folder = folder();
+        let switch = format!("BEFORE=static int steps; if (++steps > 3000) {fault}");
+        let (scenario, out) = (failing(folder.path(), &switch), folder.path().join("out"));
+        let temporary = folder.path().join("temporary");
+        fs::create_dir(&temporary).expect("writable");
+        let limit = "tool.insert.wiring.call_limit=0.5 s";
+        let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+            .args(["run", &scenario, "--policy", "constant", "--replications", "400", "--threads", "1", "--set", limit])
+            .args(["--out", &out.display().to_string()])
+            .env("TMPDIR", &temporary)
+            .env("NO_COLOR", "1")
+            .output()
+            .expect("the binary runs");
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", stderr(&output));
+        for expected in [expected, "machine `L", "part `ring`", "wear.fmu", "replication"] {
+            assert!(words(&output).contains(&words_of(expected)), "{fault}: {expected} in {}", stderr(&output));
+        }
+        let run = json(&out.join("run.json"));
+        let kept = run["replications"].as_u64().expect("a number");
+        assert!(run["complete"] == false && kept > 0, "{fault}: {kept} replications");
+        assert!(out.join("kpi.csv").is_file() && out.join("report.html").is_file(), "{fault}");
+        assert_eq!(unpacked(&temporary), [""; 0], "{fault}");
+    }
+}
+
+#[test]
+fn a_unit_by_itself_may_crash_too_and_the_rows_before_stand() {
+    let folder = folder();
+    let unit = fixture::unit(folder.path(), &["BEFORE=exit(0)"], ("", "")).display().to_string();
+    let table = folder.path().join("rows.csv");
+    let arguments =
+        ["fmu", "sim", &unit, "--stop", "200 s", "--step", "10 s", "--output", &table.display().to_string()];
+    let output = expect(1, &arguments);
+    assert!(words(&output).contains(&words_of("its process ended with exit code 0")), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(&table).expect("rows").lines().count(), 12);
+}
+
+#[test]
+fn a_program_that_is_killed_leaves_no_worker_and_no_folder() {
+    let folder = folder();
+    let unit = fixture::unit(folder.path(), &["BEFORE=for (;;)"], ("", "")).display().to_string();
+    let temporary = folder.path().join("temporary");
+    fs::create_dir(&temporary).expect("writable");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["fmu", "sim", &unit, "--stop", "200 s", "--step", "10 s"])
+        .env("TMPDIR", &temporary)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .expect("the binary runs");
+    let wait = |done: &dyn Fn() -> bool| {
+        for _ in 0..600 {
+            if done() {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        panic!("nothing happened within half a minute");
+    };
+    wait(&|| !unpacked(&temporary).is_empty());
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    program.kill().expect("it runs");
+    program.wait().expect("it ends");
+    wait(&|| unpacked(&temporary).is_empty());
+}
+
+#[test]
+fn impossible_values_reach_no_table() {
+    for value in ["NAN", "-5.0", "1e300"] {
+        let folder = folder();
+        let (scenario, out) = (failing(folder.path(), &format!("VALUE={value}")), folder.path().join("out"));
+        let output = expect(1, &["run", &scenario, "--replications", "2", "--out", &out.display().to_string()]);
+        for expected in ["tool.VB", "wear.fmu", "machine `L"] {
+            assert!(words(&output).contains(&words_of(expected)), "{value}: {expected} in {}", stderr(&output));
+        }
+        assert_eq!(json(&out.join("run.json"))["replications"], 0);
+    }
+}
+
+#[test]
+fn check_refuses_what_run_would_refuse() {
+    let folder = folder();
+    let change = ("canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
+    let unit = fixture::unit(folder.path(), &[], change);
+    let scenario = with_unit(folder.path(), &unit);
+    let out = folder.path().join("out").display().to_string();
+    for (code, arguments) in [(2, &["check", &scenario][..]), (1, &["run", &scenario, "--out", &out])] {
+        let output = expect(code, arguments);
+        assert!(words(&output).contains(&words_of("cannot go back to an earlier state")), "{}", stderr(&output));
+    }
+    // States in memory are enough for breakdowns.
+    let unit = fixture::unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
+    let scenario = with_unit(folder.path(), &unit);
+    expect(0, &["check", &scenario]);
+    expect(0, &["run", &scenario, "--replications", "3", "--out", &out, "--force"]);
 }

@@ -2,8 +2,9 @@
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
-use toolroom_fmu_import::{ArchiveError, LoadError, Unit, UnitProcess};
-use toolroom_process::MachineProcess;
+use std::time::Duration;
+use toolroom_fmu_import::{ArchiveError, CALL_LIMIT, Isolation, LoadError, Unit, UnitProcess, WorkerProgram};
+use toolroom_process::{MachineProcess, UnitIsolation};
 use toolroom_scenario::{UnitRefusal, UnitRequest, set_importer};
 
 /// Makes `fmu = "…"` in scenarios work.
@@ -13,7 +14,8 @@ pub fn register() {
 
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let path = tidy(request.path);
-    let unit = Unit::load(&path)
+    let wiring = request.wiring;
+    let unit = Unit::load(&path, &isolation(wiring.isolation, wiring.call_limit))
         .map_err(|error| UnitRefusal { reason: error.to_string(), fix: fix(&error).unwrap_or_else(|| ask(&path)) })?;
     let process = UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring);
     let process = process.map_err(|error| UnitRefusal {
@@ -21,6 +23,24 @@ fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefu
         fix: format!("`toolroom fmu info {}` lists its variables; see [tool.wiring]", path.display()),
     })?;
     Ok(Arc::new(process))
+}
+
+/// Workers are this program with a verb of its own. A program that only uses the library, such as Python, has the
+/// installed one beside it.
+pub fn isolation(isolation: UnitIsolation, call_limit: Option<f64>) -> Isolation {
+    match isolation {
+        UnitIsolation::None => Isolation::None,
+        UnitIsolation::Process => {
+            let own = std::env::current_exe().ok().filter(|program| {
+                program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("toolroom"))
+            });
+            Isolation::Process(WorkerProgram {
+                program: own.unwrap_or_else(|| PathBuf::from("toolroom")),
+                arguments: vec!["fmu".to_owned(), "worker".to_owned()],
+                call_limit: Duration::from_secs_f64(call_limit.unwrap_or(CALL_LIMIT)),
+            })
+        }
+    }
 }
 
 fn ask(path: &Path) -> String {

@@ -1,7 +1,8 @@
 //! `toolroom fmu sim F.fmu`.
 
+use super::machine::isolation as isolation_of;
 use super::refused;
-use crate::args::FmuSimArgs;
+use crate::args::{FmuIsolation, FmuSimArgs};
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
@@ -13,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
 use toolroom_fmu_import::{LoadError, Unit};
+use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
 pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
@@ -21,7 +23,14 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let files = Files::new(std::iter::once(args.file.as_path()).chain(args.input.as_deref()), voice.force);
     args.output.as_ref().map_or(Ok(()), |path| files.check(path))?;
-    let unit = Arc::new(Unit::load(&args.file).map_err(not_loaded)?);
+    let isolation = match args.isolation {
+        FmuIsolation::Process => UnitIsolation::Process,
+        FmuIsolation::None => UnitIsolation::None,
+    };
+    let limit = seconds("--call-limit", Some(&args.call_limit))?.filter(|limit| *limit > 0.0);
+    let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
+    let unit = Unit::load(&args.file, &isolation_of(isolation, Some(limit))).map_err(not_loaded)?;
+    let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
         stop: seconds("--stop", args.stop.as_deref())?,
@@ -51,7 +60,7 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 fn report(args: &FmuSimArgs, unit: &Unit, done: Done, voice: &Voice) -> Result<(), Failure> {
-    let Done { start, stop, step, steps } = done;
+    let Done { start, stop, step, steps, ended } = done;
     if voice.json {
         return voice.json(&json!({
             "schema": 1,
@@ -61,11 +70,13 @@ fn report(args: &FmuSimArgs, unit: &Unit, done: Done, voice: &Voice) -> Result<(
             "stop [s]": stop,
             "step [s]": step,
             "steps": steps,
+            "ended_by_unit": ended,
             "output": args.output,
         }));
     }
     let to = args.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
-    voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s"));
+    let end = if ended { ", where the unit ended the simulation" } else { "" };
+    voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s{end}"));
     Ok(())
 }
 
@@ -91,7 +102,7 @@ fn not_loaded(error: LoadError) -> Failure {
 /// A simulation that did not reach its end; rows before that are written.
 fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
     match error {
-        SimulateError::Call { .. } => {
+        SimulateError::Call { .. } | SimulateError::Value { .. } | SimulateError::Discarded { .. } => {
             let kept = output.map_or(String::new(), |path| format!("; {} holds what came before", path.display()));
             Failure::Work { message: format!("{error}{kept}") }
         }

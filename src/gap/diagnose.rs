@@ -1,6 +1,5 @@
 //! `toolroom gap diagnose`.
 
-use super::joined::joined;
 use super::tables::{Table, tables};
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
@@ -9,15 +8,12 @@ use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use toolroom_chart::page::Provenance;
+use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
-use toolroom_gap::shop::{queues, visits};
+use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
-
-/// Score of the waits before a pool beyond which they are not explained (1). Assumption: standard normal scores of a few
-/// pools stay below.
-const QUEUE: f64 = 5.0;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
@@ -62,15 +58,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            let named = !diagnosis.effects.is_empty();
-            let scores = queues(shop, &visits(&records), diagnosis, args.seed);
-            diagnosis.notes.extend(scores.iter().map(|score| score.words(named)));
-            for score in &scores {
-                let own = if named { score.with.score } else { score.without.score };
-                if own.abs() > QUEUE {
-                    diagnosis.unexplained_wait(&score.machines.join(", "), own);
-                }
-            }
+            add_facts(shop, &records, diagnosis, args.seed);
         }
     }
     write(args, out, &answers, voice)?;

@@ -1,6 +1,5 @@
 //! `toolroom life FILE`: plan, shards, merge.
 
-use super::page::{Inputs, NAMES, write};
 use super::request;
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
@@ -10,23 +9,21 @@ use crate::shard::{leave, pool, refused};
 use crate::speak::Voice;
 use crate::stop::{self, Begun, partials, tidy};
 use crate::study::default_out;
+use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use toolroom_form::FormFile;
 use toolroom_life::file::{StudyFile, parse};
-use toolroom_life::study::run::lives;
+use toolroom_life::study::report::{Inputs, NAMES, results};
+use toolroom_life::study::run::enough;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
-use toolroom_shards::{Plan, ShardError, discard, read_plan, write_plan};
+use toolroom_shards::{Plan, ShardError, discard, fingerprint, read_plan, write_plan};
 use toolroom_study::study::Progress;
 
 /// Lives of a shard when nobody says how many shards there are.
 const SHARD: u64 = 500_000;
-/// Lives of the pilot from which the number of lives for a precision is reckoned.
-const PILOT: u64 = 2000;
-/// Two-sided 95 % quantile of the normal law.
-const Z: f64 = 1.959_964;
 
 /// Reads a study file with the values of `--set`.
 pub fn read(path: &Path, set: &[String]) -> Result<FormFile<StudyFile>, Failure> {
@@ -56,7 +53,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     let request = request(&args.statistics, parsed.content.costs)?;
     let threads = pool(args.shards.threads)?;
     if let Some(relative) = parsed.content.until {
-        let lives = threads.install(|| enough(&parsed.content, relative));
+        let lives = threads.install(|| enough(&parsed.content.study, relative));
         voice.say(format_args!(
             "{lives} lives of each condition and policy will do for a half-width of {} %",
             100.0 * relative
@@ -147,18 +144,6 @@ fn study_of(plan: &Plan) -> Result<FormFile<StudyFile>, Failure> {
     Ok(parse(&plan.file, &plan.text, Path::new(&plan.directory), &plan.overrides)?)
 }
 
-/// Lives that bring the half-width of every mean life to `relative` of it, by the scatter of a
-/// pilot (C. Stein, Annals of Mathematical Statistics 16 (1945) 243); at most those of the file.
-fn enough(file: &StudyFile, relative: f64) -> u64 {
-    let study = &file.study;
-    let pilot = PILOT.min(study.lives);
-    let needed = study.cells.iter().map(|cell| {
-        let cv = lives(study, cell, 0, pilot, false).0.life.variation();
-        (Z * cv / relative).powi(2).ceil() as u64
-    });
-    needed.max().unwrap_or(pilot).clamp(pilot, study.lives)
-}
-
 /// Folder of the parts within that of the results.
 const PARTS: &str = "parts";
 
@@ -213,7 +198,16 @@ fn finish(
 ) -> Result<(), Failure> {
     let merged = shard::merge(plan, parsed.content.study.cells.len(), parts).map_err(refused)?;
     let inputs = Inputs { plan, parsed, merged: &merged, request };
-    let result = write(&out, &inputs)?;
+    let result = results(&inputs).map_err(|error| Failure::Work { message: error.to_string() })?;
+    out.put_all(&result.files)?;
+    out.put_json(
+        "run.json",
+        &json!({
+            "schema": 1, "version": plan.version, "command": format!("toolroom life {}", plan.file),
+            "inputs": [{ "name": plan.file, "hash": fingerprint(plan.text.as_bytes()) }],
+            "plan": plan.hash(), "shards": plan.shards, "complete": true,
+        }),
+    )?;
     // Parts that lie within the results stay where they are.
     if fs::canonicalize(parts).ok() == fs::canonicalize(out.target().join(PARTS)).ok() {
         own_parts(&mut out, plan, parts);

@@ -77,8 +77,8 @@ impl Forward for Turned<'_> {
         self.model.simulate(at)
     }
 
-    fn sheet_is_known(&self) -> bool {
-        self.model.sheet_is_known()
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
     }
 
     fn chains(&self, at: &Point) -> Vec<Chain> {

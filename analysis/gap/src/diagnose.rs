@@ -95,11 +95,14 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         notes,
         fit: None,
         fit_with_effects: None,
+        facts: Vec::new(),
+        findings: Vec::new(),
     };
     let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
-    if method.abstention {
+    let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));
+    if method.abstention && stated_channels {
         let (stated, fit) = stated(model, &basis, &decision.base.fit);
-        let test = |fit: &super::Fit| tested(model, &stated, fit, &folds, model.sheet_is_known(), seed);
+        let test = |fit: &super::Fit| tested(model, &stated, fit, &folds, seed);
         diagnosis.fit = Some(test(&fit));
         if decision.verdict == GapVerdict::Effect {
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));

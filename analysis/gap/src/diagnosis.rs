@@ -2,13 +2,14 @@
 
 use super::{Fitness, Identifiable};
 use serde_json::{Value, json};
+use toolroom_facts::{Fact, Finding};
 
 /// The answer in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GapVerdict {
     /// A missing effect is named.
     Effect,
-    /// A constant of the model is off by more than was believed; with it the model fits.
+    /// A constant of the model is off: more than was believed, or contradicted by what the log counts.
     Constant,
     /// There is a gap that no effect of the catalogue explains.
     Unknown,
@@ -177,6 +178,10 @@ pub struct Diagnosis {
     pub fit: Option<Fitness>,
     /// The same test with the named effects; `None` where none is named.
     pub fit_with_effects: Option<Fitness>,
+    /// What was counted and no channel predicts.
+    pub facts: Vec<Fact>,
+    /// The facts that contradict the file.
+    pub findings: Vec<Finding>,
 }
 
 /// A model with effects that was fitted.
@@ -268,6 +273,8 @@ impl Diagnosis {
             notes: vec![why],
             fit: None,
             fit_with_effects: None,
+            facts: Vec::new(),
+            findings: Vec::new(),
         }
     }
 
@@ -324,6 +331,9 @@ impl Diagnosis {
             "notes": self.notes,
             "fit": self.fit.as_ref().map_or(Value::Null, Fitness::json),
             "remaining": self.remaining(),
+            "facts": self.facts.iter().enumerate().map(|(index, fact)| {
+                fact.json(self.findings.iter().any(|finding| finding.fact == index))
+            }).collect::<Vec<_>>(),
         })
     }
 }

@@ -124,16 +124,9 @@ impl Fitness {
 }
 
 /// Tests whether the model of `fit`, a fit without effects and with derivatives by all candidates, leaves what
-/// `basis` says of noise and scatter. `known` says whether the noise is that of the sheet and the scenario.
-pub(super) fn tested(
-    model: &dyn Forward,
-    basis: &Basis,
-    fit: &Fit,
-    folds: &[Vec<usize>],
-    known: bool,
-    seed: u64,
-) -> Fitness {
-    let test = Test::new(model, basis, fit, folds, known);
+/// `basis` says of noise and scatter, in the channels of which that is known.
+pub(super) fn tested(model: &dyn Forward, basis: &Basis, fit: &Fit, folds: &[Vec<usize>], seed: u64) -> Fitness {
+    let test = Test::new(model, basis, fit, folds);
     let observed = test.observed();
     let mut draws = test.drawn(0..FIRST.0, seed);
     let values = |draws: &[Draw]| draws.iter().map(|(own, _)| own.clone()).collect::<Vec<_>>();
@@ -179,7 +172,6 @@ struct Test<'a> {
     model: &'a dyn Forward,
     fit: &'a Fit,
     noise: Noise,
-    known: bool,
     /// Observations of the fitted groups, in the order of the design.
     places: Vec<usize>,
     design: Design,
@@ -192,7 +184,7 @@ struct Test<'a> {
 }
 
 impl<'a> Test<'a> {
-    fn new(model: &'a dyn Forward, basis: &Basis, fit: &'a Fit, folds: &[Vec<usize>], known: bool) -> Self {
+    fn new(model: &'a dyn Forward, basis: &Basis, fit: &'a Fit, folds: &[Vec<usize>]) -> Self {
         let frame = model.frame();
         let measured = &frame.measured;
         let linear = &fit.linear;
@@ -222,6 +214,7 @@ impl<'a> Test<'a> {
         let residual = noise.whiten(measured, &offset_residual(model, linear, &[]));
         let residual = DVector::from_iterator(places.len(), places.iter().map(|place| residual[*place]));
         let channels = (0..measured.channels.len())
+            .filter(|channel| model.scatter_is_known(*channel))
             .map(|channel| channel_of(model, measured, &places, &design, channel))
             .filter(|(_, places, _)| places.len() >= FEWEST_VALUES)
             .collect();
@@ -235,7 +228,7 @@ impl<'a> Test<'a> {
             .collect();
         let signatures = DMatrix::from_fn(places.len(), effects.len(), |i, j| effects[j][i]);
         let catalogue = design.projected(&signatures);
-        Self { model, fit, noise, known, places, design, residual, channels, catalogue, candidates }
+        Self { model, fit, noise, places, design, residual, channels, catalogue, candidates }
     }
 
     fn observed(&self) -> Observed {
@@ -300,7 +293,7 @@ impl<'a> Test<'a> {
         let mut normal = |count: usize| DVector::from_fn(count, |_, _| StandardNormal.sample(&mut random));
         let (calibration, locals) =
             (normal(shared), (0..self.design.rows().count()).map(|_| normal(own)).collect::<Vec<_>>());
-        let mut column = if self.known { self.readings(&mut random) } else { normal(self.places.len()) };
+        let mut column = self.readings(&mut random);
         self.design.add(&calibration, &locals, &mut column);
         column
     }

@@ -46,6 +46,7 @@ mod fitness;
 mod generic;
 mod gram;
 mod identifiability;
+mod joined;
 mod left_out;
 mod linear;
 mod method;
@@ -56,6 +57,7 @@ mod processes;
 mod queue;
 mod score;
 mod settle;
+mod shop_facts;
 #[cfg(test)]
 mod shop_tests;
 mod summary;
@@ -78,6 +80,7 @@ pub use fit::Fit;
 pub use fitness::{Fitness, LeastSeen, Part, Structure};
 pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
+pub use joined::joined;
 pub use linear::Linear;
 pub use method::Method;
 pub use noise::Noise;
@@ -93,5 +96,6 @@ pub use trial::Trial;
 /// Logs of shops as nominal models, and what their queues tell of a diagnosis.
 pub mod shop {
     pub use super::queue::{QueueFit, QueueScore, queues};
+    pub use super::shop_facts::add_facts;
     pub use toolroom_nominal::shop::*;
 }

@@ -76,8 +76,8 @@ impl Forward for Bare<'_> {
         self.model.simulate(&self.whole(at))
     }
 
-    fn sheet_is_known(&self) -> bool {
-        self.model.sheet_is_known()
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
     }
 
     fn chains(&self, at: &Point) -> Vec<Chain> {

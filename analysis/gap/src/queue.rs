@@ -18,6 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
 use toolroom_scenario::MICRO_STOP;
+use toolroom_statistics::Moments;
 
 /// Replications of a log.
 const REPLICATIONS: usize = 40;
@@ -42,7 +43,7 @@ pub struct QueueScore {
 }
 
 /// How recorded waits lie among replicated ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct QueueFit {
     /// Mean wait of the replications, s.
     pub mean: f64,
@@ -50,6 +51,10 @@ pub struct QueueFit {
     pub score: f64,
     /// Area between the distribution of the probabilities and the uniform one; 0 for the true shop.
     pub area: f64,
+    /// Mean waits of the replications, s.
+    pub means: Vec<f64>,
+    /// The score of each replication among the others.
+    pub scores: Vec<f64>,
 }
 
 /// One operation before a pool.
@@ -231,26 +236,55 @@ fn fit(
         }
     }
     let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(1));
-    let mut days: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
-    let (mut probabilities, mut sum) = (Vec::with_capacity(scored.len()), 0.0);
+    let mut days = Days::default();
+    let mut others = vec![Days::default(); REPLICATIONS];
+    let mut means = vec![0.0; REPLICATIONS];
+    let mut probabilities = Vec::with_capacity(scored.len());
     for at in scored {
         let (call, replicated) = (calls[*at], &waits[*at]);
-        let own = call.visit.start - call.ready;
-        // The control knows times to half a second.
-        let below = replicated.iter().filter(|wait| **wait < own - 0.5).count() as f64;
-        let same = replicated.iter().filter(|wait| (**wait - own).abs() <= 0.5).count() as f64;
-        let u = (below + random.random::<f64>() * (same + 1.0)) / (REPLICATIONS as f64 + 1.0);
-        let day = days.entry((call.ready / DAY).floor() as i64).or_default();
-        *day = (day.0 + normal_score(u), day.1 + 1.0);
+        let day = (call.ready / DAY).floor() as i64;
+        let u = rank(call.visit.start - call.ready, replicated, 0.0, random.random());
+        days.add(day, u);
         probabilities.push(u);
-        sum += replicated.iter().sum::<f64>() / REPLICATIONS as f64;
+        for (replication, wait) in replicated.iter().enumerate() {
+            // Among the others: itself is one of those that are equal.
+            others[replication].add(day, rank(*wait, replicated, 1.0, random.random()));
+            means[replication] += wait / scored.len() as f64;
+        }
     }
-    let means: Vec<f64> = days.values().map(|(sum, count)| sum / count).collect();
-    let count = means.len() as f64;
-    let mean = means.iter().sum::<f64>() / count;
-    let variance = means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (count - 1.0);
     probabilities.sort_by(f64::total_cmp);
     let all = probabilities.len() as f64;
     let area = probabilities.iter().enumerate().map(|(i, u)| ((i as f64 + 0.5) / all - u).abs()).sum::<f64>() / all;
-    QueueFit { mean: sum / all, score: mean / (variance / count).sqrt(), area }
+    QueueFit {
+        mean: means.iter().sum::<f64>() / REPLICATIONS as f64,
+        score: days.score(),
+        area,
+        means,
+        scores: others.iter().map(Days::score).collect(),
+    }
+}
+
+/// Probability of a wait among replicated ones, of which `own` are the wait itself; `chance` (0 to 1) decides
+/// among equals. The control knows times to half a second.
+fn rank(wait: f64, replicated: &[f64], own: f64, chance: f64) -> f64 {
+    let below = replicated.iter().filter(|other| **other < wait - 0.5).count() as f64;
+    let same = replicated.iter().filter(|other| (**other - wait).abs() <= 0.5).count() as f64 - own;
+    (below + chance * (same + 1.0)) / (replicated.len() as f64 - own + 1.0)
+}
+
+/// Sums and numbers of normal scores by day.
+#[derive(Clone, Debug, Default)]
+struct Days(BTreeMap<i64, (f64, f64)>);
+
+impl Days {
+    fn add(&mut self, day: i64, probability: f64) {
+        let sums = self.0.entry(day).or_default();
+        *sums = (sums.0 + normal_score(probability), sums.1 + 1.0);
+    }
+
+    /// Mean over the days over its standard error.
+    fn score(&self) -> f64 {
+        let means: Moments = self.0.values().map(|(sum, count)| sum / count).collect();
+        means.mean() / means.standard_error()
+    }
 }

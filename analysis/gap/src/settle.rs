@@ -32,11 +32,8 @@ pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, Fit) {
 }
 
 /// The noise of the sensor sheet and the scatter of the scenario, by which a fit is tested; the scatter between groups
-/// that nobody states is that of `basis`. Where the sheet is read off the records, the noise is, too.
+/// that nobody states is that of `basis`.
 pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, Fit) {
-    if !model.sheet_is_known() {
-        return (basis.clone(), fit.clone());
-    }
     let mut stated = Basis::unmeasured(model, basis.method, basis.nominal.clone());
     stated.local_scale.clone_from(&basis.local_scale);
     let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);

@@ -1,10 +1,11 @@
 //! What a shop tells of itself.
 
 use super::shop::*;
-use crate::{GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
+use crate::{Diagnosis, GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
+use toolroom_facts::{Finding, Quantity};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::Deviation;
+use toolroom_scenario::{Deviation, Distribution, Scenario};
 
 fn nominal() -> NominalModel {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
@@ -13,10 +14,15 @@ fn nominal() -> NominalModel {
 
 /// Ten days of the nominal shop under another seed, with what it does otherwise than planned.
 fn recorded(seed: u64, deviations: &[Deviation]) -> Records {
+    of_shop(seed, &|scenario| scenario.deviations = deviations.to_vec())
+}
+
+/// Ten days of the nominal shop under another seed, `changed` in what the planner does not know.
+fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
     let mut scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
     scenario.seed = seed;
-    scenario.deviations = deviations.to_vec();
+    changed(&mut scenario);
     let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
     let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
     all.into_iter().find(|records| records.kind == RecordKind::Shop).expect("events")
@@ -180,4 +186,100 @@ fn gaps_of_the_log_leave_operations_out_and_blame_nothing() {
     let rows: Vec<usize> = (0..all.len()).filter(|row| (row / 200) % 7 != 3).collect();
     let diagnosis = diagnose(nominal().over(&all.select(&rows), None, |_, _| false).0.as_ref(), 1).diagnosis;
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+}
+
+/// The diagnosis of a log with its facts.
+fn with_facts(records: &Records) -> Diagnosis {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    add_facts(shop, records, &mut diagnosis, 1);
+    diagnosis
+}
+
+/// Findings of a diagnosis.
+fn found(diagnosis: &Diagnosis) -> Vec<(Quantity, &str)> {
+    let of = |finding: &Finding| (diagnosis.facts[finding.fact].quantity, diagnosis.facts[finding.fact].place.as_str());
+    diagnosis.findings.iter().map(of).collect()
+}
+
+#[test]
+fn the_nominal_shop_contradicts_none_of_its_constants() {
+    for seed in [7, 21, 22, 23] {
+        let diagnosis = with_facts(&recorded(seed, &[]));
+        assert!(diagnosis.facts.len() >= 12 && diagnosis.findings.is_empty(), "{seed}: {}", diagnosis.terminal());
+        assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{seed}: {}", diagnosis.terminal());
+    }
+}
+
+#[test]
+fn failures_at_half_or_three_times_the_rate_are_a_constant() {
+    for (factor, seed) in [(2.0, 31), (1.0 / 3.0, 32)] {
+        let mean = factor * 8.0 * 3600.0;
+        let change = |scenario: &mut Scenario| {
+            // Twenty days: half of 90 failures are seen with certainty, half of 45 are not.
+            scenario.horizon *= 2.0;
+            scenario.failures.iter_mut().for_each(|mode| mode.time_between = Distribution::Exponential { mean });
+        };
+        let diagnosis = with_facts(&of_shop(seed, &change));
+        assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{factor}: {}", diagnosis.terminal());
+        let pool = found(&diagnosis).contains(&(Quantity::TimeBetweenFailures, "L1, L2, M1, M2"));
+        assert!(pool, "{factor}: {}", diagnosis.terminal());
+        let fact = &diagnosis.facts[0];
+        assert!(fact.ci90[0] < mean && mean < fact.ci90[1], "{fact:?}");
+        assert!(!found(&diagnosis).iter().any(|(quantity, _)| *quantity == Quantity::TimeToRepair));
+    }
+}
+
+#[test]
+fn repairs_that_take_three_times_as_long_are_a_constant() {
+    let change = |scenario: &mut Scenario| {
+        let slow = Distribution::Lognormal { mean: 75.0 * 60.0, cv: 0.4 };
+        scenario.failures.iter_mut().for_each(|mode| mode.time_to_repair = slow);
+    };
+    let diagnosis = with_facts(&of_shop(33, &change));
+    assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{}", diagnosis.terminal());
+    assert!(found(&diagnosis).contains(&(Quantity::TimeToRepair, "L1, L2, M1, M2")), "{}", diagnosis.terminal());
+    assert!(found(&diagnosis).iter().all(|(quantity, _)| *quantity == Quantity::TimeToRepair));
+}
+
+#[test]
+fn jobs_that_wait_for_a_transport_leave_a_queue_that_nothing_explains() {
+    // The mills get every job 38 min after the lathes let it go.
+    let mut records = recorded(7, &[]);
+    let machines = records.texts("machine").expect("machines").to_vec();
+    let times = records.numbers("time").expect("times").iter().zip(&machines);
+    let late = times.map(|(time, machine)| if machine.starts_with('M') { time + 2271.0 } else { *time }).collect();
+    records.set_numbers("time", late);
+    let diagnosis = with_facts(&records);
+    assert!(found(&diagnosis).contains(&(Quantity::QueueWait, "M1, M2")), "{}", diagnosis.terminal());
+    assert_ne!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn holds_of_any_length_are_named_with_their_mean_length() {
+    // A twentieth of all operations is held, 15 s in the mean, exponentially: no block knows its own mean.
+    let mut sizes = Vec::new();
+    for seed in [11, 12, 13] {
+        let mut records = recorded(seed, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+        let (states, machines) = (records.texts("state").expect("states"), records.texts("machine").expect("machines"));
+        let mut times = records.numbers("time").expect("times").to_vec();
+        for machine in ["L1", "L2", "M1", "M2"] {
+            let (mut moved, mut holds) = (0.0, 0.0_f64);
+            for row in (0..times.len()).filter(|row| machines[*row] == machine) {
+                times[row] += moved;
+                if states[row] == "feed_hold" {
+                    holds += 1.0;
+                    let share = (holds * 0.618_033_988_749_895).fract();
+                    moved += 15.0 * (-(1.0 - share).ln() - 1.0);
+                }
+            }
+        }
+        records.set_numbers("time", times);
+        let diagnosis = diagnose(nominal().over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+        assert_eq!(diagnosis.effects[0].id, "feed_hold", "{}", diagnosis.terminal());
+        sizes.push(diagnosis.effects[0].size);
+    }
+    let mean = sizes.iter().sum::<f64>() / 3.0;
+    assert!((mean - 15.0).abs() < 1.0, "{sizes:?} s");
 }

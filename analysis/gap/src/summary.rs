@@ -31,8 +31,16 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
             let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
             format!("missing effect: {}", names.join(" and "))
         }
-        GapVerdict::Constant => "a constant of the model is wrong; with it corrected the model fits".to_owned(),
         GapVerdict::Small => "the model does not fit exactly, but what it leaves matters nowhere".to_owned(),
+        GapVerdict::Constant if diagnosis.findings.is_empty() => {
+            "a constant of the model is wrong; with it corrected the model fits".to_owned()
+        }
+        GapVerdict::Constant => {
+            let constants = diagnosis.findings.iter().filter(|finding| finding.constant).map(|finding| finding.fact);
+            let name =
+                |fact: usize| format!("{} of {}", diagnosis.facts[fact].quantity.words(), diagnosis.facts[fact].place);
+            format!("the file has another constant: {}", constants.map(name).collect::<Vec<_>>().join("; "))
+        }
         GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
         GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
         GapVerdict::NoGap => match &diagnosis.fit {
@@ -62,6 +70,10 @@ impl Diagnosis {
                 let _ =
                     writeln!(text, "    cannot be told from {}: {}", effect.class[1..].join(", "), effect.class_reason);
             }
+        }
+        for finding in &self.findings {
+            let kind = if finding.constant { "constant" } else { "queue   " };
+            let _ = writeln!(text, "{kind} {}", finding.words);
         }
         if let Some(cell) = self.cells.first() {
             let place = if cell.group == "all" { &cell.regime } else { &cell.group };

@@ -57,16 +57,6 @@ pub(super) fn judged(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<Stri
     }
 }
 
-impl Diagnosis {
-    /// Takes note of waits before machines that the model does not explain: no gap is answered no longer.
-    pub fn unexplained_wait(&mut self, machines: &str, score: f64) {
-        if matches!(self.verdict, GapVerdict::NoGap | GapVerdict::Small) {
-            self.verdict = GapVerdict::Unknown;
-        }
-        self.notes.insert(0, format!("waits before {machines} are not those of the model (score {score:.1})"));
-    }
-}
-
 /// The constant that calibration moved furthest, if that is further than is believed.
 fn constant(diagnosis: &Diagnosis) -> Option<String> {
     let own = diagnosis.calibration.iter().filter(|each| each.constant);

@@ -1,6 +1,7 @@
 //! From the sections of a study file to a study.
 
 mod keys;
+mod words;
 
 pub use keys::STUDY;
 
@@ -16,6 +17,7 @@ use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_para
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::{scatter, sensors};
 use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
+use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
 
 /// What may stand before the dot in the name of a field, for messages.
 const GROUPS: &str = "GROUP.NAME as in [parameters], such as limits.wear_limit; cut.NAME, such as cut.hardness";
@@ -62,7 +64,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
         path: section.required("path"),
         pause: section.required("pause"),
     });
-    let lagged = root.text("body") == Some("lagged");
+    let lagged = root.chosen("body", BodyWord::from_word) == Some(BodyWord::Lagged);
     let cells = cells(walk, root, (&pair, &scatter), &conditions, (passes, lagged));
     let (fields, named) = fields(walk, root, &pair, directory);
     let copula = copula(walk, root, &named);
@@ -74,11 +76,11 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
     let costs = walk.table(root, "replacement").and_then(|section| costs(walk, &section));
     let sensitivity = walk.table(root, "sensitivity");
     let sensitivity = sensitivity.and_then(|section| Some((section.count("samples")?, section.count("trajectories")?)));
-    let sampling = match root.text("sampling") {
-        Some("antithetic") => Sampling::Antithetic,
-        Some("latin_hypercube") => Sampling::LatinHypercube,
-        Some("sobol") => Sampling::Sobol,
-        _ => Sampling::Plain,
+    let sampling = match root.chosen("sampling", SamplingWord::from_word)? {
+        SamplingWord::Antithetic => Sampling::Antithetic,
+        SamplingWord::LatinHypercube => Sampling::LatinHypercube,
+        SamplingWord::Sobol => Sampling::Sobol,
+        SamplingWord::Plain => Sampling::Plain,
     };
     let name = root.text("name")?.to_owned();
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
@@ -171,20 +173,25 @@ fn cells(
         if policies.iter().any(|(known, ..)| *known == name) {
             walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "policy", name: name.clone() });
         }
-        let rule = match section.text("speed") {
-            Some("best_path") => Rule::Best(Objective::Path),
-            Some("best_life") => Rule::Best(Objective::Life),
-            Some("best_rate") => Rule::Best(Objective::Rate { change_time: section.required("change_time") }),
-            Some("makarov") => Rule::Makarov(section.required("at_flank_wear")),
-            Some("schedule") => Rule::Schedule,
-            Some("minimum_wear") => Rule::MinimumWear,
-            Some("price") => Rule::Price(section.required("price")),
-            Some("oracle") => {
-                Rule::Oracle(if section.text("knows") == Some("edge") { Knows::Edge } else { Knows::Wear })
-            }
-            _ => Rule::Programmed,
+        let rule = match section.chosen("speed", RuleWord::from_word) {
+            Some(RuleWord::BestPath) => Rule::Best(Objective::Path),
+            Some(RuleWord::BestLife) => Rule::Best(Objective::Life),
+            Some(RuleWord::BestRate) => Rule::Best(Objective::Rate { change_time: section.required("change_time") }),
+            Some(RuleWord::Makarov) => Rule::Makarov(section.required("at_flank_wear")),
+            Some(RuleWord::Schedule) => Rule::Schedule,
+            Some(RuleWord::MinimumWear) => Rule::MinimumWear,
+            Some(RuleWord::Price) => Rule::Price(section.required("price")),
+            Some(RuleWord::Oracle) => Rule::Oracle(match section.chosen("knows", KnowsWord::from_word) {
+                Some(KnowsWord::Edge) => Knows::Edge,
+                Some(KnowsWord::Wear) | None => Knows::Wear, // None after a problem
+            }),
+            Some(RuleWord::Programmed) | None => Rule::Programmed, // None after a problem
         };
-        let reading = if section.text("reading") == Some("pass") { Reading::Pass } else { Reading::Period };
+        let reading = match section.chosen("reading", ReadingWord::from_word) {
+            Some(ReadingWord::Pass) => Reading::Pass,
+            // The key applies to rules with sensors only.
+            Some(ReadingWord::Period) | None => Reading::Period,
+        };
         policies.push((name, rule, reading, sensors(walk, &section)));
     }
     if policies.is_empty() {
@@ -303,22 +310,24 @@ fn spread(
     directory: &Path,
 ) -> Option<Spread> {
     let at = |walk: &mut Walk, key: &str| value(walk, section, key, field.unit);
-    let spread = match section.text("distribution")? {
-        "normal" => {
+    let spread = match section.chosen("distribution", FamilyWord::from_word)? {
+        FamilyWord::Normal => {
             Spread::Normal { mean: at(walk, "mean")?, deviation: positive(walk, section, "deviation", field.unit)? }
         }
-        "lognormal" => {
+        FamilyWord::Lognormal => {
             Spread::Lognormal { median: positive(walk, section, "median", field.unit)?, sigma: section.si("sigma")? }
         }
-        "weibull" => {
+        FamilyWord::Weibull => {
             Spread::Weibull { scale: positive(walk, section, "scale", field.unit)?, shape: section.si("shape")? }
         }
-        "gamma" => Spread::Gamma { scale: positive(walk, section, "scale", field.unit)?, shape: section.si("shape")? },
-        "empirical" => return empirical(walk, section, field, directory),
-        family => {
+        FamilyWord::Gamma => {
+            Spread::Gamma { scale: positive(walk, section, "scale", field.unit)?, shape: section.si("shape")? }
+        }
+        FamilyWord::Empirical => return empirical(walk, section, field, directory),
+        family @ (FamilyWord::Triangular | FamilyWord::Uniform | FamilyWord::Beta) => {
             let (low, high) = (at(walk, "low"), at(walk, "high"));
             let (low, high) = (low?, high?);
-            let mode = if family == "triangular" { at(walk, "mode")? } else { 0.5 * (low + high) };
+            let mode = if family == FamilyWord::Triangular { at(walk, "mode")? } else { 0.5 * (low + high) };
             if !(low < high && (low..=high).contains(&mode)) {
                 let shown = |value: f64| significant(unit::convert(value, field.unit, field.display));
                 let fault = Fault::Contradiction {
@@ -331,10 +340,12 @@ fn spread(
                 walk.fault(section.span_of("high"), fault);
                 return None;
             }
-            match family {
-                "triangular" => Spread::Triangular { low, mode, high },
-                "uniform" => Spread::Uniform { low, high },
-                _ => Spread::Beta { low, high, alpha: section.si("alpha")?, beta: section.si("beta")? },
+            if family == FamilyWord::Triangular {
+                Spread::Triangular { low, mode, high }
+            } else if family == FamilyWord::Uniform {
+                Spread::Uniform { low, high }
+            } else {
+                Spread::Beta { low, high, alpha: section.si("alpha")?, beta: section.si("beta")? }
             }
         }
     };

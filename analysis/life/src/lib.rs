@@ -21,6 +21,7 @@
 //! | [`replacement`] | when an edge is best replaced, by age or in blocks |
 //! | [`analysis`] | all of it in one go |
 //! | [`measured`] | lives and wear readings from CSV files |
+//! | [`measured_study`] | laws of measured lives and of their groups, with text, JSON and report |
 //! | [`picture`], [`page`] | the same as charts, report sections and JSON |
 //! | [`study`] | Monte Carlo studies |
 //! | [`mod@file`] | files of such studies |
@@ -39,6 +40,7 @@ pub mod goodness;
 pub mod law;
 pub mod maximise;
 pub mod measured;
+pub mod measured_study;
 mod normal;
 pub mod page;
 pub mod picture;

@@ -203,10 +203,6 @@ impl Forward for Empirical {
         &self.frame
     }
 
-    fn sheet_is_known(&self) -> bool {
-        false
-    }
-
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let measured = &self.frame.measured;
         let mut value: Vec<f64> = self.growth.clone();

@@ -170,10 +170,9 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
-    /// Whether the deviations of the observations are known beforehand, from a sensor sheet, and not read off the
-    /// records.
-    fn sheet_is_known(&self) -> bool {
-        true
+    /// Whether all that the values of a channel scatter by is known beforehand, from the scenario and its sensor sheet.
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
     }
     /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
     /// sensors; empty where the model does not say.

@@ -6,7 +6,7 @@ mod three;
 mod two;
 
 use crate::description::{ValueType, Variable};
-use crate::unit::{Library, Unit};
+use crate::unit::{Functions, Library, Unit};
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex};
 
@@ -31,7 +31,7 @@ impl Port {
 #[error("{function} answered {status}{}", said(.messages))]
 pub struct CallError {
     /// The function.
-    pub function: &'static str,
+    pub function: String,
     /// Its status: `discard`, `error`, `fatal`, or what else was wrong.
     pub status: String,
     /// The last messages that the unit logged.
@@ -42,12 +42,78 @@ fn said(messages: &[String]) -> String {
     if messages.is_empty() { String::new() } else { format!(": {}", messages.join("; ")) }
 }
 
-/// An instance in step mode.
+/// How a communication step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepped {
+    /// At its end.
+    Whole,
+    /// Before its end, at this time (s): the unit discarded the rest (`fmi2Discard`).
+    Part(f64),
+    /// The unit ended the simulation at this time (s): `terminateSimulation`, or `fmi2Discard` with `fmi2Terminated`.
+    Ended(f64),
+}
+
+/// Number of a place for a saved state of an instance, chosen by the caller.
+pub type Place = u32;
+
+/// One thing that an instance is to do. Several are handed over together, so that a unit in another process is
+/// asked once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action<'a> {
+    /// Sets a variable; a Boolean is false at 0.
+    Set(Port, f64),
+    /// Reads a variable.
+    Get(Port),
+    /// A communication step from `time` over `duration` (s). What follows is left out where it was not whole.
+    Step {
+        /// Start, s.
+        time: f64,
+        /// Length, s.
+        duration: f64,
+    },
+    /// Saves the state, over an earlier one of the same place.
+    Save(Place),
+    /// Goes back to a saved state.
+    Restore(Place),
+    /// Frees a saved state; nothing where there is none.
+    Forget(Place),
+    /// The state as bytes.
+    Serialize,
+    /// Goes back to a state written by [`Action::Serialize`] of any instance of the unit.
+    Deserialize(&'a [u8]),
+}
+
+/// What came of some actions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Values read, in order.
+    pub values: Vec<f64>,
+    /// How the last step ended.
+    pub stepped: Stepped,
+    /// The last serialised state.
+    pub bytes: Vec<u8>,
+}
+
+impl Default for Answer {
+    fn default() -> Self {
+        Self { values: Vec::new(), stepped: Stepped::Whole, bytes: Vec::new() }
+    }
+}
+
+/// An instance in step mode, in this process or in a worker's.
 #[derive(Debug)]
 pub struct Instance {
     // Freed before the library that it points into.
-    calls: Box<dyn Calls>,
+    body: Box<dyn Body>,
     unit: Arc<Unit>,
+}
+
+/// Where an instance lives.
+pub(crate) trait Body: std::fmt::Debug + Send {
+    /// Does `actions` in order, up to the first that fails.
+    fn act(&mut self, actions: &[Action<'_>], answer: &mut Answer) -> Result<(), CallError>;
+    /// Whether it can still be called.
+    fn alive(&self) -> bool;
 }
 
 /// What both versions of FMI can do, each in its own words.
@@ -56,9 +122,84 @@ trait Calls: std::fmt::Debug + Send {
     fn set(&mut self, port: Port, value: f64) -> Result<(), CallError>;
     fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError>;
     fn get(&mut self, port: Port) -> Result<f64, CallError>;
-    fn step(&mut self, time: f64, duration: f64) -> Result<(), CallError>;
+    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError>;
+    fn save(&mut self, place: Place) -> Result<(), CallError>;
+    fn restore(&mut self, place: Place) -> Result<(), CallError>;
+    fn forget(&mut self, place: Place) -> Result<(), CallError>;
     fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError>;
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError>;
+    /// False after a fatal status.
+    fn alive(&self) -> bool;
+}
+
+/// An instance in this process.
+#[derive(Debug)]
+pub(crate) struct Local(Box<dyn Calls>);
+
+impl Local {
+    /// A new instance, initialised; `begin` hears the number of each call: instantiation, start values, the rest.
+    pub fn new(
+        library: &Arc<Library>,
+        start_values: &[(Port, StartValue)],
+        start: f64,
+        begin: &dyn Fn(usize),
+    ) -> Result<Self, CallError> {
+        begin(0);
+        let mut calls: Box<dyn Calls> = match &library.functions {
+            Functions::Two(_) => Box::new(two::Two::new(library)?),
+            Functions::Three(_) => Box::new(three::Three::new(library)?),
+        };
+        for (call, (port, value)) in (1..).zip(start_values) {
+            begin(call);
+            match value {
+                StartValue::Number(number) => calls.set(*port, *number)?,
+                StartValue::Text(text) => calls.set_text(port.reference, text)?,
+            }
+        }
+        begin(start_values.len() + 1);
+        calls.initialize(start)?;
+        Ok(Self(calls))
+    }
+
+    /// [`Body::act`]; `begin` hears the number of each action.
+    pub fn watched(
+        &mut self,
+        actions: &[Action<'_>],
+        answer: &mut Answer,
+        begin: &dyn Fn(usize),
+    ) -> Result<(), CallError> {
+        answer.values.clear();
+        answer.stepped = Stepped::Whole;
+        for (number, action) in actions.iter().enumerate() {
+            begin(number);
+            match *action {
+                Action::Set(port, value) => self.0.set(port, value)?,
+                Action::Get(port) => answer.values.push(self.0.get(port)?),
+                Action::Step { time, duration } => {
+                    answer.stepped = self.0.step(time, duration)?;
+                    if answer.stepped != Stepped::Whole {
+                        break;
+                    }
+                }
+                Action::Save(place) => self.0.save(place)?,
+                Action::Restore(place) => self.0.restore(place)?,
+                Action::Forget(place) => self.0.forget(place)?,
+                Action::Serialize => self.0.serialize(&mut answer.bytes)?,
+                Action::Deserialize(bytes) => self.0.deserialize(bytes)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Body for Local {
+    fn act(&mut self, actions: &[Action<'_>], answer: &mut Answer) -> Result<(), CallError> {
+        self.watched(actions, answer, &|_| {})
+    }
+
+    fn alive(&self) -> bool {
+        self.0.alive()
+    }
 }
 
 impl Instance {
@@ -67,19 +208,7 @@ impl Instance {
     /// # Errors
     /// [`CallError`] of the first call that failed; `instantiate` where the unit gave none.
     pub fn new(unit: &Arc<Unit>, start_values: &[(Port, StartValue)], start: f64) -> Result<Self, CallError> {
-        let calls: Box<dyn Calls> = match &unit.library {
-            Library::Two(_) => Box::new(two::Two::new(unit)?),
-            Library::Three(_) => Box::new(three::Three::new(unit)?),
-        };
-        let mut instance = Self { calls, unit: Arc::clone(unit) };
-        for (port, value) in start_values {
-            match value {
-                StartValue::Number(number) => instance.set(*port, *number)?,
-                StartValue::Text(text) => instance.calls.set_text(port.reference, text)?,
-            }
-        }
-        instance.calls.initialize(start)?;
-        Ok(instance)
+        Ok(Self { body: unit.instantiate(start_values, start)?, unit: Arc::clone(unit) })
     }
 
     /// The unit.
@@ -87,36 +216,33 @@ impl Instance {
         &self.unit
     }
 
-    /// Sets a variable; a Boolean is false at 0.
+    /// Does `actions` in order.
     ///
     /// # Errors
-    /// [`CallError`].
-    pub fn set(&mut self, port: Port, value: f64) -> Result<(), CallError> {
-        self.calls.set(port, value)
-    }
-
-    /// Reads a variable.
-    ///
-    /// # Errors
-    /// [`CallError`].
-    pub fn get(&mut self, port: Port) -> Result<f64, CallError> {
-        self.calls.get(port)
+    /// [`CallError`] of the first that failed; those after it are left out. After a failed step the instance is of
+    /// no further use.
+    pub fn act(&mut self, actions: &[Action<'_>], answer: &mut Answer) -> Result<(), CallError> {
+        self.body.act(actions, answer)
     }
 
     /// One communication step from `time` (s).
     ///
     /// # Errors
-    /// [`CallError`]; the instance is of no further use then.
-    pub fn step(&mut self, time: f64, duration: f64) -> Result<(), CallError> {
-        self.calls.step(time, duration)
+    /// As [`Instance::act`].
+    pub fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+        let mut answer = Answer::default();
+        self.act(&[Action::Step { time, duration }], &mut answer)?;
+        Ok(answer.stepped)
     }
 
     /// The whole state as bytes.
     ///
     /// # Errors
     /// [`CallError`].
-    pub fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError> {
-        self.calls.serialize(bytes)
+    pub fn serialize(&mut self) -> Result<Vec<u8>, CallError> {
+        let mut answer = Answer::default();
+        self.act(&[Action::Serialize], &mut answer)?;
+        Ok(answer.bytes)
     }
 
     /// Goes back to a state written by [`Instance::serialize`] of any instance of the unit.
@@ -124,7 +250,12 @@ impl Instance {
     /// # Errors
     /// [`CallError`].
     pub fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        self.calls.deserialize(bytes)
+        self.act(&[Action::Deserialize(bytes)], &mut Answer::default())
+    }
+
+    /// Whether the instance can still be called: not after a fatal status, nor where its process has ended.
+    pub fn alive(&self) -> bool {
+        self.body.alive()
     }
 }
 
@@ -168,13 +299,13 @@ impl Messages {
         }
     }
 
-    fn error(&self, function: &'static str, status: impl Into<String>) -> CallError {
+    fn error(&self, function: &str, status: impl Into<String>) -> CallError {
         let messages = self.0.lock().map(|mut kept| std::mem::take(&mut *kept)).unwrap_or_default();
-        CallError { function, status: status.into(), messages }
+        CallError { function: function.to_owned(), status: status.into(), messages }
     }
 
     /// Turns a status, the same number in both versions, into a result.
-    fn judge(&self, function: &'static str, status: u32) -> Result<(), CallError> {
+    fn judge(&self, function: &str, status: u32) -> Result<(), CallError> {
         match status {
             0 | 1 => {
                 // What was said on the way is of no interest any more.

@@ -3,13 +3,14 @@
 //! A process of the shop is an immutable value and its state a list of numbers, so that the shop
 //! may go back, branch and run replications side by side. A unit that can write its state to
 //! bytes fits in: the bytes are the numbers, instances are interchangeable. One that cannot
-//! keeps one instance for each edge, and that instance goes forward only.
+//! keeps one instance for each edge. Where that instance saves states in memory, it goes back to
+//! any state since the last one that the shop settled on; else it goes forward only.
 
 use crate::Port;
-use crate::instance::{CallError, Instance, StartValue};
+use crate::instance::{Action, Answer, CallError, Instance, Place, StartValue};
 use crate::unit::Unit;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Bytes in one number: whole numbers up to 2⁴⁸ survive every copy of an `f64`.
 const BYTES: usize = 6;
@@ -19,8 +20,8 @@ const BYTES: usize = 6;
 pub(crate) enum Keeping {
     /// In the numbers: time, count of bytes, bytes.
     Numbers { capacity: usize, pool: Mutex<Vec<Idle>>, single: bool },
-    /// In instances: time, number of the instance, number of its steps.
-    Instances(Mutex<Instances>),
+    /// In instances: time, number of the instance, number of the state.
+    Instances { edges: Mutex<Edges>, goes_back: bool },
 }
 
 /// An instance that nobody uses, and the state that it is in.
@@ -32,9 +33,20 @@ pub(crate) struct Idle {
 
 /// Instances of edges.
 #[derive(Debug, Default)]
-pub(crate) struct Instances {
+pub(crate) struct Edges {
     next: u64,
-    alive: BTreeMap<u64, (Instance, u64)>,
+    alive: BTreeMap<u64, Edge>,
+}
+
+#[derive(Debug)]
+struct Edge {
+    instance: Instance,
+    /// State that the instance is in.
+    at: Place,
+    /// States so far.
+    states: Place,
+    /// States that are saved in memory.
+    saved: BTreeSet<Place>,
 }
 
 /// Why a state could not be used.
@@ -44,10 +56,12 @@ pub(crate) enum KeepingError {
     Call(#[from] CallError),
     #[error("its state grew to {size} bytes, {capacity} were foreseen")]
     Grown { size: usize, capacity: usize },
-    #[error("it offers no FMU state (canSerializeFMUState): it cannot go back to an earlier time")]
+    #[error("it offers no FMU state (canGetAndSetFMUState): it cannot go back to an earlier time")]
     Forward,
     #[error("no instance could be made for this edge")]
     NoInstance,
+    #[error("{0}")]
+    Impossible(String),
 }
 
 /// What makes an instance.
@@ -62,100 +76,161 @@ impl Maker<'_> {
     }
 }
 
+/// An instance on its way to the state that is wanted, and from it to the next.
+pub(crate) struct Turn<'a> {
+    instance: &'a mut Instance,
+    /// Time of the state, s.
+    pub time: f64,
+    entry: Option<Entry>,
+    exit: Option<Action<'static>>,
+}
+
+enum Entry {
+    Bytes(Vec<u8>),
+    Place(Place),
+}
+
+impl Turn<'_> {
+    /// Does `actions` from the state that is wanted, and keeps the state that they lead to with `keep`.
+    pub fn act(&mut self, actions: &[Action<'_>], keep: bool, answer: &mut Answer) -> Result<(), CallError> {
+        let entry = self.entry.take();
+        let first = entry.as_ref().map(|entry| match entry {
+            Entry::Bytes(bytes) => Action::Deserialize(bytes),
+            Entry::Place(place) => Action::Restore(*place),
+        });
+        let last = self.exit.filter(|_| keep);
+        let all: Vec<Action<'_>> = first.into_iter().chain(actions.iter().copied()).chain(last).collect();
+        self.instance.act(&all, answer)
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Keeping {
-    /// Tries the unit out: whether its state can be written, and the state of a new edge.
-    pub fn of(maker: &Maker<'_>) -> Result<(Self, Vec<f64>), CallError> {
+    /// Tries the unit out: whether its state can be written, and the state of a new edge. `look` reads what is to be
+    /// known of the new edge.
+    pub fn of(maker: &Maker<'_>, look: &[Action<'_>]) -> Result<(Self, Vec<f64>, Vec<f64>), CallError> {
         let interface = maker.unit.interface();
         let mut instance = maker.instance()?;
+        let mut answer = Answer::default();
         if !(interface.saves_state() && interface.serializes_state()) {
-            drop(instance);
-            return Ok((Self::Instances(Mutex::default()), vec![0.0; 3]));
+            instance.act(look, &mut answer)?;
+            let keeping = Self::Instances { edges: Mutex::default(), goes_back: interface.saves_state() };
+            return Ok((keeping, vec![0.0; 3], answer.values));
         }
-        let mut bytes = Vec::new();
-        instance.serialize(&mut bytes)?;
+        let all: Vec<Action<'_>> = look.iter().copied().chain([Action::Serialize]).collect();
+        instance.act(&all, &mut answer)?;
         // Twice the bytes of a new edge; units whose state grows beyond are refused then.
-        let capacity = 2 * bytes.len() + 64;
+        let capacity = 2 * answer.bytes.len() + 64;
         let mut x = vec![0.0; 2 + capacity.div_ceil(BYTES)];
-        pack(0.0, &bytes, &mut x);
-        let single = interface.can("canBeInstantiatedOnlyOncePerProcess");
+        pack(0.0, &answer.bytes, &mut x);
         let pool = Mutex::new(vec![Idle { instance, at: x.clone() }]);
-        Ok((Self::Numbers { capacity, pool, single }, x))
+        Ok((Self::Numbers { capacity, pool, single: maker.unit.only_one() }, x, answer.values))
     }
 
     /// Length of a state.
     pub fn length(&self) -> usize {
         match self {
             Self::Numbers { capacity, .. } => 2 + capacity.div_ceil(BYTES),
-            Self::Instances(_) => 3,
+            Self::Instances { .. } => 3,
         }
     }
 
     /// State of a new edge, where it is not the same numbers for each.
     pub fn begin(&self, maker: &Maker<'_>) -> Option<Vec<f64>> {
-        let Self::Instances(instances) = self else { return None };
-        let instance = maker.instance().ok()?;
-        let mut instances = instances.lock().unwrap_or_else(PoisonError::into_inner);
-        instances.next += 1;
-        let number = instances.next;
-        instances.alive.insert(number, (instance, 0));
+        let Self::Instances { edges, goes_back } = self else { return None };
+        let mut instance = maker.instance().ok()?;
+        let mut saved = BTreeSet::new();
+        if *goes_back {
+            instance.act(&[Action::Save(0)], &mut Answer::default()).ok()?;
+            saved.insert(0);
+        }
+        let mut edges = locked(edges);
+        edges.next += 1;
+        let number = edges.next;
+        edges.alive.insert(number, Edge { instance, at: 0, states: 0, saved });
         Some(vec![0.0, number as f64, 0.0])
     }
 
-    /// Runs `work` on an instance in the state `x`; `work` gets the time and gives the time
-    /// that it left the instance at, or `None` where it took no step.
+    /// Forgets every state of the edge but `x`.
+    pub fn settle(&self, x: &[f64]) {
+        let Self::Instances { edges, goes_back: true } = self else { return };
+        if let Some(edge) = locked(edges).alive.get_mut(&(x[1] as u64)) {
+            let old: Vec<Place> = edge.saved.iter().copied().filter(|place| *place != x[2] as Place).collect();
+            let forget: Vec<Action<'_>> = old.iter().map(|place| Action::Forget(*place)).collect();
+            edge.saved.retain(|place| !old.contains(place));
+            // An instance that cannot even do that says so at its next step.
+            let _ = edge.instance.act(&forget, &mut Answer::default());
+        }
+    }
+
+    /// Frees the instance of the edge.
+    pub fn retire(&self, x: &[f64]) {
+        if let Self::Instances { edges, .. } = self {
+            let edge = locked(edges).alive.remove(&(x[1] as u64));
+            drop(edge); // after the lock: a worker may take its time
+        }
+    }
+
+    /// Runs `work` on an instance in the state `x`; `work` gives the time at which it kept a
+    /// state ([`Turn::act`]), or `None` where it took no step.
     pub fn with<T>(
         &self,
         maker: &Maker<'_>,
         x: &mut [f64],
-        work: impl FnOnce(&mut Instance, f64) -> Result<(T, Option<f64>), CallError>,
+        answer: &mut Answer,
+        work: impl FnOnce(&mut Turn<'_>, &mut Answer) -> Result<(T, Option<f64>), KeepingError>,
     ) -> Result<T, KeepingError> {
         match self {
             Self::Numbers { capacity, pool, single } => {
-                let mut shelf = pool.lock().unwrap_or_else(PoisonError::into_inner);
-                // The last one put back is most likely in the state wanted.
-                let idle = shelf.pop();
+                let mut shelf = locked(pool);
+                // The last one put back is most likely in the state wanted. One whose process has died is no use.
+                let idle = std::iter::from_fn(|| shelf.pop()).find(|idle| idle.instance.alive());
                 let held = single.then_some(shelf); // the only instance: others wait for it
                 let mut idle = match idle {
                     Some(idle) => idle,
                     None => Idle { instance: maker.instance()?, at: Vec::new() },
                 };
-                if idle.at != x {
-                    let bytes = unpack(x);
-                    idle.at.clear();
-                    idle.instance.deserialize(&bytes)?;
-                }
-                let (result, end) = work(&mut idle.instance, x[0])?;
+                let entry = (idle.at != x).then(|| Entry::Bytes(unpack(x)));
+                idle.at.clear(); // its inputs are others from now on
+                let exit = Some(Action::Serialize);
+                let mut turn = Turn { instance: &mut idle.instance, time: x[0], entry, exit };
+                let (result, end) = work(&mut turn, answer)?;
                 if let Some(time) = end {
-                    let mut bytes = Vec::new();
-                    idle.instance.serialize(&mut bytes)?;
+                    let bytes = &answer.bytes;
                     if bytes.len() > *capacity {
                         return Err(KeepingError::Grown { size: bytes.len(), capacity: *capacity });
                     }
-                    pack(time, &bytes, x);
+                    pack(time, bytes, x);
                     idle.at = x.to_vec();
-                } else {
-                    idle.at.clear(); // its inputs are others now
                 }
                 match held {
                     Some(mut shelf) => shelf.push(idle),
-                    None => pool.lock().unwrap_or_else(PoisonError::into_inner).push(idle),
+                    None => locked(pool).push(idle),
                 }
                 Ok(result)
             }
-            Self::Instances(instances) => {
-                let number = x[1] as u64;
-                let lock = || instances.lock().unwrap_or_else(PoisonError::into_inner);
-                let (mut instance, steps) = lock().alive.remove(&number).ok_or(KeepingError::NoInstance)?;
-                if steps as f64 != x[2] {
-                    lock().alive.insert(number, (instance, steps));
+            Self::Instances { edges, goes_back } => {
+                let (number, wanted) = (x[1] as u64, x[2] as Place);
+                let mut edge = locked(edges).alive.remove(&number).ok_or(KeepingError::NoInstance)?;
+                if edge.at != wanted && !edge.saved.contains(&wanted) {
+                    locked(edges).alive.insert(number, edge);
                     return Err(KeepingError::Forward);
                 }
-                let (result, end) = work(&mut instance, x[0])?;
-                let steps = steps + u64::from(end.is_some());
-                lock().alive.insert(number, (instance, steps));
+                let entry = (edge.at != wanted).then_some(Entry::Place(wanted));
+                let next = edge.states + 1;
+                let exit = goes_back.then_some(Action::Save(next));
+                let mut turn = Turn { instance: &mut edge.instance, time: x[0], entry, exit };
+                let (result, end) = work(&mut turn, answer)?;
+                edge.at = wanted;
                 if let Some(time) = end {
-                    (x[0], x[2]) = (time, steps as f64);
+                    (edge.at, edge.states) = (next, next);
+                    edge.saved.extend(goes_back.then_some(next));
+                    (x[0], x[2]) = (time, f64::from(next));
                 }
+                locked(edges).alive.insert(number, edge);
                 Ok(result)
             }
         }
@@ -163,7 +238,10 @@ impl Keeping {
 
     /// Whether an earlier state can be used again.
     pub fn goes_back(&self) -> bool {
-        matches!(self, Self::Numbers { .. })
+        match self {
+            Self::Numbers { .. } => true,
+            Self::Instances { goes_back, .. } => *goes_back,
+        }
     }
 }
 

@@ -6,8 +6,9 @@
 //!               │                │
 //!               ├──► Binary ─────┘
 //!               │                                       ┌──► simulate: a table of outputs
-//!               └──► Unit (library) ──► Instance (calls)┤
-//!                    with feature fmi                   └──► UnitProcess: MachineProcess of the shop
+//!               └──► Unit ──► Instance (actions) ───────┤
+//!                      │  with feature fmi              └──► UnitProcess: MachineProcess of the shop
+//!                      └──► worker: its code in other processes
 //! ```
 //!
 //! | item | what it is |
@@ -18,6 +19,7 @@
 //! | [`check::check`], [`check::Finding`] | the rules behind failures that users of FMI report |
 //! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, one instance, one variable of it |
 //! | `UnitProcess`, `wire::Wires` | with the feature `fmi`: a unit in the place of a native process, in SI |
+//! | `Isolation`, `worker::serve` | with the feature `fmi`: where the code of a unit runs |
 //! | `simulate::simulate` | with the feature `fmi`: a unit by itself |
 //!
 //! ```
@@ -45,15 +47,19 @@ pub mod simulate;
 #[cfg(feature = "fmi")]
 pub mod unit;
 #[cfg(feature = "fmi")]
+mod watch;
+#[cfg(feature = "fmi")]
 pub mod wire;
+#[cfg(all(feature = "fmi", unix))]
+pub mod worker;
 
 pub use archive::{Archive, ArchiveError, Entry};
 pub use description::{Interface, ModelDescription, Reading, ValueType, Variable};
 pub use platform::{Binary, PLATFORMS, Platform};
 #[cfg(feature = "fmi")]
 pub use {
-    instance::{CallError, Instance, Port, StartValue},
+    instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
     machine::UnitProcess,
-    unit::{LoadError, Unit},
+    unit::{CALL_LIMIT, Isolation, LoadError, Unit, WorkerProgram},
     wire::WiringError,
 };

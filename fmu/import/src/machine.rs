@@ -1,8 +1,9 @@
 //! A unit in the place of a process of the shop.
 
-use crate::instance::{CallError, Instance, Port, StartValue};
-use crate::keeping::{Keeping, KeepingError, Maker};
+use crate::instance::{Action, Answer, Place, Port, StartValue, Stepped};
+use crate::keeping::{Keeping, KeepingError, Maker, Turn};
 use crate::unit::Unit;
+use crate::watch::Watch;
 use crate::wire::{Wire, Wires, WiringError, events, inner, start_values};
 use std::sync::Arc;
 use toolroom_process::{Advance, Field, Kind, MachineProcess, ModelError, ProcessEvent, Wiring};
@@ -21,7 +22,7 @@ const UNIT_STATE: Field = Field {
     start: 0.0,
     min: f64::MIN,
     max: f64::MAX,
-    doc: "Time, size and bytes of the state of an imported unit.",
+    doc: "State of an imported unit, its wear and its events.",
 };
 
 /// Mechanical energy that a unit may count; the shop reads it from the state.
@@ -30,11 +31,21 @@ const ENERGY: Field = Field { name: "energy", unit: "J", display: "J", doc: "Mec
 /// Share of a step to which an event is located (about the rounding of its time).
 const EVENT_TIME: f64 = 1e-13;
 
+/// Where the state at the start of a step is saved while an event is located.
+const START: Place = Place::MAX;
+
+/// Shorter steps in a row that are tried where the unit discards a step (assumption: 2⁻³⁰ of a pass is no step).
+const RETRIES: usize = 30;
+
 /// An imported unit that stands in for a native process.
 ///
 /// Its state is what the unit writes with `fmi2SerializeFMUstate` or `fmi3SerializeFMUState`, as
-/// numbers, and events are located by going back and halving the step. Without that it goes
-/// forward only ([`MachineProcess::goes_back`]), and an event happens at the end of its step.
+/// numbers, or a state saved in memory, and events are located by going back and halving the step.
+/// Without saved states it goes forward only ([`MachineProcess::goes_back`]), and an event happens at the
+/// end of its step.
+///
+/// What the unit says is not believed: every output is read before and after a step and compared with its
+/// description, the range of the quantity that it feeds, and what came before.
 #[derive(Debug)]
 pub struct UnitProcess {
     name: &'static str,
@@ -42,16 +53,25 @@ pub struct UnitProcess {
     start_values: Vec<(Port, StartValue)>,
     inputs: Wires,
     outputs: Wires,
+    watch: Watch,
     events: Vec<(ProcessEvent, Port)>,
     step: Option<f64>,
     keeping: Keeping,
     /// The unit's state, and the energy where the unit counts it.
     states: Vec<Field>,
     energy: Option<Wire>,
+    /// State of a new edge: kept numbers, wear, flags of the events.
     fresh: Vec<f64>,
     /// Input elements of speed and its change in time.
     speed: usize,
     acceleration: Option<usize>,
+}
+
+/// How far the unit came, by its own events.
+struct Way {
+    advance: Advance,
+    /// Time at its end, s.
+    time: f64,
 }
 
 impl UnitProcess {
@@ -85,8 +105,15 @@ impl UnitProcess {
         let energy = outputs.take(ENERGY.name).or_else(|| inner(description, &ENERGY));
         let events = events(description, wiring)?;
         let start_values = start_values(description, wiring)?;
-        let (keeping, fresh) = Keeping::of(&Maker { unit: &unit, start_values: &start_values })?;
-        let mut states = vec![Field { len: keeping.length(), ..UNIT_STATE }];
+        let watch = Watch::of(description, &outputs);
+        let flags = events.iter().map(|(_, port)| Action::Get(*port));
+        let look: Vec<Action<'_>> = watch.wear().map(Action::Get).into_iter().chain(flags).collect();
+        let maker = Maker { unit: &unit, start_values: &start_values };
+        let (keeping, mut fresh, seen) = Keeping::of(&maker, &look)?;
+        let (wear, flags) = seen.split_at(usize::from(watch.wear().is_some()));
+        fresh.push(wear.first().copied().map_or(0.0, |wear| watch.inward(wear)));
+        fresh.extend(flags);
+        let mut states = vec![Field { len: fresh.len(), ..UNIT_STATE }];
         states.extend(energy.map(|_| ENERGY));
         Ok(Self {
             name,
@@ -94,6 +121,7 @@ impl UnitProcess {
             start_values,
             inputs: wires,
             outputs,
+            watch,
             events,
             step: wiring.step,
             keeping,
@@ -113,17 +141,18 @@ impl UnitProcess {
         ModelError::Unit { unit: self.unit.path().display().to_string(), reason: error.to_string() }
     }
 
-    fn set_inputs(&self, instance: &mut Instance, u: &[f64]) -> Result<(), CallError> {
-        for (wire, value) in self.inputs.wires.iter().zip(u) {
-            if let Some(wire) = wire {
-                instance.set(wire.port, wire.outward(*value))?;
-            }
-        }
-        Ok(())
+    /// Sets every input to `u`.
+    fn set(&self, u: &[f64], actions: &mut Vec<Action<'_>>) {
+        let wired = self.inputs.wires.iter().zip(u).filter_map(|(wire, value)| wire.map(|wire| (wire, value)));
+        actions.extend(wired.map(|(wire, value)| Action::Set(wire.port, wire.outward(*value))));
     }
 
-    fn flags(&self, instance: &mut Instance) -> Result<Vec<bool>, CallError> {
-        self.events.iter().map(|(_, port)| Ok(instance.get(*port)? != 0.0)).collect()
+    fn get_outputs(&self, actions: &mut Vec<Action<'_>>) {
+        actions.extend(self.outputs.wires.iter().flatten().map(|wire| Action::Get(wire.port)));
+    }
+
+    fn get_flags(&self, actions: &mut Vec<Action<'_>>) {
+        actions.extend(self.events.iter().map(|(_, port)| Action::Get(*port)));
     }
 
     /// Longest communication step of `dt` seconds at this acceleration.
@@ -133,87 +162,213 @@ impl UnitProcess {
         self.step.unwrap_or(default).min(dt)
     }
 
-    /// Steps from `time` until `dt` seconds are over or an event is flagged; moves the speed.
+    /// Steps until `dt` seconds are over or an event is flagged; moves the speed. `seen` is wear and flags before.
     fn steps(
         &self,
-        instance: &mut Instance,
-        time: f64,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
         u: &mut [f64],
         dt: f64,
-    ) -> Result<(Advance, Option<f64>), CallError> {
+        seen: &mut [f64],
+    ) -> Result<Way, KeepingError> {
+        let time = turn.time;
         let acceleration = self.acceleration.map_or(0.0, |i| u[i]);
         let start_speed = u[self.speed];
         let parts = (dt / self.longest_step(acceleration, dt)).ceil().max(1.0);
         let native_ramp = self.acceleration.is_some_and(|i| self.inputs.wires[i].is_some());
-        let before = self.flags(instance)?;
+        let before: Vec<bool> = seen[1..].iter().map(|flag| *flag != 0.0).collect();
         // A lost edge cuts no more; flags that were up before a step would not rise in it.
         let lost = self.events.iter().zip(&before).find(|((event, _), up)| **up && event.ends_cut());
         let in_cut = self.inputs.fields.iter().position(|field| field.name == "engaged").is_none_or(|i| u[i] > 0.0);
         if let (true, Some(((event, _), _))) = (in_cut, lost) {
-            return Ok((Advance { elapsed: 0.0, event: Some(*event) }, Some(time)));
+            turn.act(&[], true, answer)?;
+            return Ok(Way { advance: Advance { elapsed: 0.0, event: Some(*event) }, time });
         }
-        let locates = self.goes_back() && !self.events.is_empty();
-        let mut saved = Vec::new();
         let mut elapsed = 0.0;
         for part in 1..=parts as u64 {
             let end = if part as f64 == parts { dt } else { dt * (part as f64 / parts) };
             let middle = 0.5 * (elapsed + end);
             u[self.speed] = start_speed + acceleration * if native_ramp { elapsed } else { middle };
-            if locates {
-                instance.serialize(&mut saved)?;
-            }
-            let (from, mut step) = (time + elapsed, end - elapsed);
-            let mut event = self.step(instance, u, from, step, &before)?;
-            if event.is_some() && locates {
-                (step, event) = self.locate(instance, u, from, step, &before, &saved)?;
-            }
-            elapsed = if event.is_some() { elapsed + step } else { end };
+            let step = Step { from: time + elapsed, length: end - elapsed, before: &before, first: part == 1 };
+            let (length, event) = self.step(turn, answer, u, &step, seen)?;
+            elapsed = if event.is_some() { elapsed + length } else { end };
             if event.is_some() {
                 u[self.speed] = start_speed + acceleration * elapsed;
-                return Ok((Advance { elapsed, event }, Some(time + elapsed)));
+                return Ok(Way { advance: Advance { elapsed, event }, time: time + elapsed });
             }
         }
         u[self.speed] = start_speed + acceleration * dt;
-        Ok((Advance { elapsed: dt, event: None }, Some(time + dt)))
+        Ok(Way { advance: Advance { elapsed: dt, event: None }, time: time + dt })
     }
 
-    /// One communication step; the first event whose flag is up and was not `before`.
+    /// One communication step, up to the first event in it; how long it took.
     fn step(
         &self,
-        instance: &mut Instance,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
         u: &[f64],
-        from: f64,
-        step: f64,
-        before: &[bool],
-    ) -> Result<Option<ProcessEvent>, CallError> {
-        self.set_inputs(instance, u)?;
-        instance.step(from, step)?;
-        let now = self.flags(instance)?;
-        let rose = self.events.iter().zip(before.iter().zip(now)).find(|(_, (before, now))| !**before && *now);
-        Ok(rose.map(|((event, _), _)| *event))
+        step: &Step<'_>,
+        seen: &mut [f64],
+    ) -> Result<(f64, Option<ProcessEvent>), KeepingError> {
+        let mut done = 0.0;
+        let mut part = step.length;
+        let mut retries = 0;
+        while done < step.length {
+            let from = step.from + done;
+            let try_from = Try { from, length: part, save: self.goes_back(), check: step.first && done == 0.0 };
+            let (stepped, event) = self.attempt(turn, answer, u, &try_from, step.before, seen)?;
+            match stepped {
+                Stepped::Whole if event.is_some() && self.goes_back() => {
+                    let (length, event) = self.locate(turn, answer, u, from, part, step.before, seen)?;
+                    return Ok((done + length, event));
+                }
+                Stepped::Whole => {
+                    done = if part == step.length - done { step.length } else { done + part };
+                    part = step.length - done;
+                    if event.is_some() {
+                        return Ok((done, event));
+                    }
+                }
+                Stepped::Part(reached) if self.goes_back() && retries < RETRIES => {
+                    retries += 1;
+                    turn.act(&[Action::Restore(START)], false, answer)?;
+                    // As far as it came, or else half the way.
+                    part = if reached > from && reached < from + part { reached - from } else { 0.5 * part };
+                }
+                Stepped::Part(reached) => {
+                    let way = if self.goes_back() { "" } else { ", and cannot go back for a shorter one" };
+                    return Err(KeepingError::Impossible(format!(
+                        "at {from} s it discarded a step of {part} s, came to {reached} s{way}"
+                    )));
+                }
+                Stepped::Ended(end) => {
+                    return Err(KeepingError::Impossible(format!(
+                        "at {end} s it ended its simulation (terminateSimulation); a machine of a shop has no end"
+                    )));
+                }
+            }
+        }
+        Ok((step.length, None))
     }
 
-    /// Finds the earliest event of a step by halving it, from the state `saved` at its start; the
+    /// Tries a step; the first event whose flag is up and was not `before`. Wear and flags go to `seen`.
+    fn attempt(
+        &self,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
+        u: &[f64],
+        step: &Try,
+        before: &[bool],
+        seen: &mut [f64],
+    ) -> Result<(Stepped, Option<ProcessEvent>), KeepingError> {
+        let mut actions = Vec::new();
+        actions.extend(step.save.then_some(Action::Save(START)));
+        self.set(u, &mut actions);
+        if step.check {
+            self.get_outputs(&mut actions);
+        }
+        actions.push(Action::Step { time: step.from, duration: step.length });
+        self.get_flags(&mut actions);
+        self.get_outputs(&mut actions);
+        actions.extend(self.energy.map(|energy| Action::Get(energy.port)));
+        turn.act(&actions, true, answer)?;
+        let mut values = answer.values.as_slice();
+        if step.check {
+            let (outputs, rest) = values.split_at(self.watch.len());
+            seen[0] = self.watch.check(outputs, step.from, seen[0])?;
+            values = rest;
+        }
+        if answer.stepped != Stepped::Whole {
+            return Ok((answer.stepped, None));
+        }
+        let (flags, values) = values.split_at(self.events.len());
+        seen[0] = self.watch.check(&values[..self.watch.len()], step.from + step.length, seen[0])?;
+        seen[1..].copy_from_slice(flags);
+        let rose =
+            self.events.iter().zip(before.iter().zip(flags)).find(|(_, (before, now))| !**before && **now != 0.0);
+        Ok((Stepped::Whole, rose.map(|((event, _), _)| *event)))
+    }
+
+    /// Finds the earliest event of a step of `length` by halving it, from the state saved at its start; the
     /// instance is left at the event.
+    #[allow(clippy::too_many_arguments)] // a step, its start and what was seen there
     fn locate(
         &self,
-        instance: &mut Instance,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
         u: &[f64],
         from: f64,
-        step: f64,
+        length: f64,
         before: &[bool],
-        saved: &[u8],
-    ) -> Result<(f64, Option<ProcessEvent>), CallError> {
-        let (mut quiet, mut loud) = (0.0, step);
-        while loud - quiet > EVENT_TIME * step {
+        seen: &mut [f64],
+    ) -> Result<(f64, Option<ProcessEvent>), KeepingError> {
+        let wear = seen[0];
+        let (mut quiet, mut loud) = (0.0, length);
+        let mut last = None;
+        while loud - quiet > EVENT_TIME * length {
             let middle = 0.5 * (quiet + loud);
-            instance.deserialize(saved)?;
-            let event = self.step(instance, u, from, middle, before)?;
-            if event.is_some() { loud = middle } else { quiet = middle }
+            let event = self.again(turn, answer, u, from, middle, before, seen)?;
+            if event.is_some() {
+                loud = middle
+            } else {
+                quiet = middle
+            }
+            last = Some(middle);
         }
-        instance.deserialize(saved)?;
-        Ok((loud, self.step(instance, u, from, loud, before)?))
+        if last == Some(loud) {
+            let flags = self.events.iter().zip(before.iter().zip(&seen[1..]));
+            let rose =
+                flags.map(|((event, _), (before, now))| (event, !*before && *now != 0.0)).find(|(_, rose)| *rose);
+            return Ok((loud, rose.map(|(event, _)| *event)));
+        }
+        seen[0] = wear.min(seen[0]);
+        Ok((loud, self.again(turn, answer, u, from, loud, before, seen)?))
     }
+
+    /// The step again, from the state saved at its start.
+    #[allow(clippy::too_many_arguments)] // as above
+    fn again(
+        &self,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
+        u: &[f64],
+        from: f64,
+        length: f64,
+        before: &[bool],
+        seen: &mut [f64],
+    ) -> Result<Option<ProcessEvent>, KeepingError> {
+        turn.act(&[Action::Restore(START)], false, answer)?;
+        seen[0] = f64::NEG_INFINITY; // the state is an earlier one
+        let step = Try { from, length, save: false, check: false };
+        match self.attempt(turn, answer, u, &step, before, seen)? {
+            (Stepped::Whole, event) => Ok(event),
+            (stepped, _) => Err(KeepingError::Impossible(format!(
+                "at {from} s it took a step that holds an event, and then not one of {length} s ({stepped:?})"
+            ))),
+        }
+    }
+}
+
+/// A communication step.
+struct Step<'a> {
+    /// Start, s.
+    from: f64,
+    /// Length, s.
+    length: f64,
+    /// Flags of the events before it.
+    before: &'a [bool],
+    /// Whether outputs are looked at before it, too.
+    first: bool,
+}
+
+/// One try of a step or of a part of it.
+struct Try {
+    from: f64,
+    length: f64,
+    /// Saves the state before it.
+    save: bool,
+    /// Looks at the outputs before it, too.
+    check: bool,
 }
 
 impl MachineProcess for UnitProcess {
@@ -230,37 +385,56 @@ impl MachineProcess for UnitProcess {
         &self.outputs.fields
     }
     fn initial(&self) -> Vec<f64> {
-        let mut x = self.keeping.begin(&self.maker()).unwrap_or_else(|| self.fresh.clone());
+        let mut x = self.fresh.clone();
+        if let Some(own) = self.keeping.begin(&self.maker()) {
+            x[..own.len()].copy_from_slice(&own);
+        }
         x.extend(self.energy.map(|_| 0.0));
         x
     }
     fn goes_back(&self) -> bool {
         self.keeping.goes_back()
     }
-    /// Outputs as the unit gives them after its inputs were set; not a number where it refuses.
+    fn settle(&self, x: &[f64]) {
+        self.keeping.settle(&x[..self.keeping.length()]);
+    }
+    fn retire(&self, x: &[f64]) {
+        self.keeping.retire(&x[..self.keeping.length()]);
+    }
+    /// Outputs as the unit gives them after its inputs were set; not a number where it refuses or gives one that
+    /// cannot be, which the next step from there refuses.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]) {
         let mut state = x[..self.keeping.length()].to_vec();
-        let values = self.keeping.with(&self.maker(), &mut state, |instance, _| {
-            self.set_inputs(instance, u)?;
-            let wires = self.outputs.wires.iter().flatten();
-            let values: Result<Vec<f64>, CallError> =
-                wires.map(|wire| Ok(wire.inward(instance.get(wire.port)?))).collect();
-            Ok((values?, None))
+        let mut actions = Vec::new();
+        self.set(u, &mut actions);
+        self.get_outputs(&mut actions);
+        let mut answer = Answer::default();
+        let asked = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
+            turn.act(&actions, false, answer)?;
+            self.watch.check(&answer.values, turn.time, f64::NEG_INFINITY)?;
+            Ok(((), None))
         });
-        match values {
-            Ok(values) => y.copy_from_slice(&values),
+        match asked {
+            Ok(()) => {
+                let wires = self.outputs.wires.iter().flatten();
+                y.iter_mut().zip(wires.zip(&answer.values)).for_each(|(y, (wire, value))| *y = wire.inward(*value));
+            }
             Err(_) => y.fill(f64::NAN),
         }
     }
     /// By the flag of the unit; false where it has none for the event or refuses.
     fn holds(&self, event: ProcessEvent, x: &[f64], u: &[f64]) -> bool {
-        let Some(flag) = self.events.iter().position(|(each, _)| *each == event) else { return false };
+        let Some(flag) = self.events.iter().find(|(each, _)| *each == event) else { return false };
         let mut state = x[..self.keeping.length()].to_vec();
-        let flags = self.keeping.with(&self.maker(), &mut state, |instance, _| {
-            self.set_inputs(instance, u)?;
-            Ok((self.flags(instance)?, None))
+        let mut actions = Vec::new();
+        self.set(u, &mut actions);
+        actions.push(Action::Get(flag.1));
+        let mut answer = Answer::default();
+        let asked = self.keeping.with(&self.maker(), &mut state, &mut answer, |turn, answer| {
+            turn.act(&actions, false, answer)?;
+            Ok(((), None))
         });
-        flags.is_ok_and(|flags| flags[flag])
+        asked.is_ok() && answer.values[0] != 0.0
     }
     fn advance(&self, x: &mut [f64], u: &mut [f64], dt: f64) -> Result<Advance, ModelError> {
         if !(dt.is_finite() && dt >= 0.0) {
@@ -273,16 +447,21 @@ impl MachineProcess for UnitProcess {
             return Ok(Advance { elapsed: 0.0, event: None });
         }
         let mut input = u.to_vec();
-        let (state, counted) = x.split_at_mut(self.keeping.length());
-        let work = |instance: &mut Instance, time| {
-            let (advance, end) = self.steps(instance, time, &mut input, dt)?;
-            let energy = self.energy.map(|wire| Ok(wire.inward(instance.get(wire.port)?))).transpose()?;
-            Ok(((advance, energy), end))
+        let (kept, rest) = x.split_at_mut(self.keeping.length());
+        let (watched, counted) = rest.split_at_mut(1 + self.events.len());
+        let (mut state, mut seen, mut answer) = (kept.to_vec(), watched.to_vec(), Answer::default());
+        let work = |turn: &mut Turn<'_>, answer: &mut Answer| {
+            let way = self.steps(turn, answer, &mut input, dt, &mut seen)?;
+            Ok((way.advance, Some(way.time)))
         };
-        let (advance, energy) = self.keeping.with(&self.maker(), state, work).map_err(|error| self.refusal(&error))?;
-        if let (Some(slot), Some(energy)) = (counted.first_mut(), energy) {
-            *slot = energy;
+        let advance =
+            self.keeping.with(&self.maker(), &mut state, &mut answer, work).map_err(|error| self.refusal(&error))?;
+        // The energy is what was read last.
+        if let (Some(slot), Some(wire), Some(energy)) = (counted.first_mut(), self.energy, answer.values.last()) {
+            *slot = wire.inward(*energy);
         }
+        kept.copy_from_slice(&state);
+        watched.copy_from_slice(&seen);
         u.copy_from_slice(&input);
         Ok(advance)
     }

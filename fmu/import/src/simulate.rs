@@ -1,7 +1,7 @@
 //! A unit on its own: inputs from a table, outputs to a table.
 
 use crate::description::{ModelDescription, ValueType, Variable};
-use crate::instance::{CallError, Instance, Port, StartValue};
+use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped};
 use crate::unit::Unit;
 use crate::wire::{WiringError, start_values};
 use std::io::{Read, Write};
@@ -33,6 +33,8 @@ pub struct Done {
     pub step: f64,
     /// Steps taken.
     pub steps: u64,
+    /// Whether the unit ended the simulation, at `stop`.
+    pub ended: bool,
 }
 
 /// Why a simulation did not reach its end.
@@ -67,6 +69,28 @@ pub enum SimulateError {
         time: f64,
         /// The call.
         source: CallError,
+    },
+    /// The unit took a part of a step only.
+    #[error("the unit discarded the step from {time} s over {step} s and came to {reached} s: give a shorter --step")]
+    Discarded {
+        /// Start of the step, s.
+        time: f64,
+        /// Its length, s.
+        step: f64,
+        /// Where it came to, s.
+        reached: f64,
+    },
+    /// A value that cannot be.
+    #[error("at {time} s: {variable} = {value}, {rule}")]
+    Value {
+        /// Time, s.
+        time: f64,
+        /// The output.
+        variable: String,
+        /// Its value, in its own unit.
+        value: f64,
+        /// What it breaks.
+        rule: String,
     },
     /// The results cannot be written.
     #[error("the results cannot be written: {0}")]
@@ -153,7 +177,8 @@ impl Inputs {
         Ok(inputs)
     }
 
-    fn set(&self, instance: &mut Instance, time: f64) -> Result<(), CallError> {
+    /// Sets every input to its value at `time` (s).
+    fn set(&self, time: f64, actions: &mut Vec<Action<'_>>) {
         // Of two rows at one time the later one holds from then on.
         let after = self.times.partition_point(|each| *each <= time);
         for column in &self.columns {
@@ -163,9 +188,8 @@ impl Inputs {
                 let share = (time - self.times[row]) / (self.times[after] - self.times[row]);
                 value += share * (column.values[after] - value);
             }
-            instance.set(column.port, value)?;
+            actions.push(Action::Set(column.port, value));
         }
-        Ok(())
     }
 }
 
@@ -212,26 +236,58 @@ pub fn simulate(
     let mut table = CsvWriter::new(table, std::iter::once("time [s]".to_owned()).chain(outputs.iter().map(header)))?;
     let failed = |time| move |source| SimulateError::Call { time, source };
     let mut instance = Instance::new(unit, &start_values, start).map_err(failed(start))?;
-    let mut time = start;
+    let (mut time, mut done) = (start, Done { start, stop, step, steps: steps as u64, ended: false });
+    let mut answer = Answer::default();
+    let gets: Vec<Action<'_>> = outputs.iter().map(|variable| Action::Get(Port::of(variable))).collect();
     for number in 0..=steps as u64 {
         // The last step ends at the stop time, however the steps round.
-        let goal = if number as f64 == steps { stop } else { start + number as f64 * step };
-        if number > 0
-            && let Err(source) = instance.step(time, goal - time)
-        {
+        let mut goal = if number as f64 == steps { stop } else { start + number as f64 * step };
+        // Step, inputs and outputs at once: a unit in a worker process is asked once.
+        let mut actions = Vec::new();
+        actions.extend((number > 0).then_some(Action::Step { time, duration: goal - time }));
+        if let Some(inputs) = inputs {
+            inputs.set(goal, &mut actions);
+        }
+        actions.extend(gets.iter().copied());
+        if let Err(source) = instance.act(&actions, &mut answer) {
             table.flush()?;
             return Err(SimulateError::Call { time, source });
         }
+        match answer.stepped {
+            Stepped::Whole => {}
+            Stepped::Part(reached) => {
+                table.flush()?;
+                return Err(SimulateError::Discarded { time, step: goal - time, reached });
+            }
+            Stepped::Ended(end) => {
+                done = Done { stop: end, steps: number, ended: true, ..done };
+                goal = end;
+                instance.act(&gets, &mut answer).map_err(failed(end))?;
+            }
+        }
         time = goal;
-        if let Some(inputs) = inputs {
-            inputs.set(&mut instance, time).map_err(failed(time))?;
+        if let Err(refused) = outputs.iter().zip(&answer.values).try_for_each(|(of, value)| check(of, *value, time)) {
+            table.flush()?;
+            return Err(refused);
         }
-        let mut row: Vec<Cell<'_>> = vec![time.into()];
-        for variable in &outputs {
-            row.push(instance.get(Port::of(variable)).map_err(failed(time))?.into());
+        table.row(std::iter::once(time).chain(answer.values.iter().copied()).map(Cell::from).collect::<Vec<_>>())?;
+        if done.ended {
+            break;
         }
-        table.row(row)?;
     }
     table.flush()?;
-    Ok(Done { start, stop, step, steps: steps as u64 })
+    Ok(done)
+}
+
+/// That a value is finite and within the bounds of its description.
+fn check(variable: &Variable, value: f64, time: f64) -> Result<(), SimulateError> {
+    let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+    let rule = if !value.is_finite() {
+        "which is no finite number".to_owned()
+    } else if value < min || value > max {
+        format!("outside {min} to {max} of its description")
+    } else {
+        return Ok(());
+    };
+    Err(SimulateError::Value { time, variable: variable.name.clone(), value, rule })
 }

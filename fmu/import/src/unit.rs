@@ -5,11 +5,16 @@
 use crate::archive::{Archive, ArchiveError};
 use crate::check::functions;
 use crate::description::{Interface, ModelDescription};
+use crate::instance::{Body, CallError, Local, Port, StartValue};
 use crate::platform::{Binary, Platform};
+#[cfg(unix)]
+use crate::worker::Workers;
 use fmi::fmi2::binding::Fmi2Binding;
 use fmi::fmi3::binding::Fmi3Binding;
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// Why a unit cannot be loaded.
@@ -67,11 +72,95 @@ pub enum LoadError {
     },
 }
 
+/// What a process has to know to load the library of a unit that was unpacked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Plan {
+    /// 2 or 3.
+    pub major: u32,
+    /// The library.
+    pub file: String,
+    /// Name of the model.
+    pub name: String,
+    /// GUID or instantiation token.
+    pub token: String,
+    /// What is handed to the unit as its resources: a URI in FMI 2.0, a path in FMI 3.0.
+    pub resources: Option<String>,
+}
+
 /// The functions of a library.
-pub(crate) enum Library {
+pub(crate) enum Functions {
     Two(Box<Fmi2Binding>),
     Three(Box<Fmi3Binding>),
 }
+
+/// A library loaded into this process.
+pub(crate) struct Library {
+    pub functions: Functions,
+    pub name: CString,
+    pub token: CString,
+    pub resources: Option<CString>,
+}
+
+impl std::fmt::Debug for Library {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Library").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Library {
+    /// Loads the library of `plan`, which runs its initialisers.
+    pub fn load(plan: &Plan) -> Result<Arc<Self>, String> {
+        let text = |text: &str| CString::new(text).map_err(|_| "a name with a zero byte".to_owned());
+        // SAFETY: the library is what the user asked to run; its functions were looked up before.
+        let functions = unsafe {
+            if plan.major == 2 {
+                Fmi2Binding::new(&plan.file).map(|binding| Functions::Two(Box::new(binding)))
+            } else {
+                Fmi3Binding::new(&plan.file).map(|binding| Functions::Three(Box::new(binding)))
+            }
+        };
+        Ok(Arc::new(Self {
+            functions: functions.map_err(|error| refusal_of_loader(&error.to_string()))?,
+            name: text(&plan.name)?,
+            token: text(&plan.token)?,
+            resources: plan.resources.as_deref().map(text).transpose()?,
+        }))
+    }
+}
+
+/// What the system's loader says, with the way out where the library is one of Python's.
+fn refusal_of_loader(said: &str) -> String {
+    if said.contains("Py") && said.contains("undefined symbol") || said.contains("libpython") {
+        let advice = "the unit needs the library of Python: LD_PRELOAD=$(python3 -c 'import sysconfig as s; \
+                      print(s.get_config_var(\"LIBDIR\") + \"/\" + s.get_config_var(\"LDLIBRARY\"))') before the command";
+        return format!("{said}; {advice}");
+    }
+    said.to_owned()
+}
+
+/// Where the code of a unit runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Isolation {
+    /// In this process: fastest, and a unit that crashes takes the program with it.
+    None,
+    /// In worker processes, one for each thread that uses the unit.
+    Process(WorkerProgram),
+}
+
+/// How worker processes are started.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkerProgram {
+    /// A program that calls [`crate::worker::serve`] when it is given these arguments.
+    pub program: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+    /// Longest time that one call of the unit may take.
+    pub call_limit: Duration,
+}
+
+/// Longest time that one call of a unit may take, s, where nothing else is said (assumption: a step of a unit that is
+/// of use in a study of thousands of passes takes far less).
+pub const CALL_LIMIT: f64 = 10.0;
 
 /// A unit of FMI 2.0 or 3.0 for Co-Simulation, ready to be instantiated.
 ///
@@ -79,16 +168,19 @@ pub(crate) enum Library {
 /// `fmi` crate only the bindings are used. Its own reader refuses sound units of FMI 3.0 (a
 /// `BaseUnit` with `K`, a variable with `unit`), and its instances have no FMU state in FMI 3.0.
 pub struct Unit {
-    pub(crate) library: Library,
-    pub(crate) name: CString,
-    pub(crate) token: CString,
-    /// What is handed to the unit as its resources: a URI in FMI 2.0, a path in FMI 3.0.
-    pub(crate) resources: Option<CString>,
+    home: Home,
     path: PathBuf,
     description: ModelDescription,
     interface: Interface,
     /// Deleted last.
     _folder: TempDir,
+}
+
+/// Where the instances of a unit live.
+enum Home {
+    Here(Arc<Library>),
+    #[cfg(unix)]
+    Workers(Box<Workers>),
 }
 
 impl std::fmt::Debug for Unit {
@@ -98,11 +190,11 @@ impl std::fmt::Debug for Unit {
 }
 
 impl Unit {
-    /// Unpacks and loads the unit at `path`.
+    /// Unpacks the unit at `path` and loads it where `isolation` says.
     ///
     /// # Errors
-    /// [`LoadError`]. A library that crashes while it is loaded takes the program with it.
-    pub fn load(path: &Path) -> Result<Self, LoadError> {
+    /// [`LoadError`]. Without isolation a library that crashes while it is loaded takes the program with it.
+    pub fn load(path: &Path, isolation: &Isolation) -> Result<Self, LoadError> {
         let mut archive = Archive::open(path)?;
         let reading = ModelDescription::read(&archive.description()?);
         let Some(description) = reading.description else {
@@ -119,38 +211,57 @@ impl Unit {
         }
         let unwritable = |source| ArchiveError::Unwritable { path: std::env::temp_dir(), source };
         let folder = tempfile::Builder::new().prefix("toolroom-fmu-").tempdir().map_err(unwritable)?;
-        archive.unpack(folder.path())?;
+        let unpacked = folder.path().join("unit");
+        archive.unpack(&unpacked)?;
         let refused = |reason: String| LoadError::Library { path: path.to_owned(), library: library.clone(), reason };
-        let file = folder.path().join(&library);
-        // SAFETY: the library is what the user asked to run; its functions were looked up above.
-        let loaded = unsafe {
-            if description.major == 2 {
-                Fmi2Binding::new(&file)
-                    .map(|binding| Library::Two(Box::new(binding)))
-                    .map_err(|error| refused(error.to_string()))?
-            } else {
-                Fmi3Binding::new(&file)
-                    .map(|binding| Library::Three(Box::new(binding)))
-                    .map_err(|error| refused(error.to_string()))?
+        let resources = unpacked.join("resources");
+        let plan = Plan {
+            major: description.major.into(),
+            file: unpacked.join(&library).display().to_string(),
+            name: description.model_name.clone(),
+            token: description.token.clone(),
+            resources: match description.major {
+                2 => Some(format!("file://{}", percent_encoded(&resources))),
+                // NULL without resources; the path of a folder ends with a separator.
+                _ => resources.is_dir().then(|| format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR)),
+            },
+        };
+        let home = match isolation {
+            Isolation::None => Home::Here(Library::load(&plan).map_err(refused)?),
+            #[cfg(unix)]
+            Isolation::Process(program) => {
+                Home::Workers(Box::new(Workers::start(plan, program.clone(), folder.path()).map_err(refused)?))
+            }
+            #[cfg(not(unix))]
+            Isolation::Process(_) => {
+                return Err(refused("worker processes are for Linux and macOS: set isolation to none".to_owned()));
             }
         };
-        let text = |text: String| CString::new(text).map_err(|_| refused("a name with a zero byte".to_owned()));
-        let resources = folder.path().join("resources");
-        let resources = match description.major {
-            2 => Some(format!("file://{}", percent_encoded(&resources))),
-            // NULL without resources; the path of a folder ends with a separator.
-            _ => resources.is_dir().then(|| format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR)),
-        };
-        Ok(Self {
-            library: loaded,
-            name: text(description.model_name.clone())?,
-            token: text(description.token.clone())?,
-            resources: resources.map(text).transpose()?,
-            path: path.to_owned(),
-            description,
-            interface,
-            _folder: folder,
-        })
+        Ok(Self { home, path: path.to_owned(), description, interface, _folder: folder })
+    }
+
+    /// A new instance, initialised at `start` (s).
+    pub(crate) fn instantiate(
+        &self,
+        start_values: &[(Port, StartValue)],
+        start: f64,
+    ) -> Result<Box<dyn Body>, CallError> {
+        match &self.home {
+            Home::Here(library) => Ok(Box::new(Local::new(library, start_values, start, &|_| {})?)),
+            #[cfg(unix)]
+            Home::Workers(workers) => {
+                // A unit of states that go anywhere has few instances, each with a process of its own.
+                let interface = &self.interface;
+                let alone = interface.saves_state() && interface.serializes_state()
+                    || interface.can("canBeInstantiatedOnlyOncePerProcess");
+                workers.instantiate(alone, start_values, start)
+            }
+        }
+    }
+
+    /// Whether a second instance must wait for the first one to be freed.
+    pub(crate) fn only_one(&self) -> bool {
+        matches!(self.home, Home::Here(_)) && self.interface.can("canBeInstantiatedOnlyOncePerProcess")
     }
 
     /// The file.

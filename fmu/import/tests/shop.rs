@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
 use toolroom_fmu::{Binary, Platform, Version, package, units};
-use toolroom_fmu_import::{Instance, Unit, UnitProcess};
+use toolroom_fmu_import::{Instance, Isolation, Unit, UnitProcess};
 use toolroom_process::MachineProcess;
 use toolroom_scenario::{Scenario, UnitRefusal, UnitRequest, file, set_importer};
 use toolroom_shop as shop;
@@ -16,7 +16,7 @@ use toolroom_shop::{RunLog, ShopError};
 
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let refusal = |error: &dyn std::fmt::Display| UnitRefusal { reason: error.to_string(), fix: String::new() };
-    let unit = Unit::load(request.path).map_err(|error| refusal(&error))?;
+    let unit = Unit::load(request.path, &Isolation::None).map_err(|error| refusal(&error))?;
     UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring)
         .map(|process| Arc::new(process) as Arc<dyn MachineProcess>)
         .map_err(|error| refusal(&error))
@@ -129,16 +129,13 @@ fn replications_side_by_side_are_the_same_as_one_by_one() {
 #[test]
 fn the_exported_unit_goes_back_more_often_than_it_has_places_for_states() {
     for version in [Version::Two, Version::Three] {
-        let unit = Arc::new(Unit::load(&turning(version)).expect("it loads"));
+        let unit = Arc::new(Unit::load(&turning(version), &Isolation::None).expect("it loads"));
         let mut instance = Instance::new(&unit, &[], 0.0).expect("an instance");
-        let mut bytes = Vec::new();
-        instance.serialize(&mut bytes).expect("a state");
+        let bytes = instance.serialize().expect("a state");
         for _ in 0..=1 << 16 {
             instance.deserialize(&bytes).unwrap_or_else(|error| panic!("{version:?}: {error}"));
         }
-        let mut again = Vec::new();
-        instance.serialize(&mut again).expect("a state");
-        assert_eq!(again, bytes);
+        assert_eq!(instance.serialize().expect("a state"), bytes);
     }
 }
 
@@ -171,7 +168,7 @@ fn an_event_of_a_unit_changes_the_edge() {
 #[test]
 fn without_fmu_state_a_shop_with_breakdowns_is_refused_and_one_without_runs() {
     let folder = TempDir::new().expect("a folder");
-    let stateless = ("canSerializeFMUstate=\"true\"", "");
+    let stateless = ("canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
     let shop = with_fixture(folder.path(), &[], stateless, true).expect("valid");
     let refused = shop::run(&shop, 0, 0).expect_err("it would have to go back");
     assert!(matches!(&refused, ShopError::CannotGoBack { machine, .. } if machine == "L1"), "{refused}");

@@ -62,4 +62,4 @@ pub use process::{Advance, MachineProcess, Process, ProcessEvent};
 #[doc(hidden)]
 pub use record::Slots;
 pub use record::{AnyRecord, Record};
-pub use wiring::Wiring;
+pub use wiring::{UnitIsolation, Wiring};

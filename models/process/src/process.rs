@@ -158,6 +158,11 @@ pub trait MachineProcess: Send + Sync {
     fn goes_back(&self) -> bool {
         true
     }
+    /// That the edge goes on from `x`: none of its earlier states will be used again. A process that keeps
+    /// states outside of `x`, as imported units do, frees them.
+    fn settle(&self, _x: &[f64]) {}
+    /// That the edge in state `x` is gone, and none of its states will be used again.
+    fn retire(&self, _x: &[f64]) {}
     /// Outputs at state `x` under input `u`, written to `y`.
     fn output(&self, x: &[f64], u: &[f64], y: &mut [f64]);
     /// Whether `event` has happened by state `x` under input `u`, even where no step has crossed it: an edge may be

@@ -20,4 +20,18 @@ pub struct Wiring {
     /// Longest communication step, s; a whole pass if `None`. A unit without FMU state
     /// shows its events at the end of a step only.
     pub step: Option<f64>,
+    /// Where the unit's code runs.
+    pub isolation: UnitIsolation,
+    /// Longest time that one call of the unit may take in its worker process, s; the importer's own if `None`.
+    pub call_limit: Option<f64>,
+}
+
+/// Where the code of an imported unit runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnitIsolation {
+    /// In a worker process: a unit that hangs, crashes or ends its process fails one replication.
+    #[default]
+    Process,
+    /// In the program itself: fastest, for units that one trusts.
+    None,
 }

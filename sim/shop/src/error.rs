@@ -35,7 +35,7 @@ pub enum ShopError {
     },
     /// A unit without FMU state on a machine that is interrupted within passes.
     #[error(
-        "tool `{tool}` is a unit that cannot go back to an earlier state (it does not serialise its FMU state), but \
+        "tool `{tool}` is a unit that cannot go back to an earlier state (canGetAndSetFMUState), but \
          passes on machine `{machine}` are interrupted: take its breakdowns out and let shifts finish the part, or \
          export the unit with FMU state"
     )]

@@ -175,7 +175,9 @@ pub(super) fn cut_duration(cut: &Cut, process: &ProcessModel, tool: &ToolPlan, i
     let process = process.machine_process();
     let Some(feed_rate) = tool.ports.feed_rate else { return cut.path_length / cut.cutting_speed };
     let mut output: Vec<f64> = start_values(process.outputs()).collect();
-    process.output(&process.initial(), input, &mut output);
+    let fresh = process.initial();
+    process.output(&fresh, input, &mut output);
+    process.retire(&fresh);
     cut.path_length / read(&output, Some(feed_rate), f64::NAN)
 }
 

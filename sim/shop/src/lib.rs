@@ -188,9 +188,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
     ///
     /// # Errors
     /// [`ShopError`]; nothing of the log is handed out then.
-    pub fn run(mut self) -> Result<R, ShopError> {
-        self.run_to_horizon()?;
-        Ok(self.hand_out())
+    pub fn run(self) -> Result<R, ShopError> {
+        match self.run_as_far() {
+            (recorder, None) => Ok(recorder),
+            (_, Some(reason)) => Err(reason),
+        }
     }
 
     /// Runs like [`Shop::run`], and hands out what was recorded when the shop stopped before its

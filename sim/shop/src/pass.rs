@@ -325,6 +325,7 @@ impl<R: Recorder> Shop<'_, R> {
         let cut = share * task.share_left;
         task.share_left -= cut;
         edge.state.copy_from_slice(&segment.state);
+        self.scenario.tools[place.tool].process.machine_process().settle(&edge.state);
         edge.clock = clock;
         edge.row.cutting_time += segment.elapsed;
         let path = path * f64::from(task.layers);

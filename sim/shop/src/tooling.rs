@@ -124,6 +124,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Writes the final row of an edge.
     fn retire(&mut self, machine: usize, tool: usize) {
         if let Some(mut edge) = self.world.machines[machine].edges[tool].take() {
+            self.scenario.tools[tool].process.machine_process().retire(&edge.state);
             edge.row.reason = edge.spent.unwrap_or(ChangeReason::EndOfRun);
             self.recorder.edge(edge.number, edge.row);
         }

@@ -1,9 +1,10 @@
 //! The sections of a study file.
 
+use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
 use toolroom_form::{Form, Key, Kind, Quantity};
-use toolroom_process::Record;
+use toolroom_process::{Field, Record};
 use toolroom_scenario::file::SENSORS;
-use toolroom_wear::Scatter;
+use toolroom_wear::{Cut, Scatter};
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
@@ -16,14 +17,12 @@ const fn positive(unit: &'static str, display: &'static str, max: f64, example: 
 const TIME: Kind = positive("s", "min", 1e9, "15 min");
 const PATH: Kind = positive("m", "m", 1e9, "600 m");
 const WEAR: Kind = positive("m", "mm", 5e-3, "0.6 mm");
-const SPEED: Kind = positive("m/s", "m/min", 100.0, "30 m/min");
-const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
-const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
+/// The fields of a cut, which say how far its keys go.
+const CUT: &[Field] = Cut::<f64>::FIELDS;
+const SPEED: Kind = positive("m/s", "m/min", CUT[0].max, "30 m/min");
+const FEED: Kind = quantity("m", "mm", CUT[1].min, CUT[1].max, "0.12 mm/rev");
+const DEPTH: Kind = quantity("m", "mm", CUT[2].min, CUT[2].max, "0.75 mm");
 const COST: Kind = positive("EUR", "EUR", 1e9, "12 EUR");
-
-/// Rules by which a study chooses speed.
-const SPEEDS: &[&str] =
-    &["programmed", "best_path", "best_life", "best_rate", "makarov", "schedule", "minimum_wear", "price", "oracle"];
 
 /// The whole file.
 pub static STUDY: Form = Form {
@@ -47,8 +46,8 @@ pub static STUDY: Form = Form {
         ),
         Key::default(
             "sampling",
-            Kind::Choice(&["plain", "antithetic", "latin_hypercube", "sobol"]),
-            "plain",
+            Kind::Choice(SamplingWord::WORDS),
+            SamplingWord::Plain.word(),
             "How points of the inputs are chosen",
         ),
         Key::required("parameter_set", Kind::Name, "Tool and work material: name of a turning parameter set"),
@@ -61,8 +60,8 @@ pub static STUDY: Form = Form {
         ),
         Key::default(
             "body",
-            Kind::Choice(&["steady", "lagged"]),
-            "steady",
+            Kind::Choice(BodyWord::WORDS),
+            BodyWord::Steady.word(),
             "Whether the body of the tool is warm at once, or warms up and cools in pauses",
         ),
         Key::optional("passes", Kind::Table(&PASSES), "Passes and pauses; left out: 37.7 m without pause"),
@@ -103,23 +102,23 @@ static POLICY: Form = Form {
     doc: "How the speed of an edge is chosen",
     keys: &[
         Key::required("name", Kind::Name, "Unique name"),
-        Key::required("speed", Kind::Choice(SPEEDS), "Rule"),
+        Key::required("speed", Kind::Choice(RuleWord::WORDS), "Rule"),
         Key::required("change_time", TIME, "Time to change an edge").when("speed", &["best_rate"]),
         Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
         Key::required("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges")
             .when("speed", &["price"]),
         Key::default(
             "reading",
-            Kind::Choice(&["pass", "period"]),
-            "period",
+            Kind::Choice(ReadingWord::WORDS),
+            ReadingWord::Period.word(),
             "When the sensors are read: at the end of a pass or every sampling period",
         )
         .when("speed", &["minimum_wear", "price"]),
         Key::optional("sensors", Kind::Table(&SENSORS), "Sensors").when("speed", &["minimum_wear", "price"]),
         Key::default(
             "knows",
-            Kind::Choice(&["wear", "edge"]),
-            "wear",
+            Kind::Choice(KnowsWord::WORDS),
+            KnowsWord::Wear.word(),
             "What the oracle knows: the wear of its edge, as in the shop; or also how the edge differs from nominal",
         )
         .when("speed", &["oracle"]),
@@ -148,14 +147,12 @@ static ROUGHNESS: Form = Form {
     ],
 };
 
-const FAMILIES: &[&str] = &["normal", "lognormal", "weibull", "gamma", "triangular", "uniform", "beta", "empirical"];
-
 static FIELD: Form = Form {
     title: "[[field]]",
     doc: "A number of the model that varies from edge to edge; values with the unit of the field, quoted",
     keys: &[
         Key::required("name", Kind::Name, "`group.name` of the parameter set, or `cut.name`"),
-        Key::required("distribution", Kind::Choice(FAMILIES), "Family"),
+        Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
         Key::required("mean", Kind::Text, "Mean").when("distribution", &["normal"]),
         Key::required("deviation", Kind::Text, "Standard deviation").when("distribution", &["normal"]),
         Key::required("median", Kind::Text, "Median").when("distribution", &["lognormal"]),
@@ -213,3 +210,17 @@ static SENSITIVITY: Form = Form {
         Key::default("trajectories", Kind::Count { min: 4, max: 100_000 }, "50", "Paths of the Morris screening"),
     ],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_condition_goes_as_far_as_the_cut_of_the_model() {
+        for key in CONDITION.keys.iter().filter(|key| key.name != "name") {
+            let Kind::List(Kind::Quantity(quantity)) = key.kind else { panic!("{} is a list of quantities", key.name) };
+            let field = CUT.iter().find(|field| field.name == key.name).expect("a field of the cut");
+            assert_eq!((quantity.unit, quantity.min, quantity.max), (field.unit, field.min, field.max), "{}", key.name);
+        }
+    }
+}

@@ -22,10 +22,12 @@
 //! | [`run`] | lives by the block, in parallel |
 //! | [`shard`] | plan, parts with sidecars, merging |
 //! | [`sensitivity`] | Sobol indices, Morris screening |
+//! | [`report`] | results of a finished study: text, summary, table, report |
 
 pub mod edge;
 pub mod points;
 pub mod policy;
+pub mod report;
 pub mod run;
 pub mod sensitivity;
 pub mod shard;

@@ -165,5 +165,24 @@ pub fn lives(study: &Study, cell: &Cell, from: u64, to: u64, keep: bool) -> (Tal
     (tally, blocks.into_iter().flat_map(|(_, outcomes)| outcomes).collect())
 }
 
+/// Lives of the pilot from which the number of lives for a precision is reckoned (assumption).
+const PILOT: u64 = 2000;
+/// Two-sided 95 % quantile of the normal law.
+const Z: f64 = 1.959_964;
+
+/// Lives that bring the half-width of every mean life to the share `relative` of it, by the scatter of a pilot; at
+/// most those of the study.
+///
+/// # Source
+/// C. Stein, Annals of Mathematical Statistics 16 (1945) 243.
+pub fn enough(study: &Study, relative: f64) -> u64 {
+    let pilot = PILOT.min(study.lives);
+    let needed = study.cells.iter().map(|cell| {
+        let cv = lives(study, cell, 0, pilot, false).0.life.variation();
+        (Z * cv / relative).powi(2).ceil() as u64
+    });
+    needed.max().unwrap_or(pilot).clamp(pilot, study.lives)
+}
+
 #[cfg(test)]
 mod tests;

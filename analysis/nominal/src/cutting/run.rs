@@ -401,6 +401,10 @@ impl<P: Nominal> Forward for Cutting<P> {
         }
         raw
     }
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        // The error of a signed channel is bounded from below, so that it is not that of the sheet.
+        self.scattered.is_some() && !P::SIGNED.contains(&self.frame.measured.channels[channel].name)
+    }
     fn chains(&self, at: &Point) -> Vec<Chain> {
         self.chains_at(at)
     }

@@ -265,7 +265,7 @@ impl Blocks {
             let holds: Vec<f64> = own.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
             if !holds.is_empty() {
                 block.values[7] = holds.iter().sum::<f64>() / holds.len() as f64;
-                block.deviations[7] = block.values[7].max(CLOCK) / (holds.len() as f64).sqrt();
+                block.deviations[7] = (holds.len() as f64).sqrt().recip();
             }
             blocks.list.push(block);
         }
@@ -324,6 +324,15 @@ impl Blocks {
             let scatter = if scatter.is_finite() { scatter.max(least) } else { least };
             self.list.iter_mut().for_each(|block| block.deviations[channel] *= scatter);
         }
+        // Holds last exponentially (assumption), so that one scatters by the mean of all. The mean of the block itself
+        // would weigh short blocks most: of n holds the weighted mean would be (n − 2)/n of the true one.
+        let held = self.list.iter().filter(|block| block.values[7].is_finite());
+        let (sum, count) = held.fold((0.0, 0.0), |(sum, count), block| {
+            let holds = block.deviations[7].powi(-2);
+            (sum + holds * block.values[7], count + holds)
+        });
+        let hold = if count > 0.0 { (sum / count).max(CLOCK) } else { CLOCK };
+        self.list.iter_mut().for_each(|block| block.deviations[7] *= hold);
         let counted = || self.list.iter().filter(|block| block.values[8].is_finite());
         let (stops, time) = counted().fold((0.0, 0.0), |(n, t), block| (n + block.values[8], t + block.cutting));
         let rate = if time > 0.0 { stops / time } else { 0.0 };

@@ -18,6 +18,7 @@
 
 mod block;
 mod constant;
+mod facts;
 mod kpi;
 mod logs;
 mod model;
@@ -33,4 +34,4 @@ pub use logs::{after, groups_of};
 pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
 pub use state::State;
-pub use visit::{Visit, Visits, visits};
+pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};

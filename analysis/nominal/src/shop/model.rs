@@ -43,7 +43,7 @@ const DAILY: f64 = 0.01;
 const BOOKED: f64 = 0.2 / 3600.0;
 
 /// Channels that live on the few operations of a block that were stopped.
-const RARE: [&str; 4] = ["cutting_tail", "cutting_excess", "cutting_spread", "stop_count"];
+const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
 
 /// What a candidate does to a block.
 enum Action {
@@ -421,10 +421,6 @@ impl ShopModel {
 impl Forward for ShopModel {
     fn frame(&self) -> &Frame {
         &self.frame
-    }
-
-    fn sheet_is_known(&self) -> bool {
-        false
     }
 
     fn simulate(&self, at: &Point) -> Vec<f64> {

@@ -3,11 +3,12 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
+use toolroom_facts::survival::Life;
 use toolroom_scenario::Scenario;
-use toolroom_scenario::{Cut, Distribution, FailureClock, ProcessModel, ShiftCalendar, Work};
+use toolroom_scenario::{Cut, FailureMode, ProcessModel, ShiftCalendar, Work};
 use toolroom_shop::RunLog;
 use toolroom_shop::programmed_cutting_times;
-use toolroom_shop::runlog::{ChangeReason, MachineState};
+use toolroom_shop::runlog::{ChangeReason, EdgeRow, MachineState};
 use toolroom_statistics::median;
 
 /// Replications of a handling time behind its normal scores.
@@ -25,7 +26,7 @@ pub struct Program {
 }
 
 /// A machine of the nominal shop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Station {
     /// Name.
     pub name: String,
@@ -35,14 +36,16 @@ pub struct Station {
     pub tool_change: f64,
     /// Its working time, where that has shifts.
     pub calendar: Option<ShiftCalendar>,
-    /// Mean time in use between breakdowns, s, and Weibull shape.
-    pub failure: Option<(f64, f64)>,
+    /// How it breaks down.
+    pub failures: Vec<FailureMode>,
+    /// Time in cut of simulated edges, and whether they were worn out by then.
+    pub lives: Vec<Life>,
     /// Logarithm of the time in cut of an edge, s: mean; and its growth with the wear limit, 1/m.
     pub edge_life: Option<(f64, f64)>,
 }
 
 /// The nominal shop.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Shop {
     /// Machines.
     pub stations: Vec<Station>,
@@ -104,26 +107,15 @@ fn station(scenario: &Scenario, index: usize, log: &RunLog) -> Station {
     let mut draw = || machine.load_time.quantile(random.random()) + machine.unload_time.quantile(random.random());
     let mut handling: Vec<f64> = (0..REPLICATIONS).map(|_| draw()).collect();
     handling.sort_by(f64::total_cmp);
-    let failures = scenario.failures.iter().filter(|mode| mode.machine == index && mode.clock == FailureClock::Busy);
-    let modes: Vec<_> = failures.collect();
-    let shape = |distribution: &Distribution| match distribution {
-        Distribution::Exponential { .. } => Some(1.0),
-        Distribution::Weibull { shape, .. } => Some(*shape),
-        Distribution::Constant(_)
-        | Distribution::Lognormal { .. }
-        | Distribution::Triangular { .. }
-        | Distribution::Uniform { .. } => None,
-    };
-    let failure = match modes[..] {
-        [mode] => shape(&mode.time_between).map(|shape| (mode.time_between.mean(), shape)),
-        _ => None,
-    };
+    let edges = log.edges.iter().filter(|edge| edge.machine == index as u32 && edge.reason != ChangeReason::Dressing);
+    let life = |edge: &EdgeRow| Life { time: edge.cutting_time, ended: edge.reason != ChangeReason::EndOfRun };
     Station {
         name: machine.name.clone(),
         handling,
         tool_change: machine.tool_change_time,
         calendar: machine.calendar.map(|at| scenario.calendars[at].clone()),
-        failure,
+        failures: scenario.failures.iter().filter(|mode| mode.machine == index).cloned().collect(),
+        lives: edges.map(life).filter(|life| life.time > 0.0).collect(),
         edge_life: edge_life(log, index),
     }
 }

@@ -42,6 +42,23 @@ pub struct Visit {
     pub new_edge: bool,
 }
 
+/// Breakdowns of one machine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Breakdowns {
+    /// When they began, s.
+    pub times: Vec<f64>,
+    /// Time in use that was seen, s.
+    pub used: f64,
+    /// All time that was seen and in which the machine was not broken down, s.
+    pub up: f64,
+    /// Repairs that were seen from beginning to end, s.
+    pub repairs: Vec<f64>,
+    /// Time in use between two breakdowns, s.
+    pub used_between: Vec<f64>,
+    /// Up time between two breakdowns, s.
+    pub up_between: Vec<f64>,
+}
+
 /// What an event log holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Visits {
@@ -53,8 +70,12 @@ pub struct Visits {
     pub list: Vec<Visit>,
     /// Time in use between two breakdowns, with the machine and the time of the later one, s.
     pub failure_gaps: Vec<(usize, f64, f64)>,
+    /// What is known of the breakdowns of each machine.
+    pub breakdowns: Vec<Breakdowns>,
     /// Time in cut of edges that were followed from first to last, with machine and end, s.
     pub edge_lives: Vec<(usize, f64, f64)>,
+    /// Time in cut of edges that were followed from their first cut and are still in use, with the machine, s.
+    pub edge_ages: Vec<(usize, f64)>,
     /// Breakdowns, nights and what is not known, by machine: from and to, s.
     pub away: Vec<Vec<(f64, f64)>>,
     /// Whether feed overrides are recorded.
@@ -281,31 +302,50 @@ fn of_machine(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) -> usize {
         }
         at = end;
     }
+    if let Some((cut, true)) = life.get(last_tool).copied() {
+        all.edge_ages.push((machine, cut));
+    }
     left_out
 }
 
-/// Adds the times in use between breakdowns.
+/// Adds the breakdowns of a machine and the times between them.
 fn breakdowns(all: &mut Visits, machine: usize, stays: &[Stay<'_>]) {
-    let mut used = f64::NAN;
+    let mut own = Breakdowns::default();
+    // Since the last breakdown: time in use, and up.
+    let (mut used, mut up) = (f64::NAN, f64::NAN);
     let mut down = 0.0;
     for stay in stays {
         let time = stay.end - stay.start;
-        match stay.state {
-            State::Stopped => {
-                // A repair may be logged in pieces.
-                if down <= SHORT_STOP && down + time > SHORT_STOP {
-                    if used.is_finite() {
-                        all.failure_gaps.push((machine, stay.start, used));
-                    }
-                    used = 0.0;
+        if stay.state == State::Stopped {
+            // A repair may be logged in pieces.
+            if down <= SHORT_STOP && down + time > SHORT_STOP {
+                own.times.push(stay.start);
+                if used.is_finite() {
+                    all.failure_gaps.push((machine, stay.start, used));
+                    own.used_between.push(used);
+                    own.up_between.push(up);
                 }
-                down += time;
-                continue;
+                (used, up) = (0.0, 0.0);
             }
-            State::Unknown => used = f64::NAN,
-            State::Idle | State::OffShift => {}
-            State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold => used += time,
+            down += time;
+            continue;
+        }
+        if down > SHORT_STOP && stay.state != State::Unknown {
+            own.repairs.push(down);
         }
         down = 0.0;
+        match stay.state {
+            State::Unknown => (used, up) = (f64::NAN, f64::NAN),
+            State::Idle | State::OffShift => {
+                up += time;
+                own.up += time;
+            }
+            State::Cutting | State::Handling | State::ToolChange | State::Setup | State::Hold => {
+                (used, up) = (used + time, up + time);
+                (own.used, own.up) = (own.used + time, own.up + time);
+            }
+            State::Stopped => {}
+        }
     }
+    all.breakdowns.push(own);
 }

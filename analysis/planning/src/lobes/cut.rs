@@ -9,7 +9,7 @@ use toolroom_chatter::{
     AtSpeed, ChatterError, Lobes, Milling, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
 use toolroom_process::unit::convert;
-use toolroom_scenario::lobes::{LobesCut, axes};
+use toolroom_scenario::lobes::{LobesCut, LobesProcess, axes};
 
 /// A cut without its operating point, with the variation of its spindle speed.
 #[derive(Clone, Debug)]
@@ -78,13 +78,13 @@ impl Cut {
     }
 
     /// What is cut, in a word.
-    pub fn process(&self) -> &'static str {
+    pub fn process(&self) -> LobesProcess {
         match self {
-            Self::Milling(..) => "milling",
-            Self::Turning(..) => "turning",
-            Self::Chuck(_) => "chuck",
-            Self::ChipLag(_) => "chip_lag",
-            Self::Lathe(_) => "lathe",
+            Self::Milling(..) => LobesProcess::Milling,
+            Self::Turning(..) => LobesProcess::Turning,
+            Self::Chuck(_) => LobesProcess::Chuck,
+            Self::ChipLag(_) => LobesProcess::ChipLag,
+            Self::Lathe(_) => LobesProcess::Lathe,
         }
     }
 

@@ -88,7 +88,7 @@ fn summary(study: &ChartStudy<'_>) -> Value {
     json!({
         "schema": 1,
         "name": file.name,
-        "process": file.cut.process(),
+        "process": file.cut.process().word(),
         "stable_share": study.grid.as_ref().map(Lobes::stable_share),
         "holes": holes.len(),
         "without_verdict": holes,

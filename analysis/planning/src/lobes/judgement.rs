@@ -44,7 +44,7 @@ impl Judgement {
         let axes = cut.axes();
         let mut object = Map::new();
         let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
-        put("process", cut.process().into());
+        put("process", cut.process().word().into());
         put(&axes.speed.column(), axes.speed.shown(*speed).into());
         put(&axes.depth.column(), axes.depth.shown(*depth).into());
         put("spectral_radius", verdict.spectral_radius.into());

@@ -2,18 +2,21 @@
 
 #![allow(unsafe_code)] // calls into a C library
 
-use super::{CallError, Calls, FATAL, Messages, Port};
+use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped};
 use crate::description::ValueType;
-use crate::unit::{Library, Unit};
+use crate::unit::{Functions, Library};
 use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
+use std::collections::BTreeMap;
 use std::ffi::CStr;
 use std::sync::Arc;
 
 pub(super) struct Three {
-    unit: Arc<Unit>,
+    library: Arc<Library>,
     instance: fmi3Instance,
     messages: Box<Messages>,
-    state: fmi3FMUState,
+    states: BTreeMap<Place, fmi3FMUState>,
+    /// The state that bytes were made of or for.
+    exchanged: fmi3FMUState,
     dead: bool,
 }
 
@@ -57,20 +60,21 @@ macro_rules! get {
 }
 
 impl Three {
-    pub fn new(unit: &Arc<Unit>) -> Result<Self, CallError> {
+    pub fn new(library: &Arc<Library>) -> Result<Self, CallError> {
         let mut three = Self {
-            unit: Arc::clone(unit),
+            library: Arc::clone(library),
             instance: std::ptr::null_mut(),
             messages: Box::default(),
-            state: std::ptr::null_mut(),
+            states: BTreeMap::new(),
+            exchanged: std::ptr::null_mut(),
             dead: false,
         };
         // SAFETY: every pointer lives as long as the instance.
         three.instance = unsafe {
             three.binding().fmi3InstantiateCoSimulation(
-                unit.name.as_ptr(),
-                unit.token.as_ptr(),
-                unit.resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr()),
+                library.name.as_ptr(),
+                library.token.as_ptr(),
+                library.resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr()),
                 false,
                 true, // its words are wanted where it refuses
                 false,
@@ -89,15 +93,20 @@ impl Three {
     }
 
     fn binding(&self) -> &Fmi3Binding {
-        match &self.unit.library {
-            Library::Three(binding) => binding,
-            Library::Two(_) => unreachable!("an instance of FMI 3.0 comes from a library of FMI 3.0"),
+        match &self.library.functions {
+            Functions::Three(binding) => binding,
+            Functions::Two(_) => unreachable!("an instance of FMI 3.0 comes from a library of FMI 3.0"),
         }
     }
 
-    /// Frees the saved state, as for FMI 2.0.
-    fn free_state(&mut self) -> Result<(), CallError> {
-        let mut state = std::mem::replace(&mut self.state, std::ptr::null_mut());
+    /// Saves the present state into `state`, which may hold an earlier one.
+    fn take(&mut self, mut state: fmi3FMUState) -> (fmi3FMUState, Result<(), CallError>) {
+        // SAFETY: the instance is alive; the state is null or one of this instance that was not freed.
+        let status = unsafe { self.binding().fmi3GetFMUState(self.instance, &mut state) };
+        (state, self.judge("fmi3GetFMUState", status))
+    }
+
+    fn free_state(&mut self, mut state: fmi3FMUState) -> Result<(), CallError> {
         if state.is_null() {
             return Ok(());
         }
@@ -106,7 +115,7 @@ impl Three {
         self.judge("fmi3FreeFMUState", status)
     }
 
-    fn judge(&mut self, function: &'static str, status: u32) -> Result<(), CallError> {
+    fn judge(&mut self, function: &str, status: u32) -> Result<(), CallError> {
         self.dead |= status == FATAL;
         self.messages.judge(function, status)
     }
@@ -169,7 +178,7 @@ impl Calls for Three {
         }
     }
 
-    fn step(&mut self, time: f64, duration: f64) -> Result<(), CallError> {
+    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
         let (mut event, mut terminate, mut early, mut reached) = (false, false, false, 0.0);
         let status = unsafe {
             self.binding().fmi3DoStep(
@@ -184,20 +193,40 @@ impl Calls for Three {
             )
         };
         self.judge("fmi3DoStep", status)?;
+        let ends = time..=time + duration;
         if terminate {
-            return Err(self.messages.error("fmi3DoStep", "the wish to terminate"));
+            // A unit that does not tell where it stopped did so at the end of the step.
+            return Ok(Stepped::Ended(if ends.contains(&reached) { reached } else { time + duration }));
         }
         if early {
             return Err(self.messages.error("fmi3DoStep", "an early return, which was not allowed"));
         }
-        Ok(())
+        Ok(Stepped::Whole)
+    }
+
+    fn save(&mut self, place: Place) -> Result<(), CallError> {
+        let (state, saved) = self.take(self.states.get(&place).copied().unwrap_or(std::ptr::null_mut()));
+        self.states.insert(place, state);
+        saved
+    }
+
+    fn restore(&mut self, place: Place) -> Result<(), CallError> {
+        let Some(state) = self.states.get(&place).copied() else {
+            return Err(self.messages.error("fmi3SetFMUState", "no state, as none was saved"));
+        };
+        let status = unsafe { self.binding().fmi3SetFMUState(self.instance, state) };
+        self.judge("fmi3SetFMUState", status)
+    }
+
+    fn forget(&mut self, place: Place) -> Result<(), CallError> {
+        self.states.remove(&place).map_or(Ok(()), |state| self.free_state(state))
     }
 
     fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError> {
-        let (instance, mut size, mut state) = (self.instance, 0, self.state);
-        let status = unsafe { self.binding().fmi3GetFMUState(instance, &mut state) };
-        self.state = state;
-        self.judge("fmi3GetFMUState", status)?;
+        let (state, saved) = self.take(self.exchanged);
+        self.exchanged = state;
+        saved?;
+        let (instance, mut size) = (self.instance, 0);
         let status = unsafe { self.binding().fmi3SerializedFMUStateSize(instance, state, &mut size) };
         self.judge("fmi3SerializedFMUStateSize", status)?;
         bytes.resize(size, 0);
@@ -206,14 +235,19 @@ impl Calls for Three {
     }
 
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        self.free_state()?;
+        let old = std::mem::replace(&mut self.exchanged, std::ptr::null_mut());
+        self.free_state(old)?;
         let (instance, mut state) = (self.instance, std::ptr::null_mut());
         let (start, size) = (bytes.as_ptr(), bytes.len());
         let status = unsafe { self.binding().fmi3DeserializeFMUState(instance, start, size, &mut state) };
         self.judge("fmi3DeserializeFMUState", status)?;
-        self.state = state;
+        self.exchanged = state;
         let status = unsafe { self.binding().fmi3SetFMUState(instance, state) };
         self.judge("fmi3SetFMUState", status)
+    }
+
+    fn alive(&self) -> bool {
+        !self.dead
     }
 }
 
@@ -223,7 +257,12 @@ impl Drop for Three {
             return;
         }
         // An instance whose state cannot be freed still can, unless that was fatal.
-        _ = self.free_state();
+        let states = std::mem::take(&mut self.states).into_values().chain([self.exchanged]);
+        for state in states.collect::<Vec<_>>() {
+            if !self.dead {
+                _ = self.free_state(state);
+            }
+        }
         if !self.dead {
             unsafe { self.binding().fmi3FreeInstance(self.instance) };
         }

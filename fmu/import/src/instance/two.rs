@@ -2,22 +2,25 @@
 
 #![allow(unsafe_code)] // calls into a C library
 
-use super::{CallError, Calls, FATAL, Messages, Port};
+use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped};
 use crate::description::ValueType;
-use crate::unit::{Library, Unit};
+use crate::unit::{Functions, Library};
 use fmi::fmi2::binding::{
     Fmi2Binding, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate, fmi2String, fmi2Type_fmi2CoSimulation,
 };
+use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Arc;
 
 pub(super) struct Two {
-    unit: Arc<Unit>,
+    library: Arc<Library>,
     component: fmi2Component,
     messages: Box<Messages>,
     /// The unit keeps the address for as long as it lives.
     _callbacks: Box<fmi2CallbackFunctions>,
-    state: fmi2FMUstate,
+    states: BTreeMap<Place, fmi2FMUstate>,
+    /// The state that bytes were made of or for.
+    exchanged: fmi2FMUstate,
     dead: bool,
 }
 
@@ -45,6 +48,13 @@ unsafe extern "C" fn logger(
     unsafe { Messages::take(environment, message) }
 }
 
+/// `fmi2Discard`.
+const DISCARD: u32 = 2;
+/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
+const LAST_SUCCESSFUL_TIME: u32 = 2;
+/// `fmi2Terminated` of `fmi2StatusKind`.
+const TERMINATED: u32 = 3;
+
 unsafe extern "C" {
     fn calloc(count: usize, size: usize) -> *mut c_void;
     fn free(memory: *mut c_void);
@@ -54,7 +64,7 @@ type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_cha
 type VariadicLogger = unsafe extern "C" fn(*mut c_void, *const c_char, u32, *const c_char, *const c_char, ...);
 
 impl Two {
-    pub fn new(unit: &Arc<Unit>) -> Result<Self, CallError> {
+    pub fn new(library: &Arc<Library>) -> Result<Self, CallError> {
         let messages = Box::<Messages>::default();
         let callbacks = Box::new(fmi2CallbackFunctions {
             // SAFETY: see `logger`.
@@ -65,20 +75,21 @@ impl Two {
             componentEnvironment: messages.environment(),
         });
         let mut two = Self {
-            unit: Arc::clone(unit),
+            library: Arc::clone(library),
             component: std::ptr::null_mut(),
             messages,
             _callbacks: callbacks,
-            state: std::ptr::null_mut(),
+            states: BTreeMap::new(),
+            exchanged: std::ptr::null_mut(),
             dead: false,
         };
         // SAFETY: every pointer lives as long as the instance.
         two.component = unsafe {
             two.binding().fmi2Instantiate(
-                unit.name.as_ptr(),
+                library.name.as_ptr(),
                 fmi2Type_fmi2CoSimulation,
-                unit.token.as_ptr(),
-                unit.resources.as_ref().map_or(std::ptr::null(), |uri| uri.as_ptr()),
+                library.token.as_ptr(),
+                library.resources.as_ref().map_or(std::ptr::null(), |uri| uri.as_ptr()),
                 std::ptr::from_ref(two._callbacks.as_ref()),
                 0,
                 1, // its words are wanted where it refuses
@@ -88,16 +99,20 @@ impl Two {
     }
 
     fn binding(&self) -> &Fmi2Binding {
-        match &self.unit.library {
-            Library::Two(binding) => binding,
-            Library::Three(_) => unreachable!("an instance of FMI 2.0 comes from a library of FMI 2.0"),
+        match &self.library.functions {
+            Functions::Two(binding) => binding,
+            Functions::Three(_) => unreachable!("an instance of FMI 2.0 comes from a library of FMI 2.0"),
         }
     }
 
-    /// Frees the saved state. A unit that makes one of bytes makes a new one and does not look at what
-    /// the pointer held before, so that an old one would never be freed.
-    fn free_state(&mut self) -> Result<(), CallError> {
-        let mut state = std::mem::replace(&mut self.state, std::ptr::null_mut());
+    /// Saves the present state into `state`, which may hold an earlier one.
+    fn take(&mut self, mut state: fmi2FMUstate) -> (fmi2FMUstate, Result<(), CallError>) {
+        // SAFETY: the component is alive; the state is null or one of this component that was not freed.
+        let status = unsafe { self.binding().fmi2GetFMUstate(self.component, &mut state) };
+        (state, self.judge("fmi2GetFMUstate", status))
+    }
+
+    fn free_state(&mut self, mut state: fmi2FMUstate) -> Result<(), CallError> {
         if state.is_null() {
             return Ok(());
         }
@@ -106,7 +121,25 @@ impl Two {
         self.judge("fmi2FreeFMUstate", status)
     }
 
-    fn judge(&mut self, function: &'static str, status: u32) -> Result<(), CallError> {
+    /// What a unit says about a step that it discarded.
+    fn discarded(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
+        let (mut reached, mut ended) = (f64::NAN, 0);
+        // SAFETY: the component is alive, the pointers hold for the call.
+        let told = unsafe {
+            let binding = self.binding();
+            let told = binding.fmi2GetRealStatus(self.component, LAST_SUCCESSFUL_TIME, &mut reached);
+            (told, binding.fmi2GetBooleanStatus(self.component, TERMINATED, &mut ended))
+        };
+        self.dead |= told.0 == FATAL || told.1 == FATAL;
+        // A unit that does not tell how far it came has taken none of the step.
+        let reached = if told.0 <= 1 { reached } else { time };
+        if !(reached >= time && reached <= time + duration) {
+            return Err(self.messages.error("fmi2DoStep", format!("discard, and {reached} s as the time it reached")));
+        }
+        Ok(if told.1 <= 1 && ended != 0 { Stepped::Ended(reached) } else { Stepped::Part(reached) })
+    }
+
+    fn judge(&mut self, function: &str, status: u32) -> Result<(), CallError> {
         self.dead |= status == FATAL;
         self.messages.judge(function, status)
     }
@@ -173,16 +206,37 @@ impl Calls for Two {
         }
     }
 
-    fn step(&mut self, time: f64, duration: f64) -> Result<(), CallError> {
+    fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError> {
         let status = unsafe { self.binding().fmi2DoStep(self.component, time, duration, 0) };
-        self.judge("fmi2DoStep", status)
+        if status == DISCARD {
+            return self.discarded(time, duration);
+        }
+        self.judge("fmi2DoStep", status).map(|()| Stepped::Whole)
+    }
+
+    fn save(&mut self, place: Place) -> Result<(), CallError> {
+        let (state, saved) = self.take(self.states.get(&place).copied().unwrap_or(std::ptr::null_mut()));
+        self.states.insert(place, state);
+        saved
+    }
+
+    fn restore(&mut self, place: Place) -> Result<(), CallError> {
+        let Some(state) = self.states.get(&place).copied() else {
+            return Err(self.messages.error("fmi2SetFMUstate", "no state, as none was saved"));
+        };
+        let status = unsafe { self.binding().fmi2SetFMUstate(self.component, state) };
+        self.judge("fmi2SetFMUstate", status)
+    }
+
+    fn forget(&mut self, place: Place) -> Result<(), CallError> {
+        self.states.remove(&place).map_or(Ok(()), |state| self.free_state(state))
     }
 
     fn serialize(&mut self, bytes: &mut Vec<u8>) -> Result<(), CallError> {
-        let (component, mut size, mut state) = (self.component, 0, self.state);
-        let status = unsafe { self.binding().fmi2GetFMUstate(component, &mut state) };
-        self.state = state;
-        self.judge("fmi2GetFMUstate", status)?;
+        let (state, saved) = self.take(self.exchanged);
+        self.exchanged = state;
+        saved?;
+        let (component, mut size) = (self.component, 0);
         let status = unsafe { self.binding().fmi2SerializedFMUstateSize(component, state, &mut size) };
         self.judge("fmi2SerializedFMUstateSize", status)?;
         bytes.resize(size, 0);
@@ -190,15 +244,22 @@ impl Calls for Two {
         self.judge("fmi2SerializeFMUstate", status)
     }
 
+    /// A unit that makes a state of bytes makes a new one and does not look at what the pointer held before: the old
+    /// one is freed first.
     fn deserialize(&mut self, bytes: &[u8]) -> Result<(), CallError> {
-        self.free_state()?;
+        let old = std::mem::replace(&mut self.exchanged, std::ptr::null_mut());
+        self.free_state(old)?;
         let (component, mut state) = (self.component, std::ptr::null_mut());
         let (start, size) = (bytes.as_ptr().cast(), bytes.len());
         let status = unsafe { self.binding().fmi2DeSerializeFMUstate(component, start, size, &mut state) };
         self.judge("fmi2DeSerializeFMUstate", status)?;
-        self.state = state;
+        self.exchanged = state;
         let status = unsafe { self.binding().fmi2SetFMUstate(component, state) };
         self.judge("fmi2SetFMUstate", status)
+    }
+
+    fn alive(&self) -> bool {
+        !self.dead
     }
 }
 
@@ -209,7 +270,12 @@ impl Drop for Two {
             return;
         }
         // An instance whose state cannot be freed still can, unless that was fatal.
-        _ = self.free_state();
+        let states = std::mem::take(&mut self.states).into_values().chain([self.exchanged]);
+        for state in states.collect::<Vec<_>>() {
+            if !self.dead {
+                _ = self.free_state(state);
+            }
+        }
         if !self.dead {
             unsafe { self.binding().fmi2FreeInstance(self.component) };
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use tempfile::TempDir;
 use toolroom_fmu_import::check::{Severity, check};
 use toolroom_fmu_import::simulate::{Experiment, Inputs, SimulateError, simulate};
-use toolroom_fmu_import::{Archive, LoadError, Unit, UnitProcess, WiringError};
+use toolroom_fmu_import::{Archive, Isolation, LoadError, Unit, UnitProcess, WiringError};
 use toolroom_process::{Field, MachineProcess, ModelError, ProcessEvent, Record, Wiring, record};
 
 record! {
@@ -30,7 +30,7 @@ record! {
     /// What the shop reads.
     pub struct Reading {
         /// Land.
-        flank_wear: Real["m" => "mm"] = 0.0;
+        flank_wear: Real["m" => "mm"] = 0.0, 0.0..=1.0;
     }
 }
 
@@ -40,9 +40,13 @@ fn wiring() -> Wiring {
 }
 
 fn machine(path: &Path, wiring: &Wiring) -> Result<UnitProcess, WiringError> {
-    let unit = Unit::load(path).expect("it loads");
+    let unit = Unit::load(path, &Isolation::None).expect("it loads");
     UnitProcess::new(Arc::new(unit), "turning", Command::<f64>::FIELDS, Reading::<f64>::FIELDS, wiring)
 }
+
+/// A unit that can neither save nor serialise its state, and one that cannot serialise it.
+const STATELESS: (&str, &str) = ("canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
+const IN_MEMORY: (&str, &str) = ("canSerializeFMUstate=\"true\"", "");
 
 fn input(process: &UnitProcess, values: &[(&str, f64)]) -> Vec<f64> {
     let start = |field: &Field| values.iter().find(|(name, _)| *name == field.name).map_or(field.start, |(_, v)| *v);
@@ -103,10 +107,10 @@ fn a_state_goes_back_branches_and_runs_in_threads() {
 }
 
 #[test]
-fn a_unit_holds_one_saved_state_for_each_instance_however_often_it_goes_back() {
+fn a_unit_holds_two_saved_states_for_each_instance_however_often_it_goes_back() {
     let folder = TempDir::new().expect("a folder");
     // 1 um for each metre, 1 m/s: 0.3 mm after 300 s, located by going back some forty times.
-    let process = machine(&unit(folder.path(), &["STATES=1"], ("", "")), &wiring()).expect("it fits");
+    let process = machine(&unit(folder.path(), &["STATES=2"], ("", "")), &wiring()).expect("it fits");
     let (fresh, mut y) = (process.initial(), vec![0.0]);
     for _ in 0..3 {
         let (mut x, mut u) = (fresh.clone(), input(&process, &[("cutting_speed", 1.0)]));
@@ -121,7 +125,7 @@ fn a_unit_holds_one_saved_state_for_each_instance_however_often_it_goes_back() {
 fn an_event_stops_the_step_where_it_happens_or_at_the_end_of_a_step_without_state() {
     let folder = TempDir::new().expect("a folder");
     // 1 um for each metre, 1 m/s: 0.3 mm after 300 s.
-    let stateless = unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
+    let stateless = unit(folder.path(), &[], STATELESS);
     let process = machine(&stateless, &Wiring { step: Some(7.0), ..wiring() }).expect("it fits");
     let (mut x, mut u) = (process.initial(), input(&process, &[("cutting_speed", 1.0)]));
     let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");
@@ -192,7 +196,7 @@ fn a_wiring_that_cannot_be_is_refused_with_what_there_is() {
 #[test]
 fn without_fmu_state_a_unit_goes_forward_only() {
     let folder = TempDir::new().expect("a folder");
-    let path = unit(folder.path(), &[], ("canSerializeFMUstate=\"true\"", ""));
+    let path = unit(folder.path(), &[], STATELESS);
     let process = machine(&path, &wiring()).expect("it fits");
     assert!(!process.goes_back());
     let (one, two) = (process.initial(), process.initial());
@@ -233,7 +237,7 @@ fn a_failing_step_is_an_error_with_the_words_of_the_unit() {
 #[test]
 fn a_unit_that_cannot_be_loaded_is_told_why() {
     let folder = TempDir::new().expect("a folder");
-    let load = |path: &Path| Unit::load(path).map(|_| ()).expect_err("refused");
+    let load = |path: &Path| Unit::load(path, &Isolation::None).map(|_| ()).expect_err("refused");
     let missing = load(&unit(folder.path(), &["NO_STEP"], ("", "")));
     assert!(matches!(&missing, LoadError::Symbols { missing, .. } if missing == "fmi2DoStep"), "{missing}");
     let exchange = load(&unit(folder.path(), &[], ("<CoSimulation", "<ModelExchange")));
@@ -252,7 +256,7 @@ fn a_unit_that_cannot_be_loaded_is_told_why() {
 #[test]
 fn a_simulation_writes_a_row_for_each_communication_point() {
     let folder = TempDir::new().expect("a folder");
-    let unit = Arc::new(Unit::load(&unit(folder.path(), &[], ("", ""))).expect("it loads"));
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &[], ("", "")), &Isolation::None).expect("it loads"));
     let table = "time [s],cut.cutting_speed [m/min],cut.engaged\n0,60,true\n10,60,1\n20,120,false\n";
     let inputs = Inputs::read(unit.description(), table.as_bytes()).expect("a table");
     let mut rows = Vec::new();
@@ -280,10 +284,117 @@ fn a_simulation_writes_a_row_for_each_communication_point() {
 #[test]
 fn a_simulation_that_fails_leaves_what_came_before() {
     let folder = TempDir::new().expect("a folder");
-    let unit = Arc::new(Unit::load(&unit(folder.path(), &["FAILS"], ("", ""))).expect("it loads"));
+    let unit = Arc::new(Unit::load(&unit(folder.path(), &["FAILS"], ("", "")), &Isolation::None).expect("it loads"));
     let mut rows = Vec::new();
     let long = Experiment { stop: Some(200.0), step: Some(10.0), ..Experiment::default() };
     let error = simulate(&unit, &long, None, &mut rows).expect_err("it fails");
     assert!(matches!(error, SimulateError::Call { time: 100.0, .. }), "{error}");
     assert_eq!(String::from_utf8(rows).expect("UTF-8").lines().count(), 12);
+}
+
+#[test]
+fn states_in_memory_do_what_serialised_ones_do_and_are_freed() {
+    let folder = TempDir::new().expect("a folder");
+    let serialised = machine(&unit(folder.path(), &[], ("", "")), &wiring()).expect("it fits");
+    // One state at which the shop settled, one at the end of the step, one at its start.
+    let path = unit(folder.path(), &["STATES=5", "UNITS=2"], IN_MEMORY);
+    let in_memory = machine(&path, &wiring()).expect("it fits");
+    assert!(in_memory.goes_back());
+    let run = |process: &UnitProcess| {
+        let (mut x, mut y, mut told) = (process.initial(), vec![0.0], Vec::new());
+        for pass in 0..60 {
+            let mut u = input(process, &[("cutting_speed", 1.0)]);
+            // Planned whole, interrupted, planned anew from the start.
+            for duration in [30.0, 7.0] {
+                let mut plan = x.clone();
+                let advance = process.advance(&mut plan, &mut u, duration).expect("a step");
+                process.output(&plan, &u, &mut y);
+                told.push((pass, advance.elapsed, advance.event, y[0]));
+                if duration < 10.0 {
+                    x = plan;
+                    process.settle(&x);
+                }
+            }
+        }
+        process.retire(&x);
+        told
+    };
+    let expected = run(&serialised);
+    assert!(expected.iter().any(|(_, _, event, _)| *event == Some(ProcessEvent::WearLimit)));
+    // More edges than the unit has instances: each is freed with its edge.
+    for _ in 0..4 {
+        assert_eq!(run(&in_memory), expected);
+    }
+}
+
+#[test]
+fn a_unit_without_states_frees_the_instance_of_an_edge_that_is_gone() {
+    let folder = TempDir::new().expect("a folder");
+    let process = machine(&unit(folder.path(), &["UNITS=2"], STATELESS), &wiring()).expect("it fits");
+    for _ in 0..10 {
+        let (mut x, mut u) = (process.initial(), input(&process, &[]));
+        process.advance(&mut x, &mut u, 10.0).expect("an instance");
+        process.retire(&x);
+    }
+    let edges: Vec<Vec<f64>> = (0..3).map(|_| process.initial()).collect();
+    let refused = process.advance(&mut edges[2].clone(), &mut input(&process, &[]), 10.0).expect_err("no third one");
+    assert!(refused.to_string().contains("no instance could be made"), "{refused}");
+}
+
+#[test]
+fn a_wear_that_cannot_be_is_refused_with_variable_value_and_time() {
+    let folder = TempDir::new().expect("a folder");
+    for (value, expected) in [
+        ("NAN", "at 200 s of its time tool.VB = NaN mm, which is no finite number"),
+        ("INFINITY", "tool.VB = inf mm, which is no finite number"),
+        ("-5.0", "tool.VB = -5 mm, which cannot be: flank_wear = -5 mm is outside 0 to 1000 mm"),
+        ("1e300", "outside 0 to 1000 mm"),
+        ("0.001", "is less than before"),
+    ] {
+        let path = unit(folder.path(), &[&format!("VALUE={value}")], ("", ""));
+        let process = machine(&path, &wiring()).expect("it fits");
+        let (mut x, mut u) = (process.initial(), input(&process, &[("cutting_speed", 1.0)]));
+        process.advance(&mut x, &mut u, 100.0).expect("sound so far");
+        let before = x.clone();
+        let refused = process.advance(&mut x, &mut u, 100.0).expect_err(value).to_string();
+        assert!(refused.contains(expected) && refused.contains("wear.fmu"), "{value}: {refused}");
+        assert_eq!(x, before, "a refused step changes nothing");
+    }
+    // The bounds of the description are in the unit of the unit.
+    let bounded = ("<Real unit=\"mm\"/>", "<Real unit=\"mm\" min=\"0\" max=\"0.05\"/>");
+    let process = machine(&unit(folder.path(), &[], bounded), &wiring()).expect("it fits");
+    let mut u = input(&process, &[("cutting_speed", 1.0)]);
+    let refused = process.advance(&mut process.initial(), &mut u, 60.0).expect_err("0.06 mm").to_string();
+    assert!(refused.contains("tool.VB = 0.06 mm, outside 0 to 0.05 mm of its description"), "{refused}");
+}
+
+#[test]
+fn a_discarded_step_is_taken_in_parts_and_an_end_is_told() {
+    let folder = TempDir::new().expect("a folder");
+    let whole = machine(&unit(folder.path(), &[], ("", "")), &wiring()).expect("it fits");
+    let parts = machine(&unit(folder.path(), &["DISCARD=7"], ("", "")), &wiring()).expect("it fits");
+    let wear = |process: &UnitProcess| {
+        let (mut x, mut u, mut y) = (process.initial(), input(process, &[("cutting_speed", 1.0)]), vec![0.0]);
+        process.advance(&mut x, &mut u, 50.0).expect("a step");
+        process.output(&x, &u, &mut y);
+        y[0]
+    };
+    assert!((wear(&parts) - wear(&whole)).abs() < 1e-15);
+    let forward = machine(&unit(folder.path(), &["DISCARD=7"], STATELESS), &wiring()).expect("it fits");
+    let mut u = input(&forward, &[]);
+    let refused = forward.advance(&mut forward.initial(), &mut u, 50.0).expect_err("it cannot go back").to_string();
+    assert!(refused.contains("it discarded a step of 50 s, came to 7 s, and cannot go back"), "{refused}");
+    let path = unit(folder.path(), &["TERMINATE=33.0"], ("", ""));
+    let ended = machine(&path, &wiring()).expect("it fits");
+    let mut u = input(&ended, &[]);
+    let refused = ended.advance(&mut ended.initial(), &mut u, 50.0).expect_err("it ended").to_string();
+    assert!(refused.contains("at 33 s it ended its simulation"), "{refused}");
+    // By itself it may end when it likes.
+    let unit = Arc::new(Unit::load(&path, &Isolation::None).expect("it loads"));
+    let mut rows = Vec::new();
+    let long = Experiment { stop: Some(60.0), step: Some(10.0), ..Experiment::default() };
+    let done = simulate(&unit, &long, None, &mut rows).expect("a normal end");
+    assert_eq!((done.stop, done.steps, done.ended), (33.0, 4, true));
+    let text = String::from_utf8(rows).expect("UTF-8");
+    assert!(text.lines().last().is_some_and(|line| line.starts_with("33,")), "{text}");
 }

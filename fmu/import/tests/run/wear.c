@@ -3,7 +3,13 @@
    FAILS   steps fail from 100 s on          NO_STEP  fmi2DoStep is missing
    TIRES   steps fail after as many as it says, whatever the instance
    DENIES  no instance is made               LOUD     messages without category, with %s
-   STATES  only as many saved states as it says are alive at one time, of all instances */
+   STATES  only as many saved states as it says are alive at one time, of all instances
+   UNITS   only as many instances as it says are alive at one time
+   VALUE   the wear that it tells of, mm, from 100 s on
+   BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
+   DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s */
+#include <math.h>
+#include <unistd.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +30,9 @@ typedef struct {
 } Unit;
 
 static const State START = {0.0, 0.5, 0.0, 1e-6, 1, 0};
+
+static int units;
+static double last, ended;
 
 #define E __attribute__((visibility("default")))
 
@@ -47,12 +56,21 @@ E void *fmi2Instantiate(const char *name, int type, const char *guid, const char
     return NULL;
 #endif
     if (strcmp(guid, "{wear}")) return NULL;
+#ifdef UNITS
+    if (__atomic_add_fetch(&units, 1, __ATOMIC_RELAXED) > UNITS) {
+        callbacks->log(callbacks->environment, name, 3, "logAll", "too many instances");
+        return NULL;
+    }
+#endif
     Unit *unit = calloc(1, sizeof(Unit));
     unit->state = START;
     unit->callbacks = callbacks;
     return unit;
 }
-E void fmi2FreeInstance(void *u) { free(u); }
+E void fmi2FreeInstance(void *u) {
+    __atomic_sub_fetch(&units, 1, __ATOMIC_RELAXED);
+    free(u);
+}
 E int fmi2SetupExperiment(void *u, int t, double tolerance, double start, int s, double stop) {
     ((Unit *)u)->state.time = start;
     return 0;
@@ -67,6 +85,9 @@ E int fmi2Reset(void *u) {
 E int fmi2GetReal(void *u, const unsigned *r, size_t n, double *v) {
     State *s = &((Unit *)u)->state;
     for (size_t i = 0; i < n; i++) v[i] = r[i] == 1 ? s->speed * 60 : r[i] == 2 ? s->wear * 1e3 : s->rate;
+#ifdef VALUE
+    for (size_t i = 0; i < n; i++) if (r[i] == 2 && s->time > 100) v[i] = VALUE;
+#endif
     return 0;
 }
 E int fmi2SetReal(void *u, const unsigned *r, size_t n, const double *v) {
@@ -145,6 +166,20 @@ E int fmi2DoStep(void *u, double time, double step, int prior) {
     static int steps;
     if (++steps > TIRES) return refuse(u, "no more steps today");
 #endif
+#ifdef BEFORE
+    if (time + step > 100) { BEFORE; }
+#endif
+#ifdef DISCARD
+    last = time + (step > DISCARD ? DISCARD : step);
+    if (step > DISCARD) return 2;
+#endif
+#ifdef TERMINATE
+    last = TERMINATE;
+    if ((ended = time + step > TERMINATE)) {
+        s->time = TERMINATE;
+        return 2;
+    }
+#endif
 #ifdef FAILS
     if (time + step > 100) return refuse(u, "the solver gave up");
 #endif
@@ -156,7 +191,13 @@ E int fmi2DoStep(void *u, double time, double step, int prior) {
 #endif
 E int fmi2CancelStep(void *u) { return 3; }
 E int fmi2GetStatus(void *u, int k, int *v) { return 2; }
-E int fmi2GetRealStatus(void *u, int k, double *v) { return 2; }
+E int fmi2GetRealStatus(void *u, int k, double *v) {
+    *v = last;
+    return k == 2 ? 0 : 2;
+}
 E int fmi2GetIntegerStatus(void *u, int k, int *v) { return 2; }
-E int fmi2GetBooleanStatus(void *u, int k, int *v) { return 2; }
+E int fmi2GetBooleanStatus(void *u, int k, int *v) {
+    *v = ended;
+    return k == 3 ? 0 : 2;
+}
 E int fmi2GetStringStatus(void *u, int k, const char **v) { return 2; }

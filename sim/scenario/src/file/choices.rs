@@ -28,6 +28,17 @@ impl ProcessKind {
 }
 
 vocabulary! {
+    /// Where the code of an imported unit runs.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(super) enum IsolationWord {
+        /// In a worker process.
+        Process = "process",
+        /// In the program itself.
+        None = "none",
+    }
+}
+
+vocabulary! {
     /// Families of positive random times.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum FamilyWord {

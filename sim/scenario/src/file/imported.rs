@@ -1,12 +1,12 @@
 //! Tools whose process is an imported unit.
 
-use super::choices::ProcessKind;
+use super::choices::{IsolationWord, ProcessKind};
 use super::fault::ScenarioFault;
 use crate::ProcessModel;
 use crate::unit::{UnitRefusal, UnitRequest, import};
 use toolroom_cutting::{MillingInput, MillingOutput, TurningInput, TurningOutput};
 use toolroom_form::{Fault, Section, Walk};
-use toolroom_process::{Field, Record, Wiring};
+use toolroom_process::{Field, Record, UnitIsolation, Wiring};
 
 /// The unit in `file` as the process of a tool; `None` where a problem was noted.
 pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, process: ProcessKind, file: &str) -> Option<ProcessModel> {
@@ -45,5 +45,10 @@ fn wiring(walk: &mut Walk, tool: &Section<'_>) -> Wiring {
         events: walk.texts(&section, "events", EXAMPLE),
         start: walk.texts(&section, "start", EXAMPLE),
         step: section.si("step"),
+        isolation: match section.chosen("isolation", IsolationWord::from_word) {
+            Some(IsolationWord::None) => UnitIsolation::None,
+            Some(IsolationWord::Process) | None => UnitIsolation::Process,
+        },
+        call_limit: section.si("call_limit"),
     }
 }

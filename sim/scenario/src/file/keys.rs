@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field};
 
-use super::choices::{FamilyWord, FormatWord, GrowthWord, PatternWord, ProcessKind, ScatterWord};
+use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
@@ -217,6 +217,13 @@ static WIRING: Form = Form {
         Key::optional("events", Kind::Texts, "Boolean variable that an event sets, such as wear_limit = \"tool.worn\""),
         Key::optional("start", Kind::Texts, "Start values of parameters, in the unit's own units"),
         Key::optional("step", DURATION, "Longest communication step; left out: a whole pass"),
+        Key::default(
+            "isolation",
+            Kind::Choice(IsolationWord::WORDS),
+            IsolationWord::Process.word(),
+            "Where the unit's code runs: in a worker process, or in the program itself",
+        ),
+        Key::default("call_limit", DURATION, "10 s", "Longest time of one call of a unit in a worker process"),
     ],
 };
 

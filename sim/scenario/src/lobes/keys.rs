@@ -1,5 +1,6 @@
 //! The sections of a lobes file.
 
+use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
 use toolroom_form::{Form, Key, Kind, Quantity};
 
 const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
@@ -26,13 +27,14 @@ const SPEED_RATIO: Kind = positive("1", "1", 100.0, "1");
 const CUTTING_STIFFNESS: Kind = quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
 const MODULATION: Kind = quantity("1", "1", 0.0, 10.0, "0.3");
 
-const MILLING: &[&str] = &["milling"];
-const TURNING: &[&str] = &["turning"];
-const CHUCK: &[&str] = &["chuck"];
-const CHIP_LAG: &[&str] = &["chip_lag"];
-const LATHE: &[&str] = &["lathe"];
-const MODULATED: &[&str] = &["chuck", "lathe"];
-const CUTTING: &[&str] = &["milling", "turning"];
+const MILLING: &[&str] = &[LobesProcess::Milling.word()];
+const TURNING: &[&str] = &[LobesProcess::Turning.word()];
+const CHUCK: &[&str] = &[LobesProcess::Chuck.word()];
+const CHIP_LAG: &[&str] = &[LobesProcess::ChipLag.word()];
+const LATHE: &[&str] = &[LobesProcess::Lathe.word()];
+const MODULATED: &[&str] = &[LobesProcess::Chuck.word(), LobesProcess::Lathe.word()];
+const OF_CHUCK: &[&str] = &[LobesProcess::Chuck.word(), LobesProcess::ChipLag.word()];
+const CUTTING: &[&str] = &[LobesProcess::Milling.word(), LobesProcess::Turning.word()];
 
 /// The whole file.
 pub static LOBES: Form = Form {
@@ -44,7 +46,7 @@ pub static LOBES: Form = Form {
         Key::default("title", Kind::Text, "", "One line for people"),
         Key::required(
             "process",
-            Kind::Choice(&["milling", "turning", "chuck", "chip_lag", "lathe"]),
+            Kind::Choice(LobesProcess::WORDS),
             "What vibrates: a cut that meets its own surface, or work in a chuck of three jaws: one mode over speed \
              and modulation, the same at rest over lag and cutting stiffness, tool and work together",
         ),
@@ -55,7 +57,7 @@ pub static LOBES: Form = Form {
         Key::required("cut", Kind::Table(&CUT), "Cutting force and diameter of turning").when("process", TURNING),
         Key::optional("bar", Kind::Table(&BAR), "Bending of a slender workpiece at the tool").when("process", TURNING),
         Key::required("chuck", Kind::Table(&CHUCK_FORM), "Workpiece in a chuck of three jaws")
-            .when("process", &["chuck", "chip_lag"]),
+            .when("process", OF_CHUCK),
         Key::required("lathe", Kind::Table(&LATHE_FORM), "Tool and workpiece in a chuck of three jaws")
             .when("process", LATHE),
         Key::optional("speed_variation", Kind::Table(&SPEED_VARIATION), "Spindle speed that varies about its mean")
@@ -104,7 +106,7 @@ static ENGAGEMENT: Form = Form {
     doc: "How the cutter meets the work",
     keys: &[
         Key::required("immersion", positive("1", "1", 1.0, "0.5"), "Radial width of cut over diameter; a slot is 1"),
-        Key::required("direction", Kind::Choice(&["up", "down"]), "Conventional (up) or climb (down) milling"),
+        Key::required("direction", Kind::Choice(DirectionWord::WORDS), "Conventional (up) or climb (down) milling"),
     ],
 };
 
@@ -142,7 +144,7 @@ static BAR: Form = Form {
     keys: &[
         Key::required("length", LENGTH, "Length out of the chuck"),
         Key::required("position", LENGTH, "Place of the tool from the jaws"),
-        Key::required("support", Kind::Choice(&["chuck", "tailstock"]), "How the bar is held"),
+        Key::required("support", Kind::Choice(SupportWord::WORDS), "How the bar is held"),
         Key::required("youngs_modulus", positive("Pa", "GPa", 2e12, "210 GPa"), "Young's modulus"),
         Key::required("density", positive("kg/m3", "kg/m3", 3e4, "7850 kg/m3"), "Density"),
         Key::required("damping_ratio", DAMPING_RATIO, "Share of critical damping"),
@@ -161,8 +163,8 @@ static SPEED_VARIATION: Form = Form {
 
 const PRESET: Key = Key::default(
     "preset",
-    Kind::Choice(&["f0_120hz", "fig3_fit", "table2_milli", "table2_literal"]),
-    "f0_120hz",
+    Kind::Choice(PresetWord::WORDS),
+    PresetWord::F0_120Hz.word(),
     "Reading of the published constants",
 );
 

@@ -4,9 +4,11 @@
 
 mod keys;
 mod read;
+mod words;
 
 pub use keys::LOBES;
 pub use read::{parse, read};
+pub use words::LobesProcess;
 
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{Axis, Bar, Milling, SpeedVariation, Turning};
@@ -49,11 +51,13 @@ pub enum LobesCut {
 }
 
 /// Keys of the two axes of the chart of a process, and their units in files and for people.
-pub fn axes(process: &str) -> [(&'static str, &'static str, &'static str); 2] {
+pub fn axes(process: LobesProcess) -> [(&'static str, &'static str, &'static str); 2] {
     match process {
-        "chuck" | "lathe" => [("speed_ratio", "1", "1"), ("modulation", "1", "1")],
-        "chip_lag" => [("chip_lag", "s", "us"), ("cutting_stiffness", "N/m", "N/um")],
-        _ => [("spindle_speed", "rad/s", "rpm"), ("depth_of_cut", "m", "mm")],
+        LobesProcess::Chuck | LobesProcess::Lathe => [("speed_ratio", "1", "1"), ("modulation", "1", "1")],
+        LobesProcess::ChipLag => [("chip_lag", "s", "us"), ("cutting_stiffness", "N/m", "N/um")],
+        LobesProcess::Milling | LobesProcess::Turning => {
+            [("spindle_speed", "rad/s", "rpm"), ("depth_of_cut", "m", "mm")]
+        }
     }
 }
 

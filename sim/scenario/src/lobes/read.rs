@@ -1,6 +1,7 @@
 //! From the sections of a lobes file to cut, chart and operating points.
 
 use super::keys::LOBES;
+use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
 use super::{Chart, LobesCut, LobesFile, Point, axes};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -29,21 +30,22 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 
 /// From the sections of a lobes file to what they mean.
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
-    let process = root.text("process");
+    let process = root.chosen("process", LobesProcess::from_word);
     let cut = match process {
-        Some("milling") => milling(walk, root).map(LobesCut::Milling),
-        Some("turning") => turning(walk, root),
-        Some("chuck") => chuck(walk, root, "chuck").map(LobesCut::Chuck),
-        Some("chip_lag") => chuck(walk, root, "chip_lag").map(LobesCut::ChipLag),
-        Some("lathe") => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
-        _ => None,
+        Some(LobesProcess::Milling) => milling(walk, root).map(LobesCut::Milling),
+        Some(LobesProcess::Turning) => turning(walk, root),
+        Some(LobesProcess::Chuck) => chuck(walk, root, LobesProcess::Chuck).map(LobesCut::Chuck),
+        Some(LobesProcess::ChipLag) => chuck(walk, root, LobesProcess::ChipLag).map(LobesCut::ChipLag),
+        Some(LobesProcess::Lathe) => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
+        None => None,
     };
     let variation = walk.table(root, "speed_variation").and_then(|section| {
         let revolutions = u32::try_from(section.count("revolutions")?).ok()?;
         Some(SpeedVariation { amplitude: section.si("amplitude")?, revolutions })
     });
-    let case = process.map(|process| ("process", process));
-    let axes = axes(process.unwrap_or_default());
+    let case = process.map(|process| ("process", process.word()));
+    // Without a process, which is a fault, the chart is read as that of a cut.
+    let axes = axes(process.unwrap_or(LobesProcess::Turning));
     let chart = walk.table_in(root, "chart", case).and_then(|section| chart(walk, &section, axes));
     let points = walk.sections(root, "point", case);
     let points = points.iter().enumerate().map(|(i, section)| Point {
@@ -171,7 +173,10 @@ fn milling(walk: &mut Walk, root: &Section<'_>) -> Option<Milling> {
     }
     let cutter = walk.table(root, "cutter").and_then(|section| cutter(walk, &section));
     let engagement = walk.table(root, "engagement").and_then(|section| {
-        let direction = if section.text("direction")? == "up" { Direction::Up } else { Direction::Down };
+        let direction = match section.chosen("direction", DirectionWord::from_word)? {
+            DirectionWord::Up => Direction::Up,
+            DirectionWord::Down => Direction::Down,
+        };
         Engagement::new(section.si("immersion")?, direction).ok()
     });
     let force = walk.table(root, "force")?;
@@ -261,7 +266,10 @@ fn bending(walk: &mut Walk, section: &Section<'_>, diameter: f64) -> Option<(Bar
         density: section.si("density")?,
         damping_ratio: section.si("damping_ratio")?,
         chuck_stiffness: section.si("chuck_stiffness")?,
-        support: if section.text("support")? == "tailstock" { Support::Tailstock } else { Support::Chuck },
+        support: match section.chosen("support", SupportWord::from_word)? {
+            SupportWord::Chuck => Support::Chuck,
+            SupportWord::Tailstock => Support::Tailstock,
+        },
     };
     let bends = bar.mode_at(position).is_ok();
     if !bends {
@@ -279,18 +287,18 @@ fn bending(walk: &mut Walk, section: &Section<'_>, diameter: f64) -> Option<(Bar
 }
 
 fn preset(section: &Section<'_>) -> Option<Preset> {
-    Some(match section.text("preset")? {
-        "fig3_fit" => Preset::Fig3Fit,
-        "table2_milli" => Preset::Table2Milli,
-        "table2_literal" => Preset::Table2Literal,
-        _ => Preset::F0_120Hz,
+    Some(match section.chosen("preset", PresetWord::from_word)? {
+        PresetWord::F0_120Hz => Preset::F0_120Hz,
+        PresetWord::Fig3Fit => Preset::Fig3Fit,
+        PresetWord::Table2Milli => Preset::Table2Milli,
+        PresetWord::Table2Literal => Preset::Table2Literal,
     })
 }
 
 /// The section `[chuck]`; where lag and cutting stiffness are the axes they are none of its keys.
-fn chuck(walk: &mut Walk, root: &Section<'_>, process: &str) -> Option<Reduced> {
-    let section = walk.table_in(root, "chuck", Some(("process", process)))?;
-    let lag = if process == "chuck" { section.si("lag")? } else { 0.0 };
+fn chuck(walk: &mut Walk, root: &Section<'_>, process: LobesProcess) -> Option<Reduced> {
+    let section = walk.table_in(root, "chuck", Some(("process", process.word())))?;
+    let lag = if process == LobesProcess::Chuck { section.si("lag")? } else { 0.0 };
     let published = Reduced::from_preset(preset(&section)?, lag);
     Some(Reduced {
         mass: section.si("mass").unwrap_or(published.mass),

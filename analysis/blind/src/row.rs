@@ -1,7 +1,6 @@
 //! One case with its answer, as a line of the table of all cases.
 
-use crate::failure::Failure;
-use crate::output::no_table;
+use crate::BlindError;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toolroom_process::table::{csv_of, defined};
@@ -25,8 +24,10 @@ pub enum Mark {
 }
 
 impl Mark {
+    /// Every mark, best first.
     pub const ALL: [Self; 6] = [Self::Exact, Self::Partly, Self::Wrong, Self::Unknown, Self::Masked, Self::NoGap];
 
+    /// The mark in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -45,9 +46,11 @@ impl Mark {
 pub struct Row {
     /// Which parts of the method took part.
     pub method: String,
+    /// Process of the case.
     pub process: String,
     /// Name of the set.
     pub set: String,
+    /// Seed of the case.
     pub seed: u64,
     /// Hidden causes with their strengths.
     pub hidden: String,
@@ -58,27 +61,39 @@ pub struct Row {
     /// the least. Nothing where nothing of the catalogue is hidden.
     #[serde(serialize_with = "defined")]
     pub promised_z: Option<f64>,
+    /// How right the answer is.
     pub mark: Mark,
+    /// Effects that were named.
     pub named: String,
+    /// Effects that the data cannot tell from them.
     pub class: String,
+    /// Where or when they act.
     pub shape: String,
+    /// Size of a single named effect, in `unit`, with its 90 % interval.
     #[serde(serialize_with = "defined")]
     pub size: Option<f64>,
+    /// Lower end of the interval of the size.
     #[serde(serialize_with = "defined")]
     pub size_low: Option<f64>,
+    /// Upper end of the interval of the size.
     #[serde(serialize_with = "defined")]
     pub size_high: Option<f64>,
+    /// Unit of the sizes.
     pub unit: String,
     /// Size that new edges ask for.
     #[serde(serialize_with = "defined")]
     pub size_on_new_edges: Option<f64>,
+    /// Probabilities of the named effects.
     pub probability: String,
+    /// Their scores.
     pub z: String,
     /// Closure as the diagnosis says, with its 90 % interval.
     #[serde(serialize_with = "defined")]
     pub closed: Option<f64>,
+    /// Lower end of the interval of the closure.
     #[serde(serialize_with = "defined")]
     pub closed_low: Option<f64>,
+    /// Upper end of the interval of the closure.
     #[serde(serialize_with = "defined")]
     pub closed_high: Option<f64>,
     /// The same measured on new edges.
@@ -88,8 +103,10 @@ pub struct Row {
     /// hidden effect, had it been known.
     #[serde(serialize_with = "defined")]
     pub closed_by_named: Option<f64>,
+    /// By the hidden effect.
     #[serde(serialize_with = "defined")]
     pub closed_by_hidden: Option<f64>,
+    /// Notes of the diagnosis.
     pub notes: String,
 }
 
@@ -116,17 +133,14 @@ impl Row {
 }
 
 /// All rows as CSV.
-pub fn csv(rows: &[Row]) -> Result<String, Failure> {
-    csv_of(rows).map_err(|error| no_table("cases.csv", &error))
+pub(crate) fn csv(rows: &[Row]) -> String {
+    csv_of(rows).expect("a row holds numbers and texts")
 }
 
 /// Rows of a finished run.
-pub fn read(directory: &Path) -> Result<Vec<Row>, Failure> {
+pub(crate) fn read(directory: &Path) -> Result<Vec<Row>, BlindError> {
     let path = directory.join("cases.csv");
-    let failed = |error: csv::Error| {
-        let message = format!("{}: {error}", path.display());
-        Failure::argument(message, "give directories that `toolroom gap blind --out` wrote")
-    };
+    let failed = |source: csv::Error| BlindError::Unreadable { path: path.clone(), source };
     csv::Reader::from_path(&path).map_err(failed)?.deserialize().map(|row| row.map_err(failed)).collect()
 }
 
@@ -165,7 +179,7 @@ mod tests {
             notes: text,
         };
         let directory = tempfile::tempdir().expect("a directory");
-        let table = csv(std::slice::from_ref(&row)).expect("rows are written");
+        let table = csv(std::slice::from_ref(&row));
         std::fs::write(directory.path().join("cases.csv"), table).expect("a file");
         assert_eq!(read(directory.path()).ok(), Some(vec![row.clone()]));
         assert_eq!((row.closure_covered(), row.size_covered()), (Some(true), None));

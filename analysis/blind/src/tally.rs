@@ -1,7 +1,7 @@
 //! Rates of right and wrong answers, with their bounds, against the gates.
 
-use super::row::{Mark, Row};
-use super::{PARTS, WHOLE};
+use crate::method::{PARTS, WHOLE};
+use crate::row::{Mark, Row};
 use serde_json::{Value, json};
 use std::fmt;
 use toolroom_statistics::clopper_pearson;
@@ -15,11 +15,15 @@ const OF_ORACLE: f64 = 0.9;
 
 /// So many of so many, with a bound that may not be crossed.
 pub struct Rate {
+    /// What is counted.
     pub name: &'static str,
+    /// Cases for which it holds.
     pub count: usize,
+    /// Cases that count.
     pub of: usize,
     /// The gate: at most, or at least.
     pub gate: f64,
+    /// Whether the gate is an upper bound.
     pub at_most: bool,
 }
 
@@ -28,6 +32,7 @@ impl Rate {
         Self { name, count: answers.iter().filter(|yes| **yes).count(), of: answers.len(), gate, at_most }
     }
 
+    /// The share.
     pub fn value(&self) -> f64 {
         self.count as f64 / self.of as f64
     }
@@ -37,10 +42,12 @@ impl Rate {
         clopper_pearson(self.count, self.of, 0.95)
     }
 
+    /// The sign before the gate.
     pub fn sign(&self) -> &'static str {
         if self.at_most { "≤" } else { "≥" }
     }
 
+    /// Whether the gate is kept; always without cases.
     pub fn holds(&self) -> bool {
         self.of == 0 || if self.at_most { self.value() <= self.gate } else { self.value() >= self.gate }
     }
@@ -49,6 +56,7 @@ impl Rate {
 /// Closure on new edges over the channels that the hidden effect touches, mean of all cases where an
 /// effect was hidden and one named.
 pub struct Closed {
+    /// Cases that count.
     pub cases: usize,
     /// By what was named.
     pub named: f64,
@@ -74,10 +82,12 @@ impl Closed {
         self.named / self.hidden
     }
 
+    /// Whether the gate is kept.
     pub fn holds(&self) -> bool {
         self.share() >= OF_ORACLE
     }
 
+    /// Least share of the oracle's closure.
     pub const GATE: f64 = OF_ORACLE;
 }
 
@@ -86,10 +96,15 @@ pub type Marks = Vec<(Set, [usize; 6])>;
 
 /// All answers of a process.
 pub struct Tally {
+    /// The process.
     pub process: &'static str,
+    /// How many cases there are.
     pub cases: usize,
+    /// Answers by set.
     pub marks: Marks,
+    /// Rates against their gates.
     pub rates: Vec<Rate>,
+    /// Closure on new edges; `None` without a case that was named.
     pub closed: Option<Closed>,
     /// What is wrong, or missed though it was promised: hidden cause, set, answer.
     pub failures: Vec<[String; 3]>,
@@ -159,8 +174,11 @@ impl Tally {
 
 /// Answers of the method with a part left out, or of the whole method on the same cases.
 pub struct Ablation {
+    /// What is left of the method.
     pub method: &'static str,
+    /// The process.
     pub process: &'static str,
+    /// Answers by set.
     pub marks: Marks,
 }
 
@@ -212,7 +230,7 @@ impl fmt::Display for Ablation {
 }
 
 /// Tallies and ablations.
-pub fn json(tallies: &[Tally], ablations: &[Ablation]) -> Value {
+pub(crate) fn json(tallies: &[Tally], ablations: &[Ablation]) -> Value {
     let tallies: Vec<Value> = tallies.iter().map(Tally::json).collect();
     let ablation = |ablation: &Ablation| json!({ "process": ablation.process, "method": ablation.method, "sets": sets(&ablation.marks) });
     json!({ "schema": 1, "processes": tallies, "ablations": ablations.iter().map(ablation).collect::<Vec<_>>() })

@@ -1,8 +1,8 @@
 //! One case, diagnosed and held against what was hidden.
 
-use super::row::{Mark, Row};
-use super::shrunk::Shrunk;
-use crate::failure::Failure;
+use crate::BlindError;
+use crate::row::{Mark, Row};
+use crate::shrunk::Shrunk;
 use toolroom_gap::{Forward, GapVerdict, Method, NamedEffect, NominalModel, diagnose_by, identifiability};
 use toolroom_records::{Records, parse_csv};
 use toolroom_truth::{Case, Hidden};
@@ -11,7 +11,7 @@ use toolroom_truth::{Case, Hidden};
 const SEED: u64 = 1;
 
 /// Diagnoses the records of `case` with `model` by a method called `name`.
-pub fn judged(case: &Case, model: &NominalModel, name: &str, method: Method) -> Result<Row, Failure> {
+pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Method) -> Result<Row, BlindError> {
     let records = recorded(case, model)?;
     let (forward, _) = model.over(&records, None, |_, _| false);
     let diagnosis = diagnose_by(forward.as_ref(), method, SEED).diagnosis;
@@ -68,18 +68,21 @@ fn rounded(value: f64) -> Option<f64> {
     value.is_finite().then(|| format!("{value:.4e}").parse().unwrap_or(value))
 }
 
-fn recorded(case: &Case, model: &NominalModel) -> Result<Records, Failure> {
+fn recorded(case: &Case, model: &NominalModel) -> Result<Records, BlindError> {
     let text = case.records();
     let read = parse_csv(case.process, text.as_bytes(), model.kind());
-    read.map(|(records, _)| records)
-        .map_err(|error| Failure::Work { message: format!("records of {} {}: {error}", case.process, case.seed) })
+    read.map(|(records, _)| records).map_err(|source| BlindError::Records {
+        process: case.process.to_owned(),
+        seed: case.seed,
+        source: Box::new(source),
+    })
 }
 
 fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
     match verdict {
-        GapVerdict::Unknown => return Mark::Unknown,
+        GapVerdict::Unknown | GapVerdict::Constant => return Mark::Unknown,
         GapVerdict::Masked | GapVerdict::CannotTell => return Mark::Masked,
-        GapVerdict::NoGap | GapVerdict::Small | GapVerdict::Constant => return Mark::NoGap,
+        GapVerdict::NoGap | GapVerdict::Small => return Mark::NoGap,
         GapVerdict::Effect => {}
     }
     let hidden = |effect: &NamedEffect| case.hidden.iter().any(|hidden| effect.class.contains(&hidden.id));

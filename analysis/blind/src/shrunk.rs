@@ -1,8 +1,7 @@
 //! How far the gap shrinks, as the diagnosis said and on new edges of the same shop.
 
-use crate::gap::joined::joined;
 use toolroom_effects::Effect;
-use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, report_units};
+use toolroom_gap::{Diagnosis, NamedEffect, NominalModel, Outside, joined, report_units};
 use toolroom_records::Records;
 use toolroom_scenario::effects::SHOP_EFFECTS;
 
@@ -10,7 +9,7 @@ use toolroom_scenario::effects::SHOP_EFFECTS;
 const SEED: u64 = 1;
 
 /// What new edges say about a named effect where one was hidden.
-pub struct Shrunk {
+pub(crate) struct Shrunk {
     /// Closure over the channels of the diagnosis, by what it named.
     pub closed: f64,
     /// Closure over the channels that the hidden effect touches, by what was named.

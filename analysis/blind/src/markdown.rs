@@ -1,7 +1,7 @@
 //! The tables of the gap benchmark, as Markdown.
 
-use super::row::Mark;
-use super::tally::{Ablation, Closed, Tally};
+use crate::row::Mark;
+use crate::tally::{Ablation, Closed, Tally};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use toolroom_truth::Set;
@@ -10,7 +10,7 @@ use toolroom_truth::Set;
 const NULLS: [Set; 3] = [Set::Null, Set::HeavyNull, Set::StressNull];
 
 /// All tables.
-pub fn tables(tallies: &[Tally], ablations: &[Ablation]) -> String {
+pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation]) -> String {
     let mut text = String::from("# Rates of the gap benchmark\n");
     for tally in tallies {
         let _ = writeln!(text, "\n## {}: {} cases\n", heading(tally.process), tally.cases);

@@ -1,7 +1,7 @@
 //! Records of two sets of one shop, of which the second is only predicted.
 
-use toolroom_gap::shop::{after, groups_of};
-use toolroom_gap::{NominalModel, NominalProcess};
+use crate::shop::{after, groups_of};
+use crate::{NominalModel, NominalProcess};
 use toolroom_records::{RecordKind, Records};
 
 /// The records followed by `more`, and the groups (by the column `group`, if given) that only these have.

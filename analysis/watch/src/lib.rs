@@ -1,0 +1,32 @@
+//! Watching a shop for a change, block by block, with a promised rate of false alarms.
+//!
+//! ```text
+//!  value of a block ─► rank among all blocks of its stream ─► normal score ─► e-detector ─► alarm ─► date of the change
+//!  count of a block, expected count ─────────────────────────────────────────────┘
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`conformal_score`] | normal score of a randomised rank: standard normal under any exchangeable noise |
+//! | [`Detector`], [`RareDetector`] | Shiryaev–Roberts statistics of scores, and of counts |
+//! | [`Change`] | posterior of the block after which the scores moved |
+//! | [`Watch`] | streams with their state, resumable and idempotent |
+//!
+//! The statistic of a detector less the number of its blocks is a martingale for every null distribution, so that an
+//! alarm at the threshold A comes within t blocks with probability t/A at most, without any table.
+//!
+//! # Source
+//! e-detectors: Shin, Ramdas and Rinaldo 2022; conformal martingales: Vovk, Gammerman and Shafer 2005; Roberts 1966.
+//!
+//! # Not modelled
+//! Trends within the null (wear that nobody resets), seasons, streams that share one cause: each is watched by itself.
+
+mod change;
+mod conformal;
+mod detector;
+mod watch;
+
+pub use change::Change;
+pub use conformal::conformal_score;
+pub use detector::{Detector, RareDetector};
+pub use watch::{Alarm, Block, FEWEST_BLOCKS, Reading, StateError, Watch};
