@@ -18,7 +18,6 @@
 
 mod block;
 mod constant;
-mod facts;
 mod kpi;
 mod logs;
 mod model;
