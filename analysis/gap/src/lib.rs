@@ -39,6 +39,7 @@ mod decide;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
+mod discrepancy;
 mod enough;
 mod evidence;
 mod fit;
@@ -55,11 +56,13 @@ pub mod plan;
 mod pooled;
 mod processes;
 mod queue;
+mod rules;
 mod score;
 mod settle;
 mod shop_facts;
 #[cfg(test)]
 mod shop_tests;
+mod stepwise;
 mod summary;
 mod tolerance;
 mod trial;
@@ -73,23 +76,24 @@ pub use constants::FEWEST_GROUPS;
 pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
+    Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
+    Tried,
 };
-pub use evidence::Evidence;
 pub use fit::Fit;
 pub use fitness::{Fitness, LeastSeen, Part, Structure};
-pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::Linear;
 pub use method::Method;
 pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes};
+pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
+pub use toolroom_evidence::{Evidence, Gram};
 pub use toolroom_nominal::{
-    Asked, Candidate, Channel, Covariate, Direction, EMPIRICAL_EFFECTS, EmpiricalSizes, Forward, Frame, Local,
-    Measured, ModelFileError, NominalModel, NominalProcess, Observation, Parameter, Point, Settings, Surface,
-    Transform, Untried, cutting, empirical, features, grinding, program, sensor_sheet,
+    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
+    Forward, Frame, Local, Measured, ModelFileError, NominalModel, NominalProcess, Observation, On, Parameter, Point,
+    Settings, Surface, Transform, Untried, cutting, empirical, features, grinding, program, sensor_sheet,
 };
 pub use trial::Trial;
 

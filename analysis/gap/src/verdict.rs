@@ -23,7 +23,7 @@ impl Structure {
 }
 
 /// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up.
-pub(super) fn judged(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
+pub(super) fn backed(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
     let Some(fit) = diagnosis.fit.clone() else { return };
     if fit.passed() {
         if diagnosis.verdict == GapVerdict::Effect {

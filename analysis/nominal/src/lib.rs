@@ -16,6 +16,7 @@ mod broken;
 mod constants;
 pub mod cutting;
 mod cutting_effects;
+mod discrepancy;
 pub mod empirical;
 mod empirical_effects;
 pub mod features;
@@ -32,6 +33,7 @@ pub mod shop;
 mod units;
 
 pub use constants::{HUBER, MAD};
+pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
 pub use measured::{Channel, Measured, Observation, Transform};
