@@ -26,6 +26,13 @@ Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel wi
     #[command(before_help = "Examples:
   toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
     Apply(ApplyArgs),
+    /// Whether a shop has changed since its model was fitted, with a promised rate of false alarms
+    #[command(before_help = "Examples:
+  toolroom gap watch --model better.toml --data records --state watch.json
+  toolroom gap watch --model better.toml --data records --false-alarms \"1 1/year\" --since \"12 day\" --json
+
+Exit code 3: an alarm")]
+    Watch(WatchArgs),
     /// Diagnose shops with a hidden effect that no model here knows, and count the errors
     #[command(before_help = "Examples:
   toolroom gap blind --cases smoke
@@ -79,6 +86,21 @@ pub struct DiagnoseArgs {
     /// Directory of diagnosis.json and report.html
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct WatchArgs {
+    #[command(flatten)]
+    pub data: GapData,
+    /// Only rows from this time since the start of the records on, with its unit
+    #[arg(long, value_name = "TIME")]
+    pub since: Option<String>,
+    /// False alarms that are promised for all streams together, per year
+    #[arg(long, value_name = "RATE", default_value = "0.2 1/year")]
+    pub false_alarms: String,
+    /// What is kept between two looks; a look goes on where the last one stopped
+    #[arg(long, value_name = "watch.json")]
+    pub state: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
