@@ -121,7 +121,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));
     if basis.method.abstention && stated_channels {
         let (stated, fit) = stated(model, &basis, &decision.base.fit);
-        let test = |fit: &super::Fit| tested(model, &stated, fit, &folds, seed);
+        let test = |fit: &Fit| tested(model, &stated, fit, &folds, seed);
         diagnosis.fit = Some(test(&fit));
         if decision.verdict == GapVerdict::Effect {
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));

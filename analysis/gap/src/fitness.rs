@@ -233,7 +233,7 @@ impl<'a> Test<'a> {
 
     fn observed(&self) -> Observed {
         let frame = self.model.frame();
-        let scores = self.scores(DMatrix::from_columns(&[self.residual.clone()]));
+        let scores = self.scores(DMatrix::from_columns(std::slice::from_ref(&self.residual)));
         let scores: DVector<f64> = scores.column(0).into_owned();
         let (mut values, mut names) = (Vec::new(), Vec::new());
         for (channel, places, layout) in &self.channels {

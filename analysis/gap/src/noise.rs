@@ -77,7 +77,7 @@ impl Noise {
         let fitted = |run: &&std::ops::Range<usize>| {
             measured.fitted[measured.group_of_row[measured.observations[run.start].row]]
         };
-        for channel in 0..measured.channels.len() {
+        for (channel, share) in shares.into_iter().enumerate() {
             let runs: Vec<_> = measured
                 .runs
                 .iter()
@@ -114,7 +114,7 @@ impl Noise {
                 MAD * median(&mut whitened)
             };
             // What the chain scatters by stays as it is: the sensor makes up for the rest.
-            let square = 1.0 + ((scatter * scatter / freedom.max(0.2)) - 1.0) / shares[channel];
+            let square = 1.0 + ((scatter * scatter / freedom.max(0.2)) - 1.0) / share;
             noise.scale[channel] = square.max(LEAST_SCALE * LEAST_SCALE).sqrt();
         }
         noise.filter(measured);
