@@ -187,7 +187,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
             shape: candidate.shape.clone(),
             size: size * factor,
             unit,
-            ci90: [(size - NINETY * deviation).max(0.0) * factor, (size + NINETY * deviation) * factor],
+            ci90: [(size - NINETY * deviation).max(candidate.least) * factor, (size + NINETY * deviation) * factor],
             probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| p.min(PROBABLE)),
             z: scores.length[*index] * size / candidate.typical,
             gain: [value, predictive_gain(&trial.evidence, &decision.base.evidence).0],

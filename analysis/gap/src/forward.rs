@@ -58,6 +58,15 @@ pub struct Candidate {
     pub typical: f64,
     /// Greatest admissible size, SI.
     pub greatest: f64,
+    /// Least admissible size, SI: zero for an effect of one sign.
+    pub least: f64,
+}
+
+impl Candidate {
+    /// Whether its size may have either sign.
+    pub fn two_sided(&self) -> bool {
+        self.least < 0.0
+    }
 }
 
 /// Where a model is evaluated.
