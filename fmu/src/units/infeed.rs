@@ -6,8 +6,8 @@ use toolroom_effects::Effects;
 use toolroom_infeed::{Infeed, InfeedProfile, PARAMETER_SETS, Parameters, ProfileState};
 use toolroom_process::Process;
 
-/// Revolutions of the part that are worked out within a second: 360 stations each take 20 to 40 us (measured, two cores
-/// of a shared server), and half of the second is kept in reserve.
+/// Revolutions of the part that are worked out within a second: one takes 41 us in a development build
+/// (measured on a shared server), and half of the second is kept in reserve.
 const REVOLUTIONS: f64 = 10_000.0;
 
 impl Unit for InfeedProfile {
