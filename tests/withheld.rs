@@ -102,6 +102,29 @@ fn a_shop_that_hides_nothing_is_blamed_on_nothing() {
 }
 
 #[test]
+fn a_feed_override_above_programmed_in_one_shift_is_named_there_with_its_sign() {
+    // A late shift that cuts in 0.84 of the programmed time was told as an early shift that is slow.
+    let diagnosis = diagnosed(&Case::one("shop", "feed_override", -2.0, 1));
+    assert_eq!(diagnosis.effects.len(), 1, "{}", diagnosis.terminal());
+    let effect = &diagnosis.effects[0];
+    assert_eq!((effect.id, effect.shape.as_str()), ("feed_override", "shift=S2"), "{}", diagnosis.terminal());
+    assert!(effect.ci90[0] < -0.16 && effect.ci90[1] > -0.16, "{:?}", effect.ci90);
+    assert!(effect.probability <= 0.99, "{}", effect.probability);
+}
+
+#[test]
+fn equations_that_are_off_are_blamed_on_nothing_and_the_rule_is_named() {
+    // 24 edges, forces and temperatures off by 4 %: heat on wear was named with probability 1 and closed nothing.
+    let case = Case { times: 2, form: 0.04, ..Case::null("turning", 3) };
+    let diagnosis = diagnosed(&case);
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+    let last = diagnosis.not_named.last().expect("a model that was not named");
+    assert_eq!(last.effects, ["wear_temperature"]);
+    assert_eq!(last.rules.iter().map(|found| found.rule).collect::<Vec<_>>(), ["closure"], "{last:?}");
+    assert!(diagnosis.notes.iter().any(|note| note.contains("rule closure")), "{:?}", diagnosis.notes);
+}
+
+#[test]
 fn chips_that_jam_one_program_are_no_short_stops() {
     let diagnosis = diagnosed(&Case::one("shop", "chip_jam", 1.0, 1));
     assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());

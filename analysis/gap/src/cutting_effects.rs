@@ -91,7 +91,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
                     Rows::All => Action::Effect(effect),
                     Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
                 };
-                (Candidate { id: entry.id, shape: name, typical, greatest }, action)
+                (Candidate { id: entry.id, shape: name, typical, greatest, least: 0.0 }, action)
             })),
             Err(reason) => untried.push(Untried { id: entry.id, reason }),
         }
@@ -113,7 +113,7 @@ pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> 
     let mut list = Vec::new();
     let mut add = |id: &'static str, shape: String, typical: f64, column: Vec<f64>| {
         if standardised(&column).is_some() {
-            list.push((Candidate { id, shape, typical, greatest: f64::INFINITY }, column));
+            list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, column));
         }
     };
     add("tool_change_delay", String::new(), 30.0, features::first_of_group(groups));

@@ -117,7 +117,7 @@ fn offer(list: &mut Offered, id: &'static str, shape: String, typical: f64, acti
         Action::Acceleration => true,
     };
     if varies {
-        list.push((Candidate { id, shape, typical, greatest: f64::INFINITY }, action));
+        list.push((Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action));
     }
 }
 

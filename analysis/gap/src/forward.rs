@@ -1,6 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::{Measured, Untried};
+use super::{Discrepancy, Measured, Untried};
 use rayon::prelude::*;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
@@ -58,6 +58,15 @@ pub struct Candidate {
     pub typical: f64,
     /// Greatest admissible size, SI.
     pub greatest: f64,
+    /// Least admissible size, SI: zero for an effect of one sign.
+    pub least: f64,
+}
+
+impl Candidate {
+    /// Whether its size may have either sign.
+    pub fn two_sided(&self) -> bool {
+        self.least < 0.0
+    }
 }
 
 /// Where a model is evaluated.
@@ -145,6 +154,8 @@ pub struct Frame {
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
     pub notes: Vec<String>,
+    /// How its equations may be off beyond the form allowance; `None` where nothing is known of it.
+    pub discrepancy: Option<Discrepancy>,
 }
 
 impl Frame {
@@ -159,6 +170,7 @@ impl Frame {
             untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
+            discrepancy: None,
         }
     }
 }

@@ -33,9 +33,9 @@ pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, Fit) {
 
 /// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
 fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
-    let scores = probe.scores();
-    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
-    match best.filter(|index| scores.score[*index] > DETECTABLE) {
+    let scores = probe.strengths();
+    let best = (0..scores.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]));
+    match best.filter(|index| scores[*index] > DETECTABLE) {
         Some(index) => {
             let best = Trial::fitted(model, basis, &probe.fit, &[index]);
             Basis::new(model, &best.complete(model), basis)

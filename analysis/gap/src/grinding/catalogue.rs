@@ -42,7 +42,7 @@ impl Grinding {
                 }
             };
             for Shape { name, effect, typical, greatest, rows } in shapes {
-                self.frame.candidates.push(Candidate { id, shape: name, typical, greatest });
+                self.frame.candidates.push(Candidate { id, shape: name, typical, greatest, least: 0.0 });
                 self.actions.push(match rows {
                     Rows::Coolant(rows) => Action::Coolant(rows),
                     Rows::SinceDressing => Action::Effect { effect, by_command: true },

@@ -143,7 +143,7 @@ impl Stretches {
         let mut add = |id: &'static str, shape: String, typical: f64, action: Action| {
             let greatest =
                 SHOP_EFFECTS.iter().find(|entry| entry.id == id).map_or(f64::INFINITY, |entry| entry.size.max);
-            self.frame.candidates.push(Candidate { id, shape, typical, greatest });
+            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least: 0.0 });
             self.actions.push(action);
         };
         let rows = &self.rows;

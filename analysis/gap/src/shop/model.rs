@@ -83,6 +83,9 @@ pub struct ShopModel {
     kinds: Vec<usize>,
 }
 
+/// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
+const FASTEST: f64 = -0.5;
+
 impl ShopModel {
     /// The model over recorded events; blocks are grouped by machine and day, or by the column
     /// `group` of them (`machine`, `day`, `shift`). Notes say what was found while reading.
@@ -300,7 +303,8 @@ impl ShopModel {
         for (id, shape, typical, action) in list {
             let entry: Option<&CatalogueEntry> = SHOP_EFFECTS.iter().find(|entry| entry.id == id);
             let greatest = entry.map_or(f64::INFINITY, |entry| entry.size.max);
-            self.frame.candidates.push(Candidate { id, shape, typical, greatest });
+            let least = if matches!(action, Action::Slower(_)) { FASTEST } else { 0.0 };
+            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });
             self.actions.push(action);
         }
         self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
