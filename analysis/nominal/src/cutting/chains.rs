@@ -100,7 +100,7 @@ impl<P: Nominal> Cutting<P> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Direction, Forward, NominalModel, Point, Transform};
+    use crate::{Direction, NominalModel, Point, Transform};
     use toolroom_records::parse_csv;
     use toolroom_truth::Case;
 
