@@ -266,7 +266,7 @@ impl Closure {
 
 impl Diagnosis {
     /// Too little was measured, and why that is too little.
-    pub(super) fn cannot_tell(why: String) -> Self {
+    pub fn cannot_tell(why: String) -> Self {
         Self {
             verdict: GapVerdict::CannotTell,
             effects: Vec::new(),

@@ -16,7 +16,7 @@ use super::{Closure, Diagnosis, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table};
 
 /// Lines of the terminal's summary.
@@ -252,25 +252,18 @@ impl Answers {
         text.trim_end().to_owned() + &self.untried_line()
     }
 
-    /// The report: all processes beside each other, then each by itself.
-    pub fn report(&self, provenance: Provenance) -> Report {
+    /// Sections of a report: all processes beside each other, then how the answer of each came about, then what was not
+    /// tried.
+    pub fn sections(&self) -> Vec<Section> {
+        let mut sections = Vec::new();
         if let [(_, only)] = &self.processes[..] {
-            return self.untried_section().into_iter().fold(only.report(provenance), Report::section);
+            sections.extend(only.sections(""));
+        } else {
+            sections.push(self.overview());
+            sections.extend(self.processes.iter().flat_map(|(process, own)| own.sections(process)));
         }
-        let words = |(process, own): &(&str, Diagnosis)| format!("{process}: {}", verdict(own));
-        let mut report = Report::new("Where the shop and its models differ")
-            .lead(format!("{}.", self.processes.iter().map(words).collect::<Vec<_>>().join("; ")));
-        for (process, own) in &self.processes {
-            report = report.tile(Tile::new(*process, own.verdict.name(), verdict(own)));
-        }
-        let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
-        report = report
-            .tile(Tile::new("gap closed in all, on groups left out", percent(self.total.closed), interval))
-            .section(self.overview());
-        for (process, own) in &self.processes {
-            report = own.sections(process).into_iter().fold(report, Report::section);
-        }
-        self.untried_section().into_iter().fold(report, Report::section).provenance(provenance)
+        sections.extend(self.untried_section());
+        sections
     }
 
     fn untried_section(&self) -> Option<Section> {
