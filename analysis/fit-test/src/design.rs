@@ -255,7 +255,7 @@ mod tests {
         let whole = covariance(&groups);
         let design = Design::new(groups.clone(), 3);
         let residual = DVector::from_fn(design.len(), |i, _| (i as f64).cos());
-        let scores = design.scores(&DMatrix::from_columns(&[residual.clone()]));
+        let scores = design.scores(&DMatrix::from_columns(std::slice::from_ref(&residual)));
         // The last group is a fold by itself: predicted from the fourteen readings of all others.
         let (train, test): (Vec<usize>, Vec<usize>) = ((0..15).collect(), (15..20).collect());
         let cut = |rows: &[usize], columns: &[usize]| whole.select_rows(rows).select_columns(columns);
