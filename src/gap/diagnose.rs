@@ -12,13 +12,14 @@ use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnose_processes};
+use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
     let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
-    let names = &["diagnosis.json", "report.html"];
+    let names = &["diagnosis.json", "report.html", "report.md", "report.json"];
     let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let mut asked: Vec<Asked> = Vec::new();
     let mut rest: Vec<Option<(NominalModel, Records)>> = Vec::new();
@@ -51,8 +52,12 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         rest.push(Some((model, records)));
     }
     let mut answers = diagnose_processes(&asked, args.seed);
-    for ((_, diagnosis), rest) in answers.processes.iter_mut().zip(rest) {
-        let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else { continue };
+    let mut pages: Vec<Page> = Vec::new();
+    for (((process, diagnosis), rest), asked) in answers.processes.iter_mut().zip(rest).zip(&asked) {
+        let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else {
+            pages.push(Page::without_readings(process, diagnosis.clone()));
+            continue;
+        };
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
@@ -60,8 +65,13 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, diagnosis, args.seed);
         }
+        if out.is_some() {
+            let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);
+            let rates = args.models.iter().find_map(|path| rates(path, &args.set)).unwrap_or_default();
+            pages.push(Page { process, diagnosis: diagnosis.clone(), readings, rates });
+        }
     }
-    write(args, out, &answers, voice)?;
+    write(args, out, &answers, &pages, voice)?;
     let untold: Vec<String> = answers
         .processes
         .iter()
@@ -95,7 +105,18 @@ fn with_more(
     })
 }
 
-fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: &Voice) -> Result<(), Failure> {
+/// Rates of the machines of a model file, where it is a scenario.
+fn rates(path: &Path, set: &[String]) -> Option<Rates> {
+    toolroom_scenario::file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+}
+
+fn write(
+    args: &DiagnoseArgs,
+    out: Option<OutputDir>,
+    answers: &Answers,
+    pages: &[Page],
+    voice: &Voice,
+) -> Result<(), Failure> {
     if let Some(out) = out {
         let pretty = |value: &serde_json::Value| serde_json::to_string_pretty(value).map_err(Failure::Json);
         let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
@@ -109,7 +130,9 @@ fn write(args: &DiagnoseArgs, out: Option<OutputDir>, answers: &Answers, voice: 
         let provenance =
             Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
         out.put("diagnosis.json", &pretty(&answers.json())?)?;
-        out.put("report.html", &answers.report(provenance).html())?;
+        out.put("report.html", &html(pages, answers.sections(), provenance))?;
+        out.put("report.md", &markdown(pages))?;
+        out.put("report.json", &pretty(&toolroom_gap_report::json(pages))?)?;
         out.put(
             "run.json",
             &pretty(&json!({ "schema": 1, "version": version, "command": command, "complete": true }))?,
