@@ -11,7 +11,9 @@ mod planning;
 mod program;
 
 pub use files::{CheckArgs, NewArgs, SchemaArgs};
-pub use gap::{ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, PlanArgs};
+pub use gap::{
+    ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, PlanArgs, WatchArgs,
+};
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};

@@ -4,6 +4,10 @@
 /// scenarios.
 pub const PLANNING: &[(&str, &str)] = &[
     (
+        "watch-state",
+        "`toolroom gap watch --state FILE` goes on where the last look stopped. The file belongs to one model with one set of values: with another one the ranks in it would mean something else. Give another file to begin anew, or the model that the state was begun with.",
+    ),
+    (
         "table",
         "A measured table has a header `name [unit]` and one record a line, each with as many cells as the header. Comma, semicolon or tab separate; with decimal commas, separate by semicolons. Lines that start with # are comments.",
     ),

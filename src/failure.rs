@@ -43,6 +43,11 @@ pub enum Failure {
         /// What is too little.
         message: String,
     },
+    /// Done, and the shop has changed.
+    Alarm {
+        /// What has changed.
+        message: String,
+    },
     /// Stopped by the user.
     Interrupted {
         /// How far the work came and what is kept.
@@ -69,6 +74,7 @@ impl Failure {
             Self::Work { message } => Self::Work { message: message + more },
             Self::Stopped { message, help } => Self::Stopped { message: message + more, help },
             Self::TooLittle { message } => Self::TooLittle { message: message + more },
+            Self::Alarm { message } => Self::Alarm { message: message + more },
             Self::Interrupted { message, help } => Self::Interrupted { message: message + more, help },
             Self::Unwritable { path, source } => {
                 Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
@@ -96,6 +102,10 @@ impl Failure {
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
             Self::TooLittle { message } => {
                 voice.error(format_args!("warning: too little data for an answer: {message}"));
+                ExitCode::from(3)
+            }
+            Self::Alarm { message } => {
+                voice.error(format_args!("warning: the shop has changed: {message}"));
                 ExitCode::from(3)
             }
             Self::Interrupted { message, help } => self.plain(voice, message, Some(help), stop::exit_code()),

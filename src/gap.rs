@@ -6,6 +6,7 @@ mod diagnose;
 mod identifiability;
 mod plan;
 mod tables;
+mod watch;
 
 use crate::args::{GapCommand, GapData};
 use crate::failure::Failure;
@@ -21,6 +22,7 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
         GapCommand::Apply(args) => apply::run(args, voice),
         GapCommand::Blind(args) => blind::run(args, voice),
         GapCommand::Plan(args) => plan::run(args, voice),
+        GapCommand::Watch(args) => watch::run(args, voice),
     }
 }
 

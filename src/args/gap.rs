@@ -26,11 +26,19 @@ Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel wi
     #[command(before_help = "Examples:
   toolroom gap apply --model scenarios/gap/turning.toml --diagnosis out/gap/diagnosis.json --out better.toml")]
     Apply(ApplyArgs),
+    /// Whether a shop has changed since its model was fitted, with a promised rate of false alarms
+    #[command(before_help = "Examples:
+  toolroom gap watch --model better.toml --data records --state watch.json
+  toolroom gap watch --model better.toml --data records --false-alarms \"1 1/year\" --since \"12 day\" --json
+
+Exit code 3: an alarm")]
+    Watch(WatchArgs),
     /// Diagnose shops with a hidden effect that no model here knows, and count the errors
     #[command(before_help = "Examples:
   toolroom gap blind --cases smoke
   toolroom gap blind --cases full --seed 1001 --out out/blind
   toolroom gap blind --cases full --seed 1001 --part 1/4 --out out/first      a quarter of them
+  toolroom gap blind --cases full --only null --process turning --times 5 --form 0.02    60 edges, equations off
   toolroom gap blind --from out/first --from out/second --out out/both        both together")]
     Blind(BlindArgs),
 }
@@ -81,6 +89,21 @@ pub struct DiagnoseArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct WatchArgs {
+    #[command(flatten)]
+    pub data: GapData,
+    /// Only rows from this time since the start of the records on, with its unit
+    #[arg(long, value_name = "TIME")]
+    pub since: Option<String>,
+    /// False alarms that are promised for all streams together, per year
+    #[arg(long, value_name = "RATE", default_value = "0.2 1/year")]
+    pub false_alarms: String,
+    /// What is kept between two looks; a look goes on where the last one stopped
+    #[arg(long, value_name = "watch.json")]
+    pub state: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct PlanArgs {
     #[command(flatten)]
     pub data: GapData,
@@ -128,11 +151,20 @@ pub struct BlindArgs {
     /// Only the k-th of n equal parts of the cases; every set is spread over all parts
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub part: Option<(usize, usize)>,
+    /// Only the cases of this set: null, effect, pair, "outside the catalogue", …
+    #[arg(long, value_name = "SET")]
+    pub only: Option<String>,
+    /// So many times as many groups (edges, dressings, days) as usual
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = times)]
+    pub times: usize,
+    /// How far the equations of the shops are off: share of forces and temperatures, from 0 to 0.2
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = form)]
+    pub form: f64,
     /// Only the whole method, not what is left of it without its parts
     #[arg(long)]
     pub no_ablations: bool,
     /// Diagnose nothing: count the cases of finished runs together; repeatable
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["seed", "cases", "process", "part", "no_ablations"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["seed", "cases", "process", "part", "only", "times", "form", "no_ablations"])]
     pub from: Vec<PathBuf>,
     /// Directory of cases.csv, rates.md and blind.json
     #[arg(long, value_name = "DIR")]
@@ -143,6 +175,18 @@ pub struct BlindArgs {
 fn part(text: &str) -> Result<(usize, usize), String> {
     let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
     numbers.filter(|(k, n)| (1..=*n).contains(k)).ok_or_else(|| "give K/N with K from 1 to N, as in 2/5".to_owned())
+}
+
+fn times(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|times| (1..=100).contains(times))
+        .ok_or_else(|| "give a whole number from 1 to 100".to_owned())
+}
+
+fn form(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..=0.2).contains(share));
+    share.ok_or_else(|| "give a share from 0 to 0.2, as in 0.02".to_owned())
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

@@ -36,7 +36,15 @@ pub fn run(args: &BlindArgs, voice: &Voice) -> Result<(), Failure> {
 fn diagnosed(args: &BlindArgs, voice: &Voice) -> Result<Vec<Row>, BlindError> {
     let full = args.cases == BlindCases::Full;
     let extent = if full { Extent::Full } else { Extent::Smoke };
-    let selection = Selection { seed: args.seed, extent, process: args.process.clone(), part: args.part };
+    let selection = Selection {
+        seed: args.seed,
+        extent,
+        process: args.process.clone(),
+        only: args.only.clone(),
+        times: args.times,
+        form: args.form,
+        part: args.part,
+    };
     let cases = selection.cases()?;
     let bar = Bar::new(voice);
     let rows = diagnose(&cases, full && !args.no_ablations, &|done, total| bar.at(Progress { done, total }));
@@ -46,7 +54,7 @@ fn diagnosed(args: &BlindArgs, voice: &Voice) -> Result<Vec<Row>, BlindError> {
 
 fn refused(error: BlindError) -> Failure {
     match &error {
-        BlindError::UnknownProcess { known, .. } => {
+        BlindError::UnknownProcess { known, .. } | BlindError::UnknownSet { known, .. } => {
             let help = format!("one of: {}", known.join(", "));
             Failure::argument(error, help)
         }
@@ -66,6 +74,13 @@ fn arguments(args: &BlindArgs) -> Vec<String> {
     let mut list = vec!["--seed".to_owned(), args.seed.to_string(), "--cases".to_owned(), args.cases.name().to_owned()];
     args.process.iter().for_each(|process| list.extend(["--process".to_owned(), process.clone()]));
     args.part.iter().for_each(|(k, n)| list.extend(["--part".to_owned(), format!("{k}/{n}")]));
+    args.only.iter().for_each(|only| list.extend(["--only".to_owned(), only.clone()]));
+    if args.times > 1 {
+        list.extend(["--times".to_owned(), args.times.to_string()]);
+    }
+    if args.form > 0.0 {
+        list.extend(["--form".to_owned(), args.form.to_string()]);
+    }
     if args.no_ablations {
         list.push("--no-ablations".to_owned());
     }

@@ -99,7 +99,7 @@ impl Benchmark {
     pub fn files(&self) -> ResultFiles {
         let mut files = ResultFiles::default();
         files.push("cases.csv", row::csv(&self.rows));
-        files.push("rates.md", markdown::tables(&self.tallies, &self.ablations));
+        files.push("rates.md", markdown::tables(&self.tallies, &self.ablations, &self.rows));
         files.push("blind.json", format!("{:#}\n", self.summary()));
         files
     }

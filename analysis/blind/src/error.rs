@@ -16,6 +16,14 @@ pub enum BlindError {
         /// The processes that there are.
         known: Vec<&'static str>,
     },
+    /// A set of cases that is none.
+    #[error("no cases of the set `{set}`")]
+    UnknownSet {
+        /// The name that was given.
+        set: String,
+        /// The sets that there are.
+        known: Vec<&'static str>,
+    },
     /// The cases of a finished run cannot be read.
     #[error("{}: {source}", path.display())]
     Unreadable {

@@ -32,6 +32,7 @@ pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Meth
     let single = if let [effect] = &named[..] { Some(effect) } else { None };
     let hidden = |hidden: &Hidden| format!("{} x{}", hidden.id, hidden.strength);
     let closure = &diagnosis.total;
+    let last = diagnosis.not_named.last();
     let closed = |value: f64| shrunk.as_ref().and_then(|_| rounded(value));
     let measured = |value: &dyn Fn(&Shrunk) -> f64| shrunk.as_ref().and_then(|shrunk| rounded(value(shrunk)));
     Ok(Row {
@@ -60,6 +61,11 @@ pub(crate) fn judged(case: &Case, model: &NominalModel, name: &str, method: Meth
         closed_by_named: measured(&|shrunk| shrunk.by_named),
         closed_by_hidden: measured(&|shrunk| shrunk.by_hidden),
         notes: diagnosis.notes.join("; "),
+        times: case.times,
+        form: case.form,
+        not_named: last.map_or_else(String::new, |last| last.effects.join(" + ")),
+        rules: last
+            .map_or_else(String::new, |last| last.rules.iter().map(|found| found.rule).collect::<Vec<_>>().join(" ")),
     })
 }
 

@@ -1,16 +1,18 @@
 //! The tables of the gap benchmark, as Markdown.
 
-use crate::row::Mark;
+use crate::method::WHOLE;
+use crate::row::{Mark, Row};
 use crate::tally::{Ablation, Closed, Tally};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use toolroom_gap::RULES;
 use toolroom_truth::Set;
 
 /// Sets in which nothing is hidden.
 const NULLS: [Set; 3] = [Set::Null, Set::HeavyNull, Set::StressNull];
 
 /// All tables.
-pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation]) -> String {
+pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation], rows: &[Row]) -> String {
     let mut text = String::from("# Rates of the gap benchmark\n");
     for tally in tallies {
         let _ = writeln!(text, "\n## {}: {} cases\n", heading(tally.process), tally.cases);
@@ -21,6 +23,7 @@ pub(crate) fn tables(tallies: &[Tally], ablations: &[Ablation]) -> String {
         if !own.is_empty() {
             reduced(&mut text, &own);
         }
+        rules(&mut text, rows.iter().filter(|row| row.process == tally.process && row.method == WHOLE));
     }
     text
 }
@@ -86,6 +89,29 @@ fn failures(text: &mut String, tally: &Tally) {
     for ([hidden, set, answer], count) in alike {
         let hidden = if hidden.is_empty() { "nothing hidden" } else { hidden };
         let _ = writeln!(text, "- {count} × {hidden} ({set}): {answer}");
+    }
+}
+
+/// What each rule alone decided: without it this many names would have been right, in part right, wrong.
+fn rules<'a>(text: &mut String, rows: impl Iterator<Item = &'a Row>) {
+    let rows: Vec<&Row> = rows.collect();
+    let _ = writeln!(
+        text,
+        "\n| without the rule | right names more | in part right | wrong names more | shops that hide nothing, blamed |\n|---|---|---|---|---|"
+    );
+    for rule in RULES {
+        let count = |keep: &dyn Fn(&Row, Mark) -> bool| {
+            rows.iter().filter(|row| row.without(rule.id).is_some_and(|mark| keep(row, mark))).count()
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} |",
+            rule.id,
+            count(&|_, mark| mark == Mark::Exact),
+            count(&|_, mark| mark == Mark::Partly),
+            count(&|row, mark| mark == Mark::Wrong && !row.hidden.is_empty()),
+            count(&|row, _| row.hidden.is_empty())
+        );
     }
 }
 

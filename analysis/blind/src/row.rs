@@ -108,6 +108,22 @@ pub struct Row {
     pub closed_by_hidden: Option<f64>,
     /// Notes of the diagnosis.
     pub notes: String,
+    /// Groups over their usual number.
+    #[serde(default = "once")]
+    pub times: usize,
+    /// How far the equations of the shop are off.
+    #[serde(default)]
+    pub form: f64,
+    /// Effects of the last model that was not named.
+    #[serde(default)]
+    pub not_named: String,
+    /// Rules that stood against it, joined by a space.
+    #[serde(default)]
+    pub rules: String,
+}
+
+fn once() -> usize {
+    1
 }
 
 impl Row {
@@ -124,6 +140,21 @@ impl Row {
     /// Whether the interval of the size holds the size that new edges ask for.
     pub fn size_covered(&self) -> Option<bool> {
         Self::within(self.size_on_new_edges, self.size_low, self.size_high)
+    }
+
+    /// What would be named without `rule`, where that alone stood against it.
+    pub fn without(&self, rule: &str) -> Option<Mark> {
+        if self.rules != rule {
+            return None;
+        }
+        let hidden: Vec<&str> = self.hidden.split(" + ").filter_map(|cause| cause.split(' ').next()).collect();
+        let named: Vec<&str> = self.not_named.split(" + ").collect();
+        let all_hidden = named.iter().all(|id| hidden.contains(id));
+        Some(match (all_hidden, hidden.iter().all(|id| named.contains(id))) {
+            (true, true) => Mark::Exact,
+            (true, false) => Mark::Partly,
+            (false, _) => Mark::Wrong,
+        })
     }
 
     /// Whether one cause of the catalogue is hidden and nothing else.
@@ -177,11 +208,18 @@ mod tests {
             closed_by_named: None,
             closed_by_hidden: None,
             notes: text,
+            times: 5,
+            form: 0.02,
+            not_named: "run_in + wear_force".to_owned(),
+            rules: "closure".to_owned(),
         };
         let directory = tempfile::tempdir().expect("a directory");
         let table = csv(std::slice::from_ref(&row));
         std::fs::write(directory.path().join("cases.csv"), table).expect("a file");
         assert_eq!(read(directory.path()).ok(), Some(vec![row.clone()]));
+        assert_eq!((row.without("closure"), row.without("size")), (Some(Mark::Wrong), None));
+        let right = Row { hidden: "run_in x1 + wear_force x2".to_owned(), ..row.clone() };
+        assert_eq!(right.without("closure"), Some(Mark::Exact));
         assert_eq!((row.closure_covered(), row.size_covered()), (Some(true), None));
     }
 }

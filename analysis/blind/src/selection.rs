@@ -1,7 +1,7 @@
 //! Which cases are diagnosed.
 
 use crate::BlindError;
-use toolroom_truth::{Case, Extent, GENERATORS, suite};
+use toolroom_truth::{Case, Extent, GENERATORS, Set, suite};
 
 /// Cases of the benchmark.
 #[derive(Clone, Debug)]
@@ -12,6 +12,12 @@ pub struct Selection {
     pub extent: Extent,
     /// The only process, where one is given.
     pub process: Option<String>,
+    /// The only set, by its name, where one is given.
+    pub only: Option<String>,
+    /// Groups over their usual number.
+    pub times: usize,
+    /// How far the equations of the shops are off, as a share.
+    pub form: f64,
     /// Part `k` of `n`, where only a part is diagnosed: every `n`-th case.
     pub part: Option<(usize, usize)>,
 }
@@ -20,7 +26,7 @@ impl Selection {
     /// The selected cases.
     ///
     /// # Errors
-    /// [`BlindError::UnknownProcess`].
+    /// [`BlindError::UnknownProcess`] and [`BlindError::UnknownSet`].
     pub fn cases(&self) -> Result<Vec<Case>, BlindError> {
         let mut cases = suite(self.seed, self.extent);
         if let Some(process) = &self.process {
@@ -29,6 +35,15 @@ impl Selection {
                 let known = GENERATORS.iter().map(|generator| generator.process).collect();
                 return Err(BlindError::UnknownProcess { process: process.clone(), known });
             }
+        }
+        if let Some(only) = &self.only {
+            cases.retain(|case| case.set.name() == only);
+            if cases.is_empty() {
+                return Err(BlindError::UnknownSet { set: only.clone(), known: Set::ALL.map(Set::name).to_vec() });
+            }
+        }
+        for case in &mut cases {
+            (case.times, case.form) = (self.times, self.form);
         }
         if let Some((k, n)) = self.part {
             let mut number = 0;

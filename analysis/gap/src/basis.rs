@@ -10,6 +10,10 @@ const SCALES: [f64; 6] = [0.15, 0.3, 0.5, 0.75, 1.1, 1.6];
 /// Prior standard deviation of generic signatures in the saturated model, relative (assumption).
 const GENERIC_PRIOR: f64 = 0.03;
 
+/// Prior precision of the size of a candidate where all of them take part at once: a standard deviation of three
+/// ordinary sizes (assumption).
+pub(super) const CANDIDATE_PRECISION: f64 = 1.0 / 9.0;
+
 /// The common ground of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Basis {
@@ -42,12 +46,13 @@ impl Basis {
             .collect();
         let residual = offset_residual(model, linear, &at.active);
         let local_scale = scatter(model, linear, &before.noise, &residual);
-        let gram = Gram::new(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
+        let gram =
+            super::gram::normal_equations(measured, &before.noise, linear, &columns, &residual, &local_scale, &[]);
         let (nuisance, effects) = (linear.nuisance.len(), linear.effects.len());
         let all: Vec<usize> = (0..columns.len()).collect();
         let prior = |i: usize| match i {
             i if i < nuisance => 1.0,
-            i if i < nuisance + effects => 1.0 / 9.0,
+            i if i < nuisance + effects => CANDIDATE_PRECISION,
             _ => GENERIC_PRIOR.powi(-2),
         };
         let mut ridge = part(&gram.total, &all, &all);
@@ -129,7 +134,7 @@ fn scatter(model: &dyn Forward, linear: &Linear, noise: &Noise, residual: &[f64]
             .iter()
             .map(|factor| scale.iter().enumerate().map(|(i, own)| if i == kind { *factor } else { *own }).collect())
             .collect();
-        let grams = Gram::at_scales(measured, noise, linear, &columns, residual, &trials);
+        let grams = super::gram::at_scales(measured, noise, linear, &columns, residual, &trials);
         let weight =
             |(gram, factor): (&Gram, &f64)| evidence::marginal(gram, linear.nuisance.len()) - 0.5 * factor * factor;
         let weights: Vec<f64> = grams.par_iter().zip(&SCALES).map(weight).collect();

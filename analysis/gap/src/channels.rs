@@ -88,6 +88,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         ranking,
         tried: each().flat_map(|own| own.tried.clone()).collect(),
         notes: each().flat_map(|own| own.notes.clone()).collect(),
+        not_named: each().flat_map(|own| own.not_named.clone()).collect(),
         facts: Vec::new(),
         findings: Vec::new(),
     }

@@ -157,7 +157,12 @@ pub(super) fn counted(measured: &Measured, touched: &[&str]) -> Vec<bool> {
 
 /// Channels that the effects of a trial touch.
 pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
-    let rows = trial.fit.active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
+    touched_by(model, &trial.fit.active)
+}
+
+/// Channels that the candidates `active` touch.
+pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<&'static str> {
+    let rows = active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
     rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
 }
 

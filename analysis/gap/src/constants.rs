@@ -23,11 +23,7 @@ pub(super) const FORM: f64 = 0.1;
 /// Greatest structure beside a named effect, as a share of the gain of the effect (1). Assumption: what
 /// leaves half as much as it explains is not the whole cause.
 pub(super) const REMAINDER: f64 = 0.5;
-/// Gain from which an effect need not close the gap of left-out groups for certain, in log posterior
-/// density (1). Assumption: twice [`CLEAR`].
-pub(super) const EVIDENT: f64 = 2.0 * CLEAR;
-/// Share of a signature that the form allowance imitates, above which an effect with a gain below
-/// [`EVIDENT`] has to close the gap for certain (1). Assumption: the allowance imitates most of it.
+/// Share of a signature that the form allowance imitates, above which an effect has to close the gap for certain (1). Assumption: the allowance imitates most of it.
 pub(super) const IMITATED: f64 = 0.5;
 /// Gain over what the scores of its effects promise, above which a nominal fit is not believed (1).
 /// Assumption: the scores are linear, so that an honest gain may be a few times what they promise.
@@ -35,6 +31,26 @@ pub(super) const PROMISED: f64 = 4.0;
 /// Gain beside [`PROMISED`] times the promise that is always believed, in log posterior density (1).
 /// Assumption: small promises are uncertain by more than their own size.
 pub(super) const SLACK: f64 = 20.0;
+
+/// Least share of the gap of left-out groups that a name closes (1). Assumption: two hundredths of a root mean square
+/// are of no use to anybody, and with many groups every form error is significant; the row "closure" of the
+/// ablation.
+pub(super) const LEAST_CLOSED: f64 = 0.02;
+/// Least share of the mean square above the noise that a name closes, on the channels that it touches (1). Assumption:
+/// less than a tenth of what can be closed is not the cause of the gap; the row "closure" of the ablation.
+pub(super) const LEAST_OF_CLOSABLE: f64 = 0.1;
+/// Least size of a name, in ordinary sizes (1). Assumption: a quarter of what is usual makes no difference to a plan;
+/// the row "size" of the ablation.
+pub(super) const LEAST_SIZE: f64 = 0.25;
+
+// Probabilities.
+
+/// Greatest probability of a name (1). Assumption: the blind benchmark has too few names to show that more than
+/// ninety-nine of a hundred are right.
+pub(super) const PROBABLE: f64 = 0.99;
+/// Greatest probability of a name where the equations are off by more than was thought of (1). Assumption: form errors of
+/// that size were blamed on an effect in a few of a hundred shops that hid nothing.
+pub(super) const PROBABLE_THOUGH_OFF: f64 = 0.9;
 
 // Scores and agreement: how strongly, and by how many groups, the data ask for an effect.
 
@@ -76,6 +92,11 @@ pub(super) const PAIRED_SCORE: f64 = 2.5;
 /// Least lead, before the pair is fitted, of a second effect beside the first, in log posterior density
 /// (1). Assumption: a quarter of [`PAIR_GATE`], since a fit may raise it.
 pub(super) const PAIRED_LEAD: f64 = 2.0;
+/// Effects that are named together at most (count). Assumption: more than five causes at a time are a model that is
+/// wrong in general.
+pub(super) const MOST_EFFECTS: usize = 5;
+/// Further effects that are fitted beside a chosen model (count). Assumption: as for [`PAIRED`].
+pub(super) const FURTHER: usize = 3;
 /// Single effects that are fitted anew because the scores at the nominal point ask for them (count).
 /// Assumption: this is only a supplement where the calibrated nominal model is strained.
 pub(super) const EARLY: usize = 2;
@@ -88,6 +109,13 @@ pub(super) const TOLERANCE: f64 = 0.25;
 /// Move of a form allowance beside a named effect above which the equations are not believed, in prior
 /// standard deviations (1). Assumption: no honest form error is five standard deviations.
 pub(super) const STRAINED: f64 = 5.0;
+
+/// Length scales of a discrepancy that are tried, in standard deviations of the conditions (1). Assumption: shorter
+/// than most of the range, and so long that it is nearly a polynomial.
+pub(super) const LENGTHS: [f64; 3] = [0.9, 1.5, 2.5];
+/// Log posterior density that a discrepancy gains before it takes part (1). Assumption: odds of e² ≈ 7 to 1; without it
+/// every diagnosis would pay in time and power for an amplitude that noise alone asks for.
+pub(super) const DISCREPANT: f64 = 2.0;
 
 // Classes: which effects the data cannot tell apart.
 

@@ -2,9 +2,10 @@
 
 use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
-use super::constants::NINETY;
+use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
 use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
+use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
@@ -12,7 +13,7 @@ use super::method::Bare;
 use super::settle::settled;
 use super::trial::Trial;
 use super::{
-    Basis, Budget, Calibrated, Cell, Diagnosis, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
+    Basis, Budget, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
 };
 use rayon::prelude::*;
@@ -49,6 +50,23 @@ pub fn diagnose_by(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed 
 
 fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     let (basis, refit) = settled(model, method);
+    match Widened::new(model, &basis, &refit) {
+        None => judged(model, basis, refit, seed),
+        Some(widened) => {
+            let (basis, refit) = settled(&widened, method);
+            let mut diagnosed = judged(&widened, basis, refit, seed);
+            diagnosed.diagnosis.notes.push(widened.note());
+            if widened.far() {
+                let effects = diagnosed.diagnosis.effects.iter_mut();
+                effects.for_each(|effect| effect.probability = effect.probability.min(PROBABLE_THOUGH_OFF));
+            }
+            diagnosed
+        }
+    }
+}
+
+/// The diagnosis by a nominal model that was calibrated.
+fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed {
     let folds = folds(&model.frame().measured);
     let context = Diagnosing { model, basis: &basis, folds: &folds, seed };
     let mut decision = decide(context, context.trial_of(refit));
@@ -91,6 +109,7 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
         ranking: ranking(model, &decision),
         tried,
         notes,
+        not_named: decision.not_named.clone(),
         facts: Vec::new(),
         findings: Vec::new(),
     };
@@ -169,7 +188,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
             size: size * factor,
             unit,
             ci90: [(size - NINETY * deviation).max(0.0) * factor, (size + NINETY * deviation) * factor],
-            probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| *p),
+            probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| p.min(PROBABLE)),
             z: scores.length[*index] * size / candidate.typical,
             gain: [value, predictive_gain(&trial.evidence, &decision.base.evidence).0],
             class: std::iter::once(candidate.id).chain(others.clone().map(|(id, _)| *id)).collect(),

@@ -159,10 +159,32 @@ pub struct Diagnosis {
     pub tried: Vec<Tried>,
     /// Anything else worth knowing.
     pub notes: Vec<String>,
+    /// Best models that were not named, and why.
+    pub not_named: Vec<NotNamed>,
     /// What was counted and no channel predicts.
     pub facts: Vec<Fact>,
     /// The facts that contradict the file.
     pub findings: Vec<Finding>,
+}
+
+/// A model that was the best of its kind and was not named.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotNamed {
+    /// Its effects.
+    pub effects: Vec<&'static str>,
+    /// The rules that stood against it, in their order.
+    pub rules: Vec<Found>,
+}
+
+/// What a rule of the decision found against a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Word of the rule.
+    pub rule: &'static str,
+    /// What the rule asks.
+    pub asks: &'static str,
+    /// What it found.
+    pub found: String,
 }
 
 /// A model with effects that was fitted.
@@ -197,6 +219,13 @@ pub struct Ranked {
 
 fn number(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+impl NotNamed {
+    fn json(&self) -> Value {
+        let rule = |found: &Found| json!({ "id": found.rule, "asks": found.asks, "found": found.found });
+        json!({ "effects": self.effects, "rules": self.rules.iter().map(rule).collect::<Vec<_>>() })
+    }
 }
 
 impl Budget {
@@ -252,6 +281,7 @@ impl Diagnosis {
             ranking: Vec::new(),
             tried: Vec::new(),
             notes: vec![why],
+            not_named: Vec::new(),
             facts: Vec::new(),
             findings: Vec::new(),
         }
@@ -307,6 +337,7 @@ impl Diagnosis {
             "tried": self.tried.iter().map(|tried| json!({
                 "effects": tried.effects, "gain": number(tried.gain), "closure": tried.closure.json(None),
             })).collect::<Vec<_>>(),
+            "not_named": self.not_named.iter().map(NotNamed::json).collect::<Vec<_>>(),
             "notes": self.notes,
             "facts": self.facts.iter().enumerate().map(|(index, fact)| {
                 fact.json(self.findings.iter().any(|finding| finding.fact == index))

@@ -1,5 +1,6 @@
 //! Maximum a posteriori fit of calibration, allowance, local factors and chosen effects.
 
+use super::evidence::EFFECT_PRIOR;
 use super::gram::{factor, part, part_column};
 use super::linear::{predict, residual};
 use super::{Forward, Gram, Linear, Noise, Point};
@@ -19,8 +20,6 @@ const DAMPING: [f64; 5] = [0.0, 1.0, 10.0, 100.0, 1000.0];
 /// Greatest move of a group's own factor in a round, in prior standard deviations: an edge whose
 /// model runs away has no slope that could bring it back.
 const FARTHEST: f64 = 1.5;
-/// Prior standard deviation of an effect, in ordinary sizes: all but flat.
-pub(crate) const EFFECT_PRIOR: f64 = 20.0;
 
 /// A fitted model, linearised where it was fitted.
 #[derive(Clone, Debug)]
@@ -169,7 +168,15 @@ impl<'a> Normal<'a> {
         let effects = active.iter().map(|index| linear.effects[*index].as_slice());
         let columns: Vec<&[f64]> = linear.nuisance.iter().map(Vec::as_slice).chain(effects).collect();
         let residual = offset_residual(model, linear, active);
-        let gram = Gram::new(&model.frame().measured, noise, linear, &columns, &residual, local_scale, &[]);
+        let gram = super::gram::normal_equations(
+            &model.frame().measured,
+            noise,
+            linear,
+            &columns,
+            &residual,
+            local_scale,
+            &[],
+        );
         Self { model, noise, linear, active, local_scale, columns, residual, gram }
     }
 

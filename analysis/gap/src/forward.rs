@@ -1,6 +1,6 @@
 //! What the diagnosis asks of a nominal model.
 
-use super::{Measured, Untried};
+use super::{Discrepancy, Measured, Untried};
 use rayon::prelude::*;
 
 /// A constant of the nominal model that calibration may move. Its value counts in prior standard
@@ -145,6 +145,8 @@ pub struct Frame {
     pub covariates: Vec<Covariate>,
     /// What had to be assumed because it was not recorded.
     pub notes: Vec<String>,
+    /// How its equations may be off beyond the form allowance; `None` where nothing is known of it.
+    pub discrepancy: Option<Discrepancy>,
 }
 
 impl Frame {
@@ -159,6 +161,7 @@ impl Frame {
             untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
+            discrepancy: None,
         }
     }
 }

@@ -170,7 +170,7 @@ fn least(model: &dyn Forward, basis: &Basis, trial: &Trial, index: usize, moved:
     let forms = super::tolerance::columns(model, linear, &[index], &[1.0]);
     let columns: Vec<&[f64]> = forms.iter().map(Vec::as_slice).collect();
     let measured = &model.frame().measured;
-    let gram = super::Gram::new(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
+    let gram = super::gram::normal_equations(measured, &basis.noise, linear, &columns, &left, &basis.local_scale, &[]);
     let lost: f64 = (0..forms.len()).map(|form| (gram.total[(form, gram.last())] / score).powi(2)).sum();
     convincing(score, (UNLUCKY * lost.sqrt()).min((1.0 - ANYHOW) * score))
 }

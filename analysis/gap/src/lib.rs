@@ -42,6 +42,7 @@ mod decide;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
+mod discrepancy;
 pub mod empirical;
 mod empirical_effects;
 mod enough;
@@ -65,11 +66,13 @@ mod plausible;
 mod pooled;
 mod processes;
 pub mod program;
+mod rules;
 mod score;
 mod search;
 mod settings;
 mod settle;
 pub mod shop;
+mod stepwise;
 mod summary;
 mod tolerance;
 mod trial;
@@ -83,13 +86,13 @@ pub use constants::FEWEST_GROUPS;
 pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, GapVerdict, NamedEffect, NextExperiment, Ranked, Tried,
+    Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
+    Tried,
 };
+pub use discrepancy::{Discrepancy, Discrepant, On};
 pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
-pub use evidence::Evidence;
 pub use fit::Fit;
 pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface};
-pub use gram::Gram;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::Linear;
@@ -98,7 +101,9 @@ pub use method::Method;
 pub use noise::Noise;
 pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
 pub use processes::{Answers, Asked, diagnose_processes};
+pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
 pub use search::Untried;
 pub use settings::Settings;
+pub use toolroom_evidence::{Evidence, Gram};
 pub use trial::Trial;

@@ -1,6 +1,6 @@
 //! Predictions at a point and their derivatives.
 
-use super::{Direction, Forward, Measured, Point, Transform};
+use super::{Direction, Forward, Frame, Measured, Point, Transform};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -109,7 +109,7 @@ impl Linear {
         let mut effects = vec![Vec::new(); model.frame().candidates.len()];
         wanted.iter().zip(columns.split_off(parameters)).for_each(|(index, column)| effects[*index] = column);
         let mut nuisance = columns;
-        nuisance.extend(surface_columns(model, &raw, &prediction));
+        nuisance.extend(surface_columns(model, &raw));
         let [nuisance, effects, locals] = [nuisance, effects, locals].map(Arc::new);
         Self { residual: residual(model, &prediction), point, raw, nuisance, effects, locals }
     }
@@ -121,22 +121,25 @@ pub(super) fn residual(model: &dyn Forward, prediction: &[f64]) -> Vec<f64> {
     observations.iter().zip(prediction).map(|(observation, prediction)| observation.value - prediction).collect()
 }
 
-fn surface_columns(model: &dyn Forward, raw: &[f64], prediction: &[f64]) -> Vec<Vec<f64>> {
-    let measured = &model.frame().measured;
-    let column = |surface: &super::Surface| {
-        let mut column = vec![0.0; raw.len()];
-        for run in measured.runs.iter().filter(|run| touches(measured, surface, run)) {
-            let transform = measured.channels[measured.observations[run.start].channel].transform;
-            for i in run.clone() {
-                let slope = surface.deviation * surface.feature[measured.observations[i].row];
-                column[i] = match (transform, surface.absolute) {
-                    (Transform::Log, false) | (Transform::Linear, true) => slope,
-                    (Transform::Log, true) => slope / raw[i],
-                    (Transform::Linear, false) => slope * prediction[i],
-                };
-            }
+fn surface_columns(model: &dyn Forward, raw: &[f64]) -> Vec<Vec<f64>> {
+    let frame = model.frame();
+    frame.surfaces.par_iter().map(|surface| surface_column(frame, surface, raw)).collect()
+}
+
+/// Derivative of the transformed predictions by a surface, per prior standard deviation; `raw` are the predictions.
+pub(super) fn surface_column(frame: &Frame, surface: &super::Surface, raw: &[f64]) -> Vec<f64> {
+    let measured = &frame.measured;
+    let mut column = vec![0.0; raw.len()];
+    for run in measured.runs.iter().filter(|run| touches(measured, surface, run)) {
+        let transform = measured.channels[measured.observations[run.start].channel].transform;
+        for i in run.clone() {
+            let slope = surface.deviation * surface.feature[measured.observations[i].row];
+            column[i] = match (transform, surface.absolute) {
+                (Transform::Log, false) | (Transform::Linear, true) => slope,
+                (Transform::Log, true) => slope / raw[i],
+                (Transform::Linear, false) => slope * raw[i],
+            };
         }
-        column
-    };
-    model.frame().surfaces.par_iter().map(column).collect()
+    }
+    column
 }

@@ -49,6 +49,9 @@ impl<'a> Bare<'a> {
         let surfaces = (0..frame.surfaces.len()).filter(|i| stays(frame.surfaces[*i].allowance)).collect();
         frame.parameters.retain(|parameter| stays(parameter.allowance));
         frame.surfaces.retain(|surface| stays(surface.allowance));
+        if !method.allowance {
+            frame.discrepancy = None;
+        }
         if !method.scatter {
             frame.locals.clear();
         }

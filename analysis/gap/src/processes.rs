@@ -22,7 +22,7 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table};
 /// Lines of the terminal's summary.
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
-const LISTS: [&str; 7] = ["effects", "where", "masked", "calibration", "ranking", "tried", "facts"];
+const LISTS: [&str; 8] = ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts"];
 
 /// A process of a data set with its nominal model over its table.
 pub struct Asked {
@@ -135,7 +135,7 @@ impl Answers {
             "closure": { "total": total, "channels": self.channels() },
             "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
-            "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
+            "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
             "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
         })
     }

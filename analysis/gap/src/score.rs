@@ -34,7 +34,7 @@ pub fn scores(gram: &Gram, first: usize, free: &[usize]) -> Scores {
     let columns: Vec<usize> = (first..=gram.last()).collect();
     let mut matrix = part(&gram.total, &nuisance, &nuisance);
     for i in 0..first {
-        matrix[(i, i)] += if free.contains(&i) { super::fit::EFFECT_PRIOR.powi(-2) } else { 1.0 };
+        matrix[(i, i)] += if free.contains(&i) { super::evidence::EFFECT_PRIOR.powi(-2) } else { 1.0 };
     }
     let cross = part(&gram.total, &nuisance, &columns);
     let mut rest = part(&gram.total, &columns, &columns);

@@ -143,7 +143,7 @@ impl Trial {
         let at = columns(nuisance, &self.fit.active);
         let mut matrix = part(&self.gram.total, &at, &at);
         for i in 0..at.len() {
-            matrix[(i, i)] += if i < nuisance { 1.0 } else { super::fit::EFFECT_PRIOR.powi(-2) };
+            matrix[(i, i)] += if i < nuisance { 1.0 } else { super::evidence::EFFECT_PRIOR.powi(-2) };
         }
         let inverse = factor(matrix).inverse();
         (nuisance..at.len()).map(|i| inverse[(i, i)].sqrt()).collect()
@@ -181,7 +181,15 @@ pub(crate) fn gram(
     let own = linear.nuisance.iter().chain(tolerance).chain(effects).map(Vec::as_slice);
     let columns: Vec<&[f64]> = own.chain(more.iter().copied()).collect();
     let residual = offset_residual(model, linear, &fit.active);
-    Gram::new(&model.frame().measured, &basis.noise, linear, &columns, &residual, &basis.local_scale, folds)
+    super::gram::normal_equations(
+        &model.frame().measured,
+        &basis.noise,
+        linear,
+        &columns,
+        &residual,
+        &basis.local_scale,
+        folds,
+    )
 }
 
 fn rearranged(gram: &Gram, order: &[usize]) -> Gram {
@@ -222,7 +230,15 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
     let residual = offset_residual(model, &fit.linear, &fit.active);
     let gram = |columns: &[&[f64]], folds: &[Vec<usize>]| {
         let measured = &model.frame().measured;
-        Gram::new(measured, &basis.noise, &fit.linear, columns, &residual, &basis.local_scale, folds)
+        super::gram::normal_equations(
+            measured,
+            &basis.noise,
+            &fit.linear,
+            columns,
+            &residual,
+            &basis.local_scale,
+            folds,
+        )
     };
     let free: Vec<usize> = (nuisance..first).collect();
     let scores = scores(&gram(&columns, &[]), first, &free);

@@ -10,7 +10,8 @@
 //! | [`conformal_score`] | normal score of a randomised rank: standard normal under any exchangeable noise |
 //! | [`Detector`], [`RareDetector`] | Shiryaev–Roberts statistics of scores, and of counts |
 //! | [`Change`] | posterior of the block after which the scores moved |
-//! | [`Watch`] | streams with their state, resumable and idempotent |
+//! | [`Watch`] | streams with their state, resumable and idempotent; looks at the records of a nominal model |
+//! | [`Look`] | what a look has shown |
 //!
 //! The statistic of a detector less the number of its blocks is a martingale for every null distribution, so that an
 //! alarm at the threshold A comes within t blocks with probability t/A at most, without any table.
@@ -21,12 +22,16 @@
 //! # Not modelled
 //! Trends within the null (wear that nobody resets), seasons, streams that share one cause: each is watched by itself.
 
+mod blocks;
 mod change;
 mod conformal;
 mod detector;
+mod look;
 mod watch;
 
+pub use blocks::time_column;
 pub use change::Change;
 pub use conformal::conformal_score;
 pub use detector::{Detector, RareDetector};
+pub use look::Look;
 pub use watch::{Alarm, Block, FEWEST_BLOCKS, Reading, StateError, Watch};

@@ -172,8 +172,8 @@ fn records(case: &Case) -> String {
     let mut clock = [0.0_f64; 2];
     // A closure that is to be believed needs more dressings than a diagnosis.
     let (first, dressings) = match case.edges {
-        Edges::Diagnosed => (1, DRESSINGS),
-        Edges::New => (DRESSINGS + 1, 4 * DRESSINGS),
+        Edges::Diagnosed => (1, case.times * DRESSINGS),
+        Edges::New => (case.times * DRESSINGS + 1, 4 * DRESSINGS),
     };
     for dressing in 0..dressings {
         if dressing % DRESSINGS == 0 {

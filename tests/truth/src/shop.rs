@@ -257,7 +257,7 @@ fn records(case: &Case) -> String {
         machine.log("off_shift", "", 1.0, &world);
     }
     // A closure that is to be believed needs more days than a diagnosis.
-    let days = if case.edges == Edges::New { 3 * DAYS } else { DAYS };
+    let days = if case.edges == Edges::New { 3 * DAYS } else { case.times * DAYS };
     let end = days as f64 * DAY;
     let mut arrivals: Vec<(f64, &[usize])> = Vec::new();
     for (programs, rate) in JOBS {

@@ -1,5 +1,6 @@
 //! A turning cell: twelve edges, two machines, five part types, three lots.
 
+use crate::form::FormError;
 use crate::noise::{Chance, Reading};
 use crate::steel::{Cut, ROOM, World};
 use crate::{Case, Edges, Generator};
@@ -76,12 +77,13 @@ struct Around<'a> {
     hours: f64,
     crawl: bool,
     factor: f64,
+    form: &'a FormError,
 }
 
 impl Around<'_> {
     fn rise(&self, edge: &Edge) -> f64 {
         let case = self.case;
-        let plain = self.world.rise(self.cut, edge.wear);
+        let plain = self.world.rise(self.cut, edge.wear) * self.form.temperature(self.cut, edge.wear);
         // The land heats, faster at first than in proportion.
         let land = 1.0 + 0.10 * case.strength("wear_temperature") * (edge.wear / 0.3).powf(0.9);
         // Oil and dirt gather towards a limit.
@@ -129,6 +131,7 @@ impl Around<'_> {
             // A blank that runs out knocks on the edge once a turn.
             rate *= 1.0 + 0.03 * self.case.strength("runout") * 1.5 / self.cut.depth;
         }
+        rate *= self.form.wear_rate(self.cut, edge.wear);
         (rate * self.factor, 0.5 * hot * (1.0 - edge.damage) - edge.damage * rate / 0.03)
     }
 }
@@ -151,11 +154,12 @@ fn records(case: &Case) -> String {
     let (rough_level, shaken_level) = (level(&mut shop, 0.12), level(&mut shop, 0.2));
     let mut chance = Chance::new(case.seed, case.stream());
     let world = World::new(case.stress);
+    let form = FormError::new(case);
     let mut clock = [0.0_f64; 2];
     // A closure that is to be believed needs more edges than a diagnosis.
     let (first, tools) = match case.edges {
-        Edges::Diagnosed => (1, TOOLS),
-        Edges::New => (TOOLS + 1, 2 * TOOLS),
+        Edges::Diagnosed => (1, case.times * TOOLS),
+        Edges::New => (case.times * TOOLS + 1, 2 * TOOLS),
     };
     for tool in 0..tools {
         if tool % TOOLS == 0 {
@@ -183,6 +187,7 @@ fn records(case: &Case) -> String {
                 hours: hours * 7.0,
                 crawl,
                 factor,
+                form: &form,
             };
             let (mut force, mut feed, mut warm) = (0.0, 0.0, 0.0);
             const STEPS: usize = 24;
@@ -201,6 +206,7 @@ fn records(case: &Case) -> String {
                 let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * b + 2.0 * c + d) / 6.0;
                 edge = shifted((mean(k1.0, k2.0, k3.0, k4.0), mean(k1.1, k2.1, k3.1, k4.1)), dt);
                 let (main, along) = world.forces(cut, edge.wear);
+                let [main, along] = form.forces(cut, edge.wear, [main, along]);
                 let rise = around.rise(&edge);
                 let soft = 1.0 - 0.12 * case.strength("thermal_softening") * ((rise - 700.0) / 500.0).tanh();
                 let worn = 1.0 + 0.20 * case.strength("wear_force") * (edge.wear / 0.3).powf(1.1);

@@ -9,7 +9,9 @@ pub use nominal::Nominal;
 use super::cutting_effects::{self, Action};
 use super::features::{self, standardised};
 use super::settings::Settings;
-use super::{Channel, Forward, Frame, Local, Measured, Parameter, Point, Surface, Transform, broken};
+use super::{
+    Channel, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, Transform, broken,
+};
 use run::Step;
 use toolroom_process::Record;
 use toolroom_records::{Records, Sensor};
@@ -96,6 +98,11 @@ const FIXTURE: f64 = 0.05;
 /// Prior standard deviation of an edge force: a linear law differs from a power law most at the
 /// thinnest chips (assumption).
 const EDGE_FORCE: f64 = 0.3;
+/// Scale of the prior of the amplitude of a discrepancy over the prior standard deviation of a linear form error of the
+/// same channels (assumption).
+const DISCREPANT: f64 = 1.0;
+/// Scale of the prior of the amplitude of a discrepancy of the wear rate (assumption).
+const WEAR_DISCREPANT: f64 = 0.15;
 /// Land to which features of wear refer, m.
 const LAND: f64 = 0.3e-3;
 /// Land within which an edge runs in, m (assumption).
@@ -287,8 +294,13 @@ impl<P: Nominal> Cutting<P> {
         let land: Vec<f64> = wear.iter().map(|wear| wear / LAND).collect();
         let signed = find(P::SIGNED);
         let in_plane = if signed.is_empty() { Vec::new() } else { self.in_plane(wear) };
+        let mut discrepant: Vec<Discrepant> = Vec::new();
         for (class, channels, linear, square, by_land) in &classes {
             let of_force = !channels.is_empty() && channels.iter().all(|channel| signed.contains(channel));
+            let on = if of_force { On::Quantity(in_plane.clone()) } else { On::Value };
+            if !channels.is_empty() {
+                discrepant.push(Discrepant { name: class, channels: channels.clone(), scale: DISCREPANT * linear, on });
+            }
             let mut allow = |name: &str, mut feature: Vec<f64>, deviation: f64| {
                 if of_force {
                     feature.iter_mut().zip(&in_plane).for_each(|(feature, force)| *feature *= force);
@@ -321,6 +333,35 @@ impl<P: Nominal> Cutting<P> {
             }
         }
         self.frame.surfaces = surfaces;
+        let readings = self.frame.measured.channels.iter().position(|channel| channel.name == "flank_wear");
+        discrepant.extend(readings.map(|channel| Discrepant {
+            name: "wear rate",
+            channels: vec![channel],
+            scale: WEAR_DISCREPANT,
+            on: On::Growth(self.growth(wear)),
+        }));
+        self.frame.discrepancy = self.discrepancy(records, wear, discrepant);
+    }
+
+    /// What every row adds to the land in the nominal model, m.
+    fn growth(&self, wear: &[f64]) -> Vec<f64> {
+        let mut growth = wear.to_vec();
+        for rows in &self.rows {
+            for pair in rows.windows(2) {
+                growth[pair[1]] = wear[pair[1]] - wear[pair[0]];
+            }
+        }
+        growth
+    }
+
+    /// A discrepancy over the logarithms of the conditions, the land and the logarithm of the age of the edge.
+    fn discrepancy(&self, records: &Records, wear: &[f64], classes: Vec<Discrepant>) -> Option<Discrepancy> {
+        let ages = features::age(&self.frame.measured.group_of_row, &self.durations);
+        let logarithms: Vec<f64> = ages.iter().map(|age| age.max(1.0).ln()).collect();
+        let conditions = P::CONDITIONS.iter().filter_map(|name| features::logarithm(records, name));
+        let columns: Vec<Vec<f64>> = conditions.chain(standardised(wear)).chain(standardised(&logarithms)).collect();
+        let points = (0..records.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+        (!columns.is_empty()).then_some(Discrepancy { points, classes })
     }
 }
 

@@ -136,7 +136,7 @@ fn records(case: &Case) -> String {
         jerk_time: if case.stress { 0.03 } else { 0.01 },
         stop_below: if case.stress { 0.9 } else { 0.7 },
     };
-    let runs = if case.edges == Edges::New { 3 * RUNS } else { RUNS };
+    let runs = if case.edges == Edges::New { 3 * RUNS } else { case.times * RUNS };
     let mut csv = String::from(
         "operation_id,machine,program,sequence,tool_id,section,first_block,last_block,start_time [s],\
          feed_override [%],hold_count,hold_time [s],cycle_time [s]\n",

@@ -1,0 +1,102 @@
+//! Evidence for models: how much better one explains everything within the priors, and how well it
+//! predicts groups that its fit left out.
+//!
+//! What a form allowance has learnt from some groups it predicts on the others, so that groups left
+//! out alone cannot tell an effect from a surface that went five prior standard deviations to mimic
+//! it. The gain of a model is therefore that of the penalised likelihood, in which such a journey
+//! is paid for; groups left out say whether all of them speak for it.
+
+use crate::{Gram, factor, log_determinant, part, part_column};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Prior standard deviation of an effect, in ordinary sizes: all but flat.
+pub const EFFECT_PRIOR: f64 = 20.0;
+
+/// Log predictive density of each fold, and the fold of each group of the Gram.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// Greatest log posterior density, beside constants that all models share.
+    pub profile: f64,
+    /// One number a fold.
+    pub folds: Vec<f64>,
+    /// Whether the effects came out with their sign in the fit to everything.
+    pub admissible: bool,
+}
+
+/// Normal equations over the columns `at` with the priors, of which those not below `nuisance` are free.
+fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVector<f64>) {
+    let mut all = part(&gram.total, at, at);
+    for i in 0..at.len() {
+        all[(i, i)] += if at[i] < nuisance { 1.0 } else { EFFECT_PRIOR.powi(-2) };
+    }
+    (all, part_column(&gram.total, at, gram.last()))
+}
+
+/// Solution and predictive densities of a model over the columns `at`, of which those not below
+/// `nuisance` are free.
+pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: bool) -> Evidence {
+    let (all, right) = with_priors(gram, at, nuisance);
+    let whole = factor(all.clone());
+    let log_whole = log_determinant(&whole);
+    let solution = whole.solve(&right);
+    let squares = gram.total[(gram.last(), gram.last())];
+    let profile = -0.5 * (squares - right.dot(&solution));
+    let admissible = two_sided || (0..at.len()).all(|i| at[i] < nuisance || solution[i] > 0.0);
+    let fold = |(matrix, determinant): (&DMatrix<f64>, &f64)| -> f64 {
+        let (held, held_right) = (part(matrix, at, at), part_column(matrix, at, gram.last()));
+        let squares = matrix[(gram.last(), gram.last())];
+        let train = factor(&all - &held);
+        let log_train = log_determinant(&train);
+        let beta = train.solve(&(&right - &held_right));
+        let explained = &held * &beta;
+        let gradient = &held_right - &explained;
+        let quadratic =
+            squares - 2.0 * beta.dot(&held_right) + beta.dot(&explained) - gradient.dot(&whole.solve(&gradient));
+        -0.5 * (quadratic + log_whole - log_train + determinant)
+    };
+    let folds = gram.folds.par_iter().zip(&gram.log_determinants).map(fold).collect();
+    Evidence { profile, folds, admissible }
+}
+
+/// Solution of everything that was fitted.
+pub fn solution(gram: &Gram, at: &[usize], nuisance: usize) -> DVector<f64> {
+    let (all, right) = with_priors(gram, at, nuisance);
+    factor(all).solve(&right)
+}
+
+/// Solutions with each fold left out.
+pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize) -> Vec<DVector<f64>> {
+    let (all, right) = with_priors(gram, at, nuisance);
+    let solve = |matrix: &DMatrix<f64>| {
+        factor(&all - part(matrix, at, at)).solve(&(&right - part_column(matrix, at, gram.last())))
+    };
+    gram.folds.par_iter().map(solve).collect()
+}
+
+/// Log marginal likelihood of everything that was fitted, over all columns.
+pub fn marginal(gram: &Gram, nuisance: usize) -> f64 {
+    let at: Vec<usize> = (0..gram.last()).collect();
+    let mut all = part(&gram.total, &at, &at);
+    for i in 0..at.len() {
+        all[(i, i)] += if i < nuisance { 1.0 } else { 1.0 / 9.0 };
+    }
+    let right = part_column(&gram.total, &at, gram.last());
+    let whole = factor(all);
+    let squares = gram.total[(gram.last(), gram.last())];
+    -0.5 * (squares - right.dot(&whole.solve(&right)) + log_determinant(&whole) + gram.log_determinant)
+}
+
+/// Gain of one model over another in log posterior density.
+pub fn gain(model: &Evidence, base: &Evidence) -> f64 {
+    model.profile - base.profile
+}
+
+/// Gain of log predictive density on groups left out, and its standard error over folds.
+pub fn predictive_gain(model: &Evidence, base: &Evidence) -> (f64, f64) {
+    let differences: Vec<f64> = model.folds.iter().zip(&base.folds).map(|(a, b)| a - b).collect();
+    let count = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / count;
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+    (mean * count, (variance * count).sqrt())
+}

@@ -1,0 +1,22 @@
+//! Linear algebra of evidence over normal equations.
+//!
+//! ```text
+//!  whitened columns by group ─► Gram (groups' own factors eliminated) ─► solution, evidence, marginal likelihood
+//! ```
+//!
+//! [`amplitudes`] estimates how large groups of columns are, and [`matern_columns`] gives those of a smooth process.
+//!
+//! Nothing here knows a model or a channel: what is asked of a [`Gram`] is how well some of its columns explain the last
+//! one, in all groups and in those that were left out.
+
+mod amplitude;
+mod evidence;
+mod gram;
+mod kernel;
+mod matrix;
+
+pub use amplitude::amplitudes;
+pub use evidence::{EFFECT_PRIOR, Evidence, evidence, gain, left_out_solutions, marginal, predictive_gain, solution};
+pub use gram::{Batch, Gram};
+pub use kernel::matern_columns;
+pub use matrix::{Factor, crossed, factor, inverse_diagonal, log_determinant, part, part_column, squared};

@@ -1,0 +1,173 @@
+//! Discrepancy: how far the equations of a model are off as a smooth function of the cut, estimated from the data.
+//!
+//! The form allowance has a fixed scale and is a polynomial. With many groups every other smooth form error becomes
+//! significant, and some effect of the catalogue looks a little like it. Here every class of channels has a Gaussian
+//! process of low rank beside its allowance, over the conditions, the land and the age of the edge, and never over
+//! the calendar, machines, lots, shifts, parts or coolants: a form error is a function of the cut. Amplitudes follow
+//! from the marginal likelihood beside all candidates, so that an effect of the catalogue is not taken for it. Where
+//! the data ask for none, the model stays as it is.
+//!
+//! # Source
+//! Kennedy & O'Hagan 2001; Solin & Särkkä 2020 (low rank).
+
+use super::constants::{DISCREPANT, LENGTHS};
+use super::fit::offset_residual;
+use super::gram::normal_equations;
+use super::{Basis, Direction, Fit, Forward, Frame, Point, Surface};
+use toolroom_evidence::{amplitudes, matern_columns};
+
+/// What a discrepancy is a function of, and which channels may have one.
+#[derive(Clone, Debug)]
+pub struct Discrepancy {
+    /// Standardised coordinates of every row.
+    pub points: Vec<Vec<f64>>,
+    /// Classes of channels that share their equations.
+    pub classes: Vec<Discrepant>,
+}
+
+/// A class of channels with a discrepancy.
+#[derive(Clone, Debug)]
+pub struct Discrepant {
+    /// Name.
+    pub name: &'static str,
+    /// Channels.
+    pub channels: Vec<usize>,
+    /// Scale of the half-normal prior of its amplitude, relative to what it acts on.
+    pub scale: f64,
+    /// What it acts on.
+    pub on: On,
+}
+
+/// What a discrepancy acts on.
+#[derive(Clone, Debug)]
+pub enum On {
+    /// The value of the channel.
+    Value,
+    /// A quantity of the row, in SI units of the channel.
+    Quantity(Vec<f64>),
+    /// What a row adds to the reading, SI: the deviations of a life add up.
+    Growth(Vec<f64>),
+}
+
+/// A model with the discrepancy that the data ask for.
+pub(super) struct Widened<'a> {
+    model: &'a dyn Forward,
+    frame: Frame,
+    /// Amplitude of every class that has one, relative, over the scale of its prior.
+    pub found: Vec<(&'static str, f64, f64)>,
+}
+
+impl<'a> Widened<'a> {
+    /// `model` with its discrepancy at the nominal fit `fit`; `None` where the data ask for none.
+    pub fn new(model: &'a dyn Forward, basis: &Basis, fit: &Fit) -> Option<Self> {
+        let discrepancy = model.frame().discrepancy.as_ref()?;
+        let tried = LENGTHS.iter().map(|length| Tried::new(model, basis, fit, discrepancy, *length));
+        let best = tried.max_by(|a, b| a.gain.total_cmp(&b.gain)).filter(|best| best.gain > DISCREPANT)?;
+        let mut frame = model.frame().clone();
+        let mut found = Vec::new();
+        for ((class, surfaces), amplitude) in discrepancy.classes.iter().zip(best.surfaces).zip(best.amplitudes) {
+            if amplitude > 0.0 {
+                found.push((class.name, amplitude * class.scale, amplitude));
+                let scaled = |surface: Surface| Surface { deviation: amplitude * surface.deviation, ..surface };
+                frame.surfaces.extend(surfaces.into_iter().map(scaled));
+            }
+        }
+        Some(Self { model, frame, found })
+    }
+
+    /// What a reader has to know of it.
+    pub fn note(&self) -> String {
+        let of = |(name, share, _): &(&str, f64, f64)| format!("{name} by {:.1} %", 100.0 * share);
+        let all: Vec<String> = self.found.iter().map(of).collect();
+        format!("the equations are off by a smooth function of the cut: {}", all.join(", "))
+    }
+
+    /// Whether an amplitude exceeds the scale of its prior.
+    pub fn far(&self) -> bool {
+        self.found.iter().any(|(_, _, amplitude)| *amplitude > 1.0)
+    }
+}
+
+/// Amplitudes at one length scale.
+struct Tried {
+    surfaces: Vec<Vec<Surface>>,
+    amplitudes: Vec<f64>,
+    gain: f64,
+}
+
+impl Tried {
+    fn new(model: &dyn Forward, basis: &Basis, fit: &Fit, discrepancy: &Discrepancy, length: f64) -> Self {
+        let features = matern_columns(&discrepancy.points, length);
+        let frame = model.frame();
+        let surfaces: Vec<Vec<Surface>> =
+            discrepancy.classes.iter().map(|class| class.surfaces(frame, &features)).collect();
+        let linear = &fit.linear;
+        let own: Vec<Vec<f64>> = surfaces
+            .iter()
+            .flatten()
+            .map(|surface| super::linear::surface_column(frame, surface, &linear.raw))
+            .collect();
+        let columns: Vec<&[f64]> =
+            linear.nuisance.iter().chain(linear.effects.iter()).chain(&own).map(Vec::as_slice).collect();
+        let residual = offset_residual(model, linear, &[]);
+        let gram =
+            normal_equations(&frame.measured, &basis.noise, linear, &columns, &residual, &basis.local_scale, &[]);
+        let effects = linear.effects.iter().map(|_| super::basis::CANDIDATE_PRECISION);
+        let precision: Vec<f64> = linear.nuisance.iter().map(|_| 1.0).chain(effects).collect();
+        let mut first = precision.len();
+        let of = |surfaces: &Vec<Surface>| {
+            let range = first..first + surfaces.len();
+            first = range.end;
+            range
+        };
+        let classes: Vec<_> = surfaces.iter().map(of).collect();
+        let (amplitudes, gain) = amplitudes(&gram, &precision, &classes);
+        Self { surfaces, amplitudes, gain }
+    }
+}
+
+impl Discrepant {
+    /// Surfaces of unit amplitude.
+    fn surfaces(&self, frame: &Frame, features: &[Vec<f64>]) -> Vec<Surface> {
+        let surface = |(index, feature): (usize, &Vec<f64>)| Surface {
+            name: format!("{}, discrepancy {}", self.name, index + 1),
+            channels: self.channels.clone(),
+            feature: self.acting(frame, feature),
+            deviation: self.scale,
+            allowance: true,
+            absolute: !matches!(self.on, On::Value),
+        };
+        features.iter().enumerate().map(surface).collect()
+    }
+
+    fn acting(&self, frame: &Frame, feature: &[f64]) -> Vec<f64> {
+        match &self.on {
+            On::Value => feature.to_vec(),
+            On::Quantity(quantity) => feature.iter().zip(quantity).map(|(a, b)| a * b).collect(),
+            On::Growth(growth) => {
+                let groups = &frame.measured.group_of_row;
+                let mut sums = vec![0.0; frame.measured.groups.len()];
+                let rows = feature.iter().zip(growth).zip(groups);
+                rows.map(|((feature, growth), group)| {
+                    sums[*group] += feature * growth;
+                    sums[*group]
+                })
+                .collect()
+            }
+        }
+    }
+}
+
+impl Forward for Widened<'_> {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        self.model.simulate(at)
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        self.model.slopes(at, raw, along)
+    }
+}
