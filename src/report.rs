@@ -50,7 +50,7 @@ fn draw(dir: &Path, results: &FinishedRun) -> Result<(), Failure> {
     let options = StudyOptions { policies: requested.policies(&file)?, ..StudyOptions::of(&file.scenario) };
     let command = results.run["command"].as_str().unwrap_or_default().to_owned();
     let stopped = results.run["stopped"]["reason"].as_str().map(str::to_owned);
-    let information = RunInfo { stopped, ..requested.information(command)? };
+    let information = RunInfo { stopped, ..requested.information(command).map_err(Failure::Json)? };
     redraw(dir, &file.scenario, &options, &information).map_err(|error| match error.path() {
         Some(_) => Failure::Work { message: error.to_string() },
         None => Failure::argument(error, help),

@@ -78,7 +78,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         refuse_records(&files, dir, target)?;
     }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
-    let information = requested.information(command)?;
+    let information = requested.information(command).map_err(Failure::Json)?;
     let tables = format.map_or(Vec::new(), LogWriter::names);
     let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
     let out = OutputDir::create(target, &names, read(), voice.force)?;
