@@ -399,6 +399,16 @@ pub enum PointLife {
     Ode,
 }
 
+impl From<PointProcess> for toolroom_planning::point::PointProcess {
+    fn from(process: PointProcess) -> Self {
+        match process {
+            PointProcess::Turning => Self::Turning,
+            PointProcess::Milling => Self::Milling,
+            PointProcess::Infeed => Self::Infeed,
+        }
+    }
+}
+
 impl From<PointLife> for toolroom_cutting::LifeModel {
     fn from(life: PointLife) -> Self {
         match life {
@@ -540,8 +550,8 @@ pub struct StudyArgs {
     #[arg(long, default_value_t = 0)]
     pub threads: usize,
     /// Stop when parts per shift and cost per part are known this well: "half-width 2%"
-    #[arg(long, value_name = "PRECISION", value_parser = crate::study::half_width)]
-    pub until: Option<f64>,
+    #[arg(long, value_name = "PRECISION")]
+    pub until: Option<toolroom_study::study::Precision>,
     /// Format of the log tables, instead of the scenario's
     #[arg(long, value_enum)]
     pub format: Option<LogFormat>,
