@@ -2,9 +2,8 @@
 
 use crate::policies::{PlanError, PolicyError};
 use std::sync::Arc;
-use toolroom_contour::FileError;
 use toolroom_form::{ContentFault, Fault};
-use toolroom_infeed::{CycleError, CycleFileError};
+use toolroom_infeed::CycleError;
 
 /// One thing that is wrong in a scenario.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +65,7 @@ pub enum ScenarioFault {
     #[error("{reason}")]
     CycleFile {
         /// Each with its place in that file.
-        reason: CycleFileError,
+        reason: String,
     },
     /// Limits that no cycle keeps.
     #[error("{subject}: {reason}")]
@@ -76,13 +75,11 @@ pub enum ScenarioFault {
         /// The limits that conflict.
         reason: CycleError,
     },
-    /// A contour file with a fault of its own.
-    #[error("{file}, {reason}")]
+    /// A contour file with faults of its own.
+    #[error("{reason}")]
     ContourFile {
-        /// The file as written.
-        file: String,
-        /// The fault with its place in that file.
-        reason: FileError,
+        /// Each with its place in that file.
+        reason: String,
     },
     /// A contour that cannot be milled as planned.
     #[error("{subject}: {reason}")]
@@ -120,14 +117,6 @@ pub enum ScenarioFault {
         /// What to do about it.
         fix: String,
     },
-    /// An effect that could not be read.
-    #[error("effect of tool \"{tool}\": {message}")]
-    Effect {
-        /// Tool.
-        tool: String,
-        /// What the catalogue says.
-        message: String,
-    },
 }
 
 impl ContentFault for ScenarioFault {
@@ -144,7 +133,6 @@ impl ContentFault for ScenarioFault {
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Unit { .. } => "unit",
-            Self::Effect { .. } => "effect",
         }
     }
 
@@ -168,8 +156,7 @@ impl ContentFault for ScenarioFault {
             | Self::Cycle { .. }
             | Self::ContourFile { .. }
             | Self::Contour { .. }
-            | Self::Policy { .. }
-            | Self::Effect { .. } => return None,
+            | Self::Policy { .. } => return None,
         })
     }
 }

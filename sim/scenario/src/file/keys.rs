@@ -3,9 +3,8 @@
 mod policy;
 
 pub use policy::SENSORS;
-use serde_json::{Map, Value, json};
-use toolroom_effects::Effect;
-use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field};
+use toolroom_effects::EFFECT_LIST;
+use toolroom_form::{CURRENCIES, Form, Key, Kind, Quantity};
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
@@ -174,7 +173,7 @@ static TOOL: Form = Form {
         Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")
             .when("process", ProcessKind::CUTTING),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
-        Key::optional("effects", Kind::Content(&EFFECTS), "Effects switched on in the true world"),
+        Key::optional("effects", Kind::Content(&EFFECT_LIST), "Effects switched on in the true world"),
         Key::optional(
             "structure",
             Kind::Text,
@@ -458,21 +457,6 @@ static SHOP_DEVIATION: Form = Form {
         ),
     ],
 };
-
-/// Effects of the catalogue.
-static EFFECTS: Content = Content {
-    expected: "a list of effects",
-    example: "[{ id = \"wear_force\", size = 0.2 }]",
-    schema: || json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } }),
-};
-
-/// An effect with its size and shape.
-fn effect(of: Effect) -> Value {
-    let mut properties = Map::new();
-    properties.insert("id".to_owned(), json!({ "const": of.entry().id, "description": of.entry().title }));
-    properties.extend(of.parameters().fields().iter().map(|each| (each.name.to_owned(), field(each))));
-    json!({ "type": "object", "additionalProperties": false, "properties": properties, "required": ["id", "size"] })
-}
 
 /// Standard deviation of a logarithm, or relative.
 const SPREAD: Kind = quantity("1", "1", 0.0, 10.0, "0.08");

@@ -9,7 +9,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::DeValue;
 use toolroom_cutting::{Milling, MillingInput, Turning};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::read_effects;
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
@@ -17,8 +17,9 @@ use toolroom_wear::{Chipping, Pair, Scatter};
 
 /// The process of a tool; `None` where a problem was noted.
 pub(super) fn process(walk: &mut Walk, tool: &Section<'_>, scatter: &Scatter) -> Option<ProcessModel> {
-    let effects = effects(walk, tool);
-    let process = tool.chosen("process", ProcessKind::from_word)?;
+    let process = tool.chosen("process", ProcessKind::from_word);
+    let effects = read_effects(walk, tool, process.map(ProcessKind::word));
+    let process = process?;
     if let Some(file) = tool.text("fmu") {
         return imported::process(walk, tool, process, file);
     }
@@ -149,37 +150,4 @@ pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
         set_record(walk, &format!("{}, scatter", tool.path), table, &mut scatter);
     }
     scatter
-}
-
-/// `effects = [{ id = "wear_force", size = 0.2 }]`.
-fn effects(walk: &mut Walk, tool: &Section<'_>) -> Effects {
-    let name = tool.text("name").unwrap_or_default().to_owned();
-    let Some(got) = tool.got("effects") else { return Effects::default() };
-    let Value::Raw(DeValue::Array(entries)) = &got.value else {
-        if let Value::Raw(other) = &got.value {
-            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
-            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
-        }
-        return Effects::default();
-    };
-    let mut effects = Vec::new();
-    for entry in entries {
-        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry.clone()));
-        match read {
-            Ok(effect) => effects.push(effect),
-            Err(error) => {
-                let message = error.message().to_owned();
-                walk.fault(entry.span(), ScenarioFault::Effect { tool: name.clone(), message });
-            }
-        }
-    }
-    let checked = Effects::new(effects).and_then(|effects| {
-        let process = tool.chosen("process", ProcessKind::from_word);
-        process.map_or(Ok(()), |process| effects.check(process.word()))?;
-        Ok(effects)
-    });
-    checked.unwrap_or_else(|reason| {
-        walk.fault(got.span.clone(), ScenarioFault::Effect { tool: name, message: reason.to_string() });
-        Effects::default()
-    })
 }
