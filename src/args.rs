@@ -215,7 +215,7 @@ pub enum FmuCommand {
     #[command(before_help = "Examples:
   toolroom fmu export turning                 out/fmu/toolroom_turning_fmi2.fmu and _fmi3.fmu
   toolroom fmu export milling --fmi 3 --out .
-  toolroom fmu export milling --fmi 3 --out mill.fmu
+  toolroom fmu export milling --out mill.fmu             this one file, FMI 3.0 unless --fmi 2
   toolroom fmu export turning --platforms x86_64-linux --platforms x86_64-windows")]
     Export(FmuExportArgs),
     /// What an FMI unit offers: interfaces, platforms, variables with units
@@ -279,15 +279,15 @@ pub struct FmuSimArgs {
 pub struct FmuExportArgs {
     /// Model
     pub model: FmuModel,
-    /// Version of the standard; both, if left out
+    /// Version of the standard; both, if left out, and 3 for a single file
     #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: Option<u32>,
     /// Platform to run on, repeatable; this one, if left out. Others are compiled, which needs
     /// cargo-zigbuild and the sources
     #[arg(long, value_name = "PLATFORM", value_enum)]
     pub platforms: Vec<FmuPlatform>,
-    /// Directory of the packages; with --fmi also the package itself, FILE.fmu
-    #[arg(long, value_name = "DIR", default_value = "out/fmu")]
+    /// Directory of the packages, or the package itself, FILE.fmu
+    #[arg(long, value_name = "PATH", default_value = "out/fmu")]
     pub out: PathBuf,
 }
 
@@ -398,6 +398,16 @@ pub enum PointProcess {
 pub enum PointLife {
     QuasiSteady,
     Ode,
+}
+
+impl From<PointProcess> for toolroom_planning::point::PointProcess {
+    fn from(process: PointProcess) -> Self {
+        match process {
+            PointProcess::Turning => Self::Turning,
+            PointProcess::Milling => Self::Milling,
+            PointProcess::Infeed => Self::Infeed,
+        }
+    }
 }
 
 impl From<PointLife> for toolroom_cutting::LifeModel {
@@ -541,8 +551,8 @@ pub struct StudyArgs {
     #[arg(long, default_value_t = 0)]
     pub threads: usize,
     /// Stop when parts per shift and cost per part are known this well: "half-width 2%"
-    #[arg(long, value_name = "PRECISION", value_parser = crate::study::half_width)]
-    pub until: Option<f64>,
+    #[arg(long, value_name = "PRECISION")]
+    pub until: Option<toolroom_study::study::Precision>,
     /// Format of the log tables, instead of the scenario's
     #[arg(long, value_enum)]
     pub format: Option<LogFormat>,

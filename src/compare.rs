@@ -5,20 +5,21 @@ use crate::failure::Failure;
 use crate::output::Files;
 use crate::shard::{leave, refused};
 use crate::speak::Voice;
-use crate::study::{Request, chosen, default_out, perform};
+use crate::study::{Request, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
-use toolroom_scenario::file::{ScenarioFile, parse, read};
-use toolroom_shards::{self, Computed, Plan, ShardError};
-use toolroom_study::study::{KnownRuns, StoredRun, stored_digest, stored_runs};
+use toolroom_scenario::file::{ScenarioFile, read};
+use toolroom_shards::Plan;
+use toolroom_study::planned::{self, PlannedError};
+use toolroom_study::request::policies_named;
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
         return sweep::run(args, voice);
     }
     let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
-    let mut policies = chosen(&file.scenario, &args.study.policy)?;
+    let mut policies = policies_named(&file.scenario, &args.study.policy)?;
     if policies.len() == 1 && policies[0] != 0 {
         policies.insert(0, 0); // one policy by name is compared with the scenario's baseline
     }
@@ -56,23 +57,10 @@ fn plan(
         let help = "give the number with --replications; a precision needs all replications at hand";
         return Err(Failure::argument("--until cannot be planned in shards", help));
     }
-    let scenario = &file.scenario;
-    let replications = u64::from(scenario.replications);
-    let plan = Plan {
-        schema: 1,
-        kind: "compare".to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        name: scenario.name.clone(),
-        file: args.scenario.file.display().to_string(),
-        directory: String::new(),
-        text: file.text.clone(),
-        files: Plan::fingerprints(&file.files).map_err(refused)?,
-        overrides: args.scenario.changes.overrides(),
-        policies: policies.iter().map(|policy| scenario.policies[*policy].name.clone()).collect(),
-        seed: scenario.seed,
-        pieces: replications,
-        shards: args.shards.unwrap_or(replications).min(replications),
-    };
+    let name = args.scenario.file.display().to_string();
+    let changes = args.scenario.changes.overrides();
+    let version = env!("CARGO_PKG_VERSION");
+    let plan = planned::plan(version, &name, file, changes, policies, args.shards).map_err(refused)?;
     let inputs = file.files.iter().map(AsRef::as_ref).chain([args.scenario.file.as_path()]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
     let shown = target.display();
@@ -80,43 +68,21 @@ fn plan(
     Ok(())
 }
 
-/// The scenario of a plan, its policies by index.
-fn planned(plan: &Plan) -> Result<(ScenarioFile, Vec<usize>), Failure> {
-    let file = parse(&plan.file, &plan.text, &plan.overrides)?;
-    let policies = chosen(&file.scenario, &plan.policies)?;
-    Ok((file, policies))
-}
-
-/// One shard of a planned comparison.
-pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
-    let (file, policies) = planned(plan)?;
-    let mut failed = None;
-    let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
-        // Replications are 32-bit numbers by the form of the file.
-        let runs = stored_runs(&file.scenario, &policies, from as u32, to as u32).unwrap_or_else(|error| {
-            failed = Some(Failure::Work { message: error.to_string() });
-            Vec::new()
-        });
-        if failed.is_some() {
-            let source = std::io::Error::other("the shop stopped");
-            return Err(ShardError::File { path: out.to_owned(), source });
+impl From<PlannedError> for Failure {
+    fn from(error: PlannedError) -> Self {
+        match error {
+            PlannedError::Scenario(error) => error.into(),
+            PlannedError::Policy(error) => error.into(),
+            PlannedError::Shard(error) => refused(error),
+            other => Self::Work { message: other.to_string() },
         }
-        let digest = stored_digest(&file.scenario, &policies, (from, to), &runs)
-            .map_err(|why| ShardError::Malformed { path: out.to_owned(), why })?;
-        Ok(Computed { content: runs, digest, rows: false })
-    });
-    match failed {
-        Some(failure) => Err(failure),
-        None => ran.map_err(refused),
     }
 }
 
 /// Merges the parts of a planned comparison: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
-    let (file, policies) = planned(plan)?;
-    let digest = |runs: &Vec<StoredRun>, range| stored_digest(&file.scenario, &policies, range, runs);
-    let runs = toolroom_shards::parts(plan, parts, digest).map_err(refused)?.into_iter().flatten();
-    let known: KnownRuns = runs.map(|run| ((run.replication, run.policy), run)).collect();
+    let (file, policies) = planned::scenario(plan)?;
+    let known = planned::known_runs(plan, parts, &file, &policies).map_err(refused)?;
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
     let args = StudyArgs {
         policy: plan.policies.clone(),

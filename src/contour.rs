@@ -11,15 +11,26 @@ use input::Task;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_contour::EdgeLife;
+use toolroom_contour::{ContourFile, EdgeLife};
+use toolroom_form::Echo;
 use toolroom_planning::contour::{NAMES, StudyOptions, files, studies, summary, text};
 use toolroom_process::unit;
 use toolroom_shards::fingerprint;
 
-/// Name and number of passes of a contour file that can be read.
-pub fn check(file: &Path, set: &[String]) -> Result<(String, usize), Failure> {
+/// A contour file that can be planned: its name, its passes, its values.
+pub fn check(file: &Path, set: &[String]) -> Result<(String, usize, Vec<Echo>), Failure> {
     let task = input::read(file, None, set, &[])?;
-    Ok((task.file.name, task.file.passes.len()))
+    // What the verb would refuse for want of a plan; draws are never refused.
+    let options = StudyOptions { draws: 0, ..StudyOptions::default() };
+    studies(&task.file, &options, &|_| ()).map_err(|refused| task.refused(&refused))?;
+    Ok((task.file.name, task.file.passes.len(), task.echo))
+}
+
+/// A setup file that can be read: number of its passes, its values.
+pub fn check_setup(file: &Path, set: &[String]) -> Result<(usize, Vec<Echo>), Failure> {
+    let setup = input::open(file)?;
+    let read = ContourFile::parse_setup(&setup.name, &setup.text, set)?;
+    Ok((read.content, read.echo))
 }
 
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {

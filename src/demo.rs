@@ -3,15 +3,16 @@
 use crate::args::DemoArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use crate::study::{Request, chosen, default_out, perform};
+use crate::study::{Request, default_out, perform};
 use toolroom_scenario::file::parse;
+use toolroom_study::request::policies_named;
 
 /// Three lathes, two mills, a grinder, one shift.
 const SCENARIO: &str = include_str!("../scenarios/demo.toml");
 
 pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
     let file = parse("demo.toml", SCENARIO, &args.changes.overrides())?;
-    let policies = chosen(&file.scenario, &args.study.policy)?;
+    let policies = policies_named(&file.scenario, &args.study.policy)?;
     let request = Request {
         command: "demo".to_owned(),
         input: "demo.toml".to_owned(),

@@ -9,6 +9,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use toolroom_form::ReadError;
+use toolroom_study::request::{RequestError, UnknownPolicy};
+use toolroom_study::results::{FinishedRun, FinishedRunError};
 
 /// Why a command did not do its work.
 #[derive(Debug)]
@@ -129,6 +131,24 @@ impl Failure {
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         Self::Scenario(error)
+    }
+}
+
+impl From<UnknownPolicy> for Failure {
+    fn from(error: UnknownPolicy) -> Self {
+        Self::argument(&error, error.fix())
+    }
+}
+
+impl From<RequestError> for Failure {
+    fn from(error: RequestError) -> Self {
+        Self::argument(&error, error.fix())
+    }
+}
+
+impl From<FinishedRunError> for Failure {
+    fn from(error: FinishedRunError) -> Self {
+        Self::argument(error, FinishedRun::FIX)
     }
 }
 

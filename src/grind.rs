@@ -8,16 +8,17 @@ use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_infeed::{CycleError, CycleFile, CycleFileError};
+use toolroom_form::{Echo, FormFile};
+use toolroom_infeed::{CycleError, CycleFile};
 use toolroom_planning::cycle::{CycleDesign, NAMES};
 
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let target = args.out.clone().unwrap_or_else(|| default_out(&name(&args.file)));
     let out = OutputDir::create(&target, NAMES, [args.file.as_path()], voice.force)?;
-    let (text, design) = design(&args.file, &args.set)?;
+    let (file, design) = design(&args.file, &args.set)?;
     let wall = start.elapsed();
-    let inputs = [(args.file.display().to_string(), text.as_bytes())];
+    let inputs = [(args.file.display().to_string(), file.text.as_bytes())];
     let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
     let provenance = provenance("grind", &inputs, changes, None);
     out.put_all(&design.files(provenance.clone()))?;
@@ -38,43 +39,17 @@ fn name(file: &Path) -> String {
     file.file_stem().map_or_else(|| "cycle".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Whether a cycle file can be worked out.
-pub fn check(file: &Path, set: &[String]) -> Result<(), Failure> {
-    design(file, set).map(|_| ())
+/// The values of a cycle file that can be worked out.
+pub fn check(file: &Path, set: &[String]) -> Result<Vec<Echo>, Failure> {
+    design(file, set).map(|(file, _)| file.echo)
 }
 
-/// The text of a cycle file and the design that it asks for.
-fn design(file: &Path, set: &[String]) -> Result<(String, CycleDesign), Failure> {
-    let name = name(file);
-    let path = file.display().to_string();
-    let text = std::fs::read_to_string(file).map_err(|error| {
-        Failure::argument(
-            format_args!("{path} cannot be read: {error}"),
-            "give a cycle file, such as scenarios/grinding/cycle.toml",
-        )
-    })?;
-    let text = text.trim_start_matches('\u{FEFF}').to_owned();
-    let mut file = CycleFile::read(&path, &text).map_err(|error| refused_file(&error, &text))?;
-    for change in set {
-        let (key, value) = change.split_once('=').ok_or_else(|| {
-            Failure::argument(format_args!("`{change}` is not of the form key=value"), "--set limits.stock=\"50 um\"")
-        })?;
-        file.set(key.trim(), value.trim()).map_err(|reason| {
-            Failure::argument(
-                format_args!("--set {change}: {reason}"),
-                "keys are table.key, such as limits.stock, or effects.ID",
-            )
-        })?;
-    }
-    let design = CycleDesign::new(name, file).map_err(|error| conflict(&error, &path, &text))?;
-    Ok((text, design))
-}
-
-fn refused_file(error: &CycleFileError, text: &str) -> Failure {
-    let placed = |fault: &toolroom_infeed::CycleFault| {
-        Placed::new(fault.reason.code(), (fault.line, fault.column), &fault.reason)
-    };
-    FaultyFile::new(&error.file, text, error.faults.iter().map(placed).collect()).into()
+/// A cycle file and the design that it asks for.
+fn design(file: &Path, set: &[String]) -> Result<(FormFile<()>, CycleDesign), Failure> {
+    let FormFile { content, echo, text, files } = CycleFile::read(file, set)?;
+    let design =
+        CycleDesign::new(name(file), content).map_err(|error| conflict(&error, &file.display().to_string(), &text))?;
+    Ok((FormFile { content: (), echo, text, files }, design))
 }
 
 /// Limits that no cycle meets: their place in the file is that of the first of them.

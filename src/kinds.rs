@@ -6,8 +6,10 @@ use crate::failure::Failure;
 use crate::{contour, gap, grind, life};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use toolroom_contour::{CONTOUR, SETUP};
 use toolroom_form::{Echo, Form, Outline, schema};
 use toolroom_gap::NominalModel;
+use toolroom_infeed::CYCLE;
 use toolroom_records::import::{MAPPING, Mapping};
 use toolroom_scenario::file::{self, SCENARIO, ScenarioFile};
 use toolroom_scenario::lobes::LOBES;
@@ -39,8 +41,6 @@ pub enum Described {
     ByOneOf(&'static [&'static Form]),
     /// A text of its own.
     Text(&'static str),
-    /// None yet: the reader has no form.
-    Nothing,
 }
 
 /// A file that its reader accepts.
@@ -81,14 +81,21 @@ pub static KINDS: &[FileKind] = &[
         doc: "A grinding cycle to be designed, for grind",
         signs: &["limits", "conditions", "dressing"],
         read: Some(cycle),
-        form: Described::Nothing,
+        form: Described::By(&CYCLE),
     },
     FileKind {
         word: "contour",
         doc: "A contour to be milled, for contour",
-        signs: &["pass", "section", "cutter_side", "path_error", "form_error", "corners"],
+        signs: &["section"],
         read: Some(planned),
-        form: Described::Nothing,
+        form: Described::By(&CONTOUR),
+    },
+    FileKind {
+        word: "setup",
+        doc: "Passes around a contour that a part program draws, for contour --gcode",
+        signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
+        read: Some(setup),
+        form: Described::By(&SETUP),
     },
     FileKind {
         word: "mapping",
@@ -159,10 +166,6 @@ impl FileKind {
                 }))
             }
             Described::Text(text) => serde_json::from_str(text).map_err(Failure::Json),
-            Described::Nothing => Err(Failure::argument(
-                format_args!("there is no schema of {} files yet", self.word),
-                "`toolroom check FILE` says what is wrong with one",
-            )),
         }
     }
 
@@ -172,6 +175,9 @@ impl FileKind {
             "life" => "toolroom tool-life study".to_owned(),
             "lobes" => "toolroom lobes file".to_owned(),
             "gap" => "toolroom nominal model".to_owned(),
+            "cycle" => "toolroom cycle file".to_owned(),
+            "contour" => "toolroom contour file".to_owned(),
+            "setup" => "toolroom setup file".to_owned(),
             word => format!("toolroom {word}"),
         }
     }
@@ -232,13 +238,19 @@ fn study(path: &Path, set: &[String]) -> Result<Checked, Failure> {
 }
 
 fn cycle(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    grind::check(path, set)?;
-    Ok(checked("cycle", None, Vec::new(), "a grinding cycle that can be worked out"))
+    let echo = grind::check(path, set)?;
+    Ok(checked("cycle", None, echo, "a grinding cycle that can be worked out"))
 }
 
 fn planned(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let (name, passes) = contour::check(path, set)?;
-    Ok(checked("contour", Some(&name), Vec::new(), &format!("a contour with {passes} passes")))
+    let (name, passes, echo) = contour::check(path, set)?;
+    Ok(checked("contour", Some(&name), echo, &format!("a contour with {passes} passes")))
+}
+
+fn setup(path: &Path, set: &[String]) -> Result<Checked, Failure> {
+    let (passes, echo) = contour::check_setup(path, set)?;
+    let summary = format!("a setup of {passes} passes; a part program draws the contour: toolroom contour --gcode");
+    Ok(checked("setup", None, echo, &summary))
 }
 
 fn mapping(path: &Path, set: &[String]) -> Result<Checked, Failure> {

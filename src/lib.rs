@@ -16,7 +16,9 @@
 //! | a stability chart | [`planning::lobes::ChartStudy`] | `toolroom lobes` |
 //! | the blind benchmark | [`blind::diagnose`] | `toolroom gap blind` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
-//! | a process at one point | [`cutting`], [`infeed`] | `toolroom point` |
+//! | a process at one point | [`planning::point::Point`] | `toolroom point` |
+//! | the cycle time of a part program | [`planning::program::CycleTime`] | `toolroom program` |
+//! | what differs between two runs | [`study::difference::RunDifference`] | `toolroom diff` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
 //!
 //! Quantities are SI numbers (rad, K) unless a name says otherwise. The folder `examples` has an example of scenarios,

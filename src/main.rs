@@ -5,7 +5,6 @@
 //! as too little data; 130 and 143: interrupted by SIGINT and SIGTERM.
 
 mod args;
-mod asked;
 mod check;
 mod codes;
 mod compare;
@@ -33,7 +32,6 @@ mod point;
 mod program;
 mod progress;
 mod report;
-mod results;
 mod run;
 mod schema;
 mod shard;

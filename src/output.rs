@@ -334,11 +334,6 @@ fn earlier(place: &Path) -> Earlier {
     }
 }
 
-/// A table that has no form as CSV.
-pub fn no_table(name: &str, error: &dyn std::fmt::Display) -> Failure {
-    Failure::Work { message: format!("{name}: {error}") }
-}
-
 /// The command as it has to be typed, and the input files with their hashes. `arguments` follow
 /// verb and files.
 pub fn provenance(

@@ -1,17 +1,16 @@
 //! `toolroom report DIR`: the report of a finished run.
 
 use crate::args::ReportArgs;
-use crate::asked::Asked;
 use crate::failure::Failure;
-use crate::results::Results;
 use crate::speak::Voice;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use toolroom_study::results::{RunInfo, redraw};
+use toolroom_study::request::StudyRequest;
+use toolroom_study::results::{FinishedRun, RunInfo, redraw};
 use toolroom_study::study::StudyOptions;
 
 pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
-    let results = Results::read(&args.dir)?;
+    let results = FinishedRun::read(&args.dir)?;
     let report = args.dir.join("report.html");
     if !report.is_file() {
         draw(&args.dir, &results)?;
@@ -40,18 +39,18 @@ pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// Draws the report of a study of a shop again from what is in its directory.
-fn draw(dir: &Path, results: &Results) -> Result<(), Failure> {
+fn draw(dir: &Path, results: &FinishedRun) -> Result<(), Failure> {
     let help = "run the study again";
-    let Some(asked) = Asked::read(&results.run) else {
+    let Some(requested) = StudyRequest::read(&results.run) else {
         let message = format!("{} holds no report.html, nor what is needed to draw it", dir.display());
         return Err(Failure::argument(message, help));
     };
-    asked.refuse_version(dir)?;
-    let file = asked.scenario()?;
-    let options = StudyOptions { policies: asked.policies(&file)?, ..StudyOptions::of(&file.scenario) };
+    requested.refuse_version(dir, env!("CARGO_PKG_VERSION"))?;
+    let file = requested.scenario()?;
+    let options = StudyOptions { policies: requested.policies(&file)?, ..StudyOptions::of(&file.scenario) };
     let command = results.run["command"].as_str().unwrap_or_default().to_owned();
     let stopped = results.run["stopped"]["reason"].as_str().map(str::to_owned);
-    let information = RunInfo { stopped, ..asked.information(command)? };
+    let information = RunInfo { stopped, ..requested.information(command).map_err(Failure::Json)? };
     redraw(dir, &file.scenario, &options, &information).map_err(|error| match error.path() {
         Some(_) => Failure::Work { message: error.to_string() },
         None => Failure::argument(error, help),

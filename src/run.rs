@@ -3,12 +3,13 @@
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use crate::study::{Request, chosen, default_out, perform};
+use crate::study::{Request, default_out, perform};
 use toolroom_scenario::file::read;
+use toolroom_study::request::policies_named;
 
 pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
     let file = read(&args.scenario.file, &args.scenario.changes.overrides())?;
-    let policies = chosen(&file.scenario, &args.study.policy)?;
+    let policies = policies_named(&file.scenario, &args.study.policy)?;
     let input = args.scenario.file.display().to_string();
     let request = Request {
         command: format!("run {input}"),

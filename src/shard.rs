@@ -5,10 +5,11 @@ use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use crate::stop::{Begun, keeps, tidy};
-use crate::{compare, life, lobes};
+use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
 use toolroom_shards::{Plan, ShardError, read_plan, write_plan};
+use toolroom_study::planned;
 
 pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
     perform(&args.plan, args.shard, &args.out, args.threads, voice)
@@ -35,7 +36,7 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
     let message = format!("interrupted: shard {number} is not in {}; parts that are there stay", out.display());
     keeps(message, "run the shard again".to_owned());
     threads.install(|| match plan.kind.as_str() {
-        "compare" => compare::shard(&plan, number, out),
+        "compare" => Ok(planned::shard(&plan, number, out)?),
         "lobes" => lobes::shard(&plan, number, out),
         _ => life::shard(&plan, number, out),
     })?;

@@ -135,6 +135,8 @@ pub fn publishing() -> MutexGuard<'static, ()> {
 /// Removes what was begun, last things first, tells, ends.
 fn end() -> ! {
     let publishing = publishing();
+    // Held to the end: a part that another thread began now would leave its draft.
+    let _parts = toolroom_shards::nothing_more();
     let state = locked(&STATE);
     for (_, begun) in state.begun.iter().rev() {
         begun.remove();

@@ -1,26 +1,23 @@
 //! Running a scenario's policies and writing the results: what run, compare and demo share.
 
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
-use crate::asked::Asked;
 use crate::failure::Failure;
 use crate::output::{Files, OutputDir};
 use crate::progress::Bar;
 use crate::report;
-use crate::results::Results;
 use crate::speak::Voice;
 use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
-use toolroom_form::nearest;
 use toolroom_gap::{Settings, sensor_sheet};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, write_csv};
-use toolroom_scenario::Scenario;
 use toolroom_scenario::file::ScenarioFile;
 use toolroom_shop::RunLog;
 use toolroom_study::logs::{Format, LogWriter};
-use toolroom_study::results::{self, STOPPED, record};
+use toolroom_study::request::StudyRequest;
+use toolroom_study::results::{self, FinishedRun, STOPPED, record};
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
@@ -51,22 +48,25 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     let mut options = StudyOptions {
         policies: request.policies.clone(),
         threads: args.threads,
-        until: args.until.map(|relative_half_width| Precision { relative_half_width }),
+        until: args.until,
         logged: args.logged.unwrap_or(request.logged),
         known: Arc::clone(&request.known),
         stop_after: args.stop_after,
         ..StudyOptions::of(scenario)
     };
     let target = args.out.as_deref().unwrap_or(&request.out);
-    let asked = Asked::of(request, &options, format(file, args), reproduce(request), inputs(request));
+    let format = format(file, args);
+    let version = env!("CARGO_PKG_VERSION");
+    let changes = request.changes.overrides();
+    let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
     if args.resume && target.exists() {
-        let earlier = Results::read(target)?;
+        let earlier = FinishedRun::read(target)?;
         if earlier.complete() {
-            asked.refuse_another(target, &earlier.run)?;
+            requested.refuse_another(target, &earlier.run)?;
             voice.say(format_args!("{} is complete: nothing is left to do", target.display()));
             return report::run(&ReportArgs { dir: target.to_owned(), open: false }, voice);
         }
-        let finished = asked.earlier(target, &earlier.run)?;
+        let finished = requested.earlier(target, &earlier.run)?;
         if finished.replications > 0 {
             voice.say(format_args!("going on after {} replications", finished.replications));
             options.earlier = Some(finished);
@@ -78,8 +78,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         refuse_records(&files, dir, target)?;
     }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
-    let information = asked.information(command)?;
-    let format = format(file, args);
+    let information = requested.information(command).map_err(Failure::Json)?;
     let tables = format.map_or(Vec::new(), LogWriter::names);
     let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
     let out = OutputDir::create(target, &names, read(), voice.force)?;
@@ -236,63 +235,16 @@ fn reproduce(request: &Request<'_>) -> String {
     for name in &request.args.policy {
         reproduce.push_str(&format!(" --policy {}", quoted(name)));
     }
-    if let Some(share) = request.args.until {
+    if let Some(Precision { relative_half_width: share }) = request.args.until {
         reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
     }
     reproduce
-}
-
-/// The scenario file and the files that it names, with their fingerprints.
-fn inputs(request: &Request<'_>) -> Vec<(String, String)> {
-    let scenario = (request.input.clone(), toolroom_shards::fingerprint(request.file.text.as_bytes()));
-    let named = request.file.files.iter().map(|path| {
-        // Gone since it was read: its name at least.
-        let bytes = std::fs::read(path).unwrap_or_default();
-        (path.display().to_string(), toolroom_shards::fingerprint(&bytes))
-    });
-    std::iter::once(scenario).chain(named).collect()
 }
 
 /// An argument as it has to be typed.
 pub fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:%+,".contains(c);
     if !argument.is_empty() && argument.chars().all(plain) { argument.to_owned() } else { format!("{argument:?}") }
-}
-
-/// The policies called by name; all of them, if none is.
-pub fn chosen(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, Failure> {
-    if names.is_empty() {
-        return Ok((0..scenario.policies.len()).collect());
-    }
-    let known = || scenario.policies.iter().map(|policy| policy.name.as_str());
-    let mut indices = Vec::new();
-    for name in names {
-        let Some(index) = known().position(|each| each == name) else {
-            let near = nearest(name, known()).map_or(String::new(), |near| format!("did you mean \"{near}\"? "));
-            let help = format!("{near}policies: {}", known().collect::<Vec<_>>().join(", "));
-            return Err(Failure::argument(format_args!("there is no policy \"{name}\""), help));
-        };
-        if !indices.contains(&index) {
-            indices.push(index);
-        }
-    }
-    Ok(indices)
-}
-
-/// `half-width 2%`, `2 %` or `0.02` as a share.
-pub fn half_width(text: &str) -> Result<f64, String> {
-    let number = text.trim().trim_start_matches("half-width").trim_start_matches([' ', '=', '<']).trim();
-    let share = match number.strip_suffix('%') {
-        Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
-        None => number.parse(),
-    };
-    match share {
-        Ok(share) if share > 0.0 && share < 1.0 => Ok(share),
-        _ => Err(format!(
-            "a relative half-width of the {} % interval is due, such as \"half-width 2%\"",
-            100.0 * toolroom_statistics::CONFIDENCE
-        )),
-    }
 }
 
 /// `out/NAME`, the name of a scenario made fit for a directory.
@@ -304,16 +256,6 @@ pub fn default_out(name: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_precision_is_read_as_people_write_it() {
-        for text in ["half-width 2%", "half-width 2 %", "2%", "0.02", "half-width=2%"] {
-            assert_eq!(half_width(text), Ok(0.02), "{text}");
-        }
-        for text in ["", "half-width", "0", "-2%", "100%", "nan", "inf"] {
-            assert!(half_width(text).is_err(), "{text}");
-        }
-    }
 
     #[test]
     fn a_name_cannot_leave_the_output_directory() {

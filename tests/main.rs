@@ -17,5 +17,6 @@ mod planned;
 mod planning;
 mod programs;
 mod report;
+mod self_null;
 mod withheld;
 mod withheld_grinding_milling;

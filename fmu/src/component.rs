@@ -43,8 +43,9 @@ pub struct Stepped {
 pub trait Component: Send {
     /// The importer's log.
     fn log(&mut self) -> &mut Log;
-    /// Start and end of the simulation, s; 0 and open where it is not called.
-    fn set_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome;
+    /// Start and end of the simulation, s; 0 and open where it is not called. No step goes beyond the end. A
+    /// tolerance is looked at, and not needed: the integrators of the processes keep their own.
+    fn set_experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Outcome;
     /// Enters Initialization Mode.
     fn enter_initialization(&mut self) -> Outcome;
     /// Leaves Initialization Mode.

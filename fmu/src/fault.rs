@@ -57,6 +57,30 @@ pub enum Fault {
         /// Length, s.
         step: f64,
     },
+    /// A step beyond the end of the simulation.
+    #[error("the step ends at {end} s, the simulation was said to end at {stop} s (stopTime)")]
+    End {
+        /// End of the step, s.
+        end: f64,
+        /// End of the simulation, s.
+        stop: f64,
+    },
+    /// A tolerance that is none.
+    #[error("a relative tolerance of {tolerance} cannot be kept: it has to be above 0")]
+    Tolerance {
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A step that would take too long to work out.
+    #[error("a step of {step} s would not end within a second: take steps of at most {longest} s ({reason})")]
+    LongStep {
+        /// Length, s.
+        step: f64,
+        /// Longest step, s.
+        longest: f64,
+        /// What takes the time.
+        reason: &'static str,
+    },
     /// A step that does not start where the last one ended.
     #[error("the step starts at {given} s, the unit is at {own} s")]
     Time {

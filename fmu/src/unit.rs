@@ -68,6 +68,16 @@ pub trait Unit: Process + Clone + 'static {
         self.advance(x, u, dt)
     }
 
+    /// Longest step under input `u` that is worked out within a second, s, and what takes the time.
+    fn longest_step(&self, _u: &Self::Input) -> (f64, &'static str) {
+        (f64::INFINITY, "")
+    }
+
+    /// Whether the edge is worn beyond what the model knows: it cuts no more from then on.
+    fn worn_out(&self, _x: &Self::State) -> bool {
+        false
+    }
+
     /// Puts the process on a machine that may chatter.
     ///
     /// # Errors

@@ -454,3 +454,64 @@ impl Bench {
         }
     }
 }
+
+#[test]
+fn no_step_goes_beyond_the_end_that_the_importer_named() {
+    let mut bench = Bench::new("turning", HELD);
+    bench.unit.set_experiment(0.0, Some(1.0), None).expect("an end");
+    let mut bench = bench.start();
+    bench.run(0.0, 0.7, 0.1);
+    let refused = bench.unit.do_step(0.7, 0.4).expect_err("beyond the end").to_string();
+    assert!(refused.contains("the step ends at 1.1 s, the simulation was said to end at 1 s"), "{refused}");
+    assert!((bench.unit.time() - 0.7).abs() < 1e-12, "a refused step is not taken");
+    // Sums of steps that round are no steps beyond it.
+    bench.unit.do_step(0.7, 0.3 * (1.0 + 1e-12)).expect("the last step");
+    bench.unit.do_step(1.0, 0.1).expect_err("beyond the end");
+    bench.unit.reset().expect("a new beginning");
+    let mut bench = bench.start();
+    bench.unit.do_step(0.0, 2.0).expect("without an end");
+}
+
+#[test]
+fn a_tolerance_that_is_none_is_refused() {
+    let mut bench = Bench::new("turning", HELD);
+    for tolerance in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
+        let refused = bench.unit.set_experiment(0.0, None, Some(tolerance)).expect_err("no tolerance").to_string();
+        assert!(refused.contains("has to be above 0"), "{refused}");
+    }
+    bench.unit.set_experiment(0.0, None, Some(1e-6)).expect("a tolerance");
+}
+
+#[test]
+fn a_step_that_would_take_too_long_asks_for_shorter_ones() {
+    let mut wheel = Bench::new("infeed", HELD).start();
+    let refused = wheel.unit.do_step(0.0, 1e9).expect_err("a billion seconds of grinding").to_string();
+    assert!(refused.contains("would not end within a second: take steps of at most"), "{refused}");
+    wheel.unit.do_step(0.0, 1.0).expect("a second");
+    let mut lathe = Bench::new("turning", HELD);
+    lathe.set("adaptive.enable", 1.0);
+    let mut lathe = lathe.start();
+    let refused = lathe.unit.do_step(0.0, 1e9).expect_err("too many commands").to_string();
+    assert!(refused.contains("the built-in policy commands a speed"), "{refused}");
+    // Without commands within it a long step is one integration.
+    for model in ["turning", "milling"] {
+        Bench::new(model, HELD).start().unit.do_step(0.0, 1e9).expect("one integration");
+    }
+}
+
+#[test]
+fn a_cutter_wears_as_far_as_the_model_knows_and_is_lost_then() {
+    let mut long = Bench::new("milling", HELD).start();
+    long.unit.do_step(0.0, 1e9).expect("one step");
+    let worn = long.get("tool.flank_wear");
+    assert!((worn / 2e-3 - 1.0).abs() < 1e-9, "{worn}");
+    assert_eq!((long.get("tool.lost"), long.get("event.wear_limit")), (1.0, 1.0));
+    // The same in many steps.
+    let mut short = Bench::new("milling", HELD).start();
+    short.run(0.0, 1e6, 1e3);
+    assert!((short.get("tool.flank_wear") / worn - 1.0).abs() < 1e-9);
+    short.set("tool.change", 1.0);
+    short.unit.do_step(1e6, 10.0).expect("a new cutter");
+    assert_eq!(short.get("tool.lost"), 0.0);
+    assert!(short.get("tool.flank_wear") > 0.0);
+}

@@ -6,19 +6,21 @@ use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toolroom_fmu::{Binary, Entry, Platform, Version, file_name, package, units};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = unit(args.model)?;
     let versions: &[Version] = match args.fmi {
+        // A file holds one version: the newer one, which the last line says.
+        None if is_file(&args.out) => &[Version::Three],
         None => &[Version::Two, Version::Three],
         Some(2) => &[Version::Two],
         Some(_) => &[Version::Three],
     };
     let description = unit.describe();
     let files = Files::new([], voice.force);
-    let places = places(args, versions, |version| file_name(description, version))?;
+    let places = places(args, versions, |version| file_name(description, version));
     places.iter().try_for_each(|(_, path)| files.check(path))?;
     let binaries = binaries(&args.platforms, voice)?;
     let mut written = Vec::new();
@@ -56,29 +58,24 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
             platforms.join(" ")
         ))?;
     }
+    if args.fmi.is_none() && is_file(&args.out) {
+        voice.say("for importers of FMI 2.0 only: --fmi 2");
+    }
     if let Some((_, path, _)) = written.first() {
         voice.say(format_args!("next: toolroom fmu check {}", path.display()));
     }
     Ok(())
 }
 
+/// Whether `--out` names the package itself.
+fn is_file(out: &Path) -> bool {
+    out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu"))
+}
+
 /// Where the package of each version goes: into a folder under its own name, or into the file that `--out` names.
-fn places(
-    args: &FmuExportArgs,
-    versions: &[Version],
-    name: impl Fn(Version) -> String,
-) -> Result<Vec<(Version, PathBuf)>, Failure> {
-    let out = &args.out;
-    if out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("fmu")) {
-        return Ok(versions.iter().map(|version| (*version, out.join(name(*version)))).collect());
-    }
-    match versions {
-        [version] => Ok(vec![(*version, out.clone())]),
-        _ => {
-            let message = format!("{} is one file, but there is a package for each version of FMI", out.display());
-            Err(Failure::argument(message, "add --fmi 2 or --fmi 3, or give a folder"))
-        }
-    }
+fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> String) -> Vec<(Version, PathBuf)> {
+    let place = |version: &Version| if is_file(&args.out) { args.out.clone() } else { args.out.join(name(*version)) };
+    versions.iter().map(|version| (*version, place(version))).collect()
 }
 
 fn unit(model: FmuModel) -> Result<&'static Entry, Failure> {

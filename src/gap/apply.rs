@@ -1,7 +1,6 @@
 //! `toolroom gap apply`: the model with everything that a diagnosis has found, and what that does
 //! to the key figures of the shop.
 
-mod difference;
 mod figures;
 mod mark;
 
@@ -58,7 +57,7 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     let nominal = nominal_of(model, &args.set)?;
     let changes = changed(args, model, &nominal, diagnosis).map_err(|error| refused(&error))?;
     if args.diff {
-        return voice.data(difference::lines(&read(model)?, &changes.text).trim_end());
+        return voice.data(toolroom_apply::changed_lines(&read(model)?, &changes.text).trim_end());
     }
     put(files, out, &changes.text)?;
     for note in &changes.notes {
@@ -108,7 +107,7 @@ fn several(
             return Err(Failure::argument(message, "apply them one by one"));
         }
         if args.diff {
-            voice.data(difference::lines(&read(model)?, &text).trim_end())?;
+            voice.data(toolroom_apply::changed_lines(&read(model)?, &text).trim_end())?;
         }
         texts.push((path, is, text));
     }

@@ -14,13 +14,14 @@ use toolroom_gap::joined;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{Answers, Asked, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes};
+use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
     let group = args.group.as_deref();
     let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
-    let names = &["diagnosis.json", "report.html", "predictions.csv"];
+    let names = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
     let out = args.out.as_deref().map(|target| OutputDir::create(target, names, inputs, voice.force)).transpose()?;
     let mut asked: Vec<Asked> = Vec::new();
     let mut rest: Vec<Option<(NominalModel, Records)>> = Vec::new();
@@ -71,8 +72,12 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         .zip(&points)
         .flat_map(|(known, points)| known.records.as_ref().map_or_else(Vec::new, |own| predictions_of(own, points)))
         .collect();
-    for ((_, diagnosis), rest) in answers.processes.iter_mut().zip(rest) {
-        let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else { continue };
+    let mut pages: Vec<Page> = Vec::new();
+    for (((process, diagnosis), rest), asked) in answers.processes.iter_mut().zip(rest).zip(&asked) {
+        let Some((model, records)) = rest.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else {
+            pages.push(Page::without_readings(process, diagnosis.clone()));
+            continue;
+        };
         if let Some(best) = plan(&model, &records, group, diagnosis).best() {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
@@ -80,13 +85,18 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, diagnosis, args.seed);
         }
+        if out.is_some() {
+            let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);
+            let rates = args.models.iter().find_map(|path| rates(path, &args.set)).unwrap_or_default();
+            pages.push(Page { process, diagnosis: diagnosis.clone(), readings, rates });
+        }
     }
     let document = |answers: &Answers| {
         let processes: Vec<Process<'_>> =
             stated.iter().zip(&points).map(|(known, points)| known.process(points)).collect();
         document(answers.json(), &processes, known::data(&stated))
     };
-    write(args, out, &answers, (&document(&answers), &predicted), voice)?;
+    write(args, out, &answers, (&document(&answers), &predicted, &pages), voice)?;
     let untold: Vec<String> = answers
         .processes
         .iter()
@@ -120,11 +130,16 @@ fn with_more(
     })
 }
 
+/// Rates of the machines of a model file, where it is a scenario.
+fn rates(path: &Path, set: &[String]) -> Option<Rates> {
+    toolroom_scenario::file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+}
+
 fn write(
     args: &DiagnoseArgs,
     out: Option<OutputDir>,
     answers: &Answers,
-    (document, predicted): (&serde_json::Value, &[PredictionRow]),
+    (document, predicted, pages): (&serde_json::Value, &[PredictionRow], &[Page]),
     voice: &Voice,
 ) -> Result<(), Failure> {
     if let Some(out) = out {
@@ -141,7 +156,9 @@ fn write(
             Provenance { version: version.to_owned(), command: command.clone(), seed: Some(args.seed), inputs };
         out.put("diagnosis.json", &pretty(document)?)?;
         out.put("predictions.csv", &PredictionRow::csv(predicted))?;
-        out.put("report.html", &answers.report(provenance).html())?;
+        out.put("report.html", &html(pages, answers.sections(), provenance))?;
+        out.put("report.md", &markdown(pages))?;
+        out.put("report.json", &pretty(&toolroom_gap_report::json(pages))?)?;
         out.put(
             "run.json",
             &pretty(&json!({ "schema": 1, "version": version, "command": command, "complete": true }))?,

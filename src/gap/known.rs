@@ -59,11 +59,13 @@ impl Known {
 
     /// The applied point of each part of a diagnosis.
     pub fn applied(&self, asked: &Asked, diagnosed: &[Diagnosed]) -> Vec<Applied> {
-        let one = |(i, (part, own)): (usize, (&Box<dyn toolroom_gap::Forward>, &Diagnosed))| {
-            let nominal = self.nominal.as_ref().and_then(|nominal| nominal.parts.get(i)).unwrap_or(part);
-            applied_to(part.as_ref(), nominal.as_ref(), &self.aside, &own.basis, own.named())
-        };
-        asked.parts.iter().zip(diagnosed).enumerate().map(one).collect()
+        let parts = asked.parts.iter().zip(diagnosed).enumerate();
+        parts
+            .map(|(i, (part, own))| {
+                let nominal = self.nominal.as_ref().and_then(|nominal| nominal.parts.get(i)).unwrap_or(part);
+                applied_to(part.as_ref(), nominal.as_ref(), &self.aside, &own.basis, own.named())
+            })
+            .collect()
     }
 
     /// The same as the document wants it.

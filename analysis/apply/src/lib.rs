@@ -26,6 +26,7 @@
 //! Scatter, tails and skewness of the blocks of a shop's log, and the coefficients of empirical models.
 
 mod applied;
+mod difference;
 mod document;
 mod edit;
 mod error;
@@ -34,6 +35,7 @@ mod predict;
 mod program;
 
 pub use applied::{Applied, Constant, Found, applied_to};
+pub use difference::changed_lines;
 pub use document::{PredictionRow, Process, SCHEMA, document, predictions_of};
 pub use edit::{Changes, Request, apply};
 pub use error::ApplyError;

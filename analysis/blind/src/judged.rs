@@ -88,7 +88,7 @@ fn mark(case: &Case, verdict: GapVerdict, named: &[NamedEffect]) -> Mark {
     match verdict {
         GapVerdict::Unknown | GapVerdict::Constant => return Mark::Unknown,
         GapVerdict::Masked | GapVerdict::CannotTell => return Mark::Masked,
-        GapVerdict::NoGap => return Mark::NoGap,
+        GapVerdict::NoGap | GapVerdict::Small => return Mark::NoGap,
         GapVerdict::Effect => {}
     }
     let hidden = |effect: &NamedEffect| case.hidden.iter().any(|hidden| effect.class.contains(&hidden.id));

@@ -34,15 +34,15 @@ fn with_priors(gram: &Gram, at: &[usize], nuisance: usize) -> (DMatrix<f64>, DVe
 }
 
 /// Solution and predictive densities of a model over the columns `at`, of which those not below
-/// `nuisance` are free.
-pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: bool) -> Evidence {
+/// `nuisance` are free and have to be positive, but those columns that are `two_sided`.
+pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: &dyn Fn(usize) -> bool) -> Evidence {
     let (all, right) = with_priors(gram, at, nuisance);
     let whole = factor(all.clone());
     let log_whole = log_determinant(&whole);
     let solution = whole.solve(&right);
     let squares = gram.total[(gram.last(), gram.last())];
     let profile = -0.5 * (squares - right.dot(&solution));
-    let admissible = two_sided || (0..at.len()).all(|i| at[i] < nuisance || solution[i] > 0.0);
+    let admissible = (0..at.len()).all(|i| at[i] < nuisance || solution[i] > 0.0 || two_sided(at[i]));
     let fold = |(matrix, determinant): (&DMatrix<f64>, &f64)| -> f64 {
         let (held, held_right) = (part(matrix, at, at), part_column(matrix, at, gram.last()));
         let squares = matrix[(gram.last(), gram.last())];

@@ -81,8 +81,9 @@ impl Quantity {
         }
     }
 
-    /// A value with its unit: durations in s, min or h, shares in per cent, shapes as they are.
-    pub fn with_unit(self, value: f64) -> String {
+    /// A value with its unit: durations in the unit (s, min or h) that people would use for `like`, shares in per cent,
+    /// shapes as they are.
+    pub fn with_unit(self, value: f64, like: f64) -> String {
         if !value.is_finite() {
             return "unknown".to_owned();
         }
@@ -96,7 +97,7 @@ impl Quantity {
             | Self::HandlingTime
             | Self::ArrivalInterval
             | Self::EdgeLife
-            | Self::QueueWait => duration(value),
+            | Self::QueueWait => duration(value, like),
         }
     }
 }
@@ -107,12 +108,12 @@ fn digits(value: f64) -> String {
     format!("{value:.0$}", places as usize)
 }
 
-/// A duration of `seconds` in the unit that people would use.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s >= 7200.0 => format!("{} h", digits(s / 3600.0)),
-        s if s >= 180.0 => format!("{} min", digits(s / 60.0)),
-        s => format!("{} s", digits(s)),
+/// A duration of `seconds` in the unit that people would use for one `like` it.
+fn duration(seconds: f64, like: f64) -> String {
+    match like {
+        like if like >= 7200.0 => format!("{} h", digits(seconds / 3600.0)),
+        like if like >= 180.0 => format!("{} min", digits(seconds / 60.0)),
+        _ => format!("{} s", digits(seconds)),
     }
 }
 
@@ -162,7 +163,7 @@ impl Fact {
     /// The fact in one sentence without a full stop.
     pub fn words(&self) -> String {
         let Self { quantity, place, count, .. } = self;
-        let value = |value| quantity.with_unit(value);
+        let value = |value| quantity.with_unit(value, self.model);
         let recorded = if self.estimate.is_finite() {
             format!("{} recorded ({} … {})", value(self.estimate), value(self.ci90[0]), value(self.ci90[1]))
         } else {
@@ -184,8 +185,9 @@ impl Fact {
             "p": number(self.p),
             "tests": self.tests.iter().map(|(name, p)| ((*name).to_owned(), number(*p)))
                 .collect::<serde_json::Map<_, _>>(),
-            "estimate": self.quantity.with_unit(self.estimate), "model": self.quantity.with_unit(self.model),
-            "ci90": self.ci90.map(|end| self.quantity.with_unit(end)),
+            "estimate": self.quantity.with_unit(self.estimate, self.model),
+            "model": self.quantity.with_unit(self.model, self.model),
+            "ci90": self.ci90.map(|end| self.quantity.with_unit(end, self.model)),
             "factor": number(self.factor()), "factor_ci90": self.ci90.map(|end| number(end / self.model)),
             "least_seen": self.least_seen.map(number), "rejected": rejected,
         })

@@ -70,7 +70,7 @@ impl Basis {
         let fitted: usize = measured.fitted_groups().map(|group| measured.spans[group].len()).sum();
         let locals = measured.fitted_groups().count() * linear.locals.len();
         let freedom = 1.0 - (used + locals as f64) / fitted as f64;
-        let mut noise = Noise::estimate(measured, &left, freedom);
+        let mut noise = Noise::estimate(measured, &left, freedom, &before.noise);
         if !before.method.memory {
             noise.memory.fill(0.0);
             noise.weight.fill(1.0);
@@ -87,7 +87,7 @@ impl Basis {
     pub fn unmeasured(model: &dyn Forward, method: Method, nominal: Linear) -> Self {
         Self {
             method,
-            noise: Noise::of_sheet(&model.frame().measured),
+            noise: Noise::of_sheet(&model.frame().measured, model.chains(&nominal.point)),
             local_scale: vec![1.0; model.frame().locals.len()],
             floor: vec![0.0; model.frame().measured.len()],
             nominal,

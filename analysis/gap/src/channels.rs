@@ -4,7 +4,7 @@ use super::constants::GATE;
 use super::diagnose::{CELLS, Diagnosed, diagnose_by};
 use super::enough::too_little;
 use super::pooled::pooled;
-use super::{Budget, Diagnosis, Forward, GapVerdict, Method, NextExperiment};
+use super::{Budget, Diagnosis, Fitness, Forward, GapVerdict, Method, NextExperiment};
 
 /// Diagnoses parts that know nothing of each other, such as the channels of an empirical model.
 /// Effects of several parts carry the channel in their shape, and pay for the choice among them. Where
@@ -54,8 +54,7 @@ fn label(diagnosis: &mut Diagnosis, name: &'static str, count: usize) {
 
 fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Diagnosis {
     let each = || diagnosed.iter().map(|each| &each.diagnosis);
-    let verdicts = [GapVerdict::Effect, GapVerdict::Unknown, GapVerdict::Masked];
-    let verdict = verdicts.into_iter().find(|verdict| each().any(|own| own.verdict == *verdict));
+    let verdict = GapVerdict::of_all(each().map(|own| own.verdict));
     let named: Vec<usize> = (0..parts.len()).filter(|i| !diagnosed[*i].diagnosis.effects.is_empty()).collect();
     let counted: Vec<usize> = if named.is_empty() { (0..parts.len()).collect() } else { named };
     let pool: Vec<(usize, &dyn Forward, &Diagnosed)> =
@@ -75,7 +74,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
     }
     let next = each().map(|own| &own.next).find(|next| !next.design.is_empty());
     Diagnosis {
-        verdict: verdict.unwrap_or(GapVerdict::NoGap),
+        verdict,
         effects: each().flat_map(|own| own.effects.clone()).collect(),
         cells,
         total: pooled(&pool, seed),
@@ -88,6 +87,8 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         ranking,
         tried: each().flat_map(|own| own.tried.clone()).collect(),
         notes: each().flat_map(|own| own.notes.clone()).collect(),
+        fit: Fitness::together(each().filter_map(|own| own.fit.as_ref())),
+        fit_with_effects: Fitness::together(each().filter_map(|own| own.fit_with_effects.as_ref())),
         not_named: each().flat_map(|own| own.not_named.clone()).collect(),
         facts: Vec::new(),
         findings: Vec::new(),

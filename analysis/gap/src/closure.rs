@@ -11,7 +11,11 @@ use super::{Basis, Closure, Direction, Forward, Frame, Measured, Method, Point};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use toolroom_innovations::Chain;
 
+/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
+/// is known to a tenth.
+const CLOSABLE: f64 = 0.2;
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
 
@@ -71,6 +75,14 @@ impl Forward for Turned<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(at)
+    }
+
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
+    }
+
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        self.model.chains(at)
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
@@ -226,7 +238,11 @@ pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
         after,
         closed: value,
         ci90: [stretch(quantile(0.05)), stretch(quantile(0.95))],
-        of_closable: if closable > 0.0 { (before * before - after * after) / closable } else { f64::NAN },
+        of_closable: if closable > CLOSABLE * before * before {
+            ((before * before - after * after) / closable).min(1.0)
+        } else {
+            f64::NAN
+        },
     }
 }
 

@@ -68,6 +68,9 @@ pub(super) const AGREED: f64 = 2.0;
 /// Fewest fitted groups that can name an effect (count). Assumption: the agreement of fewer groups cannot be
 /// judged.
 pub const FEWEST_GROUPS: usize = 5;
+/// Move of a constant that is named, in prior standard deviations (1). Assumption: what was believed of it is wrong
+/// then.
+pub(super) const FAR_CONSTANT: f64 = 3.0;
 /// Level of the tests of generic signatures against their null distribution, as a probability (1).
 /// Assumption: one in a hundred data sets without a gap shows structure by chance.
 pub(super) const NULL_LEVEL: f64 = 0.01;
@@ -170,29 +173,3 @@ pub(super) const FEWEST_FITTED: usize = 2;
 /// Fewest values of one channel in the fitted groups for any answer (count). Assumption: the noise of a
 /// channel is read off its values.
 pub(super) const FEWEST_VALUES: usize = 8;
-/// Force over chip cross-section that materials have, Pa. Assumption: from soft aluminium in thick chips to
-/// hardened steel in thin ones, with room.
-pub(super) const SPECIFIC_FORCE: [f64; 2] = [2e8, 2e10];
-/// Feed and passive force over chip cross-section, Pa. Assumption: [`SPECIFIC_FORCE`] with room for worn
-/// edges, which press several times harder.
-pub(super) const SPECIFIC_PRESS: [f64; 2] = [3e7, 6e10];
-/// Power over force times speed (1). Assumption: efficiency and losses, with room.
-pub(super) const POWER: [f64; 2] = [0.25, 4.0];
-/// Group median over the median of all beyond which a group may have been logged in another unit (1).
-/// Assumption: no cause changes a group by so much.
-pub(super) const ODD: f64 = 8.0;
-/// Nearness of the ratio of a group to a slip of units, in its logarithm (1). Assumption: groups differ by
-/// half for other reasons.
-pub(super) const ODD_NEAR: f64 = 0.4;
-/// Ratio of measurement to nominal model from which no effect of the catalogue is likely (1). Assumption.
-pub(super) const IMPOSSIBLE: f64 = 2.5;
-/// Handling and stops over the time in cut, by which a cycle time may be longer (1). Assumption.
-pub(super) const HANDLING: f64 = 4.0;
-/// Nearness of a channel's ratio to a slip of units, in its logarithm (1). Assumption: calibration and effects
-/// move a channel by a third.
-pub(super) const NEAR: f64 = 0.3;
-/// Land beyond which an edge counts as broken, m. Source: ISO 3685, the end of a life where wear is irregular.
-pub(super) const BROKEN: f64 = 0.6e-3;
-/// Growth of the land from one operation to the next of an edge that breaks, m. Assumption: steady wear grows
-/// by far less.
-pub(super) const BREAKING: f64 = 0.15e-3;

@@ -7,11 +7,13 @@ use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
 use super::discrepancy::Widened;
 use super::evidence::{folds, gain, predictive_gain};
+use super::fitness::tested;
 use super::identifiability::{hidden, hidden_by_calibration};
 use super::left_out::LeftOut;
 use super::method::Bare;
-use super::settle::settled;
+use super::settle::{settled, stated};
 use super::trial::Trial;
+use super::verdict::backed;
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
@@ -116,12 +118,24 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         ranking: ranking(model, &decision),
         tried,
         notes,
+        fit: None,
+        fit_with_effects: None,
         not_named: decision.not_named.clone(),
         facts: Vec::new(),
         findings: Vec::new(),
     };
-    if diagnosis.verdict == GapVerdict::NoGap
-        && let Some(why) = hidden_by_calibration(model, &decision.base, &hidden)
+    let pushed = || hidden_by_calibration(model, &decision.base, &hidden);
+    let stated_channels = (0..measured.channels.len()).any(|channel| model.scatter_is_known(channel));
+    if basis.method.abstention && stated_channels {
+        let (stated, fit) = stated(model, &basis, &decision.base.fit);
+        let test = |fit: &Fit| tested(model, &stated, fit, &folds, seed);
+        diagnosis.fit = Some(test(&fit));
+        if decision.verdict == GapVerdict::Effect {
+            diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
+        }
+        backed(&mut diagnosis, pushed);
+    } else if diagnosis.verdict == GapVerdict::NoGap
+        && let Some(why) = pushed()
     {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
@@ -194,7 +208,7 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
             shape: candidate.shape.clone(),
             size: size * factor,
             unit,
-            ci90: [(size - NINETY * deviation).max(0.0) * factor, (size + NINETY * deviation) * factor],
+            ci90: [(size - NINETY * deviation).max(candidate.least) * factor, (size + NINETY * deviation) * factor],
             probability: probabilities.iter().find(|(id, _)| *id == candidate.id).map_or(0.0, |(_, p)| p.min(PROBABLE)),
             z: scores.length[*index] * size / candidate.typical,
             gain: [value, predictive_gain(&trial.evidence, &decision.base.evidence).0],
@@ -315,7 +329,10 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
         .filter(|(_, allowance, _, x)| !allowance || x.abs() > FAR)
-        .map(|(name, _, value, x)| Calibrated { parameter: name.clone(), value, prior_sd_moved: x })
+        .map(|(name, allowance, value, x)| {
+            let constant = !allowance && !name.starts_with("gain of ");
+            Calibrated { parameter: name.clone(), value, prior_sd_moved: x, constant }
+        })
         .collect();
     list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
     list

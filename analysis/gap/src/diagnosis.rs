@@ -1,6 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
-use super::Identifiable;
+use super::{Fitness, Identifiable};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
 
@@ -9,19 +9,30 @@ use toolroom_facts::{Fact, Finding};
 pub enum GapVerdict {
     /// A missing effect is named.
     Effect,
-    /// A constant of the file is contradicted by what the log counts.
+    /// A constant of the model is off: more than was believed, or contradicted by what the log counts.
     Constant,
     /// There is a gap that no effect of the catalogue explains.
     Unknown,
     /// What is missing cannot be seen in such data: calibration takes it up.
     Masked,
-    /// Nothing is left that calibration and noise do not explain.
+    /// The model does not fit, but what it leaves matters nowhere.
+    Small,
+    /// The calibrated model fits: a test with a stated level does not reject it.
     NoGap,
     /// Too little was measured for any answer.
     CannotTell,
 }
 
 impl GapVerdict {
+    /// The verdict over several parts: that of the part where most is found. No gap is answered only where every part
+    /// could be told.
+    pub fn of_all(parts: impl Iterator<Item = Self>) -> Self {
+        let order =
+            [Self::Effect, Self::Unknown, Self::Constant, Self::Masked, Self::Small, Self::CannotTell, Self::NoGap];
+        let rank = |verdict: &Self| order.iter().position(|own| own == verdict);
+        parts.min_by_key(rank).unwrap_or(Self::NoGap)
+    }
+
     /// Word in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -29,6 +40,7 @@ impl GapVerdict {
             Self::Constant => "constant",
             Self::Unknown => "unknown",
             Self::Masked => "masked",
+            Self::Small => "small",
             Self::NoGap => "no_gap",
             Self::CannotTell => "cannot_tell",
         }
@@ -89,7 +101,8 @@ pub struct Closure {
     pub closed: f64,
     /// 90 % interval of that.
     pub ci90: [f64; 2],
-    /// Share of what could be closed at all: of the mean square above the noise floor.
+    /// Share of what could be closed at all: of the mean square above the noise floor, at most 1. No number where less
+    /// than a fifth of the mean square lies above it.
     pub of_closable: f64,
 }
 
@@ -128,6 +141,8 @@ pub struct Calibrated {
     pub value: f64,
     /// Distance from nominal in prior standard deviations.
     pub prior_sd_moved: f64,
+    /// Whether it is a constant of the model: no form allowance, no gain of a sensor.
+    pub constant: bool,
 }
 
 /// Everything that a diagnosis says.
@@ -159,6 +174,10 @@ pub struct Diagnosis {
     pub tried: Vec<Tried>,
     /// Anything else worth knowing.
     pub notes: Vec<String>,
+    /// The test of the calibrated nominal model; `None` where none was made.
+    pub fit: Option<Fitness>,
+    /// The same test with the named effects; `None` where none is named.
+    pub fit_with_effects: Option<Fitness>,
     /// Best models that were not named, and why.
     pub not_named: Vec<NotNamed>,
     /// What was counted and no channel predicts.
@@ -266,7 +285,7 @@ impl Closure {
 
 impl Diagnosis {
     /// Too little was measured, and why that is too little.
-    pub(super) fn cannot_tell(why: String) -> Self {
+    pub fn cannot_tell(why: String) -> Self {
         Self {
             verdict: GapVerdict::CannotTell,
             effects: Vec::new(),
@@ -281,6 +300,8 @@ impl Diagnosis {
             ranking: Vec::new(),
             tried: Vec::new(),
             notes: vec![why],
+            fit: None,
+            fit_with_effects: None,
             not_named: Vec::new(),
             facts: Vec::new(),
             findings: Vec::new(),
@@ -339,6 +360,8 @@ impl Diagnosis {
             })).collect::<Vec<_>>(),
             "not_named": self.not_named.iter().map(NotNamed::json).collect::<Vec<_>>(),
             "notes": self.notes,
+            "fit": self.fit.as_ref().map_or(Value::Null, Fitness::json),
+            "remaining": self.remaining(),
             "facts": self.facts.iter().enumerate().map(|(index, fact)| {
                 fact.json(self.findings.iter().any(|finding| finding.fact == index))
             }).collect::<Vec<_>>(),

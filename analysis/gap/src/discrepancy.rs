@@ -13,41 +13,9 @@
 use super::constants::{DISCREPANT, LENGTHS};
 use super::fit::offset_residual;
 use super::gram::normal_equations;
-use super::{Basis, Direction, Fit, Forward, Frame, Point, Surface};
+use super::{Basis, Direction, Discrepancy, Fit, Forward, Frame, Point, Surface};
 use toolroom_evidence::{amplitudes, matern_columns};
-
-/// What a discrepancy is a function of, and which channels may have one.
-#[derive(Clone, Debug)]
-pub struct Discrepancy {
-    /// Standardised coordinates of every row.
-    pub points: Vec<Vec<f64>>,
-    /// Classes of channels that share their equations.
-    pub classes: Vec<Discrepant>,
-}
-
-/// A class of channels with a discrepancy.
-#[derive(Clone, Debug)]
-pub struct Discrepant {
-    /// Name.
-    pub name: &'static str,
-    /// Channels.
-    pub channels: Vec<usize>,
-    /// Scale of the half-normal prior of its amplitude, relative to what it acts on.
-    pub scale: f64,
-    /// What it acts on.
-    pub on: On,
-}
-
-/// What a discrepancy acts on.
-#[derive(Clone, Debug)]
-pub enum On {
-    /// The value of the channel.
-    Value,
-    /// A quantity of the row, in SI units of the channel.
-    Quantity(Vec<f64>),
-    /// What a row adds to the reading, SI: the deviations of a life add up.
-    Growth(Vec<f64>),
-}
+use toolroom_innovations::Chain;
 
 /// A model with the discrepancy that the data ask for.
 pub(super) struct Widened<'a> {
@@ -126,38 +94,6 @@ impl Tried {
     }
 }
 
-impl Discrepant {
-    /// Surfaces of unit amplitude.
-    fn surfaces(&self, frame: &Frame, features: &[Vec<f64>]) -> Vec<Surface> {
-        let surface = |(index, feature): (usize, &Vec<f64>)| Surface {
-            name: format!("{}, discrepancy {}", self.name, index + 1),
-            channels: self.channels.clone(),
-            feature: self.acting(frame, feature),
-            deviation: self.scale,
-            allowance: true,
-            absolute: !matches!(self.on, On::Value),
-        };
-        features.iter().enumerate().map(surface).collect()
-    }
-
-    fn acting(&self, frame: &Frame, feature: &[f64]) -> Vec<f64> {
-        match &self.on {
-            On::Value => feature.to_vec(),
-            On::Quantity(quantity) => feature.iter().zip(quantity).map(|(a, b)| a * b).collect(),
-            On::Growth(growth) => {
-                let groups = &frame.measured.group_of_row;
-                let mut sums = vec![0.0; frame.measured.groups.len()];
-                let rows = feature.iter().zip(growth).zip(groups);
-                rows.map(|((feature, growth), group)| {
-                    sums[*group] += feature * growth;
-                    sums[*group]
-                })
-                .collect()
-            }
-        }
-    }
-}
-
 impl Forward for Widened<'_> {
     fn frame(&self) -> &Frame {
         &self.frame
@@ -165,6 +101,14 @@ impl Forward for Widened<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(at)
+    }
+
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
+    }
+
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        self.model.chains(at)
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {

@@ -198,7 +198,8 @@ impl<'a> Normal<'a> {
                 right[i] += damping * here[*column];
             }
             let solution = factor(matrix).solve(&right);
-            match (nuisance..at.len()).find(|i| solution[*i] < 0.0) {
+            let two_sided = |i: usize| candidates[self.active[at[i] - nuisance]].two_sided();
+            match (nuisance..at.len()).find(|i| solution[*i] < 0.0 && !two_sided(*i)) {
                 Some(negative) => at.remove(negative),
                 None => break solution,
             };
@@ -209,7 +210,8 @@ impl<'a> Normal<'a> {
         self.active.iter().for_each(|index| point.effects[*index] = 0.0);
         for (column, x) in at.iter().zip(solution.iter()).skip(nuisance) {
             let index = self.active[column - nuisance];
-            point.effects[index] = (x * candidates[index].typical).min(candidates[index].greatest);
+            let candidate = &candidates[index];
+            point.effects[index] = (x * candidate.typical).min(candidate.greatest).max(candidate.least);
         }
         let columns: Vec<&[f64]> = at.iter().map(|column| self.columns[*column]).collect();
         let found = locals(self.model, self.noise, self.linear, &columns, &self.residual, &solution, self.local_scale);

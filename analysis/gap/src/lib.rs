@@ -31,53 +31,42 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod basis;
-mod broken;
 mod catalogue;
 mod channels;
 mod closure;
 mod constants;
-pub mod cutting;
-mod cutting_effects;
 mod decide;
 mod diagnose;
 mod diagnosing;
 mod diagnosis;
 mod discrepancy;
-pub mod empirical;
-mod empirical_effects;
 mod enough;
 mod evidence;
-pub mod features;
 mod fit;
-mod forward;
+mod fitness;
 mod generic;
 mod gram;
-pub mod grinding;
 mod identifiability;
 mod joined;
 mod left_out;
 mod linear;
-mod measured;
 mod method;
 mod noise;
-mod nominal;
 pub mod plan;
-mod plausible;
 mod pooled;
 mod processes;
-pub mod program;
+mod queue;
 mod rules;
 mod score;
-mod search;
-mod settings;
 mod settle;
-pub mod shop;
-mod stated;
+mod shop_facts;
+#[cfg(test)]
+mod shop_tests;
 mod stepwise;
 mod summary;
 mod tolerance;
 mod trial;
-mod units;
+mod verdict;
 
 pub use basis::Basis;
 pub use catalogue::report_units;
@@ -90,23 +79,29 @@ pub use diagnosis::{
     Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
     Tried,
 };
-pub use discrepancy::{Discrepancy, Discrepant, On};
-pub use empirical_effects::{EMPIRICAL_EFFECTS, EmpiricalSizes};
 pub use fit::{Fit, fit};
-pub use forward::{Candidate, Covariate, Direction, Forward, Frame, Local, Parameter, Point, Surface, WrittenEffect};
+pub use fitness::{Fitness, LeastSeen, Part, Structure};
 pub use gram::normal_equations;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::{Linear, predict};
-pub use measured::{Channel, Measured, Observation, Transform};
 pub use method::{Bare, Method};
 pub use noise::Noise;
-pub use nominal::{ModelFileError, NominalModel, NominalProcess, sensor_sheet};
-pub use processes::{Answers, Asked, diagnose_processes, diagnosed_processes};
+pub use processes::{Answers, diagnose_processes, diagnosed_processes};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
-pub use search::Untried;
-pub use settings::Settings;
-pub use stated::{Movable, Stated, Words};
 pub use toolroom_evidence::{Evidence, Gram};
+pub use toolroom_nominal::{
+    Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
+    Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On, Parameter,
+    Point, Settings, Stated, Surface, Transform, Untried, Words, WrittenEffect, cutting, empirical, features, grinding,
+    program, sensor_sheet,
+};
 pub use trial::Trial;
+
+/// Logs of shops as nominal models, and what their queues tell of a diagnosis.
+pub mod shop {
+    pub use super::queue::{QueueFit, QueueScore, queues};
+    pub use super::shop_facts::add_facts;
+    pub use toolroom_nominal::shop::*;
+}

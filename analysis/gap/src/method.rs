@@ -1,6 +1,8 @@
 //! Parts of the method that can be left out, to show what they are worth.
 
-use super::{Direction, Forward, Frame, Point, WrittenEffect};
+use super::{Direction, Forward, Frame, Point};
+use toolroom_innovations::Chain;
+use toolroom_nominal::WrittenEffect;
 
 /// Which parts of the method take part. The diagnosis uses all of them; the blind benchmark leaves
 /// them out one after the other.
@@ -92,6 +94,14 @@ impl Forward for Bare<'_> {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.model.simulate(&self.whole(at))
+    }
+
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
+    }
+
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        if self.frame.locals.is_empty() { Vec::new() } else { self.model.chains(&self.whole(at)) }
     }
 
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {

@@ -1,21 +1,21 @@
 //! Noise as the data show it: scale, memory and outliers of each channel.
 
 use super::Measured;
+use std::sync::Arc;
+use toolroom_innovations::{Chain, Filter};
+pub(crate) use toolroom_nominal::{HUBER, MAD};
 use toolroom_statistics::median;
 
-/// Residuals beyond this many standard deviations lose weight (Huber).
-pub(crate) const HUBER: f64 = 2.5;
 /// A sensor is never believed to be better than this share of its sheet (assumption).
 const LEAST_SCALE: f64 = 0.5;
-/// Consistency of the median absolute deviation with a normal standard deviation.
-pub(crate) const MAD: f64 = 1.4826;
 /// Greatest memory that is believed.
 const GREATEST_MEMORY: f64 = 0.95;
 /// Fewer residuals than these say nothing about a channel's noise.
 const FEW: usize = 12;
 
-/// Noise model: AR(1) within a run, a scale on the sensor sheet, weights of outliers.
-#[derive(Clone, Debug, PartialEq)]
+/// Noise model: what scatters from row to row, a scale on the sensor sheet, memory from one innovation of a run to the
+/// next (AR(1)), weights of outliers.
+#[derive(Clone, Debug)]
 pub struct Noise {
     /// Scale on the sensor's standard deviation, by channel.
     pub scale: Vec<f64>,
@@ -23,30 +23,68 @@ pub struct Noise {
     pub memory: Vec<f64>,
     /// Root of the weight of each whitened value.
     pub weight: Vec<f64>,
+    /// How each group scatters from row to row, with the deviations of the sheet; empty where nothing is known of it.
+    pub(super) chains: Arc<Vec<Chain>>,
+    /// The filters of the chains at the scales.
+    filters: Arc<Vec<Filter>>,
 }
 
 impl Noise {
-    /// The sensor sheet as it stands.
-    pub fn of_sheet(measured: &Measured) -> Self {
+    /// The sensor sheet as it stands, and what is known of the scatter from row to row.
+    pub fn of_sheet(measured: &Measured, chains: Vec<Chain>) -> Self {
         let channels = measured.channels.len();
-        Self { scale: vec![1.0; channels], memory: vec![0.0; channels], weight: vec![1.0; measured.len()] }
+        let mut noise = Self {
+            scale: vec![1.0; channels],
+            memory: vec![0.0; channels],
+            weight: vec![1.0; measured.len()],
+            chains: Arc::new(chains),
+            filters: Arc::default(),
+        };
+        noise.filter(measured);
+        noise
+    }
+
+    /// Sets the filters to the scales.
+    fn filter(&mut self, measured: &Measured) {
+        let scaled = |chain: &Chain| {
+            let mut chain = chain.clone();
+            for reading in chain.rows.iter_mut().flat_map(|row| &mut row.readings) {
+                reading.deviation = self.deviation(measured, reading.place);
+            }
+            Filter::new(&chain)
+        };
+        self.filters = Arc::new(self.chains.iter().map(scaled).collect());
+    }
+
+    /// Mean share of the predicted variance of each channel that is its sensor's.
+    fn shares(&self, measured: &Measured) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); measured.channels.len()];
+        for (place, share) in self.filters.iter().flat_map(Filter::shares) {
+            let sum = &mut sums[measured.observations[place].channel];
+            *sum = (sum.0 + share, sum.1 + 1.0);
+        }
+        sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 }).collect()
     }
 
     /// Noise from the residuals of a model rich enough to hold no structure any more; `freedom` is
-    /// the share of degrees of freedom that its fit left.
-    pub fn estimate(measured: &Measured, residual: &[f64], freedom: f64) -> Self {
-        let mut noise = Self::of_sheet(measured);
+    /// the share of degrees of freedom that its fit left. The scatter from row to row is that of `before`.
+    pub fn estimate(measured: &Measured, residual: &[f64], freedom: f64, before: &Self) -> Self {
+        let mut noise = Self::of_sheet(measured, Vec::new());
+        noise.chains = before.chains.clone();
+        noise.filter(measured);
+        let shares = noise.shares(measured);
+        let standardised = noise.standardised(measured, residual);
         let fitted = |run: &&std::ops::Range<usize>| {
             measured.fitted[measured.group_of_row[measured.observations[run.start].row]]
         };
-        for channel in 0..measured.channels.len() {
+        for (channel, share) in shares.into_iter().enumerate() {
             let runs: Vec<_> = measured
                 .runs
                 .iter()
                 .filter(fitted)
                 .filter(|run| measured.observations[run.start].channel == channel)
                 .collect();
-            let standard = |i: usize| residual[i] / measured.observations[i].deviation;
+            let standard = |i: usize| standardised[i];
             let count: usize = runs.iter().map(|run| run.len()).sum();
             if count < FEW {
                 continue;
@@ -75,8 +113,11 @@ impl Noise {
             } else {
                 MAD * median(&mut whitened)
             };
-            noise.scale[channel] = (scatter / freedom.max(0.2).sqrt()).max(LEAST_SCALE);
+            // What the chain scatters by stays as it is: the sensor makes up for the rest.
+            let square = 1.0 + ((scatter * scatter / freedom.max(0.2)) - 1.0) / share;
+            noise.scale[channel] = square.max(LEAST_SCALE * LEAST_SCALE).sqrt();
         }
+        noise.filter(measured);
         let white = noise.whiten(measured, residual);
         let weight = |(value, observation): (&f64, &super::Observation)| {
             if measured.rare[observation.channel] { 1.0 } else { (HUBER / value.abs().max(HUBER)).sqrt() }
@@ -87,18 +128,18 @@ impl Noise {
 
     /// `column` in units of the noise, neighbours uncorrelated.
     pub fn whiten(&self, measured: &Measured, column: &[f64]) -> Vec<f64> {
+        let standardised = self.standardised(measured, column);
         let mut white = vec![0.0; column.len()];
         for run in &measured.runs {
+            let memory = self.memory[measured.observations[run.start].channel];
+            let innovation = (1.0 - memory * memory).sqrt();
             // Most columns move few channels.
-            if column[run.clone()].iter().all(|value| *value == 0.0) {
+            if standardised[run.clone()].iter().all(|value| *value == 0.0) {
                 continue;
             }
-            let channel = measured.observations[run.start].channel;
-            let (scale, memory) = (self.scale[channel], self.memory[channel]);
-            let innovation = (1.0 - memory * memory).sqrt();
             let mut before: Option<f64> = None;
             for i in run.clone() {
-                let standard = column[i] / (measured.observations[i].deviation * scale);
+                let standard = standardised[i];
                 white[i] = match before {
                     None => standard,
                     Some(before) => (standard - memory * before) / innovation,
@@ -107,6 +148,24 @@ impl Noise {
             }
         }
         white
+    }
+
+    /// `column` in units of the predicted standard deviation, what rows have in common taken out; memory within a run
+    /// is left.
+    fn standardised(&self, measured: &Measured, column: &[f64]) -> Vec<f64> {
+        let mut standardised = vec![0.0; column.len()];
+        if self.filters.is_empty() {
+            let each = standardised.iter_mut().zip(column).enumerate();
+            each.for_each(|(i, (to, value))| *to = value / self.deviation(measured, i));
+            return standardised;
+        }
+        for (filter, span) in self.filters.iter().zip(&measured.spans) {
+            // Many columns move few groups.
+            if column[span.clone()].iter().any(|value| *value != 0.0) {
+                filter.whiten(column, &mut standardised);
+            }
+        }
+        standardised
     }
 
     /// Standard deviation of an observation's noise, transformed.

@@ -12,29 +12,17 @@ use super::channels::{diagnose_among, mean_budget};
 use super::diagnose::Diagnosed;
 use super::pooled::pooled;
 use super::summary::{named, percent, rounded, verdict, with_unit};
-use super::{Closure, Diagnosis, Forward, GapVerdict, Untried};
+use super::{Asked, Closure, Diagnosis, Forward, GapVerdict, Untried};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table};
 
 /// Lines of the terminal's summary.
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
 const LISTS: [&str; 8] = ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts"];
-
-/// A process of a data set with its nominal model over its table.
-pub struct Asked {
-    /// `turning`, `grinding` …
-    pub process: &'static str,
-    /// The model, in parts that know nothing of each other; none where no row is of use.
-    pub parts: Vec<Box<dyn Forward>>,
-    /// What is said of the records whatever is found.
-    pub notes: Vec<String>,
-    /// Channels that were left out because no cut gives their numbers.
-    pub impossible: usize,
-}
 
 /// What is said of every process of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,10 +91,7 @@ impl Answers {
     /// The answer in one word: that of the process where most is found; no gap is answered only where
     /// every process could be told.
     pub fn verdict(&self) -> GapVerdict {
-        let order =
-            [GapVerdict::Effect, GapVerdict::Constant, GapVerdict::Unknown, GapVerdict::Masked, GapVerdict::CannotTell];
-        let any = |verdict: &GapVerdict| self.processes.iter().any(|(_, own)| own.verdict == *verdict);
-        order.into_iter().find(any).unwrap_or(GapVerdict::NoGap)
+        GapVerdict::of_all(self.processes.iter().map(|(_, own)| own.verdict))
     }
 
     /// The document `diagnosis.json`: that of a single process, with the key `process` in every entry
@@ -261,25 +246,18 @@ impl Answers {
         text.trim_end().to_owned() + &self.untried_line()
     }
 
-    /// The report: all processes beside each other, then each by itself.
-    pub fn report(&self, provenance: Provenance) -> Report {
+    /// Sections of a report: all processes beside each other, then how the answer of each came about, then what was not
+    /// tried.
+    pub fn sections(&self) -> Vec<Section> {
+        let mut sections = Vec::new();
         if let [(_, only)] = &self.processes[..] {
-            return self.untried_section().into_iter().fold(only.report(provenance), Report::section);
+            sections.extend(only.sections(""));
+        } else {
+            sections.push(self.overview());
+            sections.extend(self.processes.iter().flat_map(|(process, own)| own.sections(process)));
         }
-        let words = |(process, own): &(&str, Diagnosis)| format!("{process}: {}", verdict(own));
-        let mut report = Report::new("Where the shop and its models differ")
-            .lead(format!("{}.", self.processes.iter().map(words).collect::<Vec<_>>().join("; ")));
-        for (process, own) in &self.processes {
-            report = report.tile(Tile::new(*process, own.verdict.name(), verdict(own)));
-        }
-        let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
-        report = report
-            .tile(Tile::new("gap closed in all, on groups left out", percent(self.total.closed), interval))
-            .section(self.overview());
-        for (process, own) in &self.processes {
-            report = own.sections(process).into_iter().fold(report, Report::section);
-        }
-        self.untried_section().into_iter().fold(report, Report::section).provenance(provenance)
+        sections.extend(self.untried_section());
+        sections
     }
 
     fn untried_section(&self) -> Option<Section> {

@@ -31,11 +31,23 @@ pub(super) fn settled(model: &dyn Forward, method: Method) -> (Basis, Fit) {
     (basis, refit)
 }
 
+/// The noise of the sensor sheet and the scatter of the scenario, by which a fit is tested; the scatter between groups
+/// that nobody states is that of `basis`.
+pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, Fit) {
+    let mut stated = Basis::unmeasured(model, basis.method, basis.nominal.clone());
+    stated.local_scale.clone_from(&basis.local_scale);
+    let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);
+    let fit = fit.complete(model);
+    // Wear moves its own scatter along: the chains are those of the fit.
+    stated.noise = super::Noise::of_sheet(&model.frame().measured, model.chains(&fit.linear.point));
+    (stated, fit)
+}
+
 /// Noise and scatter beside the candidate that `probe`, a fit of the nominal model, asks for most.
 fn beside_best(model: &dyn Forward, basis: &Basis, probe: &Trial) -> Basis {
-    let scores = probe.scores();
-    let best = (0..scores.score.len()).max_by(|a, b| scores.score[*a].total_cmp(&scores.score[*b]));
-    match best.filter(|index| scores.score[*index] > DETECTABLE) {
+    let scores = probe.strengths();
+    let best = (0..scores.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b]));
+    match best.filter(|index| scores[*index] > DETECTABLE) {
         Some(index) => {
             let best = Trial::fitted(model, basis, &probe.fit, &[index]);
             Basis::new(model, &best.complete(model), basis)

@@ -14,11 +14,11 @@ use rayon::prelude::*;
 /// What the dictionary finds beside the nominal model, single effects by falling gain, and the refitted ones.
 pub(super) fn singles(context: Diagnosing<'_>, base: &Trial) -> (Remainder, Vec<Single>, Vec<Trial>) {
     let (model, count) = (context.model, context.candidates());
-    let scores = base.scores();
+    let scores = base.strengths();
     let single = |candidate: usize| Single {
         candidate,
         id: model.frame().candidates[candidate].id,
-        score: scores.score[candidate],
+        score: scores[candidate],
         evidence: base.with(candidate),
         trial: None,
     };
@@ -51,14 +51,14 @@ fn early(context: Diagnosing<'_>, base: &Trial, singles: &mut [Single], trials: 
         return;
     }
     let unbent = super::Fit::at(context.basis.nominal.clone(), f64::INFINITY);
-    let scores = context.trial_of(unbent).scores();
+    let scores = context.trial_of(unbent).strengths();
     let mut order: Vec<usize> = (0..singles.len()).collect();
-    order.sort_by(|a, b| scores.score[singles[*b].candidate].total_cmp(&scores.score[singles[*a].candidate]));
+    order.sort_by(|a, b| scores[singles[*b].candidate].total_cmp(&scores[singles[*a].candidate]));
     let mut tried: Vec<&'static str> = Vec::new();
     let mut refitted: Vec<usize> = Vec::new();
     for place in order {
         let single = &mut singles[place];
-        let score = scores.score[single.candidate];
+        let score = scores[single.candidate];
         if tried.len() == EARLY || score < DETECTABLE {
             break;
         }
@@ -121,10 +121,10 @@ pub(super) fn pairs(context: Diagnosing<'_>, decision: &mut Decision) {
 /// The effects of `trial` with one more, the best first, where that leads; at most `most`. The trial is complete.
 fn beside(model: &dyn Forward, trial: &Trial, most: usize) -> Vec<Vec<usize>> {
     let candidates = &model.frame().candidates;
-    let scores = trial.scores();
+    let scores = trial.strengths();
     let known = |other: usize| trial.fit.active.iter().any(|index| candidates[*index].id == candidates[other].id);
     let mut leads: Vec<(usize, f64)> = (0..candidates.len())
-        .filter(|other| !known(*other) && scores.score[*other] > PAIRED_SCORE)
+        .filter(|other| !known(*other) && scores[*other] > PAIRED_SCORE)
         .map(|other| (other, trial.with(other)))
         .filter(|(_, evidence)| evidence.admissible)
         .map(|(other, evidence)| (other, gain(&evidence, &trial.evidence)))

@@ -2,7 +2,7 @@
 
 use super::{Diagnosis, GapVerdict};
 use std::fmt::Write;
-use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
+use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Estimate, Intervals, Table, Waterfall};
 
 /// Effects that cannot be seen which the terminal lists.
@@ -31,6 +31,10 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
             let names: Vec<String> = diagnosis.effects.iter().map(|effect| named(effect.id, &effect.shape)).collect();
             format!("missing effect: {}", names.join(" and "))
         }
+        GapVerdict::Small => "the model does not fit exactly, but what it leaves matters nowhere".to_owned(),
+        GapVerdict::Constant if diagnosis.findings.is_empty() => {
+            "a constant of the model is wrong; with it corrected the model fits".to_owned()
+        }
         GapVerdict::Constant => {
             let constants = diagnosis.findings.iter().filter(|finding| finding.constant).map(|finding| finding.fact);
             let name =
@@ -39,7 +43,10 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
         }
         GapVerdict::Unknown => "there is a gap that no effect of the catalogue explains".to_owned(),
         GapVerdict::Masked => "what is missing cannot be seen in such data: calibration takes it up".to_owned(),
-        GapVerdict::NoGap => "no gap beyond calibration and noise".to_owned(),
+        GapVerdict::NoGap => match &diagnosis.fit {
+            Some(fit) => format!("no gap beyond calibration and noise (p = {:.2})", fit.p),
+            None => "no gap beyond calibration and noise".to_owned(),
+        },
         GapVerdict::CannotTell => "too little was measured for any answer".to_owned(),
     }
 }
@@ -115,21 +122,7 @@ impl Diagnosis {
         )
     }
 
-    /// The report.
-    pub fn report(&self, provenance: Provenance) -> Report {
-        let mut report = Report::new("Where the shop and its model differ")
-            .lead(format!("{}.", verdict(self)))
-            .tile(Tile::new("verdict", self.verdict.name(), verdict(self)));
-        if let Some(effect) = self.effects.first() {
-            let interval = format!("90 %: {} … {}", rounded(effect.ci90[0]), rounded(effect.ci90[1]));
-            report = report.tile(Tile::new(effect.id, with_unit(effect.size, effect.unit), interval));
-            let interval = format!("90 %: {} … {}", percent(self.total.ci90[0]), percent(self.total.ci90[1]));
-            report = report.tile(Tile::new("gap closed on groups left out", percent(self.total.closed), interval));
-        }
-        self.sections("").into_iter().fold(report, Report::section).provenance(provenance)
-    }
-
-    /// The sections of the report; `of` goes before their headings.
+    /// Sections of a report for whoever wants to know how the answer came about; `of` goes before their headings.
     pub(super) fn sections(&self, of: &str) -> Vec<Section> {
         let heading = |text: &str| match (of, text.split_at(1)) {
             ("", _) => text.to_owned(),
@@ -141,9 +134,8 @@ impl Diagnosis {
         vec![
             self.waterfall(heading("The gap and its causes")),
             self.places(heading("Localisation")),
-            self.residuals(heading("Residuals of groups left out")),
             self.candidates(heading("Ranking of effects")),
-            self.hidden(heading("What could not be told")),
+            self.hidden(heading("What hides behind calibration")),
         ]
     }
 
@@ -183,29 +175,6 @@ impl Diagnosis {
             return section.paragraph("No channel follows any covariate beyond what calibration explains.");
         }
         section.figure(Figure::new(&chart, "What calibration and allowance leave, ± one standard deviation."))
-    }
-
-    fn residuals(&self, heading: String) -> Section {
-        let columns = ["channel", "before", "after", "closed, %", "90 % from", "to", "of closable, %"];
-        let mut table = Table::new(columns);
-        for (channel, closure) in &self.channels {
-            table.push([
-                (*channel).into(),
-                closure.before.into(),
-                closure.after.into(),
-                (100.0 * closure.closed).into(),
-                (100.0 * closure.ci90[0]).into(),
-                (100.0 * closure.ci90[1]).into(),
-                (100.0 * closure.of_closable).into(),
-            ]);
-        }
-        Section::new(heading)
-            .paragraph(format!(
-                "Every group is predicted by a fit that has not seen it: {}. Logarithmic channels are in relative \
-                 units, others in SI.",
-                self.held_out.join(", ")
-            ))
-            .table("Root mean square before and after the named effects", table)
     }
 
     fn candidates(&self, heading: String) -> Section {
@@ -251,12 +220,6 @@ impl Diagnosis {
                 masked.bias.clone().into(),
             ]);
         }
-        let mut section = Section::new(heading)
-            .table("Effects that hide behind calibration in such data", table)
-            .list(self.notes.clone());
-        if !self.next.design.is_empty() {
-            section = section.note(format!("Next experiment: {}.", self.next.design));
-        }
-        section
+        Section::new(heading).table("Effects that hide behind calibration in such data", table)
     }
 }

@@ -24,6 +24,8 @@ pub struct Trial {
     pub shared: usize,
     /// Evidence.
     pub evidence: Evidence,
+    /// Whether the size of each candidate may have either sign.
+    two_sided: Vec<bool>,
 }
 
 impl Trial {
@@ -72,15 +74,17 @@ impl Trial {
         let gram = gram(model, basis, &fit, &tolerance, &[], folds);
         let shared = fit.linear.nuisance.len() + tolerance.len();
         let at = columns(shared, &fit.active);
-        let evidence = evidence(&gram, &at, shared, false);
-        Self { fit, gram, shared, evidence }
+        let two_sided: Vec<bool> = model.frame().candidates.iter().map(super::Candidate::two_sided).collect();
+        let evidence = evidence(&gram, &at, shared, &|column| two_sided[column - shared]);
+        Self { fit, gram, shared, evidence, two_sided }
     }
 
     /// Evidence of the same model with one more candidate, without a new fit.
     pub fn with(&self, candidate: usize) -> Evidence {
         let mut active = self.fit.active.clone();
         active.push(candidate);
-        evidence(&self.gram, &columns(self.shared, &active), self.shared, false)
+        let two_sided = |column: usize| self.two_sided[column - self.shared];
+        evidence(&self.gram, &columns(self.shared, &active), self.shared, &two_sided)
     }
 
     /// Scores of all candidates beside those that are active.
@@ -96,6 +100,12 @@ impl Trial {
         let first = nuisance + self.fit.active.len();
         let free: Vec<usize> = (nuisance..first).collect();
         scores(&rearranged(&self.gram, &order), first, &free)
+    }
+
+    /// How strongly the data ask for each candidate in a sign that it may have, in standard deviations.
+    pub fn strengths(&self) -> Vec<f64> {
+        let sided = self.two_sided.iter().zip(self.scores().score);
+        sided.map(|(two_sided, score)| if *two_sided { score.abs() } else { score }).collect()
     }
 
     /// Share of what calibration leaves of the signature of `candidate` that the form allowance takes.
@@ -247,6 +257,6 @@ pub fn remainder(model: &dyn Forward, basis: &Basis, folds: &[Vec<usize>], trial
         (0..dictionary.len()).max_by(|a, b| scores.score[*a].abs().total_cmp(&scores.score[*b].abs())).unwrap_or(0);
     columns = columns[..first].iter().copied().chain(columns.get(first + strongest).copied()).collect();
     let at: Vec<usize> = (0..columns.len()).collect();
-    let evidence = evidence(&gram(&columns, folds), &at, nuisance, true);
+    let evidence = evidence(&gram(&columns, folds), &at, nuisance, &|_| true);
     Remainder { dictionary, scores, threshold, strongest, evidence }
 }

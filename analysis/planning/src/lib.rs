@@ -6,6 +6,8 @@
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
+//! | [`point`] | every output of a process at one operating point |
+//! | [`program`] | the nominal cycle time of a part program, by tool and by block |
 //!
 //! A study hands out text for a terminal, JSON for programs, and its files: tables, pictures and the report. It
 //! writes nothing by itself.
@@ -14,4 +16,6 @@ pub mod contour;
 pub mod cycle;
 pub mod identification;
 pub mod lobes;
+pub mod point;
+pub mod program;
 mod tables;

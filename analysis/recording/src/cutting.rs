@@ -14,6 +14,8 @@ const LEFT_OUT: f64 = 20.0;
 const POINTS: usize = 8;
 /// Events that a pass may go through on its way.
 const EVENTS: usize = 4;
+/// Temperature of 0 °C, K.
+const ICE: f64 = 273.15;
 /// Channels that are means over the cut.
 const MEANS: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "temperature", "thermo_emf"];
 
@@ -226,7 +228,12 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         let force = end("cutting_force", pass.cutting_force);
         let power = end("spindle_power", pass.spindle_power);
         let heat = end("temperature", pass.temperature);
-        let factors = [force, force, power, heat, 1.0];
+        // The junction is as hot as the cut: its voltage follows the temperature in °C.
+        let junction = place(outputs, "temperature").map_or(1.0, |at| {
+            let ratio = (heat * y[at] - ICE) / (y[at] - ICE);
+            if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
+        });
+        let factors = [force, force, power, heat, junction];
         clock = pass.end;
         let mut mean = [f64::NAN; MEANS.len()];
         mean.iter_mut().zip(sums).zip(factors).for_each(|((mean, sum), factor)| *mean = sum * factor);

@@ -18,6 +18,7 @@ use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 /// What is to be run, cut into shards.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -256,8 +257,22 @@ fn part(directory: &Path, shard: u64, extension: &str) -> PathBuf {
     directory.join(format!("part-{shard:06}.{extension}"))
 }
 
+/// Read while a part is written or a shard is begun, written by whoever ends the process.
+static WRITING: RwLock<()> = RwLock::new(());
+
+/// Waits until parts that are being written have their names, and keeps every thread from writing another part or
+/// beginning another shard as long as the answer lives: what ends the process can then remove drafts for good.
+pub fn nothing_more() -> RwLockWriteGuard<'static, ()> {
+    WRITING.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn writing() -> RwLockReadGuard<'static, ()> {
+    WRITING.read().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Writes a file under another name and renames it when it is whole.
 fn atomically(path: &Path, bytes: &[u8]) -> Result<(), ShardError> {
+    let _writing = writing();
     let draft = path.with_extension(format!("partial-{}", std::process::id()));
     let written = File::create(&draft).and_then(|mut file| {
         file.write_all(bytes)?;
@@ -407,6 +422,7 @@ pub fn run<C: Serialize + DeserializeOwned>(
     let range = plan.range(shard);
     let path = part(directory, shard, "parquet");
     let draft = path.with_extension(format!("partial-{}", std::process::id()));
+    drop(writing()); // no shard begins once the process ends
     let computed = compute(range, &draft).inspect_err(|_| {
         // Why it failed matters more than whether the remains could be removed.
         let _ = fs::remove_file(&draft);

@@ -4,6 +4,10 @@
 //! failures draw have common random numbers: replication r of the one is paired with replication r of
 //! the other, and the interval is that of their differences. Other runs are independent samples.
 
+mod runs;
+
+pub use runs::{RunDifference, RunDifferenceError};
+
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

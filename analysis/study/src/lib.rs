@@ -20,6 +20,9 @@
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
 //! | [`results`] | all files of a study |
 //! | [`difference`] | two finished runs against each other, paired where they share random numbers |
+//! | [`request`] | what a study was asked to do: the condition for going on with it |
+//! | [`sweep`] | the comparison at several values of one key |
+//! | [`planned`] | comparisons in shards on many hosts |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -47,9 +50,12 @@ mod figure;
 mod fixture;
 pub mod kpi;
 pub mod logs;
+pub mod planned;
 pub mod report;
+pub mod request;
 pub mod results;
 pub mod study;
 pub mod summary;
+pub mod sweep;
 pub mod terminal;
 pub mod trace;

@@ -12,6 +12,10 @@
 //!
 //! `run.json` is written last: a directory with it is complete.
 
+mod finished_run;
+
+pub use finished_run::{FinishedRun, FinishedRunError};
+
 use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
 use crate::report::report;

@@ -20,6 +20,7 @@ use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use toolroom_kernel::SimTime;
@@ -88,6 +89,30 @@ impl Precision {
     pub const WATCHED: [&'static str; 2] = ["parts_per_shift", "cost_per_part"];
     /// Replications before the rule may stop a study.
     pub const LEAST: u32 = 8;
+}
+
+/// A text that is no precision.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a relative half-width of the {} % interval is due, such as \"half-width 2%\"", 100.0 * CONFIDENCE)]
+pub struct NoPrecision;
+
+impl FromStr for Precision {
+    type Err = NoPrecision;
+
+    /// `half-width 2%`, `2 %` or `0.02`.
+    fn from_str(text: &str) -> Result<Self, NoPrecision> {
+        let number = text.trim().trim_start_matches("half-width").trim_start_matches([' ', '=', '<']).trim();
+        let share = match number.strip_suffix('%') {
+            Some(percent) => percent.trim().parse::<f64>().map(|percent| percent / 100.0),
+            None => number.parse(),
+        };
+        match share {
+            Ok(relative_half_width) if relative_half_width > 0.0 && relative_half_width < 1.0 => {
+                Ok(Self { relative_half_width })
+            }
+            _ => Err(NoPrecision),
+        }
+    }
 }
 
 /// How far a study is.

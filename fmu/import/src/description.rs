@@ -188,6 +188,8 @@ pub struct Variable {
     pub nominal: Option<f64>,
     /// Index of the state whose derivative this is.
     pub derivative_of: Option<usize>,
+    /// Whether it belongs to clocks, and has a value only where one of them ticks (FMI 3.0).
+    pub clocked: bool,
     /// Number of array dimensions.
     pub dimensions: usize,
     /// Meaning.

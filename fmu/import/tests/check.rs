@@ -287,3 +287,27 @@ proptest! {
         prop_assert!(reading.description.is_some() || !reading.faults.is_empty());
     }
 }
+
+#[test]
+fn what_is_clocked_is_no_initial_unknown() {
+    // As in the Reference FMU `Clocks`: an output that belongs to a clock has no value before it ticks.
+    let clocked = THREE.replace(
+        "    <String name",
+        "    <Clock name=\"tick\" valueReference=\"6\" causality=\"input\" intervalVariability=\"triggered\"/>\n    \
+         <Int32 name=\"ticks\" valueReference=\"7\" causality=\"output\" clocks=\"6\"/>\n    <String name",
+    );
+    let clocked = clocked
+        .replace("    <ContinuousState", "    <Output valueReference=\"7\" dependencies=\"6\"/>\n    <ContinuousState");
+    let folder = TempDir::new().expect("a folder");
+    let findings = |description: &str| -> Vec<String> {
+        let mut archive = Archive::open(&unit(&folder, description, &[])).expect("a zip file");
+        let structure = check(&mut archive).findings.into_iter().filter(|finding| finding.rule == Rule::Structure);
+        structure.map(|finding| finding.message).collect()
+    };
+    assert_eq!(findings(&clocked), [""; 0]);
+    let listed =
+        clocked.replace("    <InitialUnknown", "    <InitialUnknown valueReference=\"7\"/>\n    <InitialUnknown");
+    assert!(findings(&listed)[0].contains("as initial unknown, but is none: ticks"), "{:?}", findings(&listed));
+    let unclocked = clocked.replace(" clocks=\"6\"", "");
+    assert!(findings(&unclocked)[0].contains("missing in <ModelStructure> as initial unknown: ticks"));
+}

@@ -111,13 +111,14 @@ pub extern "C" fn fmi2FreeInstance(c: *mut c_void) {
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2SetupExperiment(
     c: *mut c_void,
-    _tolerance_defined: c_int,
-    _tolerance: f64,
+    tolerance_defined: c_int,
+    tolerance: f64,
     start: f64,
     stop_defined: c_int,
     stop: f64,
 ) -> Status {
-    call(c, "fmi2SetupExperiment", |unit| unit.set_experiment(start, (stop_defined != 0).then_some(stop)))
+    let (stop, tolerance) = ((stop_defined != 0).then_some(stop), (tolerance_defined != 0).then_some(tolerance));
+    call(c, "fmi2SetupExperiment", |unit| unit.set_experiment(start, stop, tolerance))
 }
 
 #[unsafe(no_mangle)]

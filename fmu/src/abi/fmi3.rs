@@ -128,14 +128,15 @@ pub extern "C" fn fmi3FreeInstance(instance: *mut c_void) {
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3EnterInitializationMode(
     instance: *mut c_void,
-    _tolerance_defined: u8,
-    _tolerance: f64,
+    tolerance_defined: u8,
+    tolerance: f64,
     start: f64,
     stop_defined: u8,
     stop: f64,
 ) -> Status {
     call(instance, "fmi3EnterInitializationMode", |unit| {
-        unit.set_experiment(start, (stop_defined != 0).then_some(stop))?;
+        let (stop, tolerance) = ((stop_defined != 0).then_some(stop), (tolerance_defined != 0).then_some(tolerance));
+        unit.set_experiment(start, stop, tolerance)?;
         unit.enter_initialization()
     })
 }

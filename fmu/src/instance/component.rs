@@ -14,8 +14,8 @@ impl<U: Unit> Component for Instance<U> {
     fn log(&mut self) -> &mut Log {
         &mut self.log
     }
-    fn set_experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
-        self.experiment(start, stop)
+    fn set_experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Outcome {
+        self.experiment(start, stop, tolerance)
     }
     fn enter_initialization(&mut self) -> Outcome {
         self.expect("EnterInitializationMode", &[Mode::Instantiated])?;

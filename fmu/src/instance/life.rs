@@ -15,7 +15,7 @@ impl<U: Unit> Instance<U> {
         if modes.contains(&mode) { Ok(()) } else { Err(Fault::Mode { call, mode }.into()) }
     }
 
-    pub(super) fn experiment(&mut self, start: f64, stop: Option<f64>) -> Outcome {
+    pub(super) fn experiment(&mut self, start: f64, stop: Option<f64>, tolerance: Option<f64>) -> Outcome {
         self.expect("SetupExperiment", &[Mode::Instantiated])?;
         if !start.is_finite() {
             return Err(Fault::Step { time: start, step: 0.0 }.into());
@@ -23,7 +23,11 @@ impl<U: Unit> Instance<U> {
         if let Some(stop) = stop.filter(|stop| stop.is_nan() || *stop < start) {
             return Err(Fault::Step { time: start, step: stop - start }.into());
         }
+        if let Some(tolerance) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(Fault::Tolerance { tolerance }.into());
+        }
         self.core.time = start;
+        self.stop = stop;
         Ok(Status::Ok)
     }
 
@@ -177,6 +181,7 @@ impl<U: Unit> Instance<U> {
 
     pub(super) fn begin_anew(&mut self) -> Outcome {
         self.core = Core::fresh(self.fresh.clone());
+        self.stop = None;
         self.waiting.clear();
         self.process_changed();
         Ok(Status::Ok)

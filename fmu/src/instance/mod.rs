@@ -105,6 +105,8 @@ pub struct Instance<U: Unit> {
     /// What the last step left for the next one.
     memory: U::Memory,
     interface: Interface,
+    /// End of the simulation, s, where the importer has named one.
+    stop: Option<f64>,
     log: Log,
     resources: Option<PathBuf>,
     /// Outputs at the present state and input, where they are worked out.
@@ -133,11 +135,12 @@ impl<U: Unit> Instance<U> {
     /// An instance, not initialised. `resources` is the folder of the unit's resources.
     pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
         const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
-        let fresh = Arc::new(Configured::shipped());
+        let fresh = Configured::shared();
         Self {
             core: Core::fresh(fresh.clone()),
             memory: U::Memory::default(),
             interface,
+            stop: None,
             log,
             resources,
             outputs: vec![0.0; U::Output::LEN],

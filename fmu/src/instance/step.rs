@@ -5,10 +5,21 @@ use crate::component::{Interface, Stepped};
 use crate::fault::{Fault, Outcome};
 use crate::mode::Mode;
 use crate::unit::Unit;
-use toolroom_process::Record;
+use toolroom_process::{Advance, ProcessEvent, Record};
 
 /// Relative difference of communication points that is taken as rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Most commands of the built-in policy in one step: each takes a few microseconds (measured), so that they end within
+/// a second.
+const COMMANDS: f64 = 100_000.0;
+
+/// Longest integration at once, s: 28 hours in cut. Whether the edge is worn out is looked at after each, so that a step
+/// of years does not integrate a wear that nobody knows.
+const LONGEST_PART: f64 = 1e5;
+
+/// Halvings by which the instant is found at which an edge is worn out: to the rounding of a step.
+const HALVINGS: u32 = 52;
 
 impl<U: Unit> Instance<U> {
     /// Takes a step. The input is held over it; the policy samples within it.
@@ -24,6 +35,11 @@ impl<U: Unit> Instance<U> {
         if (time - own).abs() > ROUNDING * time.abs().max(own.abs()).max(step) {
             return Err(Fault::Time { given: time, own }.into());
         }
+        let end = time + step;
+        if let Some(stop) = self.stop.filter(|stop| end - stop > ROUNDING * stop.abs().max(step)) {
+            return Err(Fault::End { end, stop }.into());
+        }
+        self.expect_short(step)?;
         let before = (self.core.state, self.core.discrete);
         let stepped = self.follow(time, step);
         if stepped.is_err() {
@@ -33,6 +49,38 @@ impl<U: Unit> Instance<U> {
             self.changed();
         }
         stepped
+    }
+
+    /// That a step is worked out within a second.
+    fn expect_short(&self, step: f64) -> Outcome<()> {
+        let (mut longest, mut reason) = self.core.model.process.longest_step(&self.core.input);
+        let commands = COMMANDS * self.core.model.policy.sampling_period;
+        if self.is_adaptive() && commands < longest {
+            (longest, reason) = (commands, "the built-in policy commands a speed every adaptive.sampling_period");
+        }
+        if step > longest { Err(Fault::LongStep { step, longest, reason }.into()) } else { Ok(()) }
+    }
+
+    /// Advances the process by `part` seconds, or up to the instant at which the edge is worn out.
+    fn part(&mut self, held: &U::Input, part: f64) -> Outcome<(Advance, bool)> {
+        let before = self.core.state;
+        let process = &self.core.model.process;
+        let advance = process.step(&mut self.core.state, held, part, &mut self.memory)?;
+        if !process.worn_out(&self.core.state) || process.worn_out(&before) {
+            return Ok((advance, false));
+        }
+        let (mut fit, mut spent) = (0.0, advance.elapsed);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (fit + spent);
+            let mut state = before;
+            process.advance(&mut state, held, middle)?;
+            if process.worn_out(&state) { spent = middle } else { fit = middle }
+        }
+        let mut state = before;
+        let advance = process.advance(&mut state, held, spent)?;
+        self.core.state = state;
+        self.memory = U::Memory::default();
+        Ok((advance, advance.event.is_none()))
     }
 
     fn follow(&mut self, time: f64, step: f64) -> Outcome<Stepped> {
@@ -46,10 +94,11 @@ impl<U: Unit> Instance<U> {
         self.changed();
         while left > 0.0 {
             let due = if self.is_adaptive() { self.core.discrete.next_sample - self.core.time } else { f64::INFINITY };
-            let part = left.min(due.max(0.0));
-            let advance = self.core.model.process.step(&mut self.core.state, &held, part, &mut self.memory)?;
+            let part = left.min(due.max(0.0)).min(LONGEST_PART);
+            let (advance, worn_out) = self.part(&held, part)?;
             // What remains is counted down, so that the end of the step is met exactly.
-            left = if advance.event.is_none() && part == left { 0.0 } else { left - advance.elapsed };
+            let whole = advance.event.is_none() && !worn_out && part == left;
+            left = if whole { 0.0 } else { left - advance.elapsed };
             self.core.time = end - left;
             if left > 0.0 {
                 held = self.core.model.process.input_after(&held, advance.elapsed);
@@ -68,6 +117,9 @@ impl<U: Unit> Instance<U> {
                 if new && stops_early && left > 0.0 {
                     return Ok(Stepped { time: self.core.time, event: true, early: true });
                 }
+            }
+            if worn_out {
+                self.lose(ProcessEvent::WearLimit);
             }
             if event || left > 0.0 {
                 let ramp = self.core.input;

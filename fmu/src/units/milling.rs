@@ -11,6 +11,10 @@ use toolroom_effects::Effects;
 use toolroom_process::Process;
 use toolroom_process::num_dual::Dual64;
 
+/// Flank wear beyond which nothing is known of a cutter, m: the range in which contour milling plans its cuts. Force
+/// linear in wear and the wear rate of the last stage have no evidence there (assumption).
+const WORN_OUT: f64 = 2e-3;
+
 impl Unit for Milling {
     type Machine = MillingMachine;
     type Memory = ();
@@ -34,6 +38,7 @@ impl Unit for Milling {
     ];
     const VALIDITY: &'static [&'static str] = &[
         "Straight wall, teeth alike but for runout, chip thickness in the range of the force coefficients.",
+        "Beyond a flank wear of 2 mm nothing is known: in Co-Simulation the cutter then counts as lost.",
         "Not modelled: heat, curved walls, the helix beyond the mean, ploughing of thin chips, tilted runout.",
         "Chatter is judged where machine.chatter is true, by one mode; the verdict is kept at rounded speed and damping.",
     ];
@@ -53,6 +58,10 @@ impl Unit for Milling {
 
     fn read(text: &str) -> Result<Self, String> {
         Milling::read(text).map_err(|error| error.to_string())
+    }
+
+    fn worn_out(&self, x: &Self::State) -> bool {
+        x.flank_wear >= WORN_OUT
     }
 
     fn effects_mut(&mut self) -> &mut Effects {

@@ -2,7 +2,6 @@
 
 use crate::{Constraint, SetError};
 use toolroom_process::ModelError;
-use toolroom_process::unit::UnitError;
 
 /// Names of constraints, for messages.
 fn names(constraints: &[Constraint]) -> String {
@@ -127,49 +126,11 @@ pub enum ContourError {
     /// A parameter set that did not load.
     #[error(transparent)]
     Set(#[from] SetError),
-    /// Not TOML, or not of the form of a contour file.
+    /// G-code that cannot be read.
     #[error("{message}")]
     Syntax {
         /// What the reader says.
         message: String,
-    },
-    /// A version of the format that is not known.
-    #[error("schema {read} is not known; write schema = 1")]
-    Schema {
-        /// Version read.
-        read: u32,
-    },
-    /// A quantity that cannot be read.
-    #[error("`{key}`: {reason}")]
-    Quantity {
-        /// Key.
-        key: &'static str,
-        /// What is wrong.
-        reason: UnitError,
-    },
-    /// A key that a group does not have.
-    #[error("[{group}] has no `{key}`; it has {known}")]
-    UnknownKey {
-        /// Group.
-        group: &'static str,
-        /// Key read.
-        key: String,
-        /// Keys that exist.
-        known: String,
-    },
-    /// A group that there is not.
-    #[error(
-        "there is no group `{group}`; there are machine, cutter, force, life, economics, scatter and pass, each with its keys"
-    )]
-    UnknownGroup {
-        /// What was read.
-        group: String,
-    },
-    /// A quantity that must be above zero.
-    #[error("`{key}` must be greater than zero")]
-    NotPositive {
-        /// Key.
-        key: &'static str,
     },
     /// A section that is none of the known forms.
     #[error(
@@ -223,7 +184,7 @@ impl ContourError {
             Self::ArcMissesEnd { .. } => "arc-misses-end",
             Self::SharpInsideCorner { .. } | Self::Reversal { .. } => "unreachable-corner",
             Self::CutterTooLarge { .. } => "cutter-too-large",
-            Self::Division { .. } | Self::Model(_) | Self::NoSpindleSpeed | Self::NotPositive { .. } => "out-of-range",
+            Self::Division { .. } | Self::Model(_) | Self::NoSpindleSpeed => "out-of-range",
             Self::EmptyFeasibleSet { .. } | Self::NoCommonSetting { .. } | Self::NoHandbookRegime { .. } => {
                 "limits-conflict"
             }
@@ -232,9 +193,6 @@ impl ContourError {
             Self::SettingCount { .. } | Self::SectionForm { .. } => "section-form",
             Self::Set(_) | Self::UnknownPass { .. } => "unknown-name",
             Self::Syntax { .. } => "syntax",
-            Self::Schema { .. } => "schema",
-            Self::Quantity { .. } => "quantity",
-            Self::UnknownKey { .. } | Self::UnknownGroup { .. } => "unknown-key",
             Self::GcodeUnsupported { .. }
             | Self::GcodeTwoMotions
             | Self::GcodeArc

@@ -1,14 +1,14 @@
 //! Contour files: contour, passes, models and parameters in TOML.
 
-use crate::file_form::{
-    self, Corners, Direction, NAME, PathErrorModel, Policy, RawFile, RawPathError, RawSection, Table, Text, Value,
-};
+use crate::file_form::{CONTOUR, CornerWord, Direction, PathErrorWord, SETUP};
 use crate::{
-    ConditionScatter, Contour, ContourError, CornerPolicy, FileError, Models, Parameters, Pass, PathError, Planner,
-    Point, Trace, VelocityLoop, gcode,
+    ConditionScatter, Contour, ContourError, CornerPolicy, CutterSide, FileError, FormError, Milling, Models,
+    Parameters, Pass, PathError, Planner, Point, Trace, VelocityLoop, gcode,
 };
-use toml::Spanned;
-use toolroom_process::{AnyRecord, unit};
+use std::ops::Range;
+use std::sync::Arc;
+use toolroom_form::{ContentFault, Fault, FormFile, Got, ReadError, Section, Value, Walk, example, fill_record, parse};
+use toolroom_process::parameters::places;
 
 /// A contour file as understood.
 ///
@@ -73,10 +73,12 @@ pub struct ContourFile {
 pub(crate) type Placed = (Contour, Vec<(usize, usize)>);
 
 impl ContourFile {
-    /// Reads a contour file.
+    /// Reads the text of a contour file, with values replaced as after `--set`: `economics.edge_cost=20 EUR`,
+    /// of every pass `pass.tolerance=0.03 mm`, of one `pass.finish.tolerance=0.03 mm`. `file` is its name for
+    /// messages.
     ///
     /// # Errors
-    /// [`FileError`] with line and column of the first fault.
+    /// [`ReadError::Faults`] with every fault and its place.
     ///
     /// # Examples
     /// ```
@@ -89,12 +91,17 @@ impl ContourFile {
     /// pass = [{ name = "finish" }]
     /// section = [{ line = "50 mm" }, { arc = "180 deg", radius = "20 mm" }, { line = "50 mm" }]
     /// "#;
-    /// let file = toolroom_contour::ContourFile::read(text).unwrap();
+    /// let set = ["pass.finish.tolerance=0.03 mm".to_owned()];
+    /// let file = toolroom_contour::ContourFile::parse("slot.toml", text, &set).unwrap().content;
     /// assert!((file.contour.length() - (0.1 + 0.02 * std::f64::consts::PI)).abs() < 1e-12);
+    /// assert!((file.pass("finish").unwrap().tolerance - 0.03e-3).abs() < 1e-15);
     /// ```
-    pub fn read(text: &str) -> Result<Self, FileError> {
-        let raw = parse(text)?;
-        assemble(text, &raw, |raw| draw(text, raw))
+    pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Self>, ReadError> {
+        let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
+        parse(file, text, overrides, &CONTOUR, |walk, root| {
+            let contour = draw(walk, text, root);
+            assemble(walk, root, contour)
+        })
     }
 
     /// Reads a contour file whose contour is a G-code program instead of sections. G41 or G42
@@ -102,44 +109,34 @@ impl ContourFile {
     ///
     /// # Errors
     /// [`GcodeFileError`] says which of the two is at fault and where.
-    pub fn read_with_gcode(text: &str, program: &str) -> Result<Self, GcodeFileError> {
-        let raw = parse(text).map_err(GcodeFileError::File)?;
-        let placed = gcode::read_placed(program, raw.cutter_side, raw.closed).map_err(GcodeFileError::Program)?;
-        assemble(text, &raw, |_| Ok(placed)).map_err(GcodeFileError::File)
+    pub fn parse_with_gcode(
+        file: &str,
+        text: &str,
+        overrides: &[String],
+        program: &str,
+    ) -> Result<FormFile<Self>, GcodeFileError> {
+        let mut refused = None;
+        let read = parse(file, text, overrides, &CONTOUR, |walk, root| {
+            let side = root.chosen("cutter_side", CutterSide::from_word);
+            let placed = gcode::read_placed(program, side, root.flag("closed").unwrap_or(true));
+            let placed = placed.map_err(|error| refused = Some(error)).ok();
+            assemble(walk, root, placed)
+        });
+        match refused {
+            // The faults of the file decide what the program means.
+            Some(error) if !matches!(&read, Err(ReadError::Faults(list)) if !list.problems.is_empty()) => {
+                Err(GcodeFileError::Program(error))
+            }
+            _ => read.map_err(GcodeFileError::File),
+        }
     }
 
-    /// Replaces one value of a record, as `economics.edge_cost` and `20 EUR`; of every pass as
-    /// `pass.tolerance`, of one as `pass.finish.tolerance`.
+    /// Reads the text of a setup file, to whose contour a part program will be given: number of its passes.
     ///
     /// # Errors
-    /// [`ContourError`] where there is no such key, or the value is none.
-    ///
-    /// ```
-    /// let text = include_str!("../../../scenarios/contour/rk3.toml");
-    /// let mut file = toolroom_contour::ContourFile::read(text).unwrap();
-    /// file.set("pass.finish.tolerance", "0.03 mm").unwrap();
-    /// assert!((file.pass("finish").unwrap().tolerance - 0.03e-3).abs() < 1e-15);
-    /// ```
-    pub fn set(&mut self, path: &str, value: &str) -> Result<(), ContourError> {
-        let (group, rest) = path.split_once('.').unwrap_or((path, ""));
-        if group == "scatter" {
-            return file_form::assign("scatter", rest, value, &mut self.scatter);
-        }
-        if group != "pass" {
-            let mut groups = self.parameters.parameters_mut();
-            let Some((group, record)) = groups.iter_mut().find(|(known, _)| *known == group) else {
-                return Err(ContourError::UnknownGroup { group: group.to_owned() });
-            };
-            return file_form::assign(group, rest, value, *record);
-        }
-        let (name, key) = rest.split_once('.').map_or((None, rest), |(name, key)| (Some(name), key));
-        if let Some(name) = name {
-            self.pass(name)?;
-        }
-        for (_, pass) in self.passes.iter_mut().filter(|(known, _)| name.is_none_or(|name| name == known)) {
-            file_form::assign("pass", key, value, pass)?;
-        }
-        Ok(())
+    /// [`ReadError::Faults`] with every fault and its place.
+    pub fn parse_setup(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<usize>, ReadError> {
+        parse(file, text, overrides, &SETUP, |walk, root| settings(walk, root).map(|settings| settings.passes.len()))
     }
 
     /// The pass called `name`.
@@ -168,211 +165,251 @@ impl ContourFile {
 }
 
 /// Which of the two texts is at fault.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GcodeFileError {
     /// The contour file.
-    #[error("contour file: {0}")]
-    File(FileError),
+    #[error(transparent)]
+    File(ReadError),
     /// The G-code program.
     #[error("G-code: {0}")]
     Program(FileError),
 }
 
-fn parse(text: &str) -> Result<RawFile, FileError> {
-    let raw: RawFile = toml::from_str(text).map_err(|error| {
-        let at = error.span().map_or(0, |span| span.start);
-        FileError::at(text, at, ContourError::Syntax { message: error.message().to_owned() })
-    })?;
-    match *raw.schema.get_ref() {
-        1 => Ok(raw),
-        read => Err(FileError::at(text, raw.schema.span().start, ContourError::Schema { read })),
+impl ContentFault for ContourError {
+    fn code(&self) -> &'static str {
+        ContourError::code(self)
     }
 }
 
-/// The number of a quantity in the unit `si`.
-fn number(text: &str, key: &'static str, value: &Text, si: &'static str) -> Result<f64, FileError> {
-    unit::quantity(value.get_ref(), si).map_err(|reason| {
-        // One past the opening quote.
-        FileError::at(text, value.span().start + 1 + reason.at(), ContourError::Quantity { key, reason })
+fn refuse(walk: &mut Walk, span: Range<usize>, error: ContourError) {
+    walk.fault(span, Fault::Content(Arc::new(error)));
+}
+
+/// The point that a list of two lengths is; `None` where a problem was noted.
+fn point_of(walk: &mut Walk, key: &str, got: &Got<'_>) -> Option<Point> {
+    let Value::List(list) = &got.value else { return None };
+    match list.as_slice() {
+        [x, y] => match (&x.value, &y.value) {
+            (Value::Si(x), Value::Si(y)) => Some(Point { x: *x, y: *y }),
+            _ => None,
+        },
+        other => {
+            walk.fault(
+                got.span.clone(),
+                Fault::WrongType {
+                    key: key.to_owned(),
+                    read: format!("a list of {}", other.len()),
+                    expected: "a point of two lengths".to_owned(),
+                    example: "[\"50 mm\", \"0 mm\"]".to_owned(),
+                },
+            );
+            None
+        }
+    }
+}
+
+fn point(walk: &mut Walk, section: &Section<'_>, key: &str) -> Option<Point> {
+    point_of(walk, key, section.got(key)?)
+}
+
+fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<Placed> {
+    let noted = walk.problems.len();
+    let start = if root.given("start") { point(walk, root, "start") } else { Some(Point::default()) };
+    let side = root.chosen("cutter_side", CutterSide::from_word);
+    if !root.given("cutter_side") {
+        let example = root.form.key("cutter_side").map_or_else(String::new, |key| example(&key.kind));
+        walk.fault(
+            root.span.clone(),
+            Fault::MissingKey { section: root.form.title.to_owned(), key: "cutter_side", example },
+        );
+    }
+    let sections = walk.sections(root, "section", None);
+    let steps: Vec<_> = sections.iter().map(|section| (section.span.start, step(walk, section))).collect();
+    if walk.problems.len() > noted {
+        return None;
+    }
+    let mut trace = Trace::new(start?, root.si("heading").unwrap_or(0.0));
+    // Where each drawn section stands in the file.
+    let mut starts: Vec<usize> = Vec::new();
+    for ((at, step), section) in steps.into_iter().zip(&sections) {
+        if let Some(turn) = section.si("turn") {
+            trace.turn(turn);
+        }
+        if let Err(error) = step?.draw(&mut trace) {
+            refuse(walk, at..section.span.end, error);
+            return None;
+        }
+        starts.resize(trace.sections(), at);
+    }
+    match trace.finish(side?, root.flag("closed").unwrap_or(true)) {
+        Ok(contour) => Some((contour, places(text, &starts))),
+        Err(error) => {
+            let section = error.section().unwrap_or(starts.len().saturating_sub(1));
+            let at = starts.get(section).copied().unwrap_or(0);
+            refuse(walk, at..at, error);
+            None
+        }
+    }
+}
+
+/// What a section draws.
+enum Step {
+    Line(f64),
+    LineTo(Point),
+    Arc { radius: f64, angle: f64 },
+    ArcTo { end: Point, center: Point, left: bool },
+    ArcByRadius { end: Point, radius: f64, left: bool },
+    Spline(Vec<Point>),
+    Lobed { diameter: f64, eccentricity: f64, lobes: u32, sections: u32 },
+}
+
+impl Step {
+    fn draw(&self, trace: &mut Trace) -> Result<(), ContourError> {
+        match self {
+            Self::Line(length) => trace.line(*length),
+            Self::LineTo(end) => trace.line_to(*end),
+            Self::Arc { radius, angle } => trace.arc(*radius, *angle),
+            Self::ArcTo { end, center, left } => trace.arc_to(*end, *center, *left),
+            Self::ArcByRadius { end, radius, left } => trace.arc_by_radius(*end, *radius, *left),
+            Self::Spline(points) => trace.spline_to(points),
+            Self::Lobed { diameter, eccentricity, lobes, sections } => {
+                trace.lobed(*diameter, *eccentricity, *lobes, *sections)
+            }
+        }
+    }
+}
+
+/// What a section draws; `None` where a problem was noted.
+fn step(walk: &mut Walk, section: &Section<'_>) -> Option<Step> {
+    let keys = section.form.keys.iter().map(|key| key.name).filter(|key| *key != "turn" && section.given(key));
+    let keys: Vec<&str> = keys.collect();
+    let left = section.chosen("direction", Direction::from_word) == Some(Direction::Left);
+    Some(match keys.as_slice() {
+        ["line"] => Step::Line(section.si("line")?),
+        ["line_to"] => Step::LineTo(point(walk, section, "line_to")?),
+        ["arc", "radius"] => Step::Arc { radius: section.si("radius")?, angle: section.si("arc")? },
+        ["arc_to", "center", "direction"] => {
+            Step::ArcTo { end: point(walk, section, "arc_to")?, center: point(walk, section, "center")?, left }
+        }
+        ["arc_to", "radius", "direction"] => {
+            Step::ArcByRadius { end: point(walk, section, "arc_to")?, radius: section.si("radius")?, left }
+        }
+        ["spline_to"] => {
+            let points = section.list("spline_to").iter().map(|got| point_of(walk, "spline_to", got));
+            Step::Spline(points.collect::<Option<_>>()?)
+        }
+        ["lobed"] => {
+            let lobed = walk.table(section, "lobed")?;
+            Step::Lobed {
+                diameter: lobed.si("diameter")?,
+                eccentricity: lobed.si("eccentricity")?,
+                lobes: u32::try_from(lobed.count("lobes")?).ok()?,
+                sections: u32::try_from(lobed.count("sections")?).ok()?,
+            }
+        }
+        other => {
+            let read = if other.is_empty() { "none of their keys".to_owned() } else { other.join(", ") };
+            refuse(walk, section.span.clone(), ContourError::SectionForm { read });
+            return None;
+        }
     })
 }
 
-/// An angle in rad; the unit `rad` is part of a revolution there.
-fn angle(text: &str, key: &'static str, value: &Text) -> Result<f64, FileError> {
-    number(text, key, value, "rad")
+/// What stands in a file whoever draws the contour.
+struct Settings {
+    parameters: Parameters,
+    passes: Vec<(String, Pass)>,
+    models: Models,
+    scatter: ConditionScatter,
 }
 
-fn point(text: &str, key: &'static str, value: &[Text; 2]) -> Result<Point, FileError> {
-    Ok(Point { x: number(text, key, &value[0], "m")?, y: number(text, key, &value[1], "m")? })
-}
-
-fn draw(text: &str, raw: &RawFile) -> Result<Placed, FileError> {
-    let start = raw.start.as_ref().map_or(Ok(Point::default()), |start| point(text, "start", start))?;
-    let heading = raw.heading.as_ref().map_or(Ok(0.0), |heading| angle(text, "heading", heading))?;
-    let Some(side) = raw.cutter_side else {
-        return Err(FileError::at(text, 0, ContourError::Syntax { message: "missing field `cutter_side`".to_owned() }));
-    };
-    let mut trace = Trace::new(start, heading);
-    // Where each drawn section stands in the file.
-    let mut places: Vec<usize> = Vec::new();
-    for section in &raw.section {
-        draw_section(text, section, &mut trace)?;
-        places.resize(trace.sections(), section.span().start);
-    }
-    let contour = trace.finish(side, raw.closed).map_err(|fault| {
-        let at = fault.section().unwrap_or(places.len().saturating_sub(1));
-        FileError::at(text, places.get(at).copied().unwrap_or(0), fault)
-    })?;
-    Ok((contour, toolroom_process::parameters::places(text, &places)))
-}
-
-fn draw_section(text: &str, spanned: &Spanned<RawSection>, trace: &mut Trace) -> Result<(), FileError> {
-    let section = spanned.get_ref();
-    let at = spanned.span().start;
-    let here = |fault| FileError::at(text, at, fault);
-    let length = |key, value: &Text| number(text, key, value, "m");
-    if let Some(turn) = &section.turn {
-        trace.turn(angle(text, "turn", turn)?);
-    }
-    let RawSection { line, line_to, arc, radius, arc_to, center, direction, spline_to, lobed, turn: _ } = section;
-    let left = *direction == Some(Direction::Left);
-    let drawn = match (line, line_to, arc, arc_to, spline_to, lobed) {
-        (Some(line), None, None, None, None, None) => trace.line(length("line", line)?),
-        (None, Some(to), None, None, None, None) => trace.line_to(point(text, "line_to", to)?),
-        (None, None, Some(arc), None, None, None) => match radius {
-            Some(radius) => trace.arc(length("radius", radius)?, angle(text, "arc", arc)?),
-            None => Err(ContourError::SectionForm { read: section.keys() }),
-        },
-        (None, None, None, Some(to), None, None) if direction.is_some() => {
-            let end = point(text, "arc_to", to)?;
-            match (center, radius) {
-                (Some(center), None) => trace.arc_to(end, point(text, "center", center)?, left),
-                (None, Some(radius)) => trace.arc_by_radius(end, length("radius", radius)?, left),
-                _ => Err(ContourError::SectionForm { read: section.keys() }),
-            }
-        }
-        (None, None, None, None, Some(points), None) => {
-            let through: Result<Vec<Point>, FileError> =
-                points.iter().map(|each| point(text, "spline_to", each)).collect();
-            trace.spline_to(&through?)
-        }
-        (None, None, None, None, None, Some(lobed)) => trace.lobed(
-            length("diameter", &lobed.diameter)?,
-            length("eccentricity", &lobed.eccentricity)?,
-            lobed.lobes,
-            lobed.sections,
-        ),
-        _ => Err(ContourError::SectionForm { read: section.keys() }),
-    };
-    drawn.map_err(here)
-}
-
-fn assemble(
-    text: &str,
-    raw: &RawFile,
-    contour: impl FnOnce(&RawFile) -> Result<Placed, FileError>,
-) -> Result<ContourFile, FileError> {
-    let set = raw.parameter_set.as_ref();
-    let mut parameters = match set {
-        None => Parameters::default(),
-        Some(set) => {
-            Parameters::named(set.get_ref()).map_err(|fault| FileError::at(text, set.span().start, fault.into()))?
-        }
-    };
-    let groups: [(&'static str, &Table); 5] = [
-        ("machine", &raw.machine),
-        ("cutter", &raw.cutter),
-        ("force", &raw.force),
-        ("life", &raw.life),
-        ("economics", &raw.economics),
-    ];
-    for (group, table) in groups {
-        if let Some((_, record)) = parameters.parameters_mut().into_iter().find(|(known, _)| *known == group) {
-            file_form::fill(text, group, table, record)?;
+fn settings(walk: &mut Walk, root: &Section<'_>) -> Option<Settings> {
+    let mut parameters = Parameters::default();
+    if let Some(set) = root.text("parameter_set") {
+        match Parameters::named(set) {
+            Ok(named) => parameters = named,
+            Err(error) => refuse(walk, root.span_of("parameter_set"), error.into()),
         }
     }
-    if raw.pass.is_empty() {
-        return Err(FileError::at(text, 0, ContourError::NoPass));
-    }
-    let mut passes = Vec::with_capacity(raw.pass.len());
-    for values in &raw.pass {
-        let Some(Value::Quantity(name)) = values.get_ref().get(NAME).map(Spanned::get_ref) else {
-            let message = "a pass needs its `name`, such as name = \"finish\"".to_owned();
-            return Err(FileError::at(text, values.span().start, ContourError::Syntax { message }));
-        };
-        let mut pass = Pass::default();
-        file_form::fill(text, "pass", values.get_ref(), &mut pass as &mut dyn AnyRecord)?;
-        passes.push((name.clone(), pass));
+    for (group, record) in parameters.parameters_mut() {
+        if let Some(table) = walk.table(root, group) {
+            fill_record(&table, record);
+        }
     }
     let mut scatter = ConditionScatter::default();
-    file_form::fill(text, "scatter", &raw.scatter, &mut scatter)?;
-    let models = models(text, raw)?;
-    let (contour, places) = contour(raw)?;
-    let (name, title) = (raw.name.clone(), raw.title.clone());
-    Ok(ContourFile { name, title, contour, parameters, passes, models, scatter, places })
-}
-
-fn models(text: &str, raw: &RawFile) -> Result<Models, FileError> {
-    let defaults = Models::default();
-    let path_error = raw.path_error.as_ref().map_or(Ok(defaults.path_error), |law| path_error(text, law))?;
-    let corners = match &raw.corners {
-        None => defaults.corners,
-        Some(Corners { policy, radius, tolerance }) => {
-            let tolerance =
-                tolerance.as_ref().map(|tolerance| positive(text, "tolerance", tolerance, "m")).transpose()?;
-            match (policy.get_ref(), radius) {
-                (Policy::ExactStop, _) => CornerPolicy::ExactStop,
-                (Policy::SlowDown, _) => CornerPolicy::SlowDown { tolerance },
-                (Policy::Loop, Some(radius)) => {
-                    CornerPolicy::Loop { radius: positive(text, "radius", radius, "m")?, tolerance }
-                }
-                (Policy::Loop, None) => {
-                    let message = "a loop needs its `radius`, such as radius = \"2 mm\"".to_owned();
-                    return Err(FileError::at(text, policy.span().start, ContourError::Syntax { message }));
-                }
-            }
-        }
-    };
-    Ok(Models {
-        milling: raw.milling.unwrap_or(defaults.milling),
-        path_error,
-        form_error: raw.form_error.unwrap_or(defaults.form_error),
-        corners,
-    })
-}
-
-fn path_error(text: &str, law: &RawPathError) -> Result<PathError, FileError> {
-    let lacks = |message: &str| {
-        Err(FileError::at(text, law.model.span().start, ContourError::Syntax { message: message.to_owned() }))
-    };
-    Ok(match (law.model.get_ref(), &law.step, &law.velocity_loop_frequency, law.velocity_loop_damping) {
-        (PathErrorModel::Servo, None, None, None) => PathError::default(),
-        (PathErrorModel::Servo, None, Some(frequency), Some(damping)) => {
-            if damping.is_nan() || damping <= 0.0 {
-                let fault = ContourError::NotPositive { key: "velocity_loop_damping" };
-                return Err(FileError::at(text, law.model.span().start, fault));
-            }
-            let frequency = positive(text, "velocity_loop_frequency", frequency, "rad/s")?;
-            PathError::Servo { velocity_loop: Some(VelocityLoop { frequency, damping }) }
-        }
-        (PathErrorModel::Servo, ..) => {
-            return lacks("a velocity loop needs `velocity_loop_frequency` and `velocity_loop_damping`, and no `step`");
-        }
-        (PathErrorModel::ExplicitEuler, Some(step), None, None) => {
-            PathError::ExplicitEuler { step: positive(text, "step", step, "s")? }
-        }
-        (PathErrorModel::ExplicitEuler, ..) => return lacks("explicit Euler needs `step`, such as step = \"10 ms\""),
-        (PathErrorModel::Empirical, None, None, None) => PathError::Empirical,
-        (PathErrorModel::Off, None, None, None) => PathError::Off,
-        _ => return lacks("this path error has no parameters"),
-    })
-}
-
-fn positive(text: &str, key: &'static str, value: &Text, si: &'static str) -> Result<f64, FileError> {
-    let read = number(text, key, value, si)?;
-    if read > 0.0 && read.is_finite() {
-        return Ok(read);
+    if let Some(table) = walk.table(root, "scatter") {
+        fill_record(&table, &mut scatter);
     }
-    Err(FileError::at(text, value.span().start, ContourError::NotPositive { key }))
+    let mut passes: Vec<(String, Pass)> = Vec::new();
+    for section in walk.sections(root, "pass", None) {
+        let mut pass = Pass::default();
+        fill_record(&section, &mut pass);
+        let Some(name) = section.text("name") else { continue };
+        if passes.iter().any(|(known, _)| known == name) {
+            walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "pass", name: name.to_owned() });
+        }
+        passes.push((name.to_owned(), pass));
+    }
+    if !root.given("pass") {
+        refuse(walk, root.span.clone(), ContourError::NoPass);
+    }
+    let models = models(walk, root)?;
+    Some(Settings { parameters, passes, models, scatter })
+}
+
+fn assemble(walk: &mut Walk, root: &Section<'_>, contour: Option<Placed>) -> Option<ContourFile> {
+    let settings = settings(walk, root);
+    let Settings { parameters, passes, models, scatter } = settings?;
+    let (contour, places) = contour?;
+    let (name, title) = (root.text("name")?.to_owned(), root.text("title")?.to_owned());
+    Some(ContourFile { name, title, contour, parameters, passes, models, scatter, places })
+}
+
+fn models(walk: &mut Walk, root: &Section<'_>) -> Option<Models> {
+    let defaults = Models::default();
+    let path_error = if root.given("path_error") { path_error(walk, root) } else { Some(defaults.path_error) };
+    let corners = if root.given("corners") { corners(walk, root) } else { Some(defaults.corners) };
+    Some(Models {
+        milling: root.chosen("milling", Milling::from_word).unwrap_or(defaults.milling),
+        path_error: path_error?,
+        form_error: root.chosen("form_error", FormError::from_word).unwrap_or(defaults.form_error),
+        corners: corners?,
+    })
+}
+
+fn corners(walk: &mut Walk, root: &Section<'_>) -> Option<CornerPolicy> {
+    let table = walk.table(root, "corners")?;
+    let tolerance = table.si("tolerance");
+    Some(match table.chosen("policy", CornerWord::from_word)? {
+        CornerWord::ExactStop => CornerPolicy::ExactStop,
+        CornerWord::SlowDown => CornerPolicy::SlowDown { tolerance },
+        CornerWord::Loop => CornerPolicy::Loop { radius: table.si("radius")?, tolerance },
+    })
+}
+
+fn path_error(walk: &mut Walk, root: &Section<'_>) -> Option<PathError> {
+    let table = walk.table(root, "path_error")?;
+    Some(match table.chosen("model", PathErrorWord::from_word)? {
+        PathErrorWord::Empirical => PathError::Empirical,
+        PathErrorWord::Off => PathError::Off,
+        PathErrorWord::ExplicitEuler => PathError::ExplicitEuler { step: table.si("step")? },
+        PathErrorWord::Servo => {
+            let [frequency, damping] = ["velocity_loop_frequency", "velocity_loop_damping"];
+            for (given, missing, value) in [(frequency, damping, "0.7"), (damping, frequency, "\"120 rad/s\"")] {
+                if table.given(given) && !table.given(missing) {
+                    let section = "a velocity loop".to_owned();
+                    walk.fault(
+                        table.span.clone(),
+                        Fault::MissingKey { section, key: missing, example: value.to_owned() },
+                    );
+                }
+            }
+            if !table.given(frequency) && !table.given(damping) {
+                return Some(PathError::default());
+            }
+            let velocity_loop = VelocityLoop { frequency: table.si(frequency)?, damping: table.si(damping)? };
+            PathError::Servo { velocity_loop: Some(velocity_loop) }
+        }
+    })
 }

@@ -1,200 +1,209 @@
-//! The form of a contour file as serde sees it.
+//! Keys of contour files.
 
-use crate::{ContourError, CutterSide, FileError, FormError, Milling};
-use serde::Deserialize;
-use std::collections::BTreeMap;
-use toml::Spanned;
-use toolroom_process::{AnyRecord, unit};
+use crate::{ConditionScatter, Cutter, CutterSide, Economics, EdgeForce, FormError, Machine, MillLife, Milling, Pass};
+use toolroom_form::{Form, Key, Kind, Quantity, joined, record_keys};
+use toolroom_process::Record;
 
-/// A quantity with its place.
-pub(crate) type Text = Spanned<String>;
+/// A kilometre, beyond every machine (assumption).
+const FARTHEST: f64 = 1e3;
 
-/// Values of a record by field name.
-pub(crate) type Table = BTreeMap<String, Spanned<Value>>;
-
-/// A number, with or without unit.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(untagged)]
-pub(crate) enum Value {
-    Number(f64),
-    Quantity(String),
+const fn quantity(unit: &'static str, display: &'static str, most: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: -most, max: most, above: false, example })
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawFile {
-    pub schema: Spanned<u32>,
-    pub name: String,
-    pub title: String,
-    pub parameter_set: Option<Text>,
-    #[serde(default = "yes")]
-    pub closed: bool,
-    pub cutter_side: Option<CutterSide>,
-    pub milling: Option<Milling>,
-    pub path_error: Option<RawPathError>,
-    pub form_error: Option<FormError>,
-    pub corners: Option<Corners>,
-    pub start: Option<[Text; 2]>,
-    pub heading: Option<Text>,
-    #[serde(default)]
-    pub machine: Table,
-    #[serde(default)]
-    pub cutter: Table,
-    #[serde(default)]
-    pub force: Table,
-    #[serde(default)]
-    pub life: Table,
-    #[serde(default)]
-    pub economics: Table,
-    #[serde(default)]
-    pub scatter: Table,
-    #[serde(default)]
-    pub pass: Vec<Spanned<Table>>,
-    #[serde(default)]
-    pub section: Vec<Spanned<RawSection>>,
+const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
+    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
 }
 
-fn yes() -> bool {
-    true
-}
+const LENGTH: Kind = quantity("m", "mm", FARTHEST, "50 mm");
+/// Up to some sixteen revolutions: beyond every arc (assumption).
+const ANGLE: Kind = quantity("rad", "deg", 100.0, "90 deg");
+const POINT: Kind = Kind::List(&LENGTH);
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawSection {
-    pub turn: Option<Text>,
-    pub line: Option<Text>,
-    pub line_to: Option<[Text; 2]>,
-    pub arc: Option<Text>,
-    pub radius: Option<Text>,
-    pub arc_to: Option<[Text; 2]>,
-    pub center: Option<[Text; 2]>,
-    pub direction: Option<Direction>,
-    pub spline_to: Option<Vec<[Text; 2]>>,
-    pub lobed: Option<Lobed>,
-}
-
-impl RawSection {
-    /// Names of the keys given, for messages.
-    pub fn keys(&self) -> String {
-        let given = [
-            ("line", self.line.is_some()),
-            ("line_to", self.line_to.is_some()),
-            ("arc", self.arc.is_some()),
-            ("radius", self.radius.is_some()),
-            ("arc_to", self.arc_to.is_some()),
-            ("center", self.center.is_some()),
-            ("direction", self.direction.is_some()),
-            ("spline_to", self.spline_to.is_some()),
-            ("lobed", self.lobed.is_some()),
-        ];
-        let names: Vec<&str> = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
-        if names.is_empty() { "none of their keys".to_owned() } else { names.join(", ") }
+toolroom_form::vocabulary! {
+    /// Which way an arc turns.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum Direction {
+        /// Counter-clockwise.
+        Left = "left",
+        /// Clockwise.
+        Right = "right",
     }
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Direction {
-    Left,
-    Right,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Lobed {
-    pub diameter: Text,
-    pub eccentricity: Text,
-    pub lobes: u32,
-    pub sections: u32,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum PathErrorModel {
-    Servo,
-    Empirical,
-    ExplicitEuler,
-    Off,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawPathError {
-    pub model: Spanned<PathErrorModel>,
-    /// Of explicit Euler.
-    pub step: Option<Text>,
-    /// Of the servo's velocity loop, ideal without.
-    pub velocity_loop_frequency: Option<Text>,
-    pub velocity_loop_damping: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Policy {
-    Loop,
-    ExactStop,
-    SlowDown,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Corners {
-    pub policy: Spanned<Policy>,
-    pub radius: Option<Text>,
-    pub tolerance: Option<Text>,
-}
-
-/// Key by which a pass is called.
-pub(crate) const NAME: &str = "name";
-
-/// The field called `key`, and its index.
-fn field_of<'a>(
-    group: &'static str,
-    key: &str,
-    fields: &'a [toolroom_process::Field],
-) -> Result<(usize, &'a toolroom_process::Field), ContourError> {
-    fields.iter().enumerate().find(|(_, field)| field.name == key).ok_or_else(|| {
-        let known = fields.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
-        ContourError::UnknownKey { group, key: key.to_owned(), known }
-    })
-}
-
-/// Sets one field of `record` from text.
-pub(crate) fn assign(
-    group: &'static str,
-    key: &str,
-    text: &str,
-    record: &mut dyn AnyRecord,
-) -> Result<(), ContourError> {
-    let fields = record.fields();
-    let (i, field) = field_of(group, key, fields)?;
-    let si = unit::quantity(text, field.unit).map_err(|reason| ContourError::Quantity { key: field.name, reason })?;
-    field.check(si)?;
-    record.set_value(i, si);
-    Ok(())
-}
-
-/// Sets the fields of `record` that `table` gives, its name aside.
-pub(crate) fn fill(
-    text: &str,
-    group: &'static str,
-    table: &Table,
-    record: &mut dyn AnyRecord,
-) -> Result<(), FileError> {
-    let fields = record.fields();
-    for (key, value) in table.iter().filter(|(key, _)| *key != NAME) {
-        let at = value.span().start;
-        let (i, field) = field_of(group, key, fields).map_err(|fault| FileError::at(text, at, fault))?;
-        let read = match value.get_ref() {
-            Value::Number(number) => unit::quantity(&number.to_string(), field.unit),
-            Value::Quantity(quantity) => unit::quantity(quantity, field.unit),
-        };
-        let si = read.map_err(|reason| {
-            let inside = if matches!(value.get_ref(), Value::Quantity(_)) { 1 + reason.at() } else { 0 };
-            FileError::at(text, at + inside, ContourError::Quantity { key: field.name, reason })
-        })?;
-        field.check(si).map_err(|reason| FileError::at(text, at, reason.into()))?;
-        record.set_value(i, si);
+toolroom_form::vocabulary! {
+    /// Laws of the drives.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum PathErrorWord {
+        /// Drives of first or third order.
+        Servo = "servo",
+        /// Lukin's regression.
+        Empirical = "empirical",
+        /// Steps of an interpolator.
+        ExplicitEuler = "explicit_euler",
+        /// None.
+        Off = "off",
     }
-    Ok(())
 }
+
+toolroom_form::vocabulary! {
+    /// Ways past a sharp corner.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum CornerWord {
+        /// Around it.
+        Loop = "loop",
+        /// Standing still at it.
+        ExactStop = "exact_stop",
+        /// Slower.
+        SlowDown = "slow_down",
+    }
+}
+
+static PATH_ERROR: Form = Form {
+    title: "path_error",
+    doc: "Error of the drives",
+    keys: &[
+        Key::required("model", Kind::Choice(PathErrorWord::WORDS), "Law of the drives"),
+        Key::required("step", positive("s", "ms", 10.0, "10 ms"), "Step of the interpolator")
+            .when("model", &["explicit_euler"]),
+        Key::optional(
+            "velocity_loop_frequency",
+            positive("rad/s", "rad/s", 1e6, "120 rad/s"),
+            "Natural frequency of the velocity loop; left out, the loop is ideal",
+        )
+        .when("model", &["servo"]),
+        Key::optional("velocity_loop_damping", positive("1", "1", 100.0, "0.7"), "Damping ratio of the velocity loop")
+            .when("model", &["servo"]),
+    ],
+};
+
+static CORNERS: Form = Form {
+    title: "corners",
+    doc: "How sharp outside corners are passed",
+    keys: &[
+        Key::required("policy", Kind::Choice(CornerWord::WORDS), "Way past the corner"),
+        Key::required("radius", positive("m", "mm", FARTHEST, "2 mm"), "Radius of the loop").when("policy", &["loop"]),
+        Key::optional(
+            "tolerance",
+            positive("m", "mm", FARTHEST, "0.05 mm"),
+            "Deviation that is admitted at the corner",
+        )
+        .when("policy", &["loop", "slow_down"]),
+    ],
+};
+
+static MACHINE: Form = Form {
+    title: "[machine]",
+    doc: "Deviations of the machine from the parameter set",
+    keys: &record_keys::<{ Machine::<f64>::FIELDS.len() }>(Machine::FIELDS),
+};
+
+static CUTTER: Form = Form {
+    title: "[cutter]",
+    doc: "Deviations of the cutter from the parameter set",
+    keys: &record_keys::<{ Cutter::<f64>::FIELDS.len() }>(Cutter::FIELDS),
+};
+
+static FORCE: Form = Form {
+    title: "[force]",
+    doc: "Deviations of the edge forces from the parameter set",
+    keys: &record_keys::<{ EdgeForce::<f64>::FIELDS.len() }>(EdgeForce::FIELDS),
+};
+
+static LIFE: Form = Form {
+    title: "[life]",
+    doc: "Deviations of the edge life from the parameter set",
+    keys: &record_keys::<{ MillLife::<f64>::FIELDS.len() }>(MillLife::FIELDS),
+};
+
+static ECONOMICS: Form = Form {
+    title: "[economics]",
+    doc: "Deviations of times and costs from the parameter set",
+    keys: &record_keys::<{ Economics::<f64>::FIELDS.len() }>(Economics::FIELDS),
+};
+
+static SCATTER: Form = Form {
+    title: "[scatter]",
+    doc: "How conditions scatter in a sensitivity study",
+    keys: &record_keys::<{ ConditionScatter::<f64>::FIELDS.len() }>(ConditionScatter::FIELDS),
+};
+
+static PASS: Form = Form {
+    title: "[[pass]]",
+    doc: "A pass along the contour",
+    keys: &joined::<{ 1 + Pass::<f64>::FIELDS.len() }>(&[
+        &[Key::required("name", Kind::Name, "Name, such as finish")],
+        &record_keys::<{ Pass::<f64>::FIELDS.len() }>(Pass::FIELDS),
+    ]),
+};
+
+static LOBED: Form = Form {
+    title: "lobed",
+    doc: "A whole profile of equal width",
+    keys: &[
+        Key::required("diameter", LENGTH, "Mean diameter"),
+        Key::required("eccentricity", LENGTH, "Amplitude of the support function"),
+        Key::required("lobes", Kind::Count { min: 0, max: u32::MAX as u64 }, "Lobes"),
+        Key::required("sections", Kind::Count { min: 0, max: u32::MAX as u64 }, "Arcs into which it is divided"),
+    ],
+};
+
+static SECTION: Form = Form {
+    title: "[[section]]",
+    doc: "A section of the contour: line, arc, spline or a whole profile",
+    keys: &[
+        Key::optional("turn", ANGLE, "A corner before the section, positive to the left"),
+        Key::optional("line", LENGTH, "Straight on, by this length"),
+        Key::optional("line_to", POINT, "Straight to this point"),
+        Key::optional("arc", ANGLE, "Arc by this angle, positive to the left; with radius"),
+        Key::optional("arc_to", POINT, "Arc to this point; with direction and with center or radius"),
+        Key::optional("radius", LENGTH, "Radius of the arc"),
+        Key::optional("center", POINT, "Centre of the arc"),
+        Key::optional("direction", Kind::Choice(Direction::WORDS), "Side to which the arc turns"),
+        Key::optional("spline_to", Kind::List(&POINT), "Smooth curve through these points"),
+        Key::optional("lobed", Kind::Table(&LOBED), "A whole profile of equal width"),
+    ],
+};
+
+/// What stands in a contour file whoever draws the contour.
+const SETUP_KEYS: [Key; 16] = [
+    Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+    Key::required("name", Kind::Name, "Name"),
+    Key::required("title", Kind::Text, "One line for people"),
+    Key::optional("parameter_set", Kind::Text, "Shipped set of machine, cutter, forces, life and economics"),
+    Key::default("closed", Kind::Flag, "true", "Whether the contour ends where it starts"),
+    Key::optional("cutter_side", Kind::Choice(CutterSide::WORDS), "Side of the path on which the cutter runs"),
+    Key::optional("milling", Kind::Choice(Milling::WORDS), "Down or up milling"),
+    Key::optional("path_error", Kind::Table(&PATH_ERROR), "Error of the drives"),
+    Key::optional("form_error", Kind::Choice(FormError::WORDS), "Which deflection the accuracy sees"),
+    Key::optional("corners", Kind::Table(&CORNERS), "How sharp outside corners are passed"),
+    Key::optional("machine", Kind::Table(&MACHINE), "Deviations of the machine from the parameter set"),
+    Key::optional("cutter", Kind::Table(&CUTTER), "Deviations of the cutter from the parameter set"),
+    Key::optional("force", Kind::Table(&FORCE), "Deviations of the edge forces from the parameter set"),
+    Key::optional("life", Kind::Table(&LIFE), "Deviations of the edge life from the parameter set"),
+    Key::optional("economics", Kind::Table(&ECONOMICS), "Deviations of times and costs from the parameter set"),
+    Key::optional("scatter", Kind::Table(&SCATTER), "How conditions scatter in a sensitivity study"),
+];
+
+const PASSES: [Key; 1] = [Key::optional("pass", Kind::Tables(&PASS), "Passes, at least one")];
+
+/// What draws the contour.
+const DRAWING: [Key; 3] = [
+    Key::optional("start", POINT, "Where the contour begins, the origin if left out"),
+    Key::optional("heading", ANGLE, "Direction at the start, from X"),
+    Key::optional("section", Kind::Tables(&SECTION), "Sections of the contour, in order"),
+];
+
+/// Keys of a contour file.
+pub static CONTOUR: Form = Form {
+    title: "the contour file",
+    doc: "A contour to be milled, its passes, and how both are modelled",
+    keys: &joined::<20>(&[&SETUP_KEYS, &PASSES, &DRAWING]),
+};
+
+/// Keys of a setup file: a contour file whose contour a part program draws.
+pub static SETUP: Form = Form {
+    title: "the setup file",
+    doc: "Passes around a contour that a part program draws, and how they are modelled",
+    keys: &joined::<17>(&[&SETUP_KEYS, &PASSES]),
+};

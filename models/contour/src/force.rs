@@ -3,14 +3,15 @@
 use std::f64::consts::TAU;
 use toolroom_process::record;
 
-/// How the teeth pass the wall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Milling {
-    /// The tooth leaves the cut at the wall (climb milling): the cutter is pushed off the wall.
-    Down,
-    /// The tooth enters the cut at the wall (conventional milling).
-    Up,
+toolroom_form::vocabulary! {
+    /// How the teeth pass the wall.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Milling {
+        /// The tooth leaves the cut at the wall (climb milling): the cutter is pushed off the wall.
+        Down = "down",
+        /// The tooth enters the cut at the wall (conventional milling).
+        Up = "up",
+    }
 }
 
 impl Milling {

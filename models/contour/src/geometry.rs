@@ -41,15 +41,16 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     if turn > PI { turn - 2.0 * PI } else { turn }
 }
 
-/// Side of the path, seen in the direction of travel, on which the cutter runs; the material is
-/// on the other one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CutterSide {
-    /// Left, G41.
-    Left,
-    /// Right, G42.
-    Right,
+toolroom_form::vocabulary! {
+    /// Side of the path, seen in the direction of travel, on which the cutter runs; the material is
+    /// on the other one.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum CutterSide {
+        /// Left, G41.
+        Left = "left",
+        /// Right, G42.
+        Right = "right",
+    }
 }
 
 impl CutterSide {

@@ -30,7 +30,7 @@
 //!
 //! ```
 //! use toolroom_contour::{ContourFile, Objective};
-//! let file = ContourFile::read(include_str!("../../../scenarios/contour/rk3.toml")).unwrap();
+//! let file = ContourFile::parse("rk3.toml", include_str!("../../../scenarios/contour/rk3.toml"), &[]).unwrap().content;
 //! let (_, finish) = &file.planners().unwrap()[1];
 //! let (handbook, plan) = (finish.handbook().unwrap(), finish.optimal(Objective::Cost).unwrap());
 //! assert!((plan.productivity_gain(&handbook) - 0.1307).abs() < 1e-4);
@@ -87,6 +87,7 @@ pub use edge_life::EdgeLife;
 pub use engagement::Engagement;
 pub use error::{ContourError, FileError};
 pub use file::{ContourFile, GcodeFileError};
+pub use file_form::{CONTOUR, SETUP};
 pub use force::{EdgeForce, Forces, MeanForces, Milling};
 pub use gcode::read as read_gcode;
 pub use geometry::{Corner, CutterSide, Point, Section, Shape};

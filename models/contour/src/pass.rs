@@ -45,16 +45,17 @@ impl Pass {
     }
 }
 
-/// Which deflection the accuracy constraint sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FormError {
-    /// Deflection under the force averaged over a revolution.
-    #[default]
-    Mean,
-    /// Greatest deflection over the height of the wall, each height at the instant in which a
-    /// helical edge finishes it ([`HelicalCut`](crate::HelicalCut)).
-    Helical,
+toolroom_form::vocabulary! {
+    /// Which deflection the accuracy constraint sees.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum FormError {
+        /// Deflection under the force averaged over a revolution.
+        #[default]
+        Mean = "mean",
+        /// Greatest deflection over the height of the wall, each height at the instant in which a
+        /// helical edge finishes it ([`HelicalCut`](crate::HelicalCut)).
+        Helical = "helical",
+    }
 }
 
 /// The models that a plan is made with.

@@ -55,7 +55,7 @@ impl Planner<'_> {
     /// # Examples
     /// ```
     /// use toolroom_contour::{ConditionScatter, ContourFile, Objective};
-    /// let file = ContourFile::read(include_str!("../../../scenarios/contour/rk3.toml")).unwrap();
+    /// let file = ContourFile::parse("rk3.toml", include_str!("../../../scenarios/contour/rk3.toml"), &[]).unwrap().content;
     /// let (_, finish) = &file.planners().unwrap()[1];
     /// let none = ConditionScatter { allowance: 0.0, hardness: 0.0, table_feed: 0.0 };
     /// let same = finish.sensitivity(Objective::Time, &none, 2, 1).unwrap();

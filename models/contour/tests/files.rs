@@ -5,6 +5,7 @@ use toolroom_contour::{
     ContourError, ContourFile, CornerPolicy, CutterSide, FormError, Models, Objective, Parameters, Pass, PathError,
     Planner, Point, Setting, Shape, Trace, VelocityLoop, read_gcode,
 };
+use toolroom_form::{FormFile, ReadError};
 
 const MC1: &str = include_str!("../../../scenarios/contour/mc1.toml");
 const RK3: &str = include_str!("../../../scenarios/contour/rk3.toml");
@@ -13,7 +14,7 @@ const CAM: &str = include_str!("../../../scenarios/contour/cam.toml");
 #[test]
 fn the_shipped_contours_are_planned() {
     for (text, sections, corners) in [(MC1, 10, 4), (RK3, 18, 0), (CAM, 40, 0)] {
-        let file = ContourFile::read(text).unwrap();
+        let file = read(text);
         assert!(file.contour.sections.len() >= sections && file.contour.corners.len() == corners, "{}", file.name);
         for (name, planner) in file.planners().unwrap() {
             let plan = planner.optimal(Objective::Time).unwrap();
@@ -25,7 +26,7 @@ fn the_shipped_contours_are_planned() {
 
 #[test]
 fn the_file_of_the_headline_gives_the_published_gains() {
-    let file = ContourFile::read(RK3).unwrap();
+    let file = read(RK3);
     let planner = Planner::new(&file.contour, &file.parameters, file.pass("finish").unwrap(), &file.models).unwrap();
     let (handbook, plan) = (planner.handbook().unwrap(), planner.optimal(Objective::Cost).unwrap());
     assert!((plan.productivity_gain(&handbook) - 0.1307).abs() < 5e-5);
@@ -36,47 +37,88 @@ fn the_file_of_the_headline_gives_the_published_gains() {
 const HEAD: &str =
     "schema = 1\nname = \"x\"\ntitle = \"x\"\ncutter_side = \"right\"\nclosed = false\n[[pass]]\nname = \"p\"\n";
 
-fn fault(body: &str) -> (usize, usize, ContourError) {
-    let error = ContourFile::read(&format!("{HEAD}{body}")).unwrap_err();
-    (error.line, error.column, *error.fault)
+fn read(text: &str) -> ContourFile {
+    ContourFile::parse("contour.toml", text, &[]).unwrap().content
 }
+
+/// Line, column and code of every fault, and all that is said.
+fn faults(text: &str, set: &[&str]) -> (Vec<(usize, usize, &'static str)>, String) {
+    let set: Vec<String> = set.iter().map(|each| (*each).to_owned()).collect();
+    let Err(ReadError::Faults(list)) = ContourFile::parse("contour.toml", text, &set) else { panic!("{text}") };
+    let placed = list.problems.iter().map(|problem| {
+        let place = list.place(problem);
+        (place.line, place.column, problem.fault.code())
+    });
+    (placed.collect(), list.to_string())
+}
+
+const LINE: &str = "[[section]]\nline = \"50 mm\"\n";
 
 #[test]
 fn faults_name_line_and_column() {
-    let unit = fault("allowance = \"0.5 min\"\n");
-    assert!(matches!(unit, (8, 18, ContourError::Quantity { key: "allowance", .. })), "{unit:?}");
-    let key = fault("alowance = \"0.5 mm\"\n");
-    assert!(matches!(key, (8, _, ContourError::UnknownKey { group: "pass", .. })), "{key:?}");
-    let range = fault("allowance = \"5 m\"\n");
-    assert!(matches!(range, (8, _, ContourError::Model(_))), "{range:?}");
-    let bare = fault("[[section]]\nline = \"50\"\n");
-    assert!(matches!(bare, (9, 9, ContourError::Quantity { key: "line", .. })), "{bare:?}");
-    let arc = fault(
-        "[[section]]\nline = \"50 mm\"\n[[section]]\narc_to = [\"60 mm\", \"11 mm\"]\ncenter = [\"50 mm\", \"10 mm\"]\ndirection = \"left\"\n",
+    for (body, expected) in [
+        (format!("allowance = \"0.5 min\"\n{LINE}"), (8, 18, "quantity")),
+        (format!("alowance = \"0.5 mm\"\n{LINE}"), (8, 1, "unknown-key")),
+        (format!("allowance = \"5 m\"\n{LINE}"), (8, 13, "out-of-range")),
+        ("[[section]]\nline = \"50\"\n".to_owned(), (9, 8, "quantity")),
+        (
+            format!(
+                "{LINE}[[section]]\narc_to = [\"60 mm\", \"11 mm\"]\ncenter = [\"50 mm\", \"10 mm\"]\ndirection = \"left\"\n"
+            ),
+            (10, 1, "arc-misses-end"),
+        ),
+        ("[[section]]\narc = \"90 deg\"\n".to_owned(), (8, 1, "section-form")),
+        (format!("{LINE}direction = \"left\"\n"), (8, 1, "section-form")),
+        ("[[section]]\nline_to = [\"50 mm\"]\n".to_owned(), (9, 11, "wrong-type")),
+        (format!("{LINE}[[section]]\nturn = \"-90 deg\"\nline = \"50 mm\"\n"), (8, 1, "unreachable-corner")),
+        (String::new(), (1, 1, "empty-contour")),
+        (format!("[[pass]]\nname = \"p\"\n{LINE}"), (9, 8, "duplicate-name")),
+    ] {
+        let (found, said) = faults(&format!("{HEAD}{body}"), &[]);
+        assert_eq!(found, [expected], "{said}");
+    }
+    let (found, _) = faults(&format!("{}{LINE}", HEAD.replace("schema = 1", "schema = 7")), &[]);
+    assert_eq!(found, [(1, 10, "schema")]);
+    let (_, said) = faults(&format!("{}{LINE}", HEAD.replace("closed = false", "closed = true")), &[]);
+    assert!(said.contains("the contour is open: its end is 50.0000 mm from its start"), "{said}");
+}
+
+#[test]
+fn all_faults_are_told_at_once() {
+    let text = format!(
+        "{HEAD}alowance = \"1 mm\"\ntolerance = \"9 m\"\n[machine]\nnonsense = 1\n[corners]\npolicy = \"lop\"\n\
+         [path_error]\nmodel = \"servo\"\nvelocity_loop_damping = 0.7\n[[section]]\nline = \"5 s\"\n{LINE}radius = \"1 mm\"\n"
     );
-    assert!(matches!(arc, (10, _, ContourError::ArcMissesEnd { section: 1, .. })), "{arc:?}");
-    let form = fault("[[section]]\narc = \"90 deg\"\n");
-    assert!(matches!(form, (8, _, ContourError::SectionForm { .. })), "{form:?}");
-    let inside = fault("[[section]]\nline = \"50 mm\"\n[[section]]\nturn = \"-90 deg\"\nline = \"50 mm\"\n");
-    assert!(matches!(inside, (8, _, ContourError::SharpInsideCorner { section: 0, .. })), "{inside:?}");
-    let none = fault("");
-    assert!(matches!(none.2, ContourError::Empty));
-    let word = ContourFile::read("schema = 1\nname = 3\n").unwrap_err();
-    assert!(matches!(*word.fault, ContourError::Syntax { .. }) && word.line == 2);
-    let version = ContourFile::read(&HEAD.replace("schema = 1", "schema = 7")).unwrap_err();
-    assert!(matches!(*version.fault, ContourError::Schema { read: 7 }));
-    let open = ContourFile::read(&format!(
-        "{}[[section]]\nline = \"50 mm\"\n",
-        HEAD.replace("closed = false", "closed = true")
-    ));
-    assert!(open.unwrap_err().to_string().contains("the contour is open: its end is 50.0000 mm from its start"));
+    let (found, said) = faults(&text, &[]);
+    let codes: Vec<&str> = found.iter().map(|(_, _, code)| *code).collect();
+    let expected =
+        ["unknown-key", "out-of-range", "unknown-key", "unknown-choice", "missing-key", "quantity", "section-form"];
+    assert_eq!(codes, expected, "{said}");
+    assert!(said.contains("did you mean `allowance`?") && said.contains("did you mean `loop`?"), "{said}");
+}
+
+#[test]
+fn values_are_replaced_in_every_pass_or_in_one() {
+    let text = format!("{HEAD}[[pass]]\nname = \"q\"\n{LINE}");
+    let tolerances = |set: &str| {
+        let file = ContourFile::parse("c.toml", &text, &[set.to_owned()]).unwrap().content;
+        file.passes.iter().map(|(_, pass)| pass.tolerance * 1e6).map(f64::round).collect::<Vec<_>>()
+    };
+    let usual = (Pass::default().tolerance * 1e6).round();
+    assert_eq!(tolerances("pass.tolerance=30 um"), [30.0, 30.0]);
+    assert_eq!(tolerances("pass.q.tolerance=30 um"), [usual, 30.0]);
+    let file = ContourFile::parse("c.toml", &text, &["scatter.hardness=0.5".to_owned()]).unwrap().content;
+    assert_eq!(file.scatter.hardness, 0.5);
+    for (set, code) in [("pass.r.tolerance=1 mm", "override"), ("economics.edge_price=1 EUR", "unknown-key")] {
+        assert_eq!(faults(&text, &[set]).0[0].2, code);
+    }
 }
 
 #[test]
 fn units_of_the_file_do_not_matter() {
     let metric = "[[section]]\nline = \"25.4 mm\"\n[[section]]\narc = \"90 deg\"\nradius = \"50.8 mm\"\n";
     let inch = "[[section]]\nline = \"1 in\"\n[[section]]\narc = \"1.5707963267948966 rad\"\nradius = \"2 in\"\n";
-    let read = |pass: &str, body: &str| ContourFile::read(&format!("{HEAD}{pass}{body}")).unwrap();
+    let read = |pass: &str, body: &str| read(&format!("{HEAD}{pass}{body}"));
     let one = read("allowance = \"0.508 mm\"\ntolerance = \"50.8 um\"\n", metric);
     let other = read("allowance = \"0.02 in\"\ntolerance = \"0.002 in\"\n", inch);
     let time = |file: &ContourFile| file.planners().unwrap()[0].1.optimal(Objective::Cost).unwrap().cost;
@@ -97,7 +139,7 @@ fn read_back(program: &str) -> toolroom_contour::Contour {
 #[test]
 fn a_part_program_reads_back_as_the_centre_path() {
     for (text, loops) in [(RK3, false), (CAM, false), (MC1, true)] {
-        let file = ContourFile::read(text).unwrap();
+        let file = read(text);
         let (_, planner) = &file.planners().unwrap()[0];
         let plan = planner.optimal(Objective::Time).unwrap();
         let program = planner.part_program(&plan, &file.name).unwrap();
@@ -112,7 +154,7 @@ fn a_part_program_reads_back_as_the_centre_path() {
 
 #[test]
 fn part_programs_pass_corners_by_every_policy() {
-    let file = ContourFile::read(MC1).unwrap();
+    let file = read(MC1);
     let pass = file.pass("finish").unwrap();
     for (corners, word) in [
         (CornerPolicy::ExactStop, "G9 G1"),
@@ -221,7 +263,7 @@ proptest::proptest! {
             let from = at % text.len();
             let to = (from + cut).min(text.len());
             let damaged = format!("{}{put}{}", &text[..from], &text[to..]);
-            if let Ok(file) = ContourFile::read(&damaged) {
+            if let Ok(FormFile { content: file, .. }) = ContourFile::parse("damaged.toml", &damaged, &[]) {
                 let planned = file.planners().map(|planners| {
                     planners.iter().map(|(_, planner)| planner.optimal(Objective::Time).is_ok()).collect::<Vec<_>>()
                 });

@@ -110,6 +110,9 @@ pub struct Content {
     pub example: &'static str,
     /// Its JSON schema.
     pub schema: fn() -> serde_json::Value,
+    /// Of a list of tables, the key by which `--set` calls an entry, and the key that it sets where it
+    /// names none: `--set effects.threshold_force="5 N"`. An entry that is missing is added.
+    pub entry: Option<[&'static str; 2]>,
 }
 
 /// Currencies whose amounts can be read.
@@ -158,7 +161,29 @@ pub const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
     all
 }
 
+/// The keys of a record, each optional, in the unit and range of its field.
+///
+/// # Panics
+/// Where `N` is not the number of fields.
+pub const fn record_keys<const N: usize>(fields: &'static [Field]) -> [Key; N] {
+    assert!(fields.len() == N);
+    let mut keys = [Key::of(&fields[0]); N];
+    let mut i = 1;
+    while i < N {
+        keys[i] = Key::of(&fields[i]);
+        i += 1;
+    }
+    keys
+}
+
 impl Key {
+    /// The optional key of a field of a record.
+    pub const fn of(field: &'static Field) -> Self {
+        let Field { unit, display, min, max, .. } = *field;
+        let quantity = Quantity { unit, display, min, max, above: false, example: "" };
+        Self::optional(field.name, Kind::Quantity(quantity), field.doc)
+    }
+
     /// A key that has to be there.
     pub const fn required(name: &'static str, kind: Kind, doc: &'static str) -> Self {
         Self { name, kind, need: Need::Required, when: None, doc }

@@ -40,9 +40,9 @@ mod words;
 pub use codes::CODES;
 pub use error::{FaultList, Origin, Place, ReadError};
 pub use fault::{ContentFault, Fault, nearest};
-pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined};
+pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined, record_keys};
 pub use outline::Outline;
-pub use record::{set_parameters, set_record};
+pub use record::{fill_record, set_parameters, set_record};
 pub use schema::{field, schema};
 pub use section::{Got, RuleTable, Section, Span, Value};
 pub use walk::{Echo, Problem, Walk};
@@ -77,9 +77,18 @@ pub fn read<T>(
     form: &'static Form,
     resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
 ) -> Result<FormFile<T>, ReadError> {
+    parse(&path.display().to_string(), &text(path)?, overrides, form, resolve)
+}
+
+/// The text of a file, without the mark that some editors put before it.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded.
+pub fn text(path: &Path) -> Result<String, ReadError> {
     let file = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
-    parse(&file, &text::decode(&file, &bytes)?, overrides, form, resolve)
+    let text = text::decode(&file, &bytes)?;
+    Ok(text.strip_prefix('\u{FEFF}').unwrap_or(&text).to_owned())
 }
 
 /// [`read`] of a text; `file` is its name in messages.

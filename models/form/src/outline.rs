@@ -42,9 +42,7 @@ impl Outline {
     /// # Errors
     /// [`ReadError`]: the file cannot be opened or decoded.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let file = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
-        Ok(Self::of(&crate::text::decode(&file, &bytes)?))
+        Ok(Self::of(&crate::text(path)?))
     }
 
     /// Whether the key or table `key` stands at the top.

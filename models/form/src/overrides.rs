@@ -5,7 +5,7 @@ use crate::form::{Form, Kind, Need};
 use crate::section::Span;
 use crate::walk::{Walk, table_form};
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 /// Puts `text` (`path=value`) into `root`, a file of `form`; its bytes count from `base` on.
 pub(crate) fn apply<'d>(walk: &mut Walk, form: &'static Form, root: &mut DeTable<'d>, text: &'d str, base: usize) {
@@ -64,6 +64,15 @@ fn insert<'d>(
         table.insert(key, value);
         return;
     }
+    if let Some(entry) = form.and_then(|form| called(form, segment)).filter(|_| rest.len() <= 2) {
+        let list = table
+            .entry(Spanned::new(whole.start..whole.start, segment.clone().into()))
+            .or_insert_with(|| Spanned::new(whole.clone(), DeValue::Array(DeArray::default())));
+        if let DeValue::Array(list) = list.get_mut() {
+            set_entry(list, entry, rest, value, whole);
+            return;
+        }
+    }
     let known: Vec<String> = table.keys().map(|key| key.get_ref().to_string()).collect();
     let Some(inner) = table.get_mut(segment.as_str()) else {
         // A section that the file leaves out, such as [dispatch].
@@ -81,6 +90,37 @@ fn insert<'d>(
     descend(walk, inside, inner.get_mut(), (segment, rest), value, whole);
 }
 
+/// The keys of the entries of a list that the kind of file reads itself, where `--set` calls them.
+fn called(form: &Form, key: &str) -> Option<[&'static str; 2]> {
+    if let Kind::Content(content) = form.key(key)?.kind { content.entry } else { None }
+}
+
+/// Sets `rest`, the name of an entry and perhaps one of its keys.
+fn set_entry<'d>(
+    list: &mut DeArray<'d>,
+    [name, main]: [&'static str; 2],
+    rest: &[String],
+    value: Spanned<DeValue<'d>>,
+    whole: Span,
+) {
+    let key = |text: &str| Spanned::new(value.span().start..value.span().start, text.to_owned().into());
+    let wanted = &rest[0];
+    let named = |entry: &Spanned<DeValue<'d>>| {
+        entry.get_ref().as_table().and_then(|table| table.get(name)?.get_ref().as_str()) == Some(wanted)
+    };
+    let at = list.iter().position(named).unwrap_or_else(|| {
+        let mut entry = DeTable::new();
+        entry.insert(key(name), Spanned::new(whole.clone(), DeValue::String(wanted.clone().into())));
+        list.push(Spanned::new(whole.clone(), DeValue::Table(entry)));
+        list.len() - 1
+    });
+    let set = key(rest.get(1).map_or(main, String::as_str));
+    if let Some(DeValue::Table(entry)) = list.get_mut(at).map(Spanned::get_mut) {
+        entry.remove(set.get_ref().as_ref());
+        entry.insert(set, value);
+    }
+}
+
 #[expect(clippy::wildcard_enum_match_arm, reason = "of TOML's values only tables and lists have something inside")]
 fn descend<'d>(
     walk: &mut Walk,
@@ -94,6 +134,15 @@ fn descend<'d>(
         DeValue::Table(inner) => insert(walk, form, inner, rest, value, whole),
         DeValue::Array(entries) => {
             let [wanted, rest @ ..] = rest else { return };
+            // `pass.tolerance`: a key of every entry.
+            if rest.is_empty() && form.is_some_and(|form| form.key(wanted).is_some()) {
+                for entry in entries.iter_mut().map(Spanned::get_mut) {
+                    if let DeValue::Table(entry) = entry {
+                        insert(walk, form, entry, std::slice::from_ref(wanted), value.clone(), whole.clone());
+                    }
+                }
+                return;
+            }
             let referred = form.and_then(reference);
             let names: Vec<String> = entries
                 .iter()

@@ -38,6 +38,15 @@ pub fn set_parameters(walk: &mut Walk, tool: &Section<'_>, mut groups: Vec<(&'st
     }
 }
 
+/// Sets the fields of `record` that a section of [`record_keys`](crate::record_keys) gives.
+pub fn fill_record(section: &Section<'_>, record: &mut dyn AnyRecord) {
+    for (i, field) in record.fields().iter().enumerate() {
+        if let Some(value) = section.si(field.name) {
+            record.set_value(i, value);
+        }
+    }
+}
+
 /// Sets the values that `table` holds, each read in the unit of its field.
 pub fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mut dyn AnyRecord) {
     let fields = record.fields();

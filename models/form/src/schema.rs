@@ -60,8 +60,8 @@ fn form(form: &'static Form) -> Value {
 fn property(key: &'static Key) -> Value {
     let mut body = kind(&key.kind);
     let mut doc = match body["description"].as_str() {
-        Some(detail) => format!("{}. {detail}", key.doc),
-        None => key.doc.to_owned(),
+        Some(detail) => format!("{}. {detail}", key.doc.trim().trim_end_matches('.')),
+        None => key.doc.trim().to_owned(),
     };
     if let Some(when) = key.when {
         doc.push_str(&format!(". Where {} is {}", when.key, when.values.join(" or ")));
@@ -95,7 +95,9 @@ fn kind(of: &'static Kind) -> Value {
         Kind::Text | Kind::Reference(_) => json!({ "type": "string" }),
         Kind::Quantity(quantity) => {
             let mut body = number(quantity.unit, quantity.min, quantity.max);
-            body["examples"] = json!([quantity.example]);
+            if !quantity.example.is_empty() {
+                body["examples"] = json!([quantity.example]);
+            }
             body
         }
         Kind::Count { min, max } => {

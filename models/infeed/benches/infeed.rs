@@ -24,7 +24,7 @@ fn benches(criterion: &mut Criterion) {
         criterion.bench_function(&name, |b| b.iter(|| fastest_cycle(black_box(&grinding), &wheel, &input, &limits)));
     }
     let file = include_str!("../../../scenarios/grinding/cycle.toml");
-    let file = CycleFile::read("cycle.toml", file).expect("a good file");
+    let file = CycleFile::parse("cycle.toml", file, &[]).expect("a good file").content;
     criterion.bench_function("dressing interval of 160 exact cycles", |b| b.iter(|| file.dressing_intervals()));
     let delay = InfeedProfile::default();
     criterion.bench_function("16 revolutions with profile", |b| {

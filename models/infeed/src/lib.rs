@@ -80,9 +80,8 @@ mod waves;
 
 pub use claims::claims;
 pub use cycle::{
-    Cycle, CycleError, CycleFault, CycleFile, CycleFileError, CycleLimits, CyclePhase, CyclePoint, CycleReason,
-    DressingInterval, DressingPlan, cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle,
-    grind_cycle,
+    CYCLE, Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CyclePoint, DressingInterval, DressingPlan,
+    cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle,
 };
 pub use first_order::{FirstOrderState, InfeedFirstOrder, TimeConstant};
 pub use identify::{

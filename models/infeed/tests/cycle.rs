@@ -1,8 +1,9 @@
 //! Cycle design against the reference table, against brute force, and on limits that conflict.
 
 use proptest::prelude::*;
+use toolroom_form::{Fault, ReadError};
 use toolroom_infeed::{
-    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, CycleReason, DressingPlan, Infeed, Input, Parameters, State,
+    Cycle, CycleError, CycleFile, CycleLimits, CyclePhase, DressingPlan, Infeed, Input, Parameters, State,
     cycle_time_estimate, depth_at_temperature, dressing_interval, fastest_cycle, grind_cycle, stiffness_from_k,
 };
 
@@ -216,7 +217,7 @@ const FILE: &str = include_str!("../../../scenarios/grinding/cycle.toml");
 
 #[test]
 fn the_shipped_cycle_file_gives_cycle_and_dressing_interval() {
-    let file = CycleFile::read("cycle.toml", FILE).expect("a good file");
+    let file = CycleFile::parse("cycle.toml", FILE, &[]).expect("a good file").content;
     let cycle = file.fastest_cycle().expect("feasible");
     assert_eq!(cycle.revolutions, 27);
     let [estimate, exact] = file.dressing_intervals().expect("feasible").expect("asked for");
@@ -231,16 +232,32 @@ fn the_shipped_cycle_file_gives_cycle_and_dressing_interval() {
 fn every_fault_of_a_cycle_file_has_its_place() {
     let text = "schema = 2\nparameter_set = \"zb153\"\n[limits]\nstock = \"100 N\"\nstok = 3\nlast_depth = \"5 m\"\n\
                 [dressing]\ndressing_time = 90\n";
-    let error = CycleFile::read("c.toml", text).expect_err("a bad file");
-    let places: Vec<(usize, usize)> = error.faults.iter().map(|fault| (fault.line, fault.column)).collect();
-    assert_eq!(places.iter().map(|place| place.0).collect::<Vec<_>>(), [1, 2, 4, 5, 6, 8]);
-    assert_eq!(places[2], (4, 14));
-    assert!(matches!(error.faults[3].reason, CycleReason::UnknownKey { table: "limits", nearest: "stock", .. }));
-    assert!(error.to_string().starts_with("c.toml:1:10: schema = 2 is not known"), "{error}");
-    let syntax = CycleFile::read("c.toml", "schema = 1\nlimit = 3\n").expect_err("a bad file");
-    assert!(matches!(syntax.faults[0], ref fault if fault.line == 2));
-    let plain = CycleFile::read("c.toml", "schema = 1\n[dressing]\n").expect("a good file");
+    let Err(ReadError::Faults(list)) = CycleFile::parse("c.toml", text, &[]) else { panic!("a bad file") };
+    let places: Vec<_> = list.problems.iter().map(|problem| list.place(problem)).collect();
+    assert_eq!(places.iter().map(|place| place.line).collect::<Vec<_>>(), [1, 2, 4, 5, 6, 8]);
+    assert_eq!((places[2].line, places[2].column), (4, 14));
+    assert!(matches!(list.problems[3].fault, Fault::UnknownKey { nearest: Some("stock"), .. }));
+    assert!(list.to_string().starts_with("c.toml:1:10: schema = 2 is not known"), "{list}");
+    assert!(CycleFile::parse("c.toml", "schema = 1\nlimit = 3\n", &[]).is_err());
+    let plain = CycleFile::parse("c.toml", "schema = 1\n[dressing]\n", &[]).expect("a good file").content;
     assert_eq!(plain.dressing, Some(DressingPlan::default()));
+}
+
+#[test]
+fn single_values_and_effects_are_replaced() {
+    let set = ["limits.stock=50 um", "dressing.most_parts=7", "effects.threshold_force=20 N"].map(str::to_owned);
+    let file = CycleFile::parse("c.toml", "schema = 1\n", &set).expect("a good file").content;
+    assert!((file.limits.stock - 50e-6).abs() < 1e-15);
+    assert_eq!(file.dressing.expect("asked for").most_parts, 7.0);
+    let sizes: Vec<f64> = file.grinding.effects.iter().map(|effect| effect.size()).collect();
+    assert_eq!(sizes, [20.0]);
+    let text = "schema = 1\neffects = [{ id = \"threshold_force\", size = \"5 N\" }]\n";
+    assert_eq!(CycleFile::parse("c.toml", text, &set).expect("a good file").content, file);
+    for bad in ["effects.runout=1 um", "effects.threshold_forse=1 N", "effects.threshold_force=1 m", "limits.stok=1 um"]
+    {
+        let Err(ReadError::Faults(list)) = CycleFile::parse("c.toml", text, &[bad.to_owned()]) else { panic!("{bad}") };
+        assert_eq!(list.problems.len(), 1, "{bad}: {list}");
+    }
 }
 
 proptest! {
@@ -272,6 +289,6 @@ proptest! {
 
     #[test]
     fn any_text_is_read_as_a_cycle_or_refused(text in "\\PC{0,80}") {
-        let _ = CycleFile::read("c.toml", &format!("schema = 1\n[limits]\n{text}"));
+        let _ = CycleFile::parse("c.toml", &format!("schema = 1\n[limits]\n{text}"), &[]);
     }
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
-use toolroom_gap::{NominalModel, NominalProcess, Settings};
+use toolroom_gap::{NominalProcess, Settings};
 use toolroom_recording::simulated;
 use toolroom_records::RecordKind;
 use toolroom_scenario::file::read;
@@ -33,16 +33,6 @@ impl Figure {
             "with_effects": self.after, "closed": self.closed().is_finite().then(|| self.closed()),
         })
     }
-}
-
-/// Share of the operations of a shop's log that are held.
-pub fn held(data: &Path, nominal: &NominalModel, voice: &Voice) -> Result<Option<f64>, Failure> {
-    if !matches!(nominal.process, NominalProcess::Shop(_)) {
-        return Ok(None);
-    }
-    let seen = visits(&recorded(data, nominal, voice)?);
-    let holds: usize = seen.list.iter().map(|visit| visit.holds.len()).sum();
-    Ok((!seen.list.is_empty()).then(|| (holds as f64 / seen.list.len() as f64).min(1.0)))
 }
 
 /// Runs the shop before and after, and holds both against the recorded events.

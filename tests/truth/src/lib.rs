@@ -65,7 +65,7 @@ pub const GENERATORS: &[Generator] =
 pub struct Hidden {
     /// Word of the catalogue, or of a cause outside it.
     pub id: &'static str,
-    /// Strength: 1 is ordinary.
+    /// Strength: 1 is ordinary; below zero where a cause has two signs, as feed overrides of a shop have.
     pub strength: f64,
 }
 

@@ -194,8 +194,9 @@ impl Machine {
         }
         let mut feed = 1.0;
         let slow = world.strength("feed_override");
-        if slow > 0.0 {
-            if world.logged {
+        // Below zero somebody turns the knob up in the late shift, which no log says.
+        if slow != 0.0 {
+            if world.logged && slow > 0.0 {
                 // Somebody turns the knob for some operations, whatever the shift.
                 if world.chance.uniform() < 0.4 {
                     feed = (100.0 / (1.0 + slow * 0.2 * world.chance.uniform())).round() / 100.0;

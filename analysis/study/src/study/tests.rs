@@ -163,3 +163,13 @@ fn a_shop_that_stops_ends_the_study_after_the_replications_before_it() {
         assert_eq!(study.values(1, 0), self::study(&options(3, 1)).values(1, 0));
     }
 }
+
+#[test]
+fn a_precision_is_read_as_people_write_it() {
+    for text in ["half-width 2%", "half-width 2 %", "2%", "0.02", "half-width=2%"] {
+        assert_eq!(text.parse(), Ok(Precision { relative_half_width: 0.02 }), "{text}");
+    }
+    for text in ["", "half-width", "0", "-2%", "100%", "nan", "inf"] {
+        assert_eq!(text.parse::<Precision>(), Err(NoPrecision), "{text}");
+    }
+}

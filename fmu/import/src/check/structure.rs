@@ -42,7 +42,7 @@ pub(super) fn check(description: &ModelDescription, findings: &mut Findings) {
 }
 
 /// What the standard lists as InitialUnknowns: outputs and calculated parameters that are
-/// `approx` or `calculated`, and states and derivatives that are.
+/// `approx` or `calculated`, and states and derivatives that are; not what is clocked, which has no value then.
 fn initially_unknown(description: &ModelDescription, index: usize, derivatives: &BTreeSet<usize>) -> bool {
     let variable = &description.variables[index];
     let open = matches!(variable.initial.as_deref(), Some("approx" | "calculated"));
@@ -50,7 +50,7 @@ fn initially_unknown(description: &ModelDescription, index: usize, derivatives: 
     let kind = matches!(variable.causality.as_str(), "output" | "calculatedParameter")
         || is_state
         || derivatives.contains(&index);
-    open && kind && variable.variability != "constant"
+    open && kind && !variable.clocked && variable.variability != "constant"
 }
 
 fn compare(

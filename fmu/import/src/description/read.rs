@@ -266,6 +266,7 @@ impl Reader {
                 max: self.number(typed, "max"),
                 nominal: self.number(typed, "nominal"),
                 derivative_of: None,
+                clocked: description.major == 3 && element.has_attribute("clocks"),
                 dimensions: elements(element).filter(|child| child.tag_name().name() == "Dimension").count(),
                 description: element.attribute("description").unwrap_or_default().to_owned(),
                 line,

@@ -6,7 +6,7 @@ mod file;
 
 pub use design::{Cycle, CycleError, CyclePhase, CyclePoint, depth_at_temperature, fastest_cycle, grind_cycle};
 pub use dressing::{DressingInterval, cycle_time_estimate, dressing_interval};
-pub use file::{CycleFault, CycleFile, CycleFileError, CycleReason, DressingPlan};
+pub use file::{CYCLE, CycleFile, DressingPlan};
 
 use toolroom_process::record;
 

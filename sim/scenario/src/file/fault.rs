@@ -2,9 +2,8 @@
 
 use crate::policies::{PlanError, PolicyError};
 use std::sync::Arc;
-use toolroom_contour::FileError;
 use toolroom_form::{ContentFault, Fault};
-use toolroom_infeed::{CycleError, CycleFileError};
+use toolroom_infeed::CycleError;
 
 /// One thing that is wrong in a scenario.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +65,7 @@ pub enum ScenarioFault {
     #[error("{reason}")]
     CycleFile {
         /// Each with its place in that file.
-        reason: CycleFileError,
+        reason: String,
     },
     /// Limits that no cycle keeps.
     #[error("{subject}: {reason}")]
@@ -76,13 +75,11 @@ pub enum ScenarioFault {
         /// The limits that conflict.
         reason: CycleError,
     },
-    /// A contour file with a fault of its own.
-    #[error("{file}, {reason}")]
+    /// A contour file with faults of its own.
+    #[error("{reason}")]
     ContourFile {
-        /// The file as written.
-        file: String,
-        /// The fault with its place in that file.
-        reason: FileError,
+        /// Each with its place in that file.
+        reason: String,
     },
     /// A contour that cannot be milled as planned.
     #[error("{subject}: {reason}")]

@@ -451,6 +451,7 @@ static EFFECTS: Content = Content {
     expected: "a list of effects",
     example: "[{ id = \"wear_force\", size = 0.2 }]",
     schema: || json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } }),
+    entry: Some(["id", "size"]),
 };
 
 /// An effect with its size and shape.

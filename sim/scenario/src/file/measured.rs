@@ -189,12 +189,12 @@ pub(super) fn effects(
         let (mut scope, mut error) = (Scope::default(), None);
         if let DeValue::Table(table) = entry.get_mut() {
             if let Some(raw) = table.remove("scope") {
-                match raw.get_ref() {
-                    DeValue::Table(own) => {
-                        let section = walk.section(&SCOPE, &format!("{}, scope", tool.path), own, raw.span(), None);
-                        scope = scope_of(walk, &section, names);
-                    }
-                    other => walk.wrong_type("scope", other, "a table", raw.span(), "{ machine = \"L1\" }".to_owned()),
+                if let DeValue::Table(own) = raw.get_ref() {
+                    let section = walk.section(&SCOPE, &format!("{}, scope", tool.path), own, raw.span(), None);
+                    scope = scope_of(walk, &section, names);
+                } else {
+                    let example = "{ machine = \"L1\" }".to_owned();
+                    walk.wrong_type("scope", raw.get_ref(), "a table", raw.span(), example);
                 }
             }
             error = table.remove("standard_error");
@@ -210,9 +210,8 @@ pub(super) fn effects(
         };
         let field = effect.entry().size;
         let quantity = amounts(field.unit, field.display, 0.0, f64::MAX);
-        let standard_error = error.and_then(|raw| match walk.quantity("standard_error", &quantity, &raw) {
-            Value::Si(value) => Some(value),
-            _ => None,
+        let standard_error = error.and_then(|raw| {
+            if let Value::Si(value) = walk.quantity("standard_error", &quantity, &raw) { Some(value) } else { None }
         });
         let same = |own: &SwitchedEffect| own.effect.with_size(0.0) == effect.with_size(0.0) && own.scope == scope;
         if list.iter().any(same) {

@@ -40,10 +40,10 @@ pub(super) fn cycle(walk: &mut Walk, section: &Section<'_>, model: Option<&Proce
         Value::Text(path) => {
             not_beside(walk, section, "cycle", OF_CYCLE_FILE);
             let text = walk.file(section, "cycle", path)?;
-            match CycleFile::read(path, &text) {
+            match CycleFile::parse(path, &text, &[]).map(|file| file.content) {
                 Ok(file) => (file.grinding, file.input, file.limits),
                 Err(reason) => {
-                    walk.fault(section.span_of("cycle"), ScenarioFault::CycleFile { reason });
+                    walk.fault(section.span_of("cycle"), ScenarioFault::CycleFile { reason: reason.to_string() });
                     return None;
                 }
             }
@@ -75,10 +75,10 @@ pub(super) fn contour(
     let path = section.text("contour")?;
     not_beside(walk, section, "contour", OF_CONTOUR);
     let text = walk.file(section, "contour", path)?;
-    let content = match ContourFile::read(&text) {
-        Ok(content) => content,
+    let content = match ContourFile::parse(path, &text, &[]) {
+        Ok(file) => file.content,
         Err(reason) => {
-            walk.fault(section.span_of("contour"), ScenarioFault::ContourFile { file: path.to_owned(), reason });
+            walk.fault(section.span_of("contour"), ScenarioFault::ContourFile { reason: reason.to_string() });
             return None;
         }
     };

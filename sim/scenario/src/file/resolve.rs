@@ -56,7 +56,7 @@ impl Named {
 }
 
 /// The tables of a list that have a name.
-fn raw_names<'v, 'd>(value: Option<&'v Value<'d>>) -> Vec<(String, DeTable<'d>)> {
+fn raw_names<'d>(value: Option<&Value<'d>>) -> Vec<(String, DeTable<'d>)> {
     let Some(Value::Raw(DeValue::Array(entries))) = value else { return Vec::new() };
     let tables = entries.iter().filter_map(|entry| entry.get_ref().as_table());
     tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()

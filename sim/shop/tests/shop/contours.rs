@@ -39,7 +39,7 @@ fn shop(contour: &str, passes: &[usize], rule: ContourRule, jobs: u32) -> Scenar
     shop.machines[0].speed_range = (0.01, 10.0);
     shop.machines[0].rate = 30.0 / 3600.0;
     shop.machines[0].tool_change_time = 300.0;
-    let content = ContourFile::read(contour).unwrap();
+    let content = ContourFile::parse("contour.toml", contour, &[]).unwrap().content;
     let work = ContourWork::new(
         "contour",
         content,
@@ -99,7 +99,7 @@ fn the_form_of_the_wall_is_that_of_the_planner_under_the_conditions_of_the_part(
         let mut shop = shop(contour, &[1], ContourRule::Cost, 30);
         shop.tools[0].scatter = toolroom_wear::Scatter { piece_hardness: 0.05, ..toolroom_wear::Scatter::none() };
         let log = run(&shop);
-        let file = ContourFile::read(contour).unwrap();
+        let file = ContourFile::parse("contour.toml", contour, &[]).unwrap().content;
         let plan = plan(&shop, 0);
         let settings: Vec<Setting> = plan
             .sections

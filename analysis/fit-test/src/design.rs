@@ -1,0 +1,287 @@
+//! Scores of groups that a linear model predicts from the other groups.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A group of readings, in units of their noise.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Derivatives by what all groups share, a row a reading, per prior standard deviation.
+    pub shared: DMatrix<f64>,
+    /// Derivatives by what the group has of its own, per prior standard deviation.
+    pub own: DMatrix<f64>,
+    /// The fold with which it is left out.
+    pub fold: usize,
+}
+
+/// A linear model of groups: readings are `shared·x + own·u + ε` with standard normal x, u and ε.
+pub struct Design {
+    parts: Vec<Part>,
+    /// Factors of the precision of x without each fold.
+    without: Vec<Cholesky<f64, Dyn>>,
+    shared: usize,
+    readings: usize,
+}
+
+/// What is known of a group before any reading.
+struct Part {
+    group: Group,
+    rows: Range<usize>,
+    /// `V⁻¹ shared` for the covariance V of the group with x known.
+    weighted: DMatrix<f64>,
+    /// The predicted covariance is `1 + directions·lengths·directions'`; these are the directions.
+    directions: DMatrix<f64>,
+    /// `1/√(1 + length) − 1` of each direction.
+    shrink: DVector<f64>,
+}
+
+/// A squared length below which a direction counts as none.
+const NOTHING: f64 = 1e-12;
+
+impl Design {
+    /// The design of `groups`, whose folds are 0 … `folds` − 1.
+    ///
+    /// # Panics
+    /// Where a fold is not below `folds`, or groups differ in the number of their columns.
+    pub fn new(groups: Vec<Group>, folds: usize) -> Self {
+        let shared = groups.first().map_or(0, |group| group.shared.ncols());
+        let weighted: Vec<DMatrix<f64>> = groups.par_iter().map(weighted).collect();
+        let products: Vec<DMatrix<f64>> =
+            groups.par_iter().zip(&weighted).map(|(group, weighted)| group.shared.tr_mul(weighted)).collect();
+        let mut by_fold = vec![DMatrix::<f64>::zeros(shared, shared); folds];
+        let mut total = DMatrix::<f64>::identity(shared, shared);
+        for (group, product) in groups.iter().zip(&products) {
+            by_fold[group.fold] += product;
+            total += product;
+        }
+        let without: Vec<Cholesky<f64, Dyn>> = by_fold.par_iter().map(|own| factor(&total - own)).collect();
+        let mut first = 0;
+        let rows: Vec<Range<usize>> = groups
+            .iter()
+            .map(|group| {
+                let rows = first..first + group.shared.nrows();
+                first = rows.end;
+                rows
+            })
+            .collect();
+        let of = |((group, rows), weighted): ((Group, Range<usize>), DMatrix<f64>)| {
+            let (directions, shrink) = root(&group, &without[group.fold]);
+            Part { group, rows, weighted, directions, shrink }
+        };
+        let parts = groups.into_par_iter().zip(rows).zip(weighted).map(of).collect();
+        Self { parts, without, shared, readings: first }
+    }
+
+    /// Number of readings.
+    pub fn len(&self) -> usize {
+        self.readings
+    }
+
+    /// Whether there is no reading.
+    pub fn is_empty(&self) -> bool {
+        self.readings == 0
+    }
+
+    /// Readings of each group.
+    pub fn rows(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        self.parts.iter().map(|part| part.rows.clone())
+    }
+
+    /// Scores of columns of residuals, a column a data set: every group predicted from the other folds, in units of
+    /// the predicted standard deviation, independent within the group (by the symmetric root of its covariance, so
+    /// that each score stays as near as possible to its reading). Where the model is right they are standard normal.
+    pub fn scores(&self, residuals: &DMatrix<f64>) -> DMatrix<f64> {
+        let sets = residuals.ncols();
+        let mut by_fold = vec![DMatrix::<f64>::zeros(self.shared, sets); self.without.len()];
+        let mut total = DMatrix::<f64>::zeros(self.shared, sets);
+        for part in &self.parts {
+            let own = part.weighted.tr_mul(&residuals.rows_range(part.rows.clone()));
+            by_fold[part.group.fold] += &own;
+            total += own;
+        }
+        let found: Vec<DMatrix<f64>> =
+            self.without.iter().zip(by_fold).map(|(factor, own)| factor.solve(&(&total - own))).collect();
+        let mut scores = residuals.clone();
+        for part in &self.parts {
+            let mut left = residuals.rows_range(part.rows.clone()) - &part.group.shared * &found[part.group.fold];
+            let mut along = part.directions.tr_mul(&left);
+            for (mut row, shrink) in along.row_iter_mut().zip(part.shrink.iter()) {
+                row *= *shrink;
+            }
+            left += &part.directions * along;
+            scores.rows_range_mut(part.rows.clone()).copy_from(&left);
+        }
+        scores
+    }
+
+    /// Adds what `x` of the shared and `own` of each group's numbers do to `column`; draws of the model need it.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than columns.
+    pub fn add(&self, shared: &DVector<f64>, own: &[DVector<f64>], column: &mut DVector<f64>) {
+        for (part, own) in self.parts.iter().zip(own) {
+            let moved = &part.group.shared * shared + &part.group.own * own;
+            let mut rows = column.rows_range_mut(part.rows.clone());
+            rows += moved;
+        }
+    }
+
+    /// Number of shared columns, and of those that each group has of its own.
+    pub fn columns(&self) -> [usize; 2] {
+        [self.shared, self.parts.first().map_or(0, |part| part.group.own.ncols())]
+    }
+
+    /// For each of `signatures` the weights whose product with a column of residuals is its score after projection:
+    /// standard normal where the model is right, and as large as possible where the signature is hidden in the
+    /// residuals. A signature that the model takes up wholly has weights of zero.
+    pub fn projected(&self, signatures: &DMatrix<f64>) -> DMatrix<f64> {
+        // V⁻¹ of the whole: that of each group with x known, less what x explains.
+        let weigh = |columns: &DMatrix<f64>| {
+            let mut to = columns.clone();
+            for part in &self.parts {
+                let own = solved(&part.group.own, &columns.rows_range(part.rows.clone()).into_owned());
+                to.rows_range_mut(part.rows.clone()).copy_from(&own);
+            }
+            to
+        };
+        let mut precision = DMatrix::<f64>::identity(self.shared, self.shared);
+        let mut cross = DMatrix::<f64>::zeros(self.shared, signatures.ncols());
+        for part in &self.parts {
+            precision += part.group.shared.tr_mul(&part.weighted);
+            cross += part.weighted.tr_mul(&signatures.rows_range(part.rows.clone()));
+        }
+        let taken = factor(precision).solve(&cross);
+        let mut weights = weigh(signatures);
+        for part in &self.parts {
+            let mut rows = weights.rows_range_mut(part.rows.clone());
+            rows -= &part.weighted * &taken;
+        }
+        for (mut weight, signature) in weights.column_iter_mut().zip(signatures.column_iter()) {
+            let square = weight.dot(&signature);
+            let whole = signature.norm_squared();
+            weight *= if square > 1e-9 * whole && whole > 0.0 { square.sqrt().recip() } else { 0.0 };
+        }
+        weights
+    }
+}
+
+/// `V⁻¹ shared`.
+fn weighted(group: &Group) -> DMatrix<f64> {
+    solved(&group.own, &group.shared)
+}
+
+/// `(1 + own·own')⁻¹ columns`.
+fn solved(own: &DMatrix<f64>, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let inner = own.tr_mul(own) + DMatrix::identity(own.ncols(), own.ncols());
+    columns - own * factor(inner).solve(&own.tr_mul(columns))
+}
+
+/// Cholesky factor of a matrix that is positive definite but for rounding.
+fn factor(mut matrix: DMatrix<f64>) -> Cholesky<f64, Dyn> {
+    let size = matrix.nrows();
+    let scale = matrix.diagonal().amax().max(1.0);
+    let mut lift = 1e-12 * scale;
+    loop {
+        if let Some(factor) = Cholesky::new(matrix.clone()) {
+            return factor;
+        }
+        if !lift.is_finite() || lift > scale {
+            return Cholesky::pack_dirty(DMatrix::identity(size, size));
+        }
+        (0..size).for_each(|i| matrix[(i, i)] += lift);
+        lift *= 10.0;
+    }
+}
+
+/// Directions and shrinkages of the symmetric root of the inverse predicted covariance.
+fn root(group: &Group, without: &Cholesky<f64, Dyn>) -> (DMatrix<f64>, DVector<f64>) {
+    let shared = without.l().solve_lower_triangular(&group.shared.transpose());
+    let shared = shared.unwrap_or_else(|| DMatrix::zeros(group.shared.ncols(), group.shared.nrows()));
+    let (rows, own, all) = (group.shared.nrows(), group.own.ncols(), group.own.ncols() + shared.nrows());
+    let mut scatter = DMatrix::zeros(rows, all);
+    scatter.columns_range_mut(..own).copy_from(&group.own);
+    scatter.columns_range_mut(own..).tr_copy_from(&shared);
+    // The smaller of the two products has the same lengths.
+    let wide = all >= rows;
+    let product = if wide { &scatter * scatter.transpose() } else { scatter.tr_mul(&scatter) };
+    let eigen = product.symmetric_eigen();
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|i| eigen.eigenvalues[*i] > NOTHING).collect();
+    let lengths = DVector::from_fn(kept.len(), |i, _| eigen.eigenvalues[kept[i]]);
+    let chosen = eigen.eigenvectors.select_columns(&kept);
+    let mut directions = if wide { chosen } else { scatter * chosen };
+    if !wide {
+        for (mut direction, length) in directions.column_iter_mut().zip(lengths.iter()) {
+            direction /= length.sqrt();
+        }
+    }
+    (directions, lengths.map(|length| (1.0 + length).sqrt().recip() - 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn groups() -> Vec<Group> {
+        let value = |i: usize, j: usize| ((i * 7 + j * 13) % 11) as f64 / 4.0 - 1.2;
+        [(6, 0), (1, 1), (8, 0), (5, 2)]
+            .into_iter()
+            .enumerate()
+            .map(|(g, (rows, fold))| Group {
+                shared: DMatrix::from_fn(rows, 3, |i, j| value(i + g, j)),
+                own: DMatrix::from_fn(rows, 2, |i, j| value(j + 2 * g, i)),
+                fold,
+            })
+            .collect()
+    }
+
+    /// Covariance of all readings, written out.
+    fn covariance(groups: &[Group]) -> DMatrix<f64> {
+        let rows: usize = groups.iter().map(|group| group.shared.nrows()).sum();
+        let mut columns = DMatrix::zeros(rows, 3 + 2 * groups.len());
+        let mut first = 0;
+        for (g, group) in groups.iter().enumerate() {
+            let n = group.shared.nrows();
+            columns.view_mut((first, 0), (n, 3)).copy_from(&group.shared);
+            columns.view_mut((first, 3 + 2 * g), (n, 2)).copy_from(&group.own);
+            first += n;
+        }
+        DMatrix::identity(rows, rows) + &columns * columns.transpose()
+    }
+
+    #[test]
+    fn scores_of_a_group_left_out_are_those_of_the_covariance_written_out() {
+        let groups = groups();
+        let whole = covariance(&groups);
+        let design = Design::new(groups.clone(), 3);
+        let residual = DVector::from_fn(design.len(), |i, _| (i as f64).cos());
+        let scores = design.scores(&DMatrix::from_columns(std::slice::from_ref(&residual)));
+        // The last group is a fold by itself: predicted from the fourteen readings of all others.
+        let (train, test): (Vec<usize>, Vec<usize>) = ((0..15).collect(), (15..20).collect());
+        let cut = |rows: &[usize], columns: &[usize]| whole.select_rows(rows).select_columns(columns);
+        let gain = cut(&test, &train) * cut(&train, &train).try_inverse().unwrap();
+        let left = residual.select_rows(&test) - &gain * residual.select_rows(&train);
+        let predicted = cut(&test, &test) - &gain * cut(&train, &test);
+        let eigen = predicted.symmetric_eigen();
+        let root = &eigen.eigenvectors
+            * DMatrix::from_diagonal(&eigen.eigenvalues.map(|length| length.sqrt().recip()))
+            * eigen.eigenvectors.transpose();
+        let golden = root * left;
+        for (i, golden) in golden.iter().enumerate() {
+            assert!((scores[(15 + i, 0)] - golden).abs() < 1e-9, "{} instead of {golden}", scores[(15 + i, 0)]);
+        }
+    }
+
+    #[test]
+    fn a_projected_score_is_that_of_generalised_least_squares() {
+        let groups = groups();
+        let inverse = covariance(&groups).try_inverse().unwrap();
+        let design = Design::new(groups, 3);
+        let signature = DMatrix::from_fn(design.len(), 1, |i, _| (0.3 * i as f64).sin());
+        let residual = DMatrix::from_fn(design.len(), 1, |i, _| (i as f64).cos());
+        let score = design.projected(&signature).tr_mul(&residual)[0];
+        let length = (signature.transpose() * &inverse * &signature)[0].sqrt();
+        let golden = (signature.transpose() * inverse * residual)[0] / length;
+        assert!((score - golden).abs() < 1e-9, "{score} instead of {golden}");
+    }
+}

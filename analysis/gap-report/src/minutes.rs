@@ -1,0 +1,110 @@
+//! Minutes and money a week.
+
+use crate::readings::Readings;
+use crate::{DAY, WEEK};
+use std::collections::BTreeMap;
+
+/// Channels whose values are time of a machine.
+const TIMES: [&str; 5] = ["cycle_time", "cutting_time", "handling_time", "tool_change_time", "feed_hold_time"];
+
+/// What an hour of each machine costs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Currency code.
+    pub currency: String,
+    /// Cost of a second of a machine, by its name.
+    pub by_machine: BTreeMap<String, f64>,
+}
+
+/// A step of the waterfall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// `nominal model`, `calibration`, an effect, `unexplained`, `recorded`.
+    pub label: String,
+    /// Machine time a week, min; of the first and the last the total, else the change.
+    pub minutes: f64,
+    /// Cost a week; of machines without a rate nothing.
+    pub money: f64,
+}
+
+/// Machine time and cost of the recorded operations a week. The steps between the first and the last add up to
+/// their difference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Minutes {
+    /// Currency code; empty where no machine has a rate.
+    pub currency: String,
+    /// Recorded time, weeks.
+    pub weeks: f64,
+    /// Steps, from the nominal model to the records.
+    pub steps: Vec<Step>,
+}
+
+impl Minutes {
+    /// Of readings of times; `None` where no time was measured, or not for a day.
+    pub fn of(readings: &Readings, rates: &Rates) -> Option<Self> {
+        let timed: Vec<usize> = (0..readings.channels.len())
+            .filter(|channel| TIMES.contains(&readings.channels[*channel].name.as_str()))
+            .collect();
+        let all = || timed.iter().flat_map(|channel| readings.of(*channel));
+        let times = all().map(|reading| reading.place.time).filter(|time| time.is_finite());
+        let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), time| (a.min(time), b.max(time)));
+        if last - first < DAY {
+            return None;
+        }
+        let weeks = (last - first) / WEEK;
+        let sum = |value: &dyn Fn(&crate::Reading) -> f64| {
+            all().fold([0.0; 2], |[minutes, money], reading| {
+                let seconds = value(reading) * reading.place.operations;
+                let rate = rates.by_machine.get(&reading.place.machine).copied().unwrap_or(0.0);
+                [minutes + seconds / 60.0 / weeks, money + seconds * rate / weeks]
+            })
+        };
+        let step = |label: &str, [minutes, money]: [f64; 2]| Step { label: label.to_owned(), minutes, money };
+        let mut steps = vec![step("nominal model", sum(&|reading| reading.stages[0]))];
+        for (stage, name) in readings.stages.iter().enumerate() {
+            steps.push(step(name, sum(&|reading| reading.stages[stage + 1] - reading.stages[stage])));
+        }
+        steps.push(step("unexplained", sum(&|reading| reading.measured - reading.stages[reading.stages.len() - 1])));
+        steps.push(step("recorded", sum(&|reading| reading.measured)));
+        let currency = if rates.by_machine.is_empty() { String::new() } else { rates.currency.clone() };
+        Some(Self { currency, weeks, steps })
+    }
+
+    /// What a step costs a week, in words: `41 min and 58 EUR a week`.
+    pub fn cost(&self, label: &str) -> Option<String> {
+        let step = self.steps.iter().find(|step| step.label == label)?;
+        let money =
+            if self.currency.is_empty() { String::new() } else { format!(" and {:.0} {}", step.money, self.currency) };
+        Some(format!("{:.0} min{money} a week", step.minutes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::readings::ReadChannel;
+    use crate::{Place, Reading};
+
+    #[test]
+    fn the_steps_of_the_waterfall_add_up() {
+        let reading = |day: f64, measured: f64| Reading {
+            channel: 0,
+            place: Place { machine: "L1".to_owned(), time: day * DAY, operations: 10.0 },
+            measured,
+            stages: vec![100.0, 101.0, 107.0],
+        };
+        let readings = Readings {
+            channels: vec![ReadChannel { name: "cycle_time".to_owned(), unit: "s".to_owned(), relative: true }],
+            stages: vec!["calibration".to_owned(), "feed_override".to_owned()],
+            list: vec![reading(0.0, 108.0), reading(7.0, 107.0)],
+        };
+        let rates =
+            Rates { currency: "EUR".to_owned(), by_machine: BTreeMap::from([("L1".to_owned(), 60.0 / 3600.0)]) };
+        let minutes = Minutes::of(&readings, &rates).expect("a week of times");
+        let of: Vec<f64> = minutes.steps.iter().map(|step| step.minutes).collect();
+        assert!((of[..4].iter().sum::<f64>() - of[4]).abs() < 1e-9, "{of:?}");
+        assert_eq!(minutes.cost("feed_override").as_deref(), Some("2 min and 2 EUR a week"));
+        assert!((of[2] - 2.0).abs() < 1e-12, "twenty operations, 6 s each");
+        assert!(Minutes::of(&Readings { list: vec![reading(0.0, 1.0)], ..readings }, &rates).is_none());
+    }
+}

@@ -1,0 +1,152 @@
+//! Measured values beside what the model says of them.
+
+use toolroom_gap::{Diagnosis, Forward, Point, Transform, report_units};
+
+/// Where and when a row of a model belongs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Machine; empty where nobody wrote it down.
+    pub machine: String,
+    /// Time from the start of the records, s; NaN where nobody knows.
+    pub time: f64,
+    /// Operations for which each channel of the row stands: 1 where a row is an operation.
+    pub operations: f64,
+}
+
+/// One measured value. Values are SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// Index of the channel in [`Readings::channels`].
+    pub channel: usize,
+    /// Where and when.
+    pub place: Place,
+    /// Measured.
+    pub measured: f64,
+    /// The model as its file stands, then calibrated, then with the named effects one after the other.
+    pub stages: Vec<f64>,
+}
+
+/// A channel of the readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadChannel {
+    /// Column name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Whether errors are relative.
+    pub relative: bool,
+}
+
+/// All readings of a process.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// Channels.
+    pub channels: Vec<ReadChannel>,
+    /// Names of the stages after the file's own: `calibration`, then effects.
+    pub stages: Vec<String>,
+    /// Readings.
+    pub list: Vec<Reading>,
+}
+
+impl Reading {
+    /// Measured less predicted at a stage, relative where the channel is compared so.
+    pub fn residual(&self, stage: usize, relative: bool) -> f64 {
+        let predicted = self.stages[stage];
+        if relative { (self.measured / predicted).ln() } else { self.measured - predicted }
+    }
+}
+
+impl Readings {
+    /// Adds the readings of one model. `place` says where a row belongs. Calibration and effects are those of the
+    /// diagnosis, without form allowance and without what differs from group to group.
+    pub fn add(&mut self, part: &dyn Forward, diagnosis: &Diagnosis, place: &dyn Fn(usize, &str) -> Place) {
+        let frame = part.frame();
+        let mut effects: Vec<(usize, f64, String)> = Vec::new();
+        for effect in &diagnosis.effects {
+            let own =
+                |candidate: &toolroom_gap::Candidate| candidate.id == effect.id && candidate.shape == effect.shape;
+            if let Some(index) = frame.candidates.iter().position(own) {
+                effects.push((index, effect.size / report_units(effect.id).0, effect.id.to_owned()));
+            }
+        }
+        let mut point = Point::nominal(part);
+        let mut stages = vec![part.simulate(&point)];
+        let moved = |name: &str| {
+            diagnosis.calibration.iter().find(|own| own.parameter == name).map_or(0.0, |own| own.prior_sd_moved)
+        };
+        let fitted = |allowance: bool, name: &str| if allowance { 0.0 } else { moved(name) };
+        for (value, parameter) in point.parameters.iter_mut().zip(&frame.parameters) {
+            *value = fitted(parameter.allowance, &parameter.name);
+        }
+        for (value, surface) in point.surfaces.iter_mut().zip(&frame.surfaces) {
+            *value = fitted(surface.allowance, &surface.name);
+        }
+        stages.push(with_surfaces(part, &point));
+        let names = std::iter::once("calibration".to_owned()).chain(effects.iter().map(|own| own.2.clone())).collect();
+        for (index, size, _) in effects {
+            point.effects[index] = size;
+            stages.push(with_surfaces(part, &point));
+        }
+        // Parts of an empirical model name different effects: the longest list counts.
+        if self.stages.len() < stages.len() - 1 {
+            self.stages = names;
+        }
+        let first = self.channels.len();
+        self.channels.extend(frame.measured.channels.iter().map(|channel| ReadChannel {
+            name: channel.name.to_owned(),
+            unit: channel.unit.to_owned(),
+            relative: channel.transform == Transform::Log,
+        }));
+        for (i, observation) in frame.measured.observations.iter().enumerate() {
+            let relative = self.channels[first + observation.channel].relative;
+            let mut own: Vec<f64> = stages.iter().map(|stage| stage[i]).collect();
+            own.resize(self.stages.len() + 1, own[own.len() - 1]);
+            self.list.push(Reading {
+                channel: first + observation.channel,
+                place: place(observation.row, &self.channels[first + observation.channel].name),
+                measured: if relative { observation.value.exp() } else { observation.value },
+                stages: own,
+            });
+        }
+    }
+
+    /// Readings of a channel whose first and last residual are numbers.
+    pub fn of(&self, channel: usize) -> impl Iterator<Item = &Reading> {
+        let relative = self.channels[channel].relative;
+        self.list.iter().filter(move |reading| {
+            let last = reading.stages.len() - 1;
+            reading.channel == channel
+                && reading.residual(0, relative).is_finite()
+                && reading.residual(last, relative).is_finite()
+        })
+    }
+
+    /// Mean and root mean square of the residuals of a channel at a stage (relative, or SI).
+    pub fn residuals(&self, channel: usize, stage: usize) -> [f64; 2] {
+        let relative = self.channels[channel].relative;
+        let all: Vec<f64> = self.of(channel).map(|reading| reading.residual(stage, relative)).collect();
+        let count = all.len() as f64;
+        [all.iter().sum::<f64>() / count, (all.iter().map(|r| r * r).sum::<f64>() / count).sqrt()]
+    }
+}
+
+/// Raw values with the corrections that need no simulation.
+fn with_surfaces(part: &dyn Forward, point: &Point) -> Vec<f64> {
+    let frame = part.frame();
+    let mut raw = part.simulate(point);
+    for (surface, moved) in frame.surfaces.iter().zip(&point.surfaces).filter(|(_, moved)| **moved != 0.0) {
+        for (value, observation) in raw.iter_mut().zip(&frame.measured.observations) {
+            if !surface.channels.contains(&observation.channel) {
+                continue;
+            }
+            let moved = surface.deviation * moved * surface.feature[observation.row];
+            let log = frame.measured.channels[observation.channel].transform == Transform::Log;
+            match (log, surface.absolute) {
+                (true, false) => *value *= moved.exp(),
+                (false, false) => *value += *value * moved,
+                (_, true) => *value += moved,
+            }
+        }
+    }
+    raw
+}

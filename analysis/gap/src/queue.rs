@@ -1,0 +1,290 @@
+//! Waiting times of jobs between two operations, scored by trace-driven replications.
+//!
+//! A queue follows from everything else and names no cause; it shows whether what was named is
+//! enough. Jobs come to a pool of machines when the log says, breakdowns and nights are those of the
+//! log, edges are changed and feeds held where they were; how long each operation occupies its machine
+//! is drawn from the calibrated model, with common random numbers without and with the named effects.
+//! A recorded wait is then a probability among the replicated ones, ties drawn at random, and a normal
+//! score of it.
+//!
+//! # Source
+//! Randomised probability integral transform: Dunn & Smyth 1996, Brockwell 2007. Trace-driven
+//! comparison of queues: Balci & Sargent 1982. First come, first served, on any machine of the pool:
+//! assumption.
+
+use super::{Diagnosis, NamedEffect};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::{BTreeMap, BTreeSet};
+use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
+use toolroom_scenario::MICRO_STOP;
+use toolroom_statistics::Moments;
+
+/// Replications of a log.
+const REPLICATIONS: usize = 40;
+/// Fewest scored days and waits of a pool.
+const DAYS: usize = 3;
+const WAITS: usize = 30;
+const DAY: f64 = 86400.0;
+
+/// Waits before a pool of machines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QueueScore {
+    /// Machines of the pool.
+    pub machines: Vec<String>,
+    /// Waits that were scored.
+    pub waits: usize,
+    /// Mean wait as recorded, s.
+    pub recorded: f64,
+    /// What the calibrated model says without the named effects, and with them.
+    pub without: QueueFit,
+    /// With the named effects.
+    pub with: QueueFit,
+}
+
+/// How recorded waits lie among replicated ones.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QueueFit {
+    /// Mean wait of the replications, s.
+    pub mean: f64,
+    /// Mean normal score over days, over its standard error: about standard normal for the true shop.
+    pub score: f64,
+    /// Area between the distribution of the probabilities and the uniform one; 0 for the true shop.
+    pub area: f64,
+    /// Mean waits of the replications, s.
+    pub means: Vec<f64>,
+    /// The score of each replication among the others.
+    pub scores: Vec<f64>,
+}
+
+/// One operation before a pool.
+struct Call<'a> {
+    visit: &'a Visit,
+    /// When the job was ready, s; its own start where nobody knows.
+    ready: f64,
+    known: bool,
+}
+
+/// Scores the waits before every pool of machines whose jobs come from another machine.
+pub fn queues(shop: &Shop, seen: &Visits, diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
+    let calls = calls(seen);
+    let model = Occupation::new(shop, seen, diagnosis);
+    let one = |pool: &Vec<usize>| {
+        let mut own: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
+        own.sort_by(|a, b| a.ready.total_cmp(&b.ready));
+        let scored: Vec<usize> = (0..own.len()).filter(|at| own[*at].known).collect();
+        let days: BTreeSet<i64> = scored.iter().map(|at| (own[*at].ready / DAY).floor() as i64).collect();
+        if scored.len() < WAITS || days.len() < DAYS {
+            return None;
+        }
+        let wait = |at: &usize| (own[*at].visit.start - own[*at].ready).max(0.0);
+        let [without, with] = [false, true].map(|effects| fit(seen, pool, &own, &scored, &model, effects, seed));
+        Some(QueueScore {
+            machines: pool.iter().map(|machine| seen.machines[*machine].clone()).collect(),
+            waits: scored.len(),
+            recorded: scored.iter().map(wait).sum::<f64>() / scored.len() as f64,
+            without,
+            with,
+        })
+    };
+    pools(seen).iter().filter_map(one).collect()
+}
+
+impl QueueScore {
+    /// In words.
+    pub fn words(&self, named: bool) -> String {
+        let machines = self.machines.join(", ");
+        let fit = |fit: &QueueFit| format!("{:.0} s, score {:.1}, area {:.2}", fit.mean, fit.score, fit.area);
+        let with = if named { format!("; with the effects {}", fit(&self.with)) } else { String::new() };
+        format!(
+            "queue before {machines}: {} waits of {:.0} s in the mean; the model says {}{with}",
+            self.waits,
+            self.recorded,
+            fit(&self.without)
+        )
+    }
+}
+
+/// Machines that run the same programs.
+fn pools(seen: &Visits) -> Vec<Vec<usize>> {
+    let mut pools: Vec<(BTreeSet<usize>, BTreeSet<usize>)> = Vec::new();
+    for machine in 0..seen.machines.len() {
+        let own = seen.list.iter().filter(|visit| visit.machine == machine);
+        let mut merged = (BTreeSet::from([machine]), own.map(|visit| visit.program).collect::<BTreeSet<usize>>());
+        let (same, other) = pools.into_iter().partition(|(_, programs)| !programs.is_disjoint(&merged.1));
+        pools = other;
+        for (machines, programs) in same {
+            merged.0.extend(machines);
+            merged.1.extend(programs);
+        }
+        pools.push(merged);
+    }
+    pools.into_iter().map(|(machines, _)| machines.into_iter().collect()).collect()
+}
+
+/// Operations with the time at which their job was ready: the end of the one before.
+fn calls(seen: &Visits) -> Vec<Call<'_>> {
+    let mut jobs: BTreeMap<&str, Vec<&Visit>> = BTreeMap::new();
+    seen.list.iter().for_each(|visit| jobs.entry(&visit.job).or_default().push(visit));
+    let mut calls = Vec::with_capacity(seen.list.len());
+    for own in jobs.values_mut() {
+        own.sort_by(|a, b| a.start.total_cmp(&b.start));
+        for (at, visit) in own.iter().enumerate() {
+            let before = at.checked_sub(1).map(|before| own[before]).filter(|before| before.program != visit.program);
+            let ready = before.map_or(visit.start, |before| before.end.min(visit.start));
+            calls.push(Call { visit, ready, known: before.is_some() });
+        }
+    }
+    calls
+}
+
+/// How long operations occupy a machine.
+struct Occupation<'a> {
+    shop: &'a Shop,
+    seen: &'a Visits,
+    /// Calibration factors by the name of the parameter.
+    factors: BTreeMap<&'a str, f64>,
+    effects: &'a [NamedEffect],
+}
+
+impl<'a> Occupation<'a> {
+    fn new(shop: &'a Shop, seen: &'a Visits, diagnosis: &'a Diagnosis) -> Self {
+        let factors = diagnosis.calibration.iter().map(|own| (own.parameter.as_str(), own.value)).collect();
+        Self { shop, seen, factors, effects: &diagnosis.effects }
+    }
+
+    /// Product of the calibrated factors; a constant that the records did not move stays at 1.
+    fn factor(&self, constants: &[Constant<'_>]) -> f64 {
+        constants.iter().filter_map(|constant| self.factors.get(constant.to_string().as_str())).product()
+    }
+
+    /// Time of one operation, s; the same random numbers are drawn with and without effects.
+    fn draw(&self, visit: &Visit, with_effects: bool, random: &mut impl Rng) -> f64 {
+        let (u, mut stop): (f64, f64) = (random.random(), random.random());
+        let (program, machine) = (&self.seen.programs[visit.program], &self.seen.machines[visit.machine]);
+        let (Some(nominal), Some(station)) = (self.shop.programs.get(program), self.shop.station(machine)) else {
+            // What the nominal shop does not know takes as long as it took.
+            return visit.cutting
+                + visit.handling
+                + visit.setup
+                + visit.changes.iter().chain(&visit.holds).sum::<f64>();
+        };
+        use Constant::{
+            Change, ChangeAtMachine, Handling, HandlingAtMachine, HandlingOfProgram, MachineGain, ProgrammedTime,
+            ProgrammedTimes,
+        };
+        let time = nominal.time * self.factor(&[ProgrammedTimes, ProgrammedTime(program), MachineGain(machine)]);
+        let handling = station.handling[(u * station.handling.len() as f64) as usize];
+        let handling = handling * self.factor(&[Handling, HandlingOfProgram(program), HandlingAtMachine(machine)]);
+        let change = station.tool_change * self.factor(&[Change, ChangeAtMachine(machine)]);
+        let [changes, holds] = [visit.changes.len() as f64, visit.holds.len() as f64];
+        let mut all = time + handling + visit.setup + changes * change;
+        for effect in self.effects.iter().filter(|_| with_effects) {
+            let shift = effect.shape.strip_prefix("shift=");
+            if shift.is_some_and(|shift| shift != self.shop.shift(machine, visit.start)) {
+                continue;
+            }
+            all += match (effect.id, effect.shape.as_str()) {
+                ("feed_override", "as recorded") => time * visit.override_excess,
+                ("feed_override", _) => time * effect.size,
+                ("operator_delay", _) => effect.size,
+                ("tool_change_delay", _) => changes * effect.size,
+                ("feed_hold", _) => holds * effect.size,
+                ("axis_acceleration", _) => nominal.feed_speeds * effect.size,
+                ("micro_stops", _) => {
+                    // Poisson by inversion, sizes in the display unit 1/h.
+                    let mean = effect.size / 3600.0 * time;
+                    let (mut probability, mut stopped) = ((-mean).exp(), 0.0);
+                    let mut count = 1.0;
+                    while stop > probability && count < 20.0 {
+                        stop -= probability;
+                        probability *= mean / count;
+                        count += 1.0;
+                        stopped -= MICRO_STOP * (1.0 - random.random::<f64>()).ln();
+                    }
+                    stopped
+                }
+                // Neither occupies a machine longer: lives of edges and breakdowns are those of the log.
+                ("tool_change_policy" | "breakdown_shape", _) => 0.0,
+                (id, _) => unreachable!("{id} is no effect of a shop's log"),
+            };
+        }
+        all
+    }
+}
+
+fn fit(
+    seen: &Visits,
+    pool: &[usize],
+    calls: &[&Call<'_>],
+    scored: &[usize],
+    model: &Occupation<'_>,
+    with_effects: bool,
+    seed: u64,
+) -> QueueFit {
+    let mut waits: Vec<Vec<f64>> = vec![Vec::with_capacity(REPLICATIONS); calls.len()];
+    for replication in 0..REPLICATIONS {
+        let mut free = vec![f64::NEG_INFINITY; pool.len()];
+        for (index, call) in calls.iter().enumerate() {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            random.set_stream((replication * calls.len() + index) as u64);
+            let start = |server: usize| seen.working(pool[server], call.ready.max(free[server]));
+            let server = (0..pool.len()).min_by(|a, b| start(*a).total_cmp(&start(*b))).unwrap_or(0);
+            let begun = start(server);
+            free[server] = seen.worked(pool[server], begun, model.draw(call.visit, with_effects, &mut random));
+            waits[index].push(begun - call.ready);
+        }
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(1));
+    let mut days = Days::default();
+    let mut others = vec![Days::default(); REPLICATIONS];
+    let mut means = vec![0.0; REPLICATIONS];
+    let mut probabilities = Vec::with_capacity(scored.len());
+    for at in scored {
+        let (call, replicated) = (calls[*at], &waits[*at]);
+        let day = (call.ready / DAY).floor() as i64;
+        let u = rank(call.visit.start - call.ready, replicated, 0.0, random.random());
+        days.add(day, u);
+        probabilities.push(u);
+        for (replication, wait) in replicated.iter().enumerate() {
+            // Among the others: itself is one of those that are equal.
+            others[replication].add(day, rank(*wait, replicated, 1.0, random.random()));
+            means[replication] += wait / scored.len() as f64;
+        }
+    }
+    probabilities.sort_by(f64::total_cmp);
+    let all = probabilities.len() as f64;
+    let area = probabilities.iter().enumerate().map(|(i, u)| ((i as f64 + 0.5) / all - u).abs()).sum::<f64>() / all;
+    QueueFit {
+        mean: means.iter().sum::<f64>() / REPLICATIONS as f64,
+        score: days.score(),
+        area,
+        means,
+        scores: others.iter().map(Days::score).collect(),
+    }
+}
+
+/// Probability of a wait among replicated ones, of which `own` are the wait itself; `chance` (0 to 1) decides
+/// among equals. The control knows times to half a second.
+fn rank(wait: f64, replicated: &[f64], own: f64, chance: f64) -> f64 {
+    let below = replicated.iter().filter(|other| **other < wait - 0.5).count() as f64;
+    let same = replicated.iter().filter(|other| (**other - wait).abs() <= 0.5).count() as f64 - own;
+    (below + chance * (same + 1.0)) / (replicated.len() as f64 - own + 1.0)
+}
+
+/// Sums and numbers of normal scores by day.
+#[derive(Clone, Debug, Default)]
+struct Days(BTreeMap<i64, (f64, f64)>);
+
+impl Days {
+    fn add(&mut self, day: i64, probability: f64) {
+        let sums = self.0.entry(day).or_default();
+        *sums = (sums.0 + normal_score(probability), sums.1 + 1.0);
+    }
+
+    /// Mean over the days over its standard error.
+    fn score(&self) -> f64 {
+        let means: Moments = self.0.values().map(|(sum, count)| sum / count).collect();
+        means.mean() / means.standard_error()
+    }
+}

@@ -1,0 +1,117 @@
+//! What the log of a shop counts, against what its file says.
+//!
+//! Handling, edge changes and programmed times are channels with a calibration of their own, and are no facts here.
+
+use super::queue::{QueueScore, queues};
+use super::{Diagnosis, GapVerdict};
+use toolroom_facts::failures::{History, shape, time_between};
+use toolroom_facts::survival::{Life, lives};
+use toolroom_facts::times::{share_above, times};
+use toolroom_facts::waits::waits;
+use toolroom_facts::{Fact, Quantity, findings};
+use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visits, visits};
+use toolroom_records::Records;
+use toolroom_scenario::{Distribution, FailureClock, FailureMode};
+
+/// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
+/// machine, as in the calibration of the channel `edge_life`.
+const LIFE: f64 = 0.18;
+
+/// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
+/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`.
+pub fn add_facts(shop: &Shop, records: &Records, diagnosis: &mut Diagnosis, seed: u64) {
+    let seen = visits(records);
+    let scores = queues(shop, &seen, diagnosis, seed);
+    let named = |id: &str| diagnosis.effects.iter().any(|effect| effect.id == id);
+    let explained = !diagnosis.effects.is_empty();
+    let mut facts = of_failures(shop, &seen, named("breakdown_shape"), seed);
+    if !named("tool_change_policy") {
+        facts.extend(of_edges(shop, &seen));
+    }
+    facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
+    diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
+    diagnosis.notes.push("not asked, since the log has no orders: arrivals, scrap, lead times".to_owned());
+    diagnosis.findings = findings(&facts);
+    diagnosis.facts = facts;
+    if matches!(diagnosis.verdict, GapVerdict::NoGap | GapVerdict::Masked) && !diagnosis.findings.is_empty() {
+        let constant = diagnosis.findings.iter().any(|finding| finding.constant);
+        diagnosis.verdict = if constant { GapVerdict::Constant } else { GapVerdict::Unknown };
+    }
+}
+
+/// The one way in which a machine breaks down; none where several run side by side.
+fn only(station: &Station) -> Option<&FailureMode> {
+    match &station.failures[..] {
+        [mode] => Some(mode),
+        _ => None,
+    }
+}
+
+fn same(a: &FailureMode, b: &FailureMode) -> bool {
+    a.clock == b.clock && a.time_between == b.time_between && a.time_to_repair == b.time_to_repair
+}
+
+/// Times between failures and to repair: of each machine, and of all machines with one law together.
+fn of_failures(shop: &Shop, seen: &Visits, shaped: bool, seed: u64) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    let mut pools: Vec<(&FailureMode, Vec<usize>)> = Vec::new();
+    for (machine, name) in seen.machines.iter().enumerate() {
+        let Some(mode) = shop.station(name).and_then(only) else { continue };
+        match pools.iter_mut().find(|(other, _)| same(other, mode)) {
+            Some((_, machines)) => machines.push(machine),
+            None => pools.push((mode, vec![machine])),
+        }
+    }
+    for (mode, machines) in &pools {
+        let all: Vec<&Breakdowns> = machines.iter().map(|machine| &seen.breakdowns[*machine]).collect();
+        let place = machines.iter().map(|machine| seen.machines[*machine].as_str()).collect::<Vec<_>>().join(", ");
+        facts.extend(of_mode(mode, place, &all, shaped, seed));
+        if machines.len() > 1 {
+            for machine in machines {
+                let own = [&seen.breakdowns[*machine]];
+                facts.extend(of_mode(mode, seen.machines[*machine].clone(), &own, true, seed));
+            }
+        }
+    }
+    facts
+}
+
+fn of_mode(mode: &FailureMode, place: String, all: &[&Breakdowns], shaped: bool, seed: u64) -> Vec<Fact> {
+    let busy = mode.clock == FailureClock::Busy;
+    let between = |own: &Breakdowns| if busy { own.used_between.clone() } else { own.up_between.clone() };
+    let repairs: Vec<f64> = all.iter().flat_map(|own| own.repairs.iter().copied()).collect();
+    let history = History {
+        place: place.clone(),
+        pooled: all.len() > 1,
+        failures: all.iter().map(|own| own.times.len() as u64).sum(),
+        exposure: all.iter().map(|own| if busy { own.used } else { own.up }).sum(),
+        intervals: all.iter().flat_map(|own| between(own)).collect(),
+    };
+    // Only what is repaired for longer than a short stop is told from one.
+    let visible = share_above(&mode.time_to_repair, SHORT_STOP);
+    let exponential = matches!(mode.time_between, Distribution::Exponential { .. });
+    // Counts of several clocks that are not exponential have no law of one.
+    let level = (exponential || all.len() == 1).then(|| time_between(&history, &mode.time_between, visible, seed));
+    let shape = if shaped { None } else { shape(&history, &mode.time_between, seed) };
+    let repair = times(Quantity::TimeToRepair, &place, &repairs, &mode.time_to_repair, 0.0, SHORT_STOP);
+    let repair = repair.map(|fact| Fact { pooled: all.len() > 1, ..fact });
+    level.flatten().into_iter().chain(shape).chain(repair).collect()
+}
+
+/// Lives of the edges of every machine.
+fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
+    let of = |(machine, name): (usize, &String)| {
+        let ended = seen.edge_lives.iter().filter(|own| own.0 == machine);
+        let ages = seen.edge_ages.iter().filter(|own| own.0 == machine);
+        let mut recorded: Vec<Life> = ended.map(|own| Life { time: own.2, ended: true }).collect();
+        recorded.extend(ages.map(|own| Life { time: own.1, ended: false }));
+        lives(name, &recorded, &shop.station(name)?.lives, LIFE)
+    };
+    seen.machines.iter().enumerate().filter_map(of).collect()
+}
+
+fn of_queue(score: &QueueScore, explained: bool) -> Option<Fact> {
+    let fit = if explained { &score.with } else { &score.without };
+    let place = score.machines.join(", ");
+    waits(&place, score.waits as u64, score.recorded, &fit.means, fit.score, &fit.scores)
+}

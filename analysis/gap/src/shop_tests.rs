@@ -1,0 +1,285 @@
+//! What a shop tells of itself.
+
+use super::shop::*;
+use crate::{Diagnosis, GapVerdict, NominalModel, NominalProcess, Settings, diagnose};
+use toolroom_facts::{Finding, Quantity};
+use toolroom_recording::simulated;
+use toolroom_records::{RecordKind, Records};
+use toolroom_scenario::{Deviation, Distribution, Scenario};
+
+fn nominal() -> NominalModel {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
+    NominalModel::read(&path, &[]).expect("the shipped nominal model")
+}
+
+/// Ten days of the nominal shop under another seed, with what it does otherwise than planned.
+fn recorded(seed: u64, deviations: &[Deviation]) -> Records {
+    of_shop(seed, &|scenario| scenario.deviations = deviations.to_vec())
+}
+
+/// Ten days of the nominal shop under another seed, `changed` in what the planner does not know.
+fn of_shop(seed: u64, changed: &dyn Fn(&mut Scenario)) -> Records {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
+    let mut scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
+    scenario.seed = seed;
+    changed(&mut scenario);
+    let log = toolroom_shop::run(&scenario, 0, 0).expect("it runs");
+    let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
+    all.into_iter().find(|records| records.kind == RecordKind::Shop).expect("events")
+}
+
+#[test]
+fn the_nominal_shop_has_no_gap_to_itself() {
+    let (forward, notes) = nominal().over(&recorded(7, &[]), None, |_, _| false);
+    let channels: Vec<&str> = forward.frame().measured.channels.iter().map(|channel| channel.name).collect();
+    assert!(channels.contains(&"cutting_time") && channels.contains(&"handling_spread"), "{channels:?} {notes:?}");
+    let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn minutes_taken_for_seconds_are_said_and_nothing_is_blamed() {
+    let mut records = recorded(7, &[]);
+    let slow = records.numbers("time").expect("times").iter().map(|time| time * 60.0).collect();
+    records.set_numbers("time", slow);
+    let (forward, notes) = nominal().over(&records, None, |_, _| false);
+    assert!(forward.frame().measured.is_empty());
+    assert!(notes.iter().any(|note| note.contains("60") && note.contains("unit")), "{notes:?}");
+}
+
+#[test]
+fn an_operation_is_put_together_from_its_stays() {
+    let csv = "time [s],machine,state,program,operation_id,tool_id,feed_override [%]\n\
+        0,M,idle,,,,\n10,M,handling,P,J1/a,E1,100\n50,M,cutting,P,J1/a,E1,50\n90,M,feed_hold,P,J1/a,E1,100\n\
+        100,M,cutting,P,J1/a,E1,100\n130,M,stopped,P,J1/a,E1,100\n150,M,off_shift,,,,\n1000,M,cutting,P,J1/a,E1,100\n\
+        1010,M,handling,P,J1/a,E1,100\n1030,M,idle,,,,\n2000,M,unavailable,,,,\n";
+    let (records, _) = toolroom_records::parse_csv("events", csv.as_bytes(), RecordKind::Shop).expect("events");
+    let seen = visits(&records);
+    assert_eq!(seen.list.len(), 1, "{seen:?}");
+    let visit = &seen.list[0];
+    assert_eq!((visit.cutting, visit.handling, visit.end), (80.0, 60.0, 1030.0));
+    assert_eq!((visit.holds.clone(), visit.stops.clone()), (vec![10.0], vec![20.0]));
+    // 40 of 80 s at half feed: work of 60 s.
+    assert!((visit.override_excess - 20.0 / 60.0).abs() < 1e-12);
+}
+
+#[test]
+fn stops_of_the_simulated_shop_are_named_and_close_the_gap_of_its_cycle() {
+    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
+    let records = recorded(8, &[stops]);
+    let model = nominal();
+    let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    assert_eq!(diagnosis.verdict, GapVerdict::Effect, "{}", diagnosis.terminal());
+    let named = &diagnosis.effects[0];
+    assert_eq!((named.id, diagnosis.effects.len()), ("micro_stops", 1), "{}", diagnosis.terminal());
+    assert!((1.8..2.2).contains(&named.size), "{} 1/h", named.size);
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let seen = visits(&records);
+    let figure = |deviations: &[Deviation]| ShopKpi::of(shop, &visits(&recorded(9, deviations)), &mix(&seen));
+    let (measured, before) = (ShopKpi::of(shop, &seen, &mix(&seen)), figure(&[]));
+    let after = figure(&[Deviation::new("micro_stops", named.size / 3600.0)]);
+    let gap = |kpi: &ShopKpi| (measured.cycle_time - kpi.cycle_time).abs();
+    assert!(gap(&before) > 2.0 && gap(&after) < 0.3 * gap(&before), "{measured:?} {before:?} {after:?}");
+    assert!(after.throughput < before.throughput && after.effectiveness < before.effectiveness);
+}
+
+#[test]
+fn holds_of_the_simulated_shop_are_named_with_their_length() {
+    let records = recorded(11, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+    let model = nominal();
+    let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    let named: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id).collect();
+    assert_eq!(named, ["feed_hold"], "{}", diagnosis.terminal());
+    assert!((diagnosis.effects[0].size - 15.0).abs() < 0.5, "{}", diagnosis.terminal());
+    let seen = visits(&records);
+    let held = seen.list.iter().filter(|visit| visit.holds == [15.0]).count() as f64 / seen.list.len() as f64;
+    assert!((held - 0.05).abs() < 0.01, "{held}");
+    // The cycle grows by 15 s a hold and by nothing else.
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let cycle = |records: &Records| ShopKpi::of(shop, &visits(records), &mix(&seen)).cycle_time;
+    let longer = cycle(&records) - cycle(&recorded(11, &[]));
+    assert!((longer - 15.0 * held).abs() < 0.2, "{longer} s");
+}
+
+#[test]
+fn nameless_handling_belongs_to_the_operations_around_it() {
+    let csv = "time [s],machine,state,program,operation_id\n0,M,idle,,\n10,M,handling,,\n50,M,cutting,P,J1/a\n\
+        90,M,handling,,\n100,M,handling,,\n130,M,cutting,P,J2/a\n170,M,handling,,\n185,M,cutting,P,J3/a\n\
+        225,M,handling,,\n240,M,idle,,\n2000,M,unavailable,,\n";
+    let (records, _) = toolroom_records::parse_csv("events", csv.as_bytes(), RecordKind::Shop).expect("events");
+    let seen = visits(&records);
+    let handled: Vec<f64> = seen.list.iter().map(|visit| visit.handling).collect();
+    // Unloading and loading in one go count for the operation that follows.
+    assert_eq!(handled, [40.0 + 10.0, 30.0, 15.0 + 15.0], "{seen:?}");
+}
+
+#[test]
+fn another_log_of_the_shop_is_held_out_day_by_day() {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let stops = [Deviation::new("micro_stops", 2.0 / 3600.0)];
+    let first = recorded(8, &stops);
+    let second = after(shop, &first, recorded(12, &stops));
+    let outside = groups_of(shop, &second, None);
+    let (forward, _) = model.over(&first.followed_by(&second), None, |_, name| outside.contains(name));
+    let measured = &forward.frame().measured;
+    assert_eq!(measured.fitted_groups().count(), groups_of(shop, &first, None).len());
+    assert_eq!(measured.groups.len(), outside.len() + groups_of(shop, &first, None).len());
+    let diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+    assert!(diagnosis.held_out.iter().all(|group| outside.contains(group)));
+    assert!(diagnosis.total.closed > 0.05, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let scored = |records: &Records| {
+        let (forward, _) = model.over(records, None, |_, _| false);
+        let mut diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
+        // As if calibration knew nothing of what makes the shop slow.
+        diagnosis.calibration.clear();
+        queues(shop, &visits(records), &diagnosis, 1)
+    };
+    let own = scored(&recorded(7, &[]));
+    let mills = own.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
+    assert!(mills.waits > 500 && mills.without.score.abs() < 2.5 && mills.without.area < 0.1, "{mills:?}");
+    assert_eq!(mills.without, mills.with);
+    let late = scored(&recorded(7, &[Deviation::new("operator_delay", 40.0)]));
+    let mills = late.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
+    assert!(mills.without.score > 3.0 && mills.with.score.abs() < mills.without.score / 2.0, "{mills:?}");
+    assert!(mills.without.mean < mills.recorded && mills.with.area < mills.without.area, "{mills:?}");
+}
+
+#[test]
+fn a_machine_works_around_its_absences() {
+    let away = vec![vec![(10.0, 20.0), (20.0, 30.0), (50.0, 60.0)]];
+    let seen = Visits { away, ..Visits::default() };
+    assert_eq!((seen.working(0, 5.0), seen.working(0, 12.0), seen.working(0, 30.0)), (5.0, 30.0, 30.0));
+    assert_eq!((seen.worked(0, 5.0, 5.0), seen.worked(0, 5.0, 6.0), seen.worked(0, 30.0, 25.0)), (10.0, 31.0, 65.0));
+}
+
+#[test]
+fn few_days_of_one_machine_name_no_cause() {
+    let stops = Deviation::new("micro_stops", 2.0 / 3600.0);
+    let all = recorded(8, &[stops]);
+    let (time, machine) = (all.numbers("time").expect("times"), all.texts("machine").expect("machines"));
+    let rows: Vec<usize> = (0..all.len()).filter(|row| machine[*row] == "L1" && time[*row] < 3.0 * 86400.0).collect();
+    let diagnosis = diagnose(nominal().over(&all.select(&rows), None, |_, _| false).0.as_ref(), 1).diagnosis;
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+}
+
+#[test]
+fn a_log_of_nothing_has_nothing_to_compare() {
+    let all = recorded(7, &[]);
+    let mut silent = all.clone();
+    silent.set_texts("state", vec!["UNAVAILABLE".to_owned(); all.len()]);
+    let (forward, notes) = nominal().over(&silent, None, |_, _| false);
+    assert!(forward.frame().measured.is_empty());
+    assert!(notes.iter().any(|note| note.contains("left out")), "{notes:?}");
+}
+
+#[test]
+fn gaps_of_the_log_leave_operations_out_and_blame_nothing() {
+    let all = recorded(7, &[]);
+    // Every seventh stretch of two hundred events was never written.
+    let rows: Vec<usize> = (0..all.len()).filter(|row| (row / 200) % 7 != 3).collect();
+    let diagnosis = diagnose(nominal().over(&all.select(&rows), None, |_, _| false).0.as_ref(), 1).diagnosis;
+    assert!(diagnosis.effects.is_empty(), "{}", diagnosis.terminal());
+}
+
+/// The diagnosis of a log with its facts.
+fn with_facts(records: &Records) -> Diagnosis {
+    let model = nominal();
+    let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+    let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+    add_facts(shop, records, &mut diagnosis, 1);
+    diagnosis
+}
+
+/// Findings of a diagnosis.
+fn found(diagnosis: &Diagnosis) -> Vec<(Quantity, &str)> {
+    let of = |finding: &Finding| (diagnosis.facts[finding.fact].quantity, diagnosis.facts[finding.fact].place.as_str());
+    diagnosis.findings.iter().map(of).collect()
+}
+
+#[test]
+fn the_nominal_shop_contradicts_none_of_its_constants() {
+    for seed in [7, 21, 22, 23] {
+        let diagnosis = with_facts(&recorded(seed, &[]));
+        assert!(diagnosis.facts.len() >= 12 && diagnosis.findings.is_empty(), "{seed}: {}", diagnosis.terminal());
+        assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{seed}: {}", diagnosis.terminal());
+    }
+}
+
+#[test]
+fn failures_at_half_or_three_times_the_rate_are_a_constant() {
+    for (factor, seed) in [(2.0, 31), (1.0 / 3.0, 32)] {
+        let mean = factor * 8.0 * 3600.0;
+        let change = |scenario: &mut Scenario| {
+            // Twenty days: half of 90 failures are seen with certainty, half of 45 are not.
+            scenario.horizon *= 2.0;
+            scenario.failures.iter_mut().for_each(|mode| mode.time_between = Distribution::Exponential { mean });
+        };
+        let diagnosis = with_facts(&of_shop(seed, &change));
+        assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{factor}: {}", diagnosis.terminal());
+        let pool = found(&diagnosis).contains(&(Quantity::TimeBetweenFailures, "L1, L2, M1, M2"));
+        assert!(pool, "{factor}: {}", diagnosis.terminal());
+        let fact = &diagnosis.facts[0];
+        assert!(fact.ci90[0] < mean && mean < fact.ci90[1], "{fact:?}");
+        assert!(!found(&diagnosis).iter().any(|(quantity, _)| *quantity == Quantity::TimeToRepair));
+    }
+}
+
+#[test]
+fn repairs_that_take_three_times_as_long_are_a_constant() {
+    let change = |scenario: &mut Scenario| {
+        let slow = Distribution::Lognormal { mean: 75.0 * 60.0, cv: 0.4 };
+        scenario.failures.iter_mut().for_each(|mode| mode.time_to_repair = slow);
+    };
+    let diagnosis = with_facts(&of_shop(33, &change));
+    assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{}", diagnosis.terminal());
+    assert!(found(&diagnosis).contains(&(Quantity::TimeToRepair, "L1, L2, M1, M2")), "{}", diagnosis.terminal());
+    assert!(found(&diagnosis).iter().all(|(quantity, _)| *quantity == Quantity::TimeToRepair));
+}
+
+#[test]
+fn jobs_that_wait_for_a_transport_leave_a_queue_that_nothing_explains() {
+    // The mills get every job 38 min after the lathes let it go.
+    let mut records = recorded(7, &[]);
+    let machines = records.texts("machine").expect("machines").to_vec();
+    let times = records.numbers("time").expect("times").iter().zip(&machines);
+    let late = times.map(|(time, machine)| if machine.starts_with('M') { time + 2271.0 } else { *time }).collect();
+    records.set_numbers("time", late);
+    let diagnosis = with_facts(&records);
+    assert!(found(&diagnosis).contains(&(Quantity::QueueWait, "M1, M2")), "{}", diagnosis.terminal());
+    assert_ne!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+}
+
+#[test]
+fn holds_of_any_length_are_named_with_their_mean_length() {
+    // A twentieth of all operations is held, 15 s in the mean, exponentially: no block knows its own mean.
+    let mut sizes = Vec::new();
+    for seed in [11, 12, 13] {
+        let mut records = recorded(seed, &[Deviation { share: 0.05, ..Deviation::new("feed_hold", 15.0) }]);
+        let (states, machines) = (records.texts("state").expect("states"), records.texts("machine").expect("machines"));
+        let mut times = records.numbers("time").expect("times").to_vec();
+        for machine in ["L1", "L2", "M1", "M2"] {
+            let (mut moved, mut holds) = (0.0, 0.0_f64);
+            for row in (0..times.len()).filter(|row| machines[*row] == machine) {
+                times[row] += moved;
+                if states[row] == "feed_hold" {
+                    holds += 1.0;
+                    let share = (holds * 0.618_033_988_749_895).fract();
+                    moved += 15.0 * (-(1.0 - share).ln() - 1.0);
+                }
+            }
+        }
+        records.set_numbers("time", times);
+        let diagnosis = diagnose(nominal().over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+        assert_eq!(diagnosis.effects[0].id, "feed_hold", "{}", diagnosis.terminal());
+        sizes.push(diagnosis.effects[0].size);
+    }
+    let mean = sizes.iter().sum::<f64>() / 3.0;
+    assert!((mean - 15.0).abs() < 1.0, "{sizes:?} s");
+}

@@ -1,0 +1,93 @@
+//! The verdict that the test of the calibrated nominal model backs.
+//!
+//! | the test | what the search found | verdict |
+//! |---|---|---|
+//! | passes | – | `no_gap`; `masked` or `constant` where calibration went far for it |
+//! | rejects | an effect | `effect`; what is left beside it is said |
+//! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
+
+use super::constants::FAR_CONSTANT;
+use super::{Diagnosis, Fitness, GapVerdict, Structure};
+
+/// Share of a channel's value below which structure does not matter (1). Assumption:
+/// nobody acts on one per cent.
+const SHARE: f64 = 0.01;
+/// The same in standard deviations of its sensor (1). Assumption: less is not seen in a single reading.
+const SENSORS: f64 = 0.5;
+
+impl Structure {
+    /// Whether what the model leaves of the channel may matter.
+    fn may_matter(&self) -> bool {
+        self.upper > (SHARE * self.level).max(SENSORS * self.sensor)
+    }
+}
+
+/// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up.
+pub(super) fn backed(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
+    let Some(fit) = diagnosis.fit.clone() else { return };
+    if fit.passed() {
+        if diagnosis.verdict == GapVerdict::Effect {
+            let ids: Vec<&str> = diagnosis.effects.drain(..).map(|effect| effect.id).collect();
+            let why = format!("{}: the model fits without it (p = {:.3})", ids.join(" with "), fit.p);
+            diagnosis.notes.push(why);
+            diagnosis.fit_with_effects = None;
+        }
+        diagnosis.verdict = GapVerdict::NoGap;
+        if let Some(why) = pushed() {
+            diagnosis.verdict = GapVerdict::Masked;
+            diagnosis.notes.push(why);
+        } else if let Some(constant) = constant(diagnosis) {
+            diagnosis.verdict = GapVerdict::Constant;
+            diagnosis.notes.insert(0, constant);
+        }
+        return;
+    }
+    if diagnosis.verdict == GapVerdict::Effect {
+        if let Some(words) = diagnosis.remaining().map(|_| rejected(diagnosis.fit_with_effects.as_ref())) {
+            diagnosis.notes.push(format!("beside it: {words}"));
+        }
+        return;
+    }
+    let small = !fit.structure.iter().any(|channel| channel.may_matter());
+    diagnosis.verdict = if small { GapVerdict::Small } else { GapVerdict::Unknown };
+    diagnosis.notes.insert(0, rejected(Some(&fit)));
+    if let Some(why) = pushed() {
+        diagnosis.verdict = GapVerdict::Masked;
+        diagnosis.notes.push(why);
+    }
+}
+
+/// The constant that calibration moved furthest, if that is further than is believed.
+fn constant(diagnosis: &Diagnosis) -> Option<String> {
+    let own = diagnosis.calibration.iter().filter(|each| each.constant);
+    let furthest = own.max_by(|a, b| a.prior_sd_moved.abs().total_cmp(&b.prior_sd_moved.abs()))?;
+    (furthest.prior_sd_moved.abs() > FAR_CONSTANT).then(|| {
+        format!(
+            "the constant `{}` is off: calibrated {:.4}, {:.1} prior standard deviations from nominal",
+            furthest.parameter,
+            furthest.value,
+            furthest.prior_sd_moved.abs()
+        )
+    })
+}
+
+/// Where a rejected model is off, and by how much.
+fn rejected(fit: Option<&Fitness>) -> String {
+    let Some(fit) = fit else { return String::new() };
+    let Some(part) = fit.parts.first() else { return String::new() };
+    let follows = if part.follows.is_empty() { String::new() } else { format!(" ({})", part.follows) };
+    let mut words = format!("the fit is rejected (p = {:.3}): {} {}{follows}", fit.p, part.what, part.test);
+    let size = |own: &&Structure| format!("{} up to {:.2} times its sensor", own.channel, own.upper / own.sensor);
+    let large: Vec<String> = fit.structure.iter().filter(|own| own.may_matter()).map(|own| size(&own)).collect();
+    if !large.is_empty() {
+        words += &format!("; beside noise and scatter {}", large.join(", "));
+    }
+    words
+}
+
+impl Diagnosis {
+    /// `unknown` where the model does not fit with the named effects either.
+    pub fn remaining(&self) -> Option<&'static str> {
+        self.fit_with_effects.as_ref().filter(|fit| !fit.passed()).map(|_| GapVerdict::Unknown.name())
+    }
+}

@@ -1,0 +1,142 @@
+//! How wear, rate and hardness of a row move its readings and the land that it leaves behind.
+
+use super::run::{Parts, Setting, rates};
+use super::scattered::Scattered;
+use super::slopes::{Differentiated, OUTPUTS, Sensitive, written};
+use super::{Cutting, Nominal, Source};
+use crate::{Point, Transform};
+use rayon::prelude::*;
+use toolroom_innovations::{Chain, Reading, Row};
+use toolroom_process::Record;
+
+/// Step of hardness in a difference, relative.
+const SMALL: f64 = 1e-4;
+
+impl<P: Nominal> Cutting<P> {
+    /// The chain of each edge about `at`; none where the scenario says nothing of its scatter.
+    pub(super) fn chains_at(&self, at: &Point) -> Vec<Chain> {
+        let Some(scattered) = &self.scattered else { return Vec::new() };
+        let setting = self.setting(at);
+        (0..self.rows.len()).into_par_iter().map(|group| self.chain(&setting, scattered, group)).collect()
+    }
+
+    fn chain(&self, setting: &Setting<'_, P>, scattered: &Scattered, group: usize) -> Chain {
+        let scatter = &scattered.scatter;
+        let parts = Parts::of::<P>();
+        let channels = self.outputs.len();
+        let mut places = vec![Vec::new(); self.rows[group].len()];
+        for place in self.frame.measured.spans[group].clone() {
+            places[self.places[self.frame.measured.observations[place].row]].push(place);
+        }
+        let mut x = self.fresh(setting.start);
+        let mut rows = Vec::with_capacity(places.len());
+        for (row, places) in self.rows[group].iter().zip(places) {
+            let (u, factor) = self.conditions(setting, group, *row);
+            let mut harder = u;
+            harder.set(self.ports.hardness, u.get(self.ports.hardness).unwrap_or(1.0) * (1.0 + SMALL));
+            let (held, hard, of_land) =
+                (setting.process(*row).held(&u), setting.process(*row).held(&harder), setting.of_land(*row));
+            if let Some(body) = parts.lagged {
+                x[body] = 0.0;
+            }
+            // By level, rate and hardness.
+            let mut carried: [Sensitive; 3] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+            let mut sums = vec![[0.0; 3]; channels];
+            let (mut means, mut seen) = (vec![0.0; channels], 0.0);
+            for step in &self.steps[*row] {
+                let local = Differentiated::new(self, &parts, &held, x, step, factor, &of_land);
+                let weight = if step.seen { step.length } else { 0.0 };
+                seen += weight;
+                let faster = [x, local.middle].map(|x| {
+                    let [there, here] =
+                        [&hard, &held].map(|held| rates::<P>(&parts, held, &x, factor, &of_land)[parts.land]);
+                    if here > 0.0 && there > 0.0 { (there / here).ln() / SMALL } else { 0.0 }
+                });
+                for (i, phi) in [[0.0; 2], [1.0; 2], faster].into_iter().enumerate() {
+                    let mut values = vec![0.0; channels];
+                    local.carry(self, &mut carried[i], phi, weight, &mut values);
+                    sums.iter_mut().zip(values).for_each(|(sums, value)| sums[i] += value);
+                }
+                if step.seen && !self.means.is_empty() {
+                    let there: [f64; OUTPUTS] = written(&self.observe(&hard, &local.middle));
+                    for (channel, output) in &self.means {
+                        means[*channel] += weight * local.y[*output];
+                        sums[*channel][2] += weight * (there[*output] - local.y[*output]) / SMALL;
+                    }
+                }
+                x = local.end;
+            }
+            let reading = |place: usize| {
+                let observation = &self.frame.measured.observations[place];
+                let channel = observation.channel;
+                let (by, mean) = match self.outputs[channel] {
+                    Source::Wear => (carried.map(|s| s[0]), x[parts.land]),
+                    Source::Output(_) => (sums[channel].map(|sum| sum / seen), means[channel] / seen),
+                    Source::Duration => ([0.0; 3], 1.0),
+                };
+                let unit = match self.frame.measured.channels[channel].transform {
+                    Transform::Linear => self.signs[channel],
+                    Transform::Log => mean.recip(),
+                };
+                let by = by.map(|slope| if (slope * unit).is_finite() { slope * unit } else { 0.0 });
+                Reading { place, by, deviation: observation.deviation }
+            };
+            rows.push(Row {
+                readings: places.into_iter().map(reading).collect(),
+                level_by: carried.map(|s| s[0]),
+                memory: (-self.durations[*row] / scatter.life_noise_time).exp(),
+                lot: scattered.lots[*row],
+            });
+        }
+        Chain {
+            level: scattered.land_deviation(),
+            rate: scatter.life_noise,
+            lot: scatter.batch_hardness,
+            piece: scatter.piece_hardness,
+            rows,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Direction, NominalModel, Point, Transform};
+    use toolroom_records::parse_csv;
+    use toolroom_truth::Case;
+
+    #[test]
+    fn a_rate_that_stays_moves_the_chain_as_the_level_of_the_wear_rate_moves_the_model() {
+        let text = include_str!("../../../../scenarios/gap/turning.toml");
+        let model = NominalModel::parse("turning.toml", text, &[]).unwrap();
+        let csv = Case::null("turning", 3).records();
+        let (records, _) = parse_csv("truth", csv.as_bytes(), model.kind()).unwrap();
+        let (model, _) = model.over(&records, None, |_, _| false);
+        let frame = model.frame();
+        let point = Point::nominal(model.as_ref());
+        let level = frame.parameters.iter().position(|parameter| parameter.name == "wear rate level").unwrap();
+        let raw = model.simulate(&point);
+        let slopes = model.slopes(&point, &raw, &[Direction::Parameter(level)]).remove(0);
+        let chains = model.chains(&point);
+        assert_eq!(chains.len(), frame.measured.groups.len());
+        let mut compared = 0;
+        for chain in &chains {
+            let mut land = 0.0;
+            for row in &chain.rows {
+                for reading in &row.readings {
+                    let observation = &frame.measured.observations[reading.place];
+                    let unit = match frame.measured.channels[observation.channel].transform {
+                        Transform::Linear => 1.0,
+                        Transform::Log => raw[reading.place],
+                    };
+                    let moved = (reading.by[0] * land + reading.by[1]) * unit;
+                    let golden = slopes[reading.place] / frame.parameters[level].deviation;
+                    let scale = golden.abs().max(1e-3 * raw[reading.place].abs());
+                    assert!((moved - golden).abs() < 0.01 * scale, "{moved} instead of {golden}");
+                    compared += 1;
+                }
+                land = row.level_by[0] * land + row.level_by[1];
+            }
+        }
+        assert!(compared > 500, "{compared}");
+    }
+}

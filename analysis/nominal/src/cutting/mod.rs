@@ -1,0 +1,494 @@
+//! Turning and milling as nominal models of recorded operations.
+
+mod chains;
+mod nominal;
+mod run;
+mod scattered;
+mod slopes;
+mod words;
+
+pub use nominal::Nominal;
+
+use super::cutting_effects::{self, Action};
+use super::features::{self, standardised};
+use super::settings::Settings;
+use super::stated::Stated;
+use super::{
+    Channel, Discrepancy, Discrepant, Forward, Frame, Local, Measured, On, Parameter, Point, Surface, Transform, broken,
+};
+use run::Step;
+use scattered::Scattered;
+use toolroom_process::Record;
+use toolroom_records::{Records, Sensor};
+use toolroom_scenario::Moved;
+
+/// What a parameter of the fit does to the simulation.
+enum Change {
+    /// Multiplies a constant of the process.
+    Constant { group: &'static str, name: &'static str },
+    /// Multiplies the wear rate of all rows.
+    Wear,
+    /// Multiplies the wear rate by a feature of the row.
+    WearFeature(Vec<f64>),
+    /// Multiplies the wear rate by a function of the land, weighted by a feature of the row if it has one.
+    WearOfLand(Option<Vec<f64>>, LandForm),
+    /// Moves the land of a new edge.
+    Start,
+}
+
+/// Forms that the rate of wear may have along the land.
+#[derive(Clone, Copy)]
+enum LandForm {
+    /// In proportion to the land.
+    Level,
+    /// The same around half the land that features of wear refer to.
+    Bent,
+    /// While an edge runs in.
+    Narrow,
+}
+
+/// Inputs by index.
+struct Ports {
+    force: usize,
+    lot: usize,
+    pass_time: Option<usize>,
+    hardness: usize,
+    mechanical: Option<usize>,
+    thermal: Option<usize>,
+}
+
+/// A cutting process over the rows of [`Records`].
+pub struct Cutting<P: Nominal> {
+    process: P,
+    frame: Frame,
+    /// Nominal input of each row.
+    inputs: Vec<P::Input>,
+    durations: Vec<f64>,
+    /// Rows of each group in sequence.
+    rows: Vec<Vec<usize>>,
+    /// Place of each row in its group.
+    places: Vec<usize>,
+    /// Steps of each row.
+    steps: Vec<Vec<Step>>,
+    /// Land of a new edge beside that of the process, m.
+    start: f64,
+    /// Output of each channel; wear and cycle time have none.
+    outputs: Vec<Source>,
+    /// Channels that are means over the cut, each with its output.
+    means: Vec<(usize, usize)>,
+    /// Whether all of them are among [`Nominal::READINGS`].
+    readings: bool,
+    /// Sign in which a channel is recorded, against that of the model.
+    signs: Vec<f64>,
+    changes: Vec<Change>,
+    actions: Vec<Action>,
+    /// Constants that the file moves and no parameter of the fit does.
+    fixed: Vec<Fixed>,
+    /// Which of those with rows of their own act in each row: index into `masks`.
+    variant_of_row: Vec<usize>,
+    /// Sets of entries with rows of their own that occur, a bit each: actions first, then constants.
+    masks: Vec<u64>,
+    /// Nominal handling time of each row, s.
+    handling: Vec<f64>,
+    ports: Ports,
+    /// How the scenario scatters; `None` where it says nothing of it.
+    scattered: Option<Scattered>,
+}
+
+/// A constant of the process that the file moves.
+struct Fixed {
+    group: String,
+    field: String,
+    moved: Moved,
+    /// Rows on which it is moved, 1 or 0 each; all, if none.
+    rows: Option<Vec<f64>>,
+}
+
+/// Where a channel's prediction comes from.
+#[derive(Clone, Copy)]
+enum Source {
+    /// Wear at the end of the operation.
+    Wear,
+    /// Mean of an output over the cut.
+    Output(usize),
+    /// Programmed time of the operation.
+    Duration,
+}
+
+/// The same process without the hazard of chipping: it costs a power in every rate, and no reading tells of it.
+fn unbroken<P: Nominal>(mut process: P) -> P {
+    for (_, record) in process.parameters_mut().into_iter().filter(|(group, _)| *group == "chipping") {
+        if let Some(rate) = record.fields().iter().position(|field| field.name == "rate") {
+            record.set_value(rate, 0.0);
+        }
+    }
+    process
+}
+
+/// Prior standard deviation of the form error of one part type: fixtures give way (assumption).
+const FIXTURE: f64 = 0.05;
+/// Prior standard deviation of an edge force: a linear law differs from a power law most at the
+/// thinnest chips (assumption).
+const EDGE_FORCE: f64 = 0.3;
+/// Scale of the prior of the amplitude of a discrepancy over the prior standard deviation of a linear form error of the
+/// same channels (assumption).
+const DISCREPANT: f64 = 1.0;
+/// Scale of the prior of the amplitude of a discrepancy of the wear rate (assumption).
+const WEAR_DISCREPANT: f64 = 0.15;
+/// Land to which features of wear refer, m.
+const LAND: f64 = 0.3e-3;
+/// Land within which an edge runs in, m (assumption).
+const NARROW: f64 = 0.05e-3;
+
+impl<P: Nominal> Cutting<P> {
+    /// The model over `records`, whose groups and their part in the fit are given.
+    pub fn new(
+        process: P,
+        records: &Records,
+        groups: (Vec<String>, Vec<usize>, Vec<bool>),
+        settings: &Settings,
+        stated: &Stated,
+    ) -> Self {
+        let mut stated = stated.clone();
+        let process = unbroken(process);
+        let (names, group_of_row, fitted) = groups;
+        let mut rows = vec![Vec::new(); names.len()];
+        let mut places = Vec::with_capacity(group_of_row.len());
+        for (row, group) in group_of_row.iter().enumerate() {
+            places.push(rows[*group].len());
+            rows[*group].push(row);
+        }
+        let durations: Vec<f64> = records.numbers("cutting_time").map_or_else(Vec::new, <[f64]>::to_vec);
+        let inputs = inputs::<P>(records);
+        let index = |name: &str| P::Input::index_of(name).unwrap_or(usize::MAX);
+        let ports = Ports {
+            force: index("force_factor"),
+            lot: index("lot_deviation"),
+            pass_time: P::Input::index_of("pass_time"),
+            hardness: index("hardness_ratio"),
+            mechanical: P::Input::index_of("mechanical_wear_factor"),
+            thermal: P::Input::index_of("thermal_wear_factor"),
+        };
+        let scattered = settings.scatter.map(|scatter| Scattered::new(scatter, records, &settings.lots, &ports));
+        let mut channels = channels::<P>(records, settings);
+        let broken = broken::take_out(&mut channels, &group_of_row);
+        let mut measured = Measured::new(channels, names, group_of_row, fitted);
+        if settings.scatter.is_none() {
+            broken::widen(&mut measured);
+        }
+        let measured_channels = measured.channels.len();
+        let outputs: Vec<Source> = measured.channels.iter().map(|channel| source::<P>(channel.name)).collect();
+        let mean = |(channel, source): (usize, &Source)| match source {
+            Source::Output(output) => Some((channel, *output)),
+            Source::Wear | Source::Duration => None,
+        };
+        let known = |name: &str| P::READINGS.contains(&name) || !matches!(source::<P>(name), Source::Output(_));
+        let readings = measured.channels.iter().all(|channel| known(channel.name));
+        let mut locals = vec![
+            Local { name: "wear of the edge", deviation: settings.edge_wear, estimated: true, scatter: true },
+            Local { name: "force of the edge", deviation: settings.edge_force, estimated: false, scatter: true },
+        ];
+        if let Some(scattered) = &scattered {
+            scattered.set_locals(&mut locals);
+        }
+        let mut model = Self {
+            process,
+            frame: Frame { locals, ..Frame::new(measured) },
+            inputs,
+            durations,
+            rows,
+            places,
+            steps: Vec::new(),
+            start: 0.0,
+            signs: vec![1.0; measured_channels],
+            means: outputs.iter().enumerate().filter_map(mean).collect(),
+            outputs,
+            readings,
+            changes: Vec::new(),
+            actions: Vec::new(),
+            fixed: Vec::new(),
+            variant_of_row: vec![0; records.len()],
+            masks: vec![0],
+            handling: stated.handling_of(records),
+            ports,
+            scattered,
+        };
+        model.calibration(records, settings);
+        let wear = model.schedule();
+        model.allowance(records, &wear);
+        let groups = &model.frame.measured.group_of_row;
+        model.frame.covariates = features::covariates(records, groups, P::CONDITIONS, Some(&wear));
+        let context = cutting_effects::Seen {
+            records,
+            groups,
+            durations: &model.durations,
+            channels: &model.frame.measured.channels,
+        };
+        let (candidates, untried) = cutting_effects::candidates(P::NAME, &context);
+        model.frame.untried = untried;
+        (model.frame.candidates, model.actions) = candidates.into_iter().unzip();
+        model.state(records, &mut stated);
+        model.orient();
+        if broken > 0 {
+            model.frame.notes.push(format!("{broken} operations of edges that broke are not compared"));
+        }
+        if P::Input::index_of(CURVATURE).is_some() && !recorded(records, CURVATURE) {
+            let note = "no path_curvature: the size of servo_lag is that on a radius of 25 mm throughout";
+            model.frame.notes.push(note.to_owned());
+        }
+        model
+    }
+
+    /// Takes signed channels in the sign in which they are recorded.
+    fn orient(&mut self) {
+        let signed: Vec<usize> = (0..self.signs.len())
+            .filter(|channel| P::SIGNED.contains(&self.frame.measured.channels[*channel].name))
+            .collect();
+        if signed.is_empty() {
+            return;
+        }
+        let raw = self.simulate(&Point::nominal(self));
+        for channel in signed {
+            let observations = self.frame.measured.observations.iter().zip(&raw);
+            let own = observations.filter(|(observation, _)| observation.channel == channel);
+            if own.map(|(observation, raw)| observation.value * raw).sum::<f64>() < 0.0 {
+                self.signs[channel] = -1.0;
+                let name = self.frame.measured.channels[channel].name;
+                self.frame.notes.push(format!("{name} has the opposite sign to the model's: compared so"));
+            }
+        }
+    }
+
+    fn parameter(&mut self, name: impl Into<String>, deviation: f64, allowance: bool, change: Change) {
+        self.frame.parameters.push(Parameter { name: name.into(), deviation, allowance });
+        self.changes.push(change);
+    }
+
+    fn calibration(&mut self, records: &Records, settings: &Settings) {
+        let mut process = self.process.clone();
+        let known: Vec<(&'static str, &'static str)> = process
+            .parameters_mut()
+            .into_iter()
+            .flat_map(|(group, record)| record.fields().iter().map(move |field| (group, field.name)))
+            .collect();
+        for (group, name, deviation) in cutting_effects::CONSTANTS {
+            if known.contains(&(group, name)) {
+                let deviation = match *deviation {
+                    cutting_effects::Prior::Force => settings.force,
+                    cutting_effects::Prior::Edge => EDGE_FORCE,
+                    cutting_effects::Prior::Temperature => settings.temperature,
+                    cutting_effects::Prior::Wear => settings.wear_level,
+                };
+                self.parameter(format!("{group}.{name}"), deviation, false, Change::Constant { group, name });
+            }
+        }
+        self.parameter("wear rate level", settings.wear_level, false, Change::Wear);
+        if let Some(land) = self.scattered.as_ref().map(|own| own.land).filter(|land| *land > 0.0) {
+            self.start = land;
+            self.parameter("land of a new edge", scattered::NEW_LAND, false, Change::Start);
+        }
+        for (name, feature, linear) in features::surface(records, P::CONDITIONS) {
+            let deviation = if linear { settings.form_wear } else { 0.5 * settings.form_wear };
+            self.parameter(format!("wear rate, {name}"), deviation, true, Change::WearFeature(feature));
+        }
+        let of_land = P::WEAR_CURVE * settings.form_land_wear;
+        self.parameter("wear rate, land", of_land, true, Change::WearOfLand(None, LandForm::Level));
+        self.parameter("wear rate, narrow land", of_land, true, Change::WearOfLand(None, LandForm::Narrow));
+        // Terms that share the wear rate share it otherwise at another speed.
+        let of_both = P::WEAR_CURVE * settings.form_land_conditions_wear;
+        for (name, feature, _) in features::surface(records, P::CONDITIONS).into_iter().filter(|(.., linear)| *linear) {
+            for (shape, form) in [("land", LandForm::Bent), ("narrow land", LandForm::Narrow)] {
+                let change = Change::WearOfLand(Some(feature.clone()), form);
+                self.parameter(format!("wear rate, {name} × {shape}"), of_both, true, change);
+            }
+        }
+    }
+
+    /// Force in the plane of feed at the wear `wear` of each row, N. A component that turns its sign is the
+    /// small difference of great ones: what its form may be off by goes with them, not with what is left.
+    fn in_plane(&self, wear: &[f64]) -> Vec<f64> {
+        let places = ["feed_force", "normal_force"].map(P::Output::index_of);
+        let land = P::State::index_of("flank_wear").unwrap_or(0);
+        let force = |(input, wear): (&P::Input, &f64)| {
+            let mut state = self.process.initial();
+            state.set(land, *wear);
+            let output = P::observe(&self.process.held(input), &state);
+            let part = |place: Option<usize>| place.and_then(|place| output.get(place)).unwrap_or(0.0);
+            part(places[0]).hypot(part(places[1]))
+        };
+        self.inputs.iter().zip(wear).map(force).collect()
+    }
+
+    fn allowance(&mut self, records: &Records, wear: &[f64]) {
+        let find = |names: &[&str]| -> Vec<usize> {
+            let channels = self.frame.measured.channels.iter().enumerate();
+            channels.filter(|(_, channel)| names.contains(&channel.name)).map(|(i, _)| i).collect()
+        };
+        let mut surfaces = Vec::new();
+        let mut add = |name: String,
+                       channels: &[usize],
+                       feature: Vec<f64>,
+                       deviation: f64,
+                       allowance: bool,
+                       absolute: bool| {
+            if !channels.is_empty() {
+                surfaces.push(Surface { name, channels: channels.to_vec(), feature, deviation, allowance, absolute });
+            }
+        };
+        let ones = || vec![1.0; records.len()];
+        // Relative to the absolute temperature, of which the rise is about three quarters.
+        let classes = [
+            ("force", find(&["cutting_force", "spindle_power"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
+            ("feed force", find(&["feed_force"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.05),
+            ("temperature", find(&["temperature"]), 0.015, 0.0075, 0.0075),
+            ("thermo-EMF", find(&["thermo_emf"]), 0.02, 0.01, 0.01),
+            ("form error", find(&["form_error"]), 0.04 * P::FORCE_FORM, 0.02 * P::FORCE_FORM, 0.03),
+            ("roughness", find(&["roughness_ra"]), 0.15, 0.08, 0.1),
+        ];
+        let land: Vec<f64> = wear.iter().map(|wear| wear / LAND).collect();
+        let signed = find(P::SIGNED);
+        let in_plane = if signed.is_empty() { Vec::new() } else { self.in_plane(wear) };
+        let mut discrepant: Vec<Discrepant> = Vec::new();
+        for (class, channels, linear, square, by_land) in &classes {
+            let of_force = !channels.is_empty() && channels.iter().all(|channel| signed.contains(channel));
+            let on = if of_force { On::Quantity(in_plane.clone()) } else { On::Value };
+            if !channels.is_empty() {
+                discrepant.push(Discrepant { name: class, channels: channels.clone(), scale: DISCREPANT * linear, on });
+            }
+            let mut allow = |name: &str, mut feature: Vec<f64>, deviation: f64| {
+                if of_force {
+                    feature.iter_mut().zip(&in_plane).for_each(|(feature, force)| *feature *= force);
+                }
+                add(format!("{class}, {name}"), channels, feature, deviation, true, of_force);
+            };
+            for (name, feature, is_linear) in features::surface(records, P::CONDITIONS) {
+                allow(&name, feature, if is_linear { *linear } else { *square });
+            }
+            allow("land", land.clone(), *by_land);
+        }
+        add("feed force level".to_owned(), &find(&["feed_force"]), ones(), 0.08, false, false);
+        add("thermo-EMF level".to_owned(), &find(&["thermo_emf"]), ones(), 0.05, false, false);
+        add("roughness level".to_owned(), &find(&["roughness_ra"]), ones(), P::ROUGHNESS, false, false);
+        add("form error level".to_owned(), &find(&["form_error"]), ones(), 0.1, false, false);
+        for (_, part, feature) in features::indicators(records, &["part_type"]) {
+            add(format!("form error, fixture of {part}"), &find(&["form_error"]), feature, FIXTURE, false, false);
+        }
+        let cycle = find(&["cycle_time"]);
+        add("handling time".to_owned(), &cycle, ones(), 120.0, false, true);
+        add("programmed time".to_owned(), &cycle, self.durations.clone(), 0.05, true, true);
+        for (_, machine, feature) in features::indicators(records, &["machine"]) {
+            let Some(feature) = standardised(&feature).map(|_| feature) else { continue };
+            for (i, channel) in self.frame.measured.channels.iter().enumerate() {
+                // A caliper is no part of the machine, its clock does not gain.
+                if !matches!(channel.name, "flank_wear" | "cycle_time") {
+                    let name = format!("gain of {}, machine {machine}", channel.name);
+                    add(name, &[i], feature.clone(), super::settings::MACHINE_GAIN, false, false);
+                }
+            }
+        }
+        self.frame.surfaces = surfaces;
+        let readings = self.frame.measured.channels.iter().position(|channel| channel.name == "flank_wear");
+        discrepant.extend(readings.map(|channel| Discrepant {
+            name: "wear rate",
+            channels: vec![channel],
+            scale: WEAR_DISCREPANT,
+            on: On::Growth(self.growth(wear)),
+        }));
+        self.frame.discrepancy = self.discrepancy(records, wear, discrepant);
+    }
+
+    /// What every row adds to the land in the nominal model, m.
+    fn growth(&self, wear: &[f64]) -> Vec<f64> {
+        let mut growth = wear.to_vec();
+        for rows in &self.rows {
+            for pair in rows.windows(2) {
+                growth[pair[1]] = wear[pair[1]] - wear[pair[0]];
+            }
+        }
+        growth
+    }
+
+    /// A discrepancy over the logarithms of the conditions, the land and the logarithm of the age of the edge.
+    fn discrepancy(&self, records: &Records, wear: &[f64], classes: Vec<Discrepant>) -> Option<Discrepancy> {
+        let ages = features::age(&self.frame.measured.group_of_row, &self.durations);
+        let logarithms: Vec<f64> = ages.iter().map(|age| age.max(1.0).ln()).collect();
+        let conditions = P::CONDITIONS.iter().filter_map(|name| features::logarithm(records, name));
+        let columns: Vec<Vec<f64>> = conditions.chain(standardised(wear)).chain(standardised(&logarithms)).collect();
+        let points = (0..records.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+        (!columns.is_empty()).then_some(Discrepancy { points, classes })
+    }
+}
+
+fn source<P: Nominal>(channel: &str) -> Source {
+    match channel {
+        "flank_wear" => Source::Wear,
+        "cycle_time" => Source::Duration,
+        name => Source::Output(P::Output::index_of(name).unwrap_or(0)),
+    }
+}
+
+/// Channels that the process predicts and the records hold.
+fn channels<P: Nominal>(records: &Records, settings: &Settings) -> Vec<(Channel, Vec<f64>)> {
+    let columns = records.kind.columns().iter();
+    let known = columns.filter(|column| {
+        P::Output::index_of(column.name).is_some() || column.name == "cycle_time" || column.name == "flank_wear"
+    });
+    let measured = known.filter(|column| column.kind == toolroom_records::ColumnKind::Channel);
+    let with_values = measured.filter_map(|column| {
+        let values = records.numbers(column.name)?;
+        values.iter().any(|value| value.is_finite()).then(|| (column, values.to_vec()))
+    });
+    with_values
+        .map(|(column, values)| {
+            let linear = matches!(column.name, "flank_wear" | "temperature" | "cycle_time" | "form_error");
+            let signed = P::SIGNED.contains(&column.name);
+            let transform = if linear || signed { Transform::Linear } else { Transform::Log };
+            let mut sensor: Sensor = settings.sensor(column.name);
+            if signed {
+                // Relative errors vanish where the sign turns; those of the sensor do not.
+                let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).filter(|v| v.is_finite()).collect();
+                sensor.absolute += sensor.relative * toolroom_statistics::median(&mut sizes);
+            }
+            (Channel { name: column.name, display: column.display, unit: column.unit, transform, sensor }, values)
+        })
+        .collect()
+}
+
+/// A condition of which servo lag needs to know.
+const CURVATURE: &str = "path_curvature";
+/// Curvature where it is not recorded, 1/m (assumption).
+const USUAL_CURVATURE: f64 = 40.0;
+
+fn recorded(records: &Records, name: &str) -> bool {
+    records.numbers(name).is_some_and(|values| values.iter().any(|value| value.is_finite()))
+}
+
+/// Input of every row; what is not recorded is nominal.
+fn inputs<P: Nominal>(records: &Records) -> Vec<P::Input> {
+    let elapsed = features::elapsed(records);
+    let curved = recorded(records, CURVATURE);
+    let columns: Vec<(usize, Vec<f64>)> = P::Input::FIELDS
+        .iter()
+        .filter_map(|field| {
+            let values = match field.name {
+                "sensor_time" => elapsed.clone()?,
+                name => records.numbers(name)?.to_vec(),
+            };
+            Some((P::Input::index_of(field.name)?, values))
+        })
+        .collect();
+    (0..records.len())
+        .map(|row| {
+            let mut input = P::Input::default();
+            if let (Some(index), false) = (P::Input::index_of(CURVATURE), curved) {
+                input.set(index, USUAL_CURVATURE);
+            }
+            for (index, values) in &columns {
+                if values[row].is_finite() {
+                    input.set(*index, values[row]);
+                }
+            }
+            input
+        })
+        .collect()
+}

@@ -1,0 +1,288 @@
+//! What a scenario calls the numbers of this model, and what it states of them.
+
+use super::{Action, Change, Cutting, Fixed, Nominal};
+use crate::cutting_effects::id_of;
+use crate::stated::{Movable, Stated, Words, occasion};
+use crate::{Candidate, Parameter, Surface, WrittenEffect};
+use toolroom_effects::Effect;
+use toolroom_records::Records;
+use toolroom_scenario::{Moved, Scope, Target};
+
+/// Spread of a calibration that no parameter of the model has, where the file gives none (assumption).
+const UNKNOWN: f64 = 0.05;
+/// Mean duration of a stop that nobody books, s.
+const STOP: f64 = 20.0;
+
+impl<P: Nominal> Cutting<P> {
+    /// Takes over what the file states about these rows.
+    pub(super) fn state(&mut self, records: &Records, stated: &mut Stated) {
+        self.name(stated);
+        self.switch_on(records, stated);
+        self.deviate(records, stated);
+        self.move_others(records, stated);
+        Words::settle(&mut self.frame, stated);
+        self.vary();
+    }
+
+    /// The words of a scenario for parameters and surfaces.
+    fn name(&mut self, stated: &Stated) {
+        let Some(tool) = stated.tool.clone() else { return };
+        let tool = || Target::Tool(tool.clone());
+        let mut list: Vec<(String, Movable)> = Vec::new();
+        for (parameter, change) in self.frame.parameters.iter().zip(&self.changes) {
+            match change {
+                Change::Constant { group, name } => {
+                    list.push((parameter.name.clone(), Movable::factor(format!("{group}.{name}"), tool())));
+                }
+                Change::Wear => list.push((parameter.name.clone(), Movable::factor("wear_rate", tool()))),
+                // No scenario has a word for these.
+                Change::WearFeature(_) | Change::WearOfLand(..) | Change::Start => {}
+            }
+        }
+        for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
+            let name = &surface.name;
+            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
+            let gain = |target: Target| Movable::factor(format!("gain.{channel}"), target);
+            // Machines and parts that the scenario does not know have no words in it.
+            let machine = name.split_once(", machine ").map(|(_, machine)| machine);
+            let part = name.split_once(", fixture of ").map(|(_, part)| part);
+            let strange = machine.is_some_and(|name| stated.handling.iter().all(|(own, _)| own != name))
+                || part.is_some_and(|name| stated.parts.iter().all(|own| own != name));
+            if strange {
+                continue;
+            }
+            let movable = if name == "handling time" {
+                Movable { summand: true, ..Movable::factor("handling_time", tool()) }
+            } else if let Some((_, machine)) = name.split_once(", machine ") {
+                gain(Target::Machine(machine.to_owned()))
+            } else if let Some((_, part)) = name.split_once(", fixture of ") {
+                Movable {
+                    scope: Scope { names: vec![("part", vec![part.to_owned()])], ..Scope::default() },
+                    ..gain(tool())
+                }
+            } else {
+                gain(tool())
+            };
+            list.push((name.clone(), movable));
+        }
+        self.frame.words.movable = list;
+    }
+
+    /// Effects of the tool: sizes of their candidates, which are added where the records asked for none.
+    fn switch_on(&mut self, records: &Records, stated: &Stated) {
+        for own in &stated.effects {
+            let (effect, scope) = (own.effect, stated.normal(&own.scope));
+            let same = |(action, candidate): (&Action, &Candidate)| match action {
+                Action::Effect(other) => scope.is_everywhere() && other.with_size(0.0) == effect.with_size(0.0),
+                Action::Scoped(other, at, _) => *at == scope && other.with_size(0.0) == effect.with_size(0.0),
+                Action::Lot(..) => {
+                    effect.entry().id == candidate.id && Some(candidate.shape.as_str()) == lot(&scope).as_deref()
+                }
+                Action::Reading { .. } => false,
+            };
+            let found = self.actions.iter().zip(&self.frame.candidates).position(same);
+            let index = found.unwrap_or_else(|| {
+                let action = if scope.is_everywhere() {
+                    Action::Effect(effect.with_size(0.0))
+                } else {
+                    Action::Scoped(effect.with_size(0.0), scope.clone(), stated.rows(records, &scope))
+                };
+                let entry = effect.entry();
+                let typical = if effect.size() > 0.0 { effect.size() } else { 1e-3 * entry.size.max };
+                self.append(
+                    Candidate {
+                        id: entry.id,
+                        shape: words(effect, &scope),
+                        typical,
+                        greatest: entry.size.max,
+                        least: 0.0,
+                    },
+                    action,
+                )
+            });
+            self.frame.words.effects.push((index, effect.size()));
+        }
+    }
+
+    fn append(&mut self, candidate: Candidate, action: Action) -> usize {
+        self.frame.candidates.push(candidate);
+        self.actions.push(action);
+        self.actions.len() - 1
+    }
+
+    /// Effects of the shop that show in the time of an operation.
+    fn deviate(&mut self, records: &Records, stated: &Stated) {
+        let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time") else {
+            return;
+        };
+        let firsts = crate::features::first_of_group(&self.frame.measured.group_of_row);
+        for own in &stated.deviations {
+            let scope = stated.normal(&own.scope);
+            let same = |(i, candidate): (usize, &Candidate)| {
+                matches!(self.actions[i], Action::Reading { .. })
+                    && candidate.id == own.id
+                    && self.written_effect(i).scope == scope
+                    && (own.id == "feed_hold" || self.written_effect(i).recorded.is_some() == own.recorded.is_some())
+            };
+            let found = self.frame.candidates.iter().enumerate().position(same);
+            let index = found.or_else(|| {
+                let rows = stated.rows(records, &scope);
+                let value = |row: usize| match own.id {
+                    "feed_override" => Some(self.durations[row]),
+                    "operator_delay" => Some(1.0),
+                    "tool_change_delay" => Some(firsts[row]),
+                    "micro_stops" => Some(STOP * self.durations[row]),
+                    "feed_hold" => Some(own.share),
+                    _ => None,
+                };
+                let column: Option<Vec<f64>> =
+                    rows.iter().enumerate().map(|(row, on)| Some(on * value(row)?)).collect();
+                let (id, column) = (id_of(own.id)?, column?);
+                let typical = if own.size == 0.0 { 1.0 } else { own.size.abs() };
+                let shape = if scope.is_everywhere() { "planned times".to_owned() } else { scope.words() };
+                let recorded = own.recorded;
+                let action = Action::Reading { channel, column, scope: scope.clone(), recorded };
+                Some(self.append(Candidate { id, shape, typical, greatest: f64::INFINITY, least: 0.0 }, action))
+            });
+            if let Some(index) = index {
+                self.frame.words.effects.push((index, own.size));
+            }
+        }
+    }
+
+    /// Calibration that no parameter or surface has yet: with a scope, or of something else.
+    fn move_others(&mut self, records: &Records, stated: &mut Stated) {
+        let known = |own: &Movable, parameter: &str, target: &Target, scope: &Scope, summand: bool| {
+            own.parameter == parameter && own.target == *target && own.scope == *scope && own.summand == summand
+        };
+        let cycle = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time");
+        for (number, own) in stated.calibrations.clone().into_iter().enumerate() {
+            let scope = stated.normal(&own.scope);
+            let summand = matches!(own.moved, Moved::Summand(_));
+            let words = &self.frame.words.movable;
+            if words.iter().any(|(_, word)| known(word, &own.parameter, &own.target, &scope, summand)) {
+                continue;
+            }
+            let of_other_tool = matches!(&own.target, Target::Tool(name) if Some(name) != stated.tool.as_ref());
+            if of_other_tool {
+                stated.calibrations.retain(|other| *other != own);
+                continue;
+            }
+            let mut rows = stated.rows(records, &scope);
+            for (row, on) in rows.iter_mut().enumerate() {
+                let occasion = occasion(records, row, stated.tool.as_deref());
+                *on *= f64::from(u8::from(own.target.has(&occasion)));
+            }
+            let name = format!("{} of {}, {}", own.parameter, own.target.words(), number + 1);
+            let movable =
+                Movable { scope: scope.clone(), summand, ..Movable::factor(own.parameter.clone(), own.target.clone()) };
+            let spread = own.prior.unwrap_or(UNKNOWN);
+            let channel = |name: &str| self.frame.measured.channels.iter().position(|channel| channel.name == name);
+            let mut surface = |channel: Option<usize>, feature: Vec<f64>, absolute: bool| {
+                let Some(channel) = channel else { return false };
+                let (name, channels) = (name.clone(), vec![channel]);
+                let deviation = spread;
+                self.frame.surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
+                true
+            };
+            let moved = match (own.parameter.as_str(), own.moved) {
+                ("wear_rate", Moved::Factor(_)) => {
+                    self.frame.parameters.push(Parameter { name: name.clone(), deviation: spread, allowance: false });
+                    self.changes.push(Change::WearFeature(rows));
+                    true
+                }
+                ("handling_time", Moved::Summand(_)) => surface(cycle, rows, true),
+                ("handling_time" | "programmed_time", Moved::Factor(factor)) => {
+                    // A share of a time: as a summand it is its logarithm that moves.
+                    let times = if own.parameter == "handling_time" { &self.handling } else { &self.durations };
+                    let share = (factor - 1.0) / factor.ln();
+                    let share = if share.is_finite() { share } else { 1.0 };
+                    let feature = rows.iter().zip(times).map(|(on, time)| on * time * share).collect();
+                    surface(cycle, feature, true)
+                }
+                (parameter, moved) => match (parameter.split_once('.'), moved) {
+                    (Some(("gain", name)), Moved::Factor(_)) => surface(channel(name), rows, false),
+                    (Some(("offset", name)), Moved::Summand(_)) => surface(channel(name), rows, true),
+                    (Some((group, field)), moved) if own.constant().is_some() => {
+                        let rows = (!scope.is_everywhere()).then_some(rows);
+                        self.fixed.push(Fixed { group: group.to_owned(), field: field.to_owned(), moved, rows });
+                        stated.calibrations.retain(|other| *other != own);
+                        continue;
+                    }
+                    _ => false,
+                },
+            };
+            if moved {
+                self.frame.words.movable.push((name, movable));
+            }
+        }
+    }
+
+    /// Which processes the rows need.
+    fn vary(&mut self) {
+        let scoped = self.actions.iter().filter_map(|action| match action {
+            Action::Scoped(_, _, rows) => Some(rows),
+            Action::Effect(_) | Action::Lot(..) | Action::Reading { .. } => None,
+        });
+        let items: Vec<&Vec<f64>> = scoped.chain(self.fixed.iter().filter_map(|own| own.rows.as_ref())).collect();
+        let (mut masks, mut of_row) = (Vec::new(), Vec::with_capacity(self.durations.len()));
+        for row in 0..self.durations.len() {
+            let mask = items.iter().enumerate().map(|(bit, rows)| u64::from(rows[row] != 0.0) << bit).sum::<u64>();
+            let index = masks.iter().position(|own| *own == mask).unwrap_or_else(|| {
+                masks.push(mask);
+                masks.len() - 1
+            });
+            of_row.push(index);
+        }
+        if masks.is_empty() {
+            masks.push(0);
+        }
+        (self.masks, self.variant_of_row) = (masks, of_row);
+    }
+
+    /// How a scenario says a candidate.
+    pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
+        match &self.actions[candidate] {
+            Action::Effect(effect) => WrittenEffect::of(effect, &Scope::default()),
+            Action::Scoped(effect, scope, _) => WrittenEffect::of(effect, scope),
+            Action::Lot(..) => {
+                let name = self.frame.candidates[candidate].shape.strip_prefix("lot ").unwrap_or_default().to_owned();
+                let scope = Scope { names: vec![("lot", vec![name])], ..Scope::default() };
+                WrittenEffect { scope, ..WrittenEffect::default() }
+            }
+            Action::Reading { scope, recorded, .. } => {
+                WrittenEffect { scope: scope.clone(), recorded: *recorded, ..WrittenEffect::default() }
+            }
+        }
+    }
+}
+
+/// Shape of the candidate of a single lot.
+fn lot(scope: &Scope) -> Option<String> {
+    match &scope.names[..] {
+        [("lot", names)] if names.len() == 1 && scope.from.is_none() && scope.until.is_none() => {
+            Some(format!("lot {}", names[0]))
+        }
+        _ => None,
+    }
+}
+
+/// Shape and scope for people.
+fn words(effect: Effect, scope: &Scope) -> String {
+    let default = Effect::named(effect.entry().id).unwrap_or(effect);
+    let record = effect.parameters();
+    let fields = record
+        .fields()
+        .iter()
+        .enumerate()
+        .filter(|(i, field)| field.name != "size" && record.value(*i) != default.parameters().value(*i));
+    let shape = fields.map(|(i, field)| {
+        let value = field.to_display(record.value(i).unwrap_or(f64::NAN));
+        if field.display == "1" {
+            format!("{} {value}", field.name)
+        } else {
+            format!("{} {value} {}", field.name, field.display)
+        }
+    });
+    shape.chain((!scope.is_everywhere()).then(|| scope.words())).collect::<Vec<_>>().join(", ")
+}

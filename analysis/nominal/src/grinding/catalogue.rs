@@ -1,0 +1,55 @@
+//! Effects of grinding that the diagnosis tries.
+
+use super::Grinding;
+use crate::Candidate;
+use crate::search::{self, Rows, Shape, Sought, Untried, Way};
+use toolroom_effects::{Effect, Effects};
+use toolroom_infeed::Infeed;
+use toolroom_process::Process;
+use toolroom_records::Records;
+
+/// How a candidate acts.
+pub(super) enum Action {
+    /// By the process; what the wheel has worn may be missing from the infeed of later parts.
+    Effect { effect: Effect, by_command: bool },
+    /// By the process, on the rows of one coolant.
+    Coolant(Vec<f64>),
+}
+
+impl Action {
+    /// Whether infeed is positioned by command since the dressing.
+    pub fn is_by_command(&self) -> bool {
+        matches!(self, Self::Effect { by_command: true, .. })
+    }
+}
+
+impl Grinding {
+    pub(super) fn catalogue(&mut self, records: &Records) {
+        let latest = self.conditions.latest();
+        let greatest = |quantity: &str| match quantity {
+            "machine_time" => (latest > 0.0).then_some(latest),
+            column => search::greatest(records, column),
+        };
+        let ways = &[Way::Coolants, Way::WheelPosition];
+        let sought = Sought { process: Infeed::NAME, records, greatest: &greatest, ways };
+        for effect in Effects::every(Infeed::NAME).iter().copied() {
+            let id = effect.entry().id;
+            let shapes = match sought.shapes(effect) {
+                Ok(shapes) => shapes,
+                Err(reason) => {
+                    self.frame.untried.push(Untried { id, reason });
+                    continue;
+                }
+            };
+            for Shape { name, effect, typical, greatest, rows } in shapes {
+                self.frame.candidates.push(Candidate { id, shape: name, typical, greatest, least: 0.0 });
+                self.actions.push(match rows {
+                    Rows::Coolant(rows) => Action::Coolant(rows),
+                    Rows::SinceDressing => Action::Effect { effect, by_command: true },
+                    Rows::All => Action::Effect { effect, by_command: false },
+                    Rows::Lot(_) => unreachable!("the way of lots is not offered"),
+                });
+            }
+        }
+    }
+}

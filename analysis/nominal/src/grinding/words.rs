@@ -1,0 +1,113 @@
+//! What a scenario calls the numbers of this model, and what it states of them.
+
+use super::catalogue::Action;
+use super::{Change, Grinding};
+use crate::stated::{Movable, Stated, Words};
+use crate::{Candidate, WrittenEffect};
+use toolroom_scenario::{Scope, Target, move_constant};
+
+impl Grinding {
+    /// Takes over what the file states about these rows.
+    pub(super) fn state(&mut self, stated: &mut Stated) {
+        let Some(tool) = stated.tool.clone() else { return };
+        let tool = || Target::Tool(tool.clone());
+        let mut list: Vec<(String, Movable)> = Vec::new();
+        for (parameter, change) in self.frame.parameters.iter().zip(&self.changes) {
+            let movable = match change {
+                Change::ProcessStiffness => Movable::factor("infeed.process_stiffness", tool()),
+                Change::SystemStiffness => Movable::factor("infeed.system_stiffness", tool()),
+                Change::Scale => Movable::factor("gain.infeed_per_rev", tool()),
+                Change::Machine(_) => {
+                    let machine = parameter.name.rsplit("machine ").next().unwrap_or_default().to_owned();
+                    if stated.handling.iter().all(|(own, _)| *own != machine) {
+                        continue;
+                    }
+                    let scope = Scope { names: vec![("machine", vec![machine])], ..Scope::default() };
+                    Movable { scope, ..Movable::factor("infeed.system_stiffness", tool()) }
+                }
+                Change::Exponent | Change::Ramp => continue,
+            };
+            list.push((parameter.name.clone(), movable));
+        }
+        for surface in self.frame.surfaces.iter().filter(|surface| !surface.allowance) {
+            let channel = surface.channels.first().map_or("", |index| self.frame.measured.channels[*index].name);
+            list.push((surface.name.clone(), Movable::factor(format!("gain.{channel}"), tool())));
+        }
+        self.switch_on(stated);
+        // Other constants of the process are moved and do not move further.
+        for own in stated.calibrations.clone() {
+            let known = list.iter().any(|(_, word)| word.parameter == own.parameter);
+            let ours = own.target == tool() && own.scope.is_everywhere();
+            if let (Some((group, field)), true, false) = (own.constant(), ours, known) {
+                // A constant that the process lacks was refused with its file.
+                let _ = move_constant(
+                    toolroom_process::Process::parameters_mut(&mut self.process),
+                    group,
+                    field,
+                    own.moved,
+                );
+                stated.calibrations.retain(|other| *other != own);
+            }
+        }
+        self.frame.words.movable = list;
+        Words::settle(&mut self.frame, stated);
+    }
+
+    /// Effects of the wheel: sizes of their candidates, which are added where the records asked for none.
+    fn switch_on(&mut self, stated: &Stated) {
+        for own in &stated.effects {
+            let (effect, scope) = (own.effect, stated.normal(&own.scope));
+            let same = |index: usize| {
+                let written = self.written_effect(index);
+                self.frame.candidates[index].id == effect.entry().id
+                    && written == WrittenEffect { recorded: written.recorded, ..WrittenEffect::of(&effect, &scope) }
+            };
+            let found = (0..self.actions.len()).find(|index| same(*index));
+            let index = match found {
+                Some(index) => index,
+                None if scope.is_everywhere() => {
+                    let entry = effect.entry();
+                    let typical = if effect.size() > 0.0 { effect.size() } else { 1e-3 * entry.size.max };
+                    let candidate = Candidate {
+                        id: entry.id,
+                        shape: "of the file".to_owned(),
+                        typical,
+                        greatest: entry.size.max,
+                        least: 0.0,
+                    };
+                    self.frame.candidates.push(candidate);
+                    self.actions.push(Action::Effect { effect: effect.with_size(0.0), by_command: false });
+                    self.actions.len() - 1
+                }
+                None => {
+                    let words = scope.words();
+                    self.frame
+                        .notes
+                        .push(format!("{} with scope {words} is not predicted in grinding", effect.entry().id));
+                    continue;
+                }
+            };
+            self.frame.words.effects.push((index, effect.size()));
+        }
+    }
+
+    /// How a scenario says a candidate.
+    pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
+        match &self.actions[candidate] {
+            Action::Effect { effect, by_command } => {
+                let mut written = WrittenEffect::of(effect, &Scope::default());
+                if *by_command {
+                    // No scenario has a word for it: an application refuses it rather than lose it.
+                    written.shape.push(("positioned_since_dressing", 1.0, "1", "1"));
+                }
+                written
+            }
+            Action::Coolant(_) => {
+                let name = &self.frame.candidates[candidate].shape;
+                let name = name.strip_prefix("coolant ").unwrap_or(name).to_owned();
+                let scope = Scope { names: vec![("coolant", vec![name])], ..Scope::default() };
+                WrittenEffect { scope, ..WrittenEffect::default() }
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Priors and sensors of a diagnosis, with the defaults of the records contract.
+
+use toolroom_records::Sensor;
+use toolroom_wear::Scatter;
+
+/// Prior standard deviation of a machine's gain on a channel.
+pub(super) const MACHINE_GAIN: f64 = 0.03;
+
+/// What is believed before any measurement: standard deviations of logarithms, and sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Force coefficients.
+    pub force: f64,
+    /// Temperature coefficients.
+    pub temperature: f64,
+    /// Wear-rate level.
+    pub wear_level: f64,
+    /// Stiffnesses of grinding.
+    pub stiffness: f64,
+    /// Scale of the half-normal prior of the scatter of wear from edge to edge.
+    pub edge_wear: f64,
+    /// Scatter of force from edge to edge.
+    pub edge_force: f64,
+    /// Form of the wear rate, linear in the logarithm of a condition per its spread.
+    pub form_wear: f64,
+    /// Form of the wear rate over the land.
+    pub form_land_wear: f64,
+    /// Form of the wear rate over the land as it differs with the conditions, per spread of theirs.
+    pub form_land_conditions_wear: f64,
+    /// Conditions, lots and materials that an empirical model knows; every number, if `None`.
+    pub conditions: Option<Vec<String>>,
+    /// Channels that an empirical model answers for; all, if empty.
+    pub channels: Vec<String>,
+    /// Whether an empirical model wears its edges at a constant rate instead of by a power of time.
+    pub constant_rate: bool,
+    /// Sensors that differ from the sheet.
+    pub sensors: Vec<(String, Sensor)>,
+    /// How edges and workpieces scatter in the scenario; `None` where it says nothing of it.
+    pub scatter: Option<Scatter>,
+    /// Parts of the scenario and the number of their workpieces that share a hardness.
+    pub lots: Vec<(String, u32)>,
+    /// Standard deviation of the time to load and unload a part, s.
+    pub handling: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            force: 0.08,
+            temperature: 0.05,
+            wear_level: 0.15,
+            stiffness: 0.10,
+            edge_wear: 0.25,
+            edge_force: 0.02,
+            form_wear: 0.15,
+            form_land_wear: 0.15,
+            form_land_conditions_wear: 0.15,
+            conditions: None,
+            channels: Vec::new(),
+            constant_rate: false,
+            sensors: Vec::new(),
+            scatter: None,
+            lots: Vec::new(),
+            handling: 0.0,
+        }
+    }
+}
+
+impl Settings {
+    /// The sensor of a channel; handling scatters like an error of the cycle time.
+    pub fn sensor(&self, channel: &str) -> Sensor {
+        let given = self.sensors.iter().find(|(name, _)| name == channel);
+        let mut sensor = given.map_or_else(|| Sensor::usual(channel), |(_, sensor)| *sensor);
+        if channel == "cycle_time" {
+            sensor.absolute = sensor.absolute.hypot(self.handling);
+        }
+        sensor
+    }
+}

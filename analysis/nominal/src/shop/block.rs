@@ -1,0 +1,399 @@
+//! Operations gathered in blocks, and what is measured of a block.
+
+use super::nominal::Shop;
+use super::stops::{FAR, Shape, class, lower_deviation};
+use super::visit::{Visit, Visits};
+use statrs::distribution::{ContinuousCDF, Normal};
+use std::collections::BTreeMap;
+use toolroom_statistics::median;
+
+/// Channels of a block, in the order of [`Block::values`].
+pub const CHANNELS: [&str; 11] = [
+    "cutting_time",
+    "cutting_tail",
+    "cutting_excess",
+    "cutting_spread",
+    "handling_time",
+    "handling_spread",
+    "tool_change_time",
+    "feed_hold_time",
+    "stop_count",
+    "edge_life",
+    "failure_interval",
+];
+/// Share of outliers to which the difference of both tails is added, so that it has a size to which
+/// deviations can refer.
+pub const TAIL: f64 = 0.05;
+/// Fewest operations that have a shape.
+const SHAPED: usize = 8;
+/// Length of a part of the day in which times are pooled, s.
+const PART: f64 = 4.0 * 3600.0;
+const DAY: f64 = 86400.0;
+/// Error of a time read from a control, s (the sheet of cycle times).
+const CLOCK: f64 = 0.5;
+/// Mean and standard deviation of the root of the magnitude of a standard normal number, whose
+/// distribution is all but symmetric: `2^(1/4) Γ(3/4)/√π` and `√(√(2/π) − mean²)`.
+pub const ROOT_SCORE: (f64, f64) = (0.822_179, 0.349_1);
+/// Scatter of a logarithm where too few operations show it (assumption).
+const UNSEEN: f64 = 0.02;
+/// Least scatter of a logarithm that is believed (assumption).
+const LEAST: f64 = 0.002;
+
+/// Part of a day of one machine and program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Machine and day.
+    pub group: usize,
+    /// Machine.
+    pub machine: usize,
+    /// Program; `None` where the block is of the machine as a whole.
+    pub program: Option<usize>,
+    /// Shift.
+    pub shift: String,
+    /// Middle, s.
+    pub time: f64,
+    /// Measured values, NaN where there are none.
+    pub values: [f64; CHANNELS.len()],
+    /// Their standard deviations by the scatter of single operations, of the logarithm where the
+    /// channel is compared so.
+    pub deviations: [f64; CHANNELS.len()],
+    /// Programmed over actual feed of each operation, less one, ascending; empty where nothing was
+    /// overridden.
+    pub excesses: Vec<f64>,
+    /// Time in cut, s.
+    pub cutting: f64,
+    /// Class of its number of operations.
+    pub class: usize,
+    /// Share of operations that began with a new edge.
+    pub new_edges: f64,
+}
+
+/// All blocks, and the scatter of single operations by program.
+#[derive(Clone, Debug, Default)]
+pub struct Blocks {
+    /// Blocks by group and time.
+    pub list: Vec<Block>,
+    /// Names of the groups, `machine day`.
+    pub groups: Vec<String>,
+    /// Scatter of the logarithm of the time in cut, by program.
+    pub scatter: Vec<f64>,
+    /// Operations of each of the pools about whose middles that was taken, by program.
+    pub pools: Vec<Vec<usize>>,
+    /// Programmed time, s, by program: the nominal shop's, or the shop's own median.
+    pub times: Vec<f64>,
+    /// Whether the nominal shop knows the program.
+    pub known: Vec<bool>,
+    /// Whether times in cut are exact, as in a simulation without scatter, by program.
+    pub exact: Vec<bool>,
+}
+
+/// Time in cut that an operation would have taken at full feed, s: what is left of its scatter
+/// is not the override's.
+fn full_feed(visit: &Visit) -> f64 {
+    visit.cutting / (1.0 + visit.override_excess)
+}
+
+/// Standard deviation of a median of `count` values over that of one.
+fn of_median(count: usize) -> f64 {
+    (if count < 3 { 1.0 } else { 1.25 }) / (count as f64).sqrt()
+}
+
+/// Splits by a key, in its order.
+fn by<K: Ord>(visits: &[&Visit], key: impl Fn(&Visit) -> K) -> BTreeMap<K, Vec<usize>> {
+    let mut split: BTreeMap<K, Vec<usize>> = BTreeMap::new();
+    visits.iter().enumerate().for_each(|(at, visit)| split.entry(key(visit)).or_default().push(at));
+    split
+}
+
+impl Block {
+    /// Factor on the median time in cut if operations are slower by `share` times their override.
+    pub fn slowed(&self, share: f64) -> f64 {
+        if self.excesses.is_empty() {
+            return 1.0;
+        }
+        median(&mut self.excesses.iter().map(|excess| 1.0 + share * excess).collect::<Vec<f64>>())
+    }
+
+    /// Mean of the excesses.
+    pub fn mean_excess(&self) -> f64 {
+        self.excesses.iter().sum::<f64>() / self.excesses.len().max(1) as f64
+    }
+}
+
+impl Blocks {
+    /// Blocks of everything that was seen.
+    pub fn of(shop: &Shop, seen: &Visits) -> Self {
+        let visits: Vec<&Visit> = seen.list.iter().collect();
+        let day = |time: f64| (time / DAY).floor() as i64;
+        let shift = |visit: &Visit| shop.shift(&seen.machines[visit.machine], visit.start);
+        let mut blocks = Self::default();
+        for (program, name) in seen.programs.iter().enumerate() {
+            let own = || visits.iter().filter(|visit| visit.program == program);
+            let nominal = shop.programs.get(name).map(|nominal| nominal.time);
+            blocks.known.push(nominal.is_some());
+            let measured = median(&mut own().map(|visit| visit.cutting).collect::<Vec<f64>>());
+            blocks.times.push(nominal.unwrap_or(measured));
+        }
+        let mut index: BTreeMap<(usize, i64), usize> = BTreeMap::new();
+        for visit in &visits {
+            index.entry((visit.machine, day(visit.start))).or_default();
+        }
+        for (group, ((machine, day), place)) in index.iter_mut().enumerate() {
+            *place = group;
+            blocks.groups.push(format!("{} day {}", seen.machines[*machine], day + 1));
+        }
+        let group = |machine: usize, time: f64| index.get(&(machine, day(time))).copied();
+        let pooled = by(&visits, |visit| (visit.machine, day(visit.start), visit.program, shift(visit)));
+        // Distances to the middle of the pool, both below and above.
+        let mut below: Vec<Vec<f64>> = vec![Vec::new(); seen.programs.len()];
+        blocks.pools = vec![Vec::new(); seen.programs.len()];
+        let mut handled: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        let logarithms = |at: &[usize], time: &dyn Fn(&Visit) -> f64| -> Vec<f64> {
+            at.iter().map(|at| time(visits[*at])).filter(|time| *time > 0.0).map(f64::ln).collect()
+        };
+        for ((machine, _, program, _), at) in &pooled {
+            let cut = logarithms(at, &full_feed);
+            let middle = median(&mut cut.clone());
+            if cut.len() >= 3 {
+                blocks.pools[*program].push(cut.len());
+                below[*program].extend(cut.iter().map(|y| middle - y).filter(|d| *d > 0.0));
+            }
+            let handling = logarithms(at, &|visit| visit.handling);
+            let middle = median(&mut handling.clone());
+            handled.entry(*machine).or_default().extend(handling.iter().map(|y| (y - middle).abs()));
+        }
+        for (program, below) in below.iter_mut().enumerate() {
+            let least = LEAST.max(0.5 * CLOCK / blocks.times[program]);
+            let count = visits.iter().filter(|visit| visit.program == program).count();
+            let scatter = if count < SHAPED {
+                UNSEEN
+            } else if below.len() < count / 10 {
+                0.0 // hardly any two differ
+            } else {
+                lower_deviation(below)
+            };
+            blocks.exact.push(scatter < 0.1 * least);
+            blocks.scatter.push(scatter.max(least));
+        }
+        let outliers = outliers(&pooled, &blocks.scatter, &|at| logarithms(at, &full_feed));
+        let handling_scatter: BTreeMap<usize, f64> =
+            handled.iter_mut().map(|(machine, far)| (*machine, (1.4826 * median(far)).max(0.01))).collect();
+        let empty = |machine: usize, program: Option<usize>, shift: String, time: f64, group: usize| Block {
+            group,
+            machine,
+            program,
+            shift,
+            time,
+            values: [f64::NAN; CHANNELS.len()],
+            deviations: [1.0; CHANNELS.len()],
+            excesses: Vec::new(),
+            cutting: 0.0,
+            class: 0,
+            new_edges: 0.0,
+        };
+        // Where times lie, by parts of the day.
+        let part = |visit: &Visit| ((visit.start - 6.0 * 3600.0) / PART).floor() as i64;
+        for ((machine, day, _, program), at) in
+            by(&visits, |visit| (visit.machine, day(visit.start), part(visit), visit.program))
+        {
+            let Some(group) = index.get(&(machine, day)).copied() else { continue };
+            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let mean = |value: &dyn Fn(&Visit) -> f64| own.iter().map(|v| value(v)).sum::<f64>() / own.len() as f64;
+            let mut block = empty(machine, Some(program), shift(own[0]), mean(&|v| v.start), group);
+            let clock = CLOCK / blocks.times[program];
+            block.class = class(own.len());
+            let mut cut = logarithms(&at, &|visit| visit.cutting);
+            block.values[0] = median(&mut cut).exp();
+            block.deviations[0] = of_median(cut.len()) * blocks.scatter[program].hypot(0.3 * clock);
+            let mut handling = logarithms(&at, &|visit| visit.handling);
+            if !handling.is_empty() {
+                block.values[4] = median(&mut handling).exp();
+                block.deviations[4] = of_median(handling.len()) * handling_scatter[&machine];
+            }
+            if own.iter().any(|visit| visit.override_excess > 0.0) {
+                block.excesses = own.iter().map(|visit| visit.override_excess).collect();
+                block.excesses.sort_by(f64::total_cmp);
+            }
+            block.new_edges = mean(&|v| f64::from(u8::from(v.new_edge)));
+            blocks.list.push(block);
+        }
+        // How times scatter, by shifts.
+        for ((machine, day, program, shift), at) in &pooled {
+            let Some(group) = index.get(&(*machine, *day)).copied() else { continue };
+            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let time = own.iter().map(|visit| visit.start).sum::<f64>() / own.len() as f64;
+            let mut block = empty(*machine, Some(*program), shift.clone(), time, group);
+            let count = own.len() as f64;
+            block.class = class(own.len());
+            block.cutting = own.iter().map(|visit| visit.cutting).sum();
+            block.new_edges = own.iter().filter(|visit| visit.new_edge).count() as f64 / count;
+            if own.len() >= SHAPED {
+                let scatter = blocks.scatter[*program];
+                let shape = Shape::of(&mut logarithms(at, &full_feed), scatter);
+                block.values[1] = TAIL + shape.tail;
+                block.deviations[1] = (outliers[*program].0 / count).sqrt();
+                block.values[2] = shape.excess.exp();
+                block.deviations[2] = outliers[*program].1 / count.sqrt();
+                if !blocks.exact[*program] {
+                    block.values[3] = shape.spread;
+                }
+                block.deviations[3] = (2.0 * (count - 1.0)).sqrt().recip();
+                let handling = logarithms(at, &|visit| visit.handling);
+                if let Some(spread) = shop
+                    .station(&seen.machines[*machine])
+                    .and_then(|station| normal_spread(&station.handling, &handling))
+                {
+                    block.values[5] = spread;
+                    block.deviations[5] = (2.0 * (count - 1.0)).sqrt().recip();
+                }
+            }
+            let stops: usize = own.iter().map(|visit| visit.stops.len()).sum();
+            block.values[8] = stops as f64;
+            blocks.list.push(block);
+        }
+        // What belongs to a machine and day as a whole, or to a shift of it.
+        for ((machine, day, shift), at) in by(&visits, |visit| (visit.machine, day(visit.start), shift(visit))) {
+            let Some(group) = index.get(&(machine, day)).copied() else { continue };
+            let own: Vec<&Visit> = at.iter().map(|at| visits[*at]).collect();
+            let time = own.iter().map(|visit| visit.start).sum::<f64>() / own.len() as f64;
+            let mut block = empty(machine, None, shift, time, group);
+            let changes: Vec<f64> = own.iter().flat_map(|visit| visit.changes.iter().copied()).collect();
+            if !changes.is_empty() {
+                block.values[6] = median(&mut changes.clone());
+                block.deviations[6] = of_median(changes.len());
+            }
+            let holds: Vec<f64> = own.iter().flat_map(|visit| visit.holds.iter().copied()).collect();
+            if !holds.is_empty() {
+                block.values[7] = holds.iter().sum::<f64>() / holds.len() as f64;
+                block.deviations[7] = (holds.len() as f64).sqrt().recip();
+            }
+            blocks.list.push(block);
+        }
+        blocks.rare(seen, &group, &empty);
+        blocks.scales();
+        blocks.list.sort_by(|a, b| a.group.cmp(&b.group).then(a.time.total_cmp(&b.time)));
+        blocks
+    }
+
+    /// Lives of edges and times between breakdowns, by machine and day of their end.
+    fn rare(
+        &mut self,
+        seen: &Visits,
+        group: &dyn Fn(usize, f64) -> Option<usize>,
+        empty: &dyn Fn(usize, Option<usize>, String, f64, usize) -> Block,
+    ) {
+        let mut split: BTreeMap<usize, (usize, f64, Vec<f64>, Vec<f64>)> = BTreeMap::new();
+        for (machine, time, life) in &seen.edge_lives {
+            if let Some(group) = group(*machine, *time) {
+                split.entry(group).or_insert((*machine, *time, Vec::new(), Vec::new())).2.push(life.ln());
+            }
+        }
+        let mut used: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        seen.failure_gaps.iter().for_each(|(machine, _, used_for)| used.entry(*machine).or_default().push(*used_for));
+        for (machine, time, used_for) in &seen.failure_gaps {
+            let own = &used[machine];
+            let mean = own.iter().sum::<f64>() / own.len() as f64;
+            if let (Some(group), true) = (group(*machine, *time), own.len() >= 4) {
+                // How far from the middle under an exponential distribution of the same mean.
+                let score = normal_score(-(-used_for / mean).exp_m1()).abs().sqrt();
+                split.entry(group).or_insert((*machine, *time, Vec::new(), Vec::new())).3.push(score);
+            }
+        }
+        for (group, (machine, time, lives, scores)) in split {
+            let mut block = empty(machine, None, String::new(), time, group);
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            if !lives.is_empty() {
+                block.values[9] = mean(&lives).exp();
+                block.deviations[9] = (lives.len() as f64).sqrt().recip();
+            }
+            if !scores.is_empty() {
+                block.values[10] = mean(&scores);
+                block.deviations[10] = ROOT_SCORE.1 / (scores.len() as f64).sqrt();
+            }
+            self.list.push(block);
+        }
+    }
+
+    /// Scatter of single changes, edges and counts, which only all blocks together show.
+    fn scales(&mut self) {
+        for (channel, least) in [(6, 0.01), (9, 0.05)] {
+            let values = self.list.iter().map(|block| block.values[channel]).filter(|value| *value > 0.0);
+            let logarithms: Vec<f64> = values.map(f64::ln).collect();
+            let middle = median(&mut logarithms.clone());
+            let scatter = 1.4826 * median(&mut logarithms.iter().map(|y| (y - middle).abs()).collect::<Vec<f64>>());
+            let scatter = if scatter.is_finite() { scatter.max(least) } else { least };
+            self.list.iter_mut().for_each(|block| block.deviations[channel] *= scatter);
+        }
+        // Holds last exponentially (assumption), so that one scatters by the mean of all. The mean of the block itself
+        // would weigh short blocks most: of n holds the weighted mean would be (n − 2)/n of the true one.
+        let held = self.list.iter().filter(|block| block.values[7].is_finite());
+        let (sum, count) = held.fold((0.0, 0.0), |(sum, count), block| {
+            let holds = block.deviations[7].powi(-2);
+            (sum + holds * block.values[7], count + holds)
+        });
+        let hold = if count > 0.0 { (sum / count).max(CLOCK) } else { CLOCK };
+        self.list.iter_mut().for_each(|block| block.deviations[7] *= hold);
+        let counted = || self.list.iter().filter(|block| block.values[8].is_finite());
+        let (stops, time) = counted().fold((0.0, 0.0), |(n, t), block| (n + block.values[8], t + block.cutting));
+        let rate = if time > 0.0 { stops / time } else { 0.0 };
+        for block in self.list.iter_mut().filter(|block| block.values[8].is_finite()) {
+            if stops > 0.0 {
+                block.deviations[8] = (rate * block.cutting).max(0.25).sqrt();
+            } else {
+                // A log that books no stops at all says nothing about them.
+                block.values[8] = f64::NAN;
+            }
+        }
+    }
+}
+
+/// Operations of one machine, day, program and shift.
+type Pools = BTreeMap<(usize, i64, usize, String), Vec<usize>>;
+
+/// Share of outliers in both tails and root mean square of the excess of single operations over
+/// their median, by program; at least those of a normal distribution.
+fn outliers(pools: &Pools, scatter: &[f64], logarithms: &dyn Fn(&[usize]) -> Vec<f64>) -> Vec<(f64, f64)> {
+    let mut sums = vec![(0.0, 0.0, 0.0); scatter.len()];
+    for ((_, _, program, _), at) in pools {
+        let cut = logarithms(at);
+        let middle = median(&mut cut.clone());
+        let (far, squares, count) = &mut sums[*program];
+        *far += cut.iter().filter(|y| (*y - middle).abs() > FAR * scatter[*program]).count() as f64;
+        *squares += cut.iter().map(|y| (y - middle).exp_m1().powi(2)).sum::<f64>();
+        *count += cut.len() as f64;
+    }
+    let of = |((far, squares, count), scatter): (&(f64, f64, f64), &f64)| {
+        let share = if *count > 0.0 { far / count } else { 0.0 };
+        let excess = if *count > 0.0 { (squares / count).sqrt() } else { 0.0 };
+        // Of a normal distribution the mean less the median scatters by 0.76.
+        (share.max(2.0 * TAIL), excess.max(0.76 * scatter))
+    };
+    sums.iter().zip(scatter).map(of).collect()
+}
+
+/// Normal score of a probability, bounded.
+pub fn normal_score(probability: f64) -> f64 {
+    let normal = Normal::standard();
+    normal.inverse_cdf(probability.clamp(1e-5, 1.0 - 1e-5))
+}
+
+/// Standard deviation of normal scores of measured times under replicated ones, whose median is
+/// brought to that of the measured.
+fn normal_spread(replicated: &[f64], measured: &[f64]) -> Option<f64> {
+    let middle = replicated.get(replicated.len() / 2)?.ln();
+    let constant = replicated.first() == replicated.last();
+    if measured.len() < SHAPED || constant {
+        return None;
+    }
+    let own = median(&mut measured.to_vec());
+    let count = replicated.len() as f64;
+    let score = |y: &f64| {
+        let time = (y - own + middle).exp();
+        let below = replicated.partition_point(|other| *other < time);
+        normal_score((below as f64 + 0.5) / (count + 1.0))
+    };
+    let scores: Vec<f64> = measured.iter().map(score).collect();
+    let mean = scores.iter().sum::<f64>() / scores.len() as f64;
+    let variance = scores.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / (scores.len() as f64 - 1.0);
+    Some(variance.sqrt().max(0.05))
+}

@@ -1,0 +1,37 @@
+//! Event logs of a shop against its nominal simulation.
+//!
+//! ```text
+//!  events ─► State of each stay ─► Visit (one operation on one machine) ─► Block statistics
+//!  scenario ─► Shop (what the planner believes) ──────────────────────────────┐     │
+//!                                                 ShopModel: Forward ◄────────┴─────┘
+//! ```
+//! Times of single operations scatter, and what a shop lacks often shows in their scatter before
+//! it shows in their mean: visits are therefore gathered in blocks (machine, day, part of a shift,
+//! program), and a block has several channels: where its times lie (median), how far they spread,
+//! how much longer than shorter outliers there are, what its mean is above its median. Spreads are
+//! taken over normal scores of the probability integral transform under the nominal simulation. Waits
+//! in queues are scored by themselves ([`queues`]).
+//!
+//! # Source
+//! Normal scores of the randomised probability integral transform: Dunn & Smyth 1996. Short stops
+//! as a Poisson process of exponential durations, 20 s in the mean: assumption.
+
+mod block;
+mod constant;
+mod kpi;
+mod logs;
+mod model;
+mod nominal;
+mod state;
+mod stops;
+mod visit;
+mod words;
+
+pub use block::normal_score;
+pub use constant::Constant;
+pub use kpi::{ShopKpi, mix};
+pub use logs::{after, groups_of};
+pub use model::ShopModel;
+pub use nominal::{Program, Shop, Station};
+pub use state::State;
+pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};

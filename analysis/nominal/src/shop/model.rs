@@ -1,0 +1,545 @@
+//! The nominal shop over blocks of recorded operations.
+
+use super::super::features::standardised;
+use super::super::search;
+use super::super::{
+    Candidate, Channel, Covariate, Direction, Forward, Frame, Local, Measured, Point, Settings, Stated, Surface,
+    Transform, WrittenEffect,
+};
+use super::block::{Block, Blocks, CHANNELS, ROOT_SCORE, TAIL};
+use super::constant::Constant;
+use super::nominal::Shop;
+use super::stops::{SIZES, Shape, Stops, Timed};
+use super::visit::{Visits, visits};
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::function::gamma::gamma;
+use toolroom_effects::CatalogueEntry;
+use toolroom_records::{Records, Sensor};
+use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_statistics::median;
+
+/// Prior standard deviations of logarithms (assumptions): programmed times as planners know them, gains of
+/// machines, handling times, change times, scatter of single operations.
+const PROGRAM: f64 = 0.05;
+const MACHINE: f64 = 0.03;
+const HANDLING: f64 = 0.10;
+const CHANGE: f64 = 0.05;
+const SCATTER: f64 = 0.5;
+/// Form allowance: what shifts differ by without anybody doing anything else (assumption).
+const SHIFT_CUTTING: f64 = 0.003;
+const SHIFT_HANDLING: f64 = 0.01;
+/// And by how much their handling scatters: a constant delay makes the relative scatter smaller, one that
+/// varies makes it larger (assumption).
+const SHIFT_SCATTER: f64 = 0.2;
+/// Level of a program that the nominal shop does not know.
+const UNKNOWN: f64 = 1.0;
+/// Skewness that single operations may have by themselves: excess of the mean, in scatters, and of
+/// the tails, relative.
+const SKEW: f64 = 0.1;
+const TAILS: f64 = 0.4;
+/// Scale of the scatter of levels from day to day.
+const DAILY: f64 = 0.01;
+/// Booked short stops that every shop has, 1/s (assumption).
+const BOOKED: f64 = 0.2 / 3600.0;
+
+/// Channels that live on the few operations of a block that were stopped.
+const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
+
+/// What a candidate does to a block.
+pub(super) enum Action {
+    /// Longer cutting, by share, on blocks by weight.
+    Slower(Vec<f64>),
+    /// Longer cutting by the overrides that are recorded, over their mean.
+    Overridden(f64),
+    /// Longer handling on blocks by weight, s.
+    Delay(Vec<f64>),
+    /// Longer changes of edges.
+    Change(Vec<f64>),
+    /// Short stops that show in cutting times only.
+    Stops,
+    /// Short stops that are booked.
+    Booked,
+    /// Time per hold.
+    Hold,
+    /// Inverse of the acceleration, by program.
+    Acceleration(Vec<f64>),
+    /// Later changes of edges.
+    Policy,
+    /// Regular breakdowns.
+    Breakdowns,
+}
+
+/// The nominal shop over [`Records`] of events.
+pub struct ShopModel {
+    pub(super) frame: Frame,
+    pub(super) blocks: Blocks,
+    /// Nominal value of each block by channel.
+    nominal: Vec<[f64; CHANNELS.len()]>,
+    /// Growth of the life of edges with the wear limit, 1/m, by block.
+    life_slope: Vec<f64>,
+    pub(super) actions: Vec<Action>,
+    stops: Stops,
+    /// Channel of [`CHANNELS`] by channel of the frame.
+    kinds: Vec<usize>,
+}
+
+/// Change of the time in cut, as a share, at the greatest feed override: controls go up to 200 %.
+const FASTEST: f64 = -0.5;
+
+impl ShopModel {
+    /// The model over recorded events; blocks are grouped by machine and day, or by the column
+    /// `group` of them (`machine`, `day`, `shift`). Notes say what was found while reading.
+    pub fn new(
+        shop: &Shop,
+        records: &Records,
+        group: Option<&str>,
+        held: &dyn Fn(usize, &str) -> bool,
+        settings: &Settings,
+        stated: &Stated,
+    ) -> (Self, Vec<String>) {
+        let seen = visits(records);
+        let mut notes = seen.notes.clone();
+        let mut blocks = Blocks::of(shop, &seen);
+        if let Some(note) = unit_slip(shop, &seen) {
+            notes.push(note);
+            blocks.list.clear();
+        }
+        let strangers: Vec<&str> = seen
+            .programs
+            .iter()
+            .zip(&blocks.known)
+            .filter(|(_, known)| !**known)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        if !strangers.is_empty() {
+            notes.push(format!("not in the nominal model, compared with their own median: {}", strangers.join(", ")));
+        }
+        let (names, of_row) = groups(&blocks, &seen, group);
+        let fitted = names.iter().enumerate().map(|(index, name)| !held(index, name)).collect();
+        let mut model = Self {
+            frame: Frame::new(Measured::new(Vec::new(), Vec::new(), Vec::new(), Vec::new())),
+            nominal: blocks.list.iter().map(|block| nominal(shop, &seen, &blocks, block)).collect(),
+            life_slope: blocks.list.iter().map(|block| life_slope(shop, &seen, block)).collect(),
+            blocks,
+            actions: Vec::new(),
+            stops: Stops::default(),
+            kinds: Vec::new(),
+        };
+        model.measure((names, of_row, fitted), settings);
+        model.calibration(shop, &seen);
+        model.catalogue(shop, &seen);
+        model.covariates(&seen);
+        model.state(shop, &seen, &mut stated.clone());
+        notes.extend(std::mem::take(&mut model.frame.notes));
+        (model, notes)
+    }
+
+    fn measure(&mut self, groups: (Vec<String>, Vec<usize>, Vec<bool>), settings: &Settings) {
+        let blocks = &self.blocks.list;
+        let mut channels = Vec::new();
+        for (kind, name) in CHANNELS.iter().enumerate() {
+            let usable = |row: usize| blocks[row].values[kind].is_finite() && self.nominal[row][kind].is_finite();
+            let values: Vec<f64> =
+                (0..blocks.len()).map(|row| if usable(row) { blocks[row].values[kind] } else { f64::NAN }).collect();
+            if values.iter().all(|value| value.is_nan()) {
+                continue;
+            }
+            self.kinds.push(kind);
+            let timed = name.ends_with("_time") || *name == "edge_life";
+            let transform = if matches!(kind, 1 | 7 | 8 | 10) { Transform::Linear } else { Transform::Log };
+            let unit = if timed { "s" } else { "1" };
+            let sensor = settings.sensors.iter().find(|(channel, _)| channel == name).map(|(_, sensor)| *sensor);
+            let sensor = sensor.unwrap_or(Sensor { absolute: 0.0, relative: 0.0, resolution: 0.0 });
+            channels.push((Channel { name, display: unit, unit, transform, sensor }, values));
+        }
+        let mut measured = Measured::new(channels, groups.0, groups.1, groups.2);
+        measured.rare = self.kinds.iter().map(|kind| RARE.contains(&CHANNELS[*kind])).collect();
+        for observation in &mut measured.observations {
+            let scatter = blocks[observation.row].deviations[self.kinds[observation.channel]];
+            observation.deviation = observation.deviation.hypot(scatter);
+        }
+        self.frame.measured = measured;
+    }
+
+    fn place(&self, kind: usize) -> Vec<usize> {
+        self.kinds.iter().position(|own| *own == kind).into_iter().collect()
+    }
+
+    fn shifts(&self) -> Vec<String> {
+        let mut shifts: Vec<String> = self.blocks.list.iter().map(|block| block.shift.clone()).collect();
+        shifts.sort();
+        shifts.dedup();
+        shifts.retain(|shift| !shift.is_empty());
+        shifts
+    }
+
+    fn calibration(&mut self, shop: &Shop, seen: &Visits) {
+        let rows = self.blocks.list.len();
+        let blocks = &self.blocks.list;
+        let mut surfaces = Vec::new();
+        let mut add = |name: String, channels: Vec<usize>, feature: Vec<f64>, deviation: f64, absolute: bool| {
+            if !channels.is_empty() && feature.iter().any(|value| *value != 0.0) {
+                surfaces.push(Surface { name, channels, feature, deviation, allowance: false, absolute });
+            }
+        };
+        let on = |test: &dyn Fn(&Block) -> bool| -> Vec<f64> {
+            blocks.iter().map(|block| f64::from(u8::from(test(block)))).collect()
+        };
+        let ones = || vec![1.0; rows];
+        let (time, handling, change) = (self.place(0), self.place(4), self.place(6));
+        add(Constant::ProgrammedTimes.to_string(), time.clone(), ones(), PROGRAM, false);
+        add(Constant::Handling.to_string(), handling.clone(), ones(), HANDLING, false);
+        add(Constant::Change.to_string(), change.clone(), ones(), CHANGE, false);
+        let scatter = |block: &Block| block.program.map_or(0.0, |program| self.blocks.scatter[program]);
+        let scatters: Vec<f64> = blocks.iter().map(scatter).collect();
+        for (program, name) in seen.programs.iter().enumerate() {
+            let own = on(&|block| block.program == Some(program));
+            let level = if self.blocks.known[program] { PROGRAM } else { UNKNOWN };
+            add(Constant::ProgrammedTime(name).to_string(), time.clone(), own.clone(), level, false);
+            add(Constant::HandlingOfProgram(name).to_string(), handling.clone(), own.clone(), 0.5 * HANDLING, false);
+            add(format!("scatter of {name}"), self.place(3), own.clone(), SCATTER, false);
+            let skew: Vec<f64> = own.iter().map(|own| own * self.blocks.scatter[program]).collect();
+            add(format!("skewness of {name}"), self.place(2), skew, SKEW, true);
+            add(format!("tails of {name}"), self.place(1), own, TAILS, false);
+        }
+        add("scatter of handling".to_owned(), self.place(5), ones(), SCATTER, false);
+        add("tails of all".to_owned(), self.place(1), ones(), 2.0 * TAILS, false);
+        add("skewness of all".to_owned(), self.place(2), scatters, 2.0 * SKEW, true);
+        add("wear rate level".to_owned(), self.place(9), ones(), 0.15, false);
+        add("rate of booked stops".to_owned(), self.place(8), ones(), SCATTER, false);
+        add("scores of breakdowns".to_owned(), self.place(10), ones(), 0.02, false);
+        for (machine, name) in seen.machines.iter().enumerate() {
+            let own = on(&|block| block.machine == machine);
+            add(Constant::MachineGain(name).to_string(), time.clone(), own.clone(), MACHINE, false);
+            let stranger = shop.station(name).is_none();
+            let level = |known: f64| if stranger { UNKNOWN } else { known };
+            add(
+                Constant::HandlingAtMachine(name).to_string(),
+                handling.clone(),
+                own.clone(),
+                level(0.5 * HANDLING),
+                false,
+            );
+            add(Constant::ChangeAtMachine(name).to_string(), change.clone(), own.clone(), level(CHANGE), false);
+            add(format!("scatter of handling at {name}"), self.place(5), own.clone(), 0.5 * SCATTER, false);
+            add(format!("scatter at {name}"), self.place(3), own.clone(), 0.5 * SCATTER, false);
+            add(format!("lives of edges at {name}"), self.place(9), own, 0.1, false);
+        }
+        let spread = self.place(5);
+        for shift in self.shifts() {
+            for (name, channels, deviation) in [
+                ("cutting time", &time, SHIFT_CUTTING),
+                ("handling time", &handling, SHIFT_HANDLING),
+                ("scatter of handling", &spread, SHIFT_SCATTER),
+            ] {
+                let (feature, channels) = (on(&|block| block.shift == shift), channels.clone());
+                let name = format!("{name}, shift {shift}");
+                surfaces.push(Surface { name, channels, feature, deviation, allowance: true, absolute: false });
+            }
+        }
+        surfaces.retain(|surface| !surface.channels.is_empty());
+        self.frame.surfaces = surfaces;
+        self.frame.locals = vec![
+            Local { name: "cutting time of the day", deviation: DAILY, estimated: true, scatter: false },
+            Local { name: "handling time of the day", deviation: 3.0 * DAILY, estimated: true, scatter: false },
+        ];
+    }
+
+    fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
+        let blocks = &self.blocks.list;
+        let has = |kind: usize| self.kinds.contains(&kind);
+        let shifts = self.shifts();
+        let on = |shift: &str| -> Vec<f64> {
+            blocks.iter().map(|block| f64::from(u8::from(block.shift == shift))).collect()
+        };
+        let mut list: Vec<(&'static str, String, f64, Action)> = Vec::new();
+        if has(0) {
+            let everywhere = vec![1.0; blocks.len()];
+            list.push(("feed_override", String::new(), 0.1, Action::Slower(everywhere)));
+            for shift in shifts.iter().filter(|_| shifts.len() > 1) {
+                list.push(("feed_override", format!("shift={shift}"), 0.1, Action::Slower(on(shift))));
+            }
+            if seen.overridden {
+                let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
+                let (sum, count) = all.fold((0.0, 0.0), |(sum, count), excess| (sum + excess, count + 1.0));
+                if sum > 0.0 {
+                    list.push(("feed_override", "as recorded".to_owned(), 0.1, Action::Overridden(sum / count)));
+                }
+            }
+            let speeds: Vec<f64> = seen
+                .programs
+                .iter()
+                .map(|name| shop.programs.get(name).map_or(0.0, |program| program.feed_speeds))
+                .collect();
+            let of_block = |block: &Block| block.program.map_or(0.0, |program| speeds[program]);
+            list.push((
+                "axis_acceleration",
+                String::new(),
+                1.0,
+                Action::Acceleration(blocks.iter().map(of_block).collect()),
+            ));
+        }
+        if has(1) {
+            list.push(("micro_stops", String::new(), 1.0 / 3600.0, Action::Stops));
+        }
+        if has(8) {
+            list.push(("micro_stops", "booked".to_owned(), 1.0 / 3600.0, Action::Booked));
+        }
+        if has(4) {
+            list.push(("operator_delay", String::new(), 20.0, Action::Delay(vec![1.0; blocks.len()])));
+            for shift in shifts.iter().filter(|_| shifts.len() > 1) {
+                list.push(("operator_delay", format!("shift={shift}"), 20.0, Action::Delay(on(shift))));
+            }
+        }
+        if has(6) {
+            list.push(("tool_change_delay", String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
+        }
+        if has(7) {
+            list.push(("feed_hold", String::new(), 10.0, Action::Hold));
+        }
+        if has(9) {
+            list.push(("tool_change_policy", String::new(), 0.1e-3, Action::Policy));
+        }
+        if has(10) {
+            list.push(("breakdown_shape", String::new(), 2.0, Action::Breakdowns));
+        }
+        for (id, shape, typical, action) in list {
+            let entry: Option<&CatalogueEntry> = SHOP_EFFECTS.iter().find(|entry| entry.id == id);
+            let greatest = entry.map_or(f64::INFINITY, |entry| entry.size.max);
+            let least = if matches!(action, Action::Slower(_)) { FASTEST } else { 0.0 };
+            self.frame.candidates.push(Candidate { id, shape, typical, greatest, least });
+            self.actions.push(action);
+        }
+        self.frame.untried = search::missing(SHOP_EFFECTS, &self.frame.candidates);
+    }
+
+    fn covariates(&mut self, seen: &Visits) {
+        let blocks = &self.blocks.list;
+        let mut covariates = Vec::new();
+        let mut add = |name: String, values: Vec<f64>| {
+            if let Some(values) = standardised(&values) {
+                covariates.push(Covariate { name, values });
+            }
+        };
+        let each = |value: &dyn Fn(&Block) -> f64| blocks.iter().map(value).collect::<Vec<f64>>();
+        let turn = std::f64::consts::TAU / 86400.0;
+        add("ln programmed time".to_owned(), each(&|b| b.program.map_or(f64::NAN, |p| self.blocks.times[p].ln())));
+        add("calendar".to_owned(), each(&|block| block.time));
+        if let Some(z) = standardised(&each(&|block| block.time)) {
+            add("calendar²".to_owned(), z.iter().map(|z| z * z).collect());
+        }
+        add("time of day (sin)".to_owned(), each(&|block| (turn * block.time).sin()));
+        add("time of day (cos)".to_owned(), each(&|block| (turn * block.time).cos()));
+        add("feed_override".to_owned(), each(&Block::mean_excess));
+        add("first operation of an edge".to_owned(), each(&|block| block.new_edges));
+        let level = |test: &dyn Fn(&Block) -> bool| each(&|block| f64::from(u8::from(test(block))));
+        for shift in self.shifts() {
+            add(format!("shift={shift}"), level(&|block| block.shift == shift));
+        }
+        for (machine, name) in seen.machines.iter().enumerate() {
+            add(format!("machine={name}"), level(&|block| block.machine == machine));
+        }
+        for (program, name) in seen.programs.iter().enumerate() {
+            add(format!("program={name}"), level(&|block| block.program == Some(program)));
+        }
+        self.frame.covariates = covariates;
+    }
+}
+
+impl ShopModel {
+    /// Rate of stops that nobody books, 1/s.
+    fn rate(&self, at: &Point) -> f64 {
+        let sizes = self.actions.iter().zip(&at.effects);
+        sizes.filter(|(action, _)| matches!(action, Action::Stops)).map(|(_, size)| *size).sum()
+    }
+
+    /// Shape of the blocks of each program and class under a rate of stops; nothing without stops.
+    fn shapes(&self, rate: f64) -> Vec<Vec<Shape>> {
+        if rate <= 0.0 {
+            return Vec::new();
+        }
+        let blocks = &self.blocks;
+        let of = |program: usize| {
+            let mut classes = [false; SIZES];
+            let own = blocks.list.iter().filter(|block| block.program == Some(program));
+            own.for_each(|block| classes[block.class] = true);
+            let (time, deviation, exact) = (blocks.times[program], blocks.scatter[program], blocks.exact[program]);
+            let program = Timed { time, deviation, exact, pools: &blocks.pools[program] };
+            let mut shapes = self.stops.shapes(rate, program, &classes);
+            // The middle of exact times stays where it is until most operations are stopped.
+            shapes.iter_mut().filter(|_| exact).for_each(|shape| shape.location = 0.0);
+            shapes
+        };
+        (0..blocks.times.len()).into_par_iter().map(of).collect()
+    }
+
+    /// Raw values of every observation, given the shapes of [`ShopModel::shapes`] at the rate of `at`.
+    fn simulated(&self, at: &Point, shapes: &[Vec<Shape>]) -> Vec<f64> {
+        let of = |wanted: &dyn Fn(&Action) -> bool| -> f64 {
+            self.actions.iter().zip(&at.effects).filter(|(action, _)| wanted(action)).map(|(_, size)| *size).sum()
+        };
+        let booked = of(&|action| matches!(action, Action::Booked));
+        let hold = of(&|action| matches!(action, Action::Hold));
+        let policy = of(&|action| matches!(action, Action::Policy));
+        let regular = breakdown_scores(of(&|action| matches!(action, Action::Breakdowns)));
+        let measured = &self.frame.measured;
+        let value = |observation: &super::super::Observation| {
+            let (row, kind) = (observation.row, self.kinds[observation.channel]);
+            let block = &self.blocks.list[row];
+            let nominal = self.nominal[row][kind];
+            let shape = block.program.and_then(|program| shapes.get(program)?.get(block.class)).copied();
+            let shape = shape.unwrap_or_default();
+            let group = measured.group_of_row[row];
+            let local = |kind: usize| (self.frame.locals[kind].deviation * at.locals[kind][group]).exp();
+            let (mut slower, mut delay, mut change, mut blocks, mut overridden) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            for (action, size) in self.actions.iter().zip(&at.effects) {
+                match action {
+                    Action::Slower(weights) => slower += size * weights[row],
+                    Action::Overridden(mean) => overridden += size / mean,
+                    Action::Delay(weights) => delay += size * weights[row],
+                    Action::Change(weights) => change += size * weights[row],
+                    Action::Acceleration(speeds) => blocks += size * speeds[row],
+                    Action::Stops | Action::Booked | Action::Hold | Action::Policy | Action::Breakdowns => {} // acts on the channel that logs it
+                }
+            }
+            match kind {
+                0 => (nominal * (1.0 + slower) * block.slowed(overridden) + blocks) * shape.location.exp() * local(0),
+                1 => nominal + shape.tail,
+                2 => nominal * shape.excess.exp(),
+                3 => nominal * shape.spread.exp(),
+                4 => (nominal + delay) * local(1),
+                6 => nominal + change,
+                7 => nominal + hold,
+                8 => nominal + booked * block.cutting,
+                9 => nominal * (1.0 + self.life_slope[row] * policy),
+                10 => regular,
+                _ => nominal,
+            }
+        };
+        measured.observations.iter().map(value).collect()
+    }
+}
+
+impl Forward for ShopModel {
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn simulate(&self, at: &Point) -> Vec<f64> {
+        self.simulated(at, &self.shapes(self.rate(at)))
+    }
+
+    fn written(&self, candidate: usize) -> WrittenEffect {
+        self.written_effect(candidate)
+    }
+
+    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
+        let shapes = self.shapes(self.rate(at));
+        let difference = |(from, to): (&[f64], Vec<f64>), step: f64| -> Vec<f64> {
+            to.iter().zip(from).map(|(to, from)| (to - from) / step).collect()
+        };
+        let slope = |direction: &Direction| match direction {
+            Direction::Effect(index) if matches!(self.actions[*index], Action::Stops) => {
+                // Over a twentieth of an ordinary rate a handful of replications would decide.
+                let typical = self.frame.candidates[*index].typical;
+                let size = at.effects[*index];
+                let to = |size: f64| {
+                    let mut point = at.clone();
+                    point.effects[*index] = size;
+                    self.simulate(&point)
+                };
+                let (low, high) = ((size - typical).max(0.0), size + typical);
+                difference((&to(low), to(high)), (high - low) / typical)
+            }
+            Direction::Parameter(_) | Direction::Effect(_) | Direction::Local(_) => {
+                let (ahead, step) = direction.ahead(&self.frame, at);
+                difference((raw, self.simulated(&ahead, &shapes)), step)
+            }
+        };
+        along.par_iter().map(slope).collect()
+    }
+}
+
+/// Groups of blocks and the group of each.
+pub(super) fn groups(blocks: &Blocks, seen: &Visits, by: Option<&str>) -> (Vec<String>, Vec<usize>) {
+    let name = |block: &Block| match by {
+        Some("machine") => seen.machines[block.machine].clone(),
+        Some("shift") => block.shift.clone(),
+        Some("day") => format!("day {:.0}", (block.time / 86400.0).floor() + 1.0),
+        _ => blocks.groups[block.group].clone(),
+    };
+    let all: Vec<String> = blocks.list.iter().map(name).collect();
+    let mut names = all.clone();
+    names.sort();
+    names.dedup();
+    let of_row = all.iter().map(|own| names.binary_search(own).unwrap_or(0)).collect();
+    (names, of_row)
+}
+
+/// What the nominal shop expects of a block; NaN where it has no opinion.
+fn nominal(shop: &Shop, seen: &Visits, blocks: &Blocks, block: &Block) -> [f64; CHANNELS.len()] {
+    let station = shop.station(&seen.machines[block.machine]);
+    // A machine that the nominal shop does not know is compared with itself.
+    let own = |channel: usize| {
+        let of_machine = blocks.list.iter().filter(|other| other.machine == block.machine);
+        let values = of_machine.map(|other| other.values[channel]).filter(|value| value.is_finite());
+        median(&mut values.collect::<Vec<f64>>())
+    };
+    let handling = station.map_or_else(|| own(4), |station| station.handling[station.handling.len() / 2]);
+    [
+        block.program.map_or(f64::NAN, |program| blocks.times[program]),
+        TAIL,
+        1.0,
+        1.0,
+        handling,
+        1.0,
+        station.map_or_else(|| own(6), |station| station.tool_change),
+        0.0,
+        BOOKED * block.cutting,
+        station.and_then(|station| station.edge_life).map_or(f64::NAN, |(mean, _)| mean.exp()),
+        ROOT_SCORE.0,
+    ]
+}
+
+fn life_slope(shop: &Shop, seen: &Visits, block: &Block) -> f64 {
+    shop.station(&seen.machines[block.machine]).and_then(|station| station.edge_life).map_or(0.0, |(_, slope)| slope)
+}
+
+/// Mean root magnitude of normal scores, under an exponential distribution of the same mean, of times
+/// between breakdowns that are Weibull of shape `1 + excess`.
+fn breakdown_scores(excess: f64) -> f64 {
+    const STRATA: usize = 200;
+    let shape = 1.0 + excess;
+    let scale = gamma(1.0 + 1.0 / shape).recip();
+    let normal = Normal::standard();
+    let root = |i: usize| {
+        let u = (i as f64 + 0.5) / STRATA as f64;
+        let time = scale * (-(-u).ln_1p()).powf(1.0 / shape);
+        normal.inverse_cdf((-(-time).exp_m1()).clamp(1e-5, 1.0 - 1e-5)).abs().sqrt()
+    };
+    (0..STRATA).map(root).sum::<f64>() / STRATA as f64
+}
+
+/// Ratios of measured to nominal times that slips of units leave.
+const SLIPS: [(f64, &str); 3] =
+    [(60.0, "minutes given as seconds, or seconds as minutes"), (3600.0, "hours"), (1000.0, "milliseconds")];
+
+/// What to say where all times are an impossible multiple of the nominal ones.
+fn unit_slip(shop: &Shop, seen: &Visits) -> Option<String> {
+    let ratio = |visit: &super::Visit| {
+        let program = shop.programs.get(&seen.programs[visit.program])?;
+        Some(visit.cutting / program.time)
+    };
+    let mut ratios: Vec<f64> = seen.list.iter().filter_map(ratio).collect();
+    let ratio = median(&mut ratios);
+    if ratio.is_nan() || (0.3..3.3).contains(&ratio) {
+        return None;
+    }
+    let near = |factor: f64| (ratio.ln().abs() - factor.ln()).abs() < 0.5;
+    let slip =
+        SLIPS.iter().find(|(factor, _)| near(*factor)).map_or_else(String::new, |(_, what)| format!(" ({what}?)"));
+    Some(format!(
+        "times in cut are {ratio:.3} times the programmed ones: nothing is compared, check the unit of `time`{slip}"
+    ))
+}

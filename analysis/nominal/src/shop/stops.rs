@@ -1,0 +1,251 @@
+//! What short stops do to the times of a program, by replication with common random numbers.
+
+use crate::constants::{HUBER, MAD};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use statrs::function::erf::erf_inv;
+use toolroom_scenario::MICRO_STOP;
+use toolroom_statistics::median;
+
+/// Operations that are replicated.
+const REPLICATIONS: usize = 2400;
+/// Step of the additive recurrence that covers the unit interval most evenly, (√5 − 1)/2.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Stops of one operation that are followed.
+const MOST: usize = 12;
+/// Normal score beyond which an operation counts as an outlier.
+pub const FAR: f64 = 1.64;
+/// Scores count up to this far.
+const FARTHEST: f64 = 4.0;
+/// Least spread of the scores of a block.
+const LEAST_SPREAD: f64 = 0.05;
+
+/// What a block of operations of one program looks like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Logarithm of the median over the time without stops.
+    pub location: f64,
+    /// Share of outliers that are too long, less that of those too short.
+    pub tail: f64,
+    /// Logarithm of mean over median.
+    pub excess: f64,
+    /// Standard deviation of bounded scores.
+    pub spread: f64,
+}
+
+impl Shape {
+    /// Of operations with times `logarithms` (of time over anything), whose scatter is `deviation`.
+    pub fn of(logarithms: &mut [f64], deviation: f64) -> Self {
+        let count = logarithms.len() as f64;
+        let middle = median(logarithms);
+        let scores: Vec<f64> = logarithms.iter().map(|y| (y - middle) / deviation).collect();
+        let share = |far: &dyn Fn(f64) -> bool| scores.iter().filter(|z| far(**z)).count() as f64 / count;
+        let bounded: Vec<f64> = scores.iter().map(|z| z.clamp(-FARTHEST, FARTHEST)).collect();
+        let mean = bounded.iter().sum::<f64>() / count;
+        let variance = bounded.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+        Self {
+            location: middle,
+            tail: share(&|z| z > FAR) - share(&|z| z < -FAR),
+            excess: (logarithms.iter().map(|y| (y - middle).exp()).sum::<f64>() / count).ln(),
+            spread: variance.sqrt(),
+        }
+    }
+}
+
+/// Scatter of times by the half below their middle, which stops leave alone; `below` are distances
+/// to the middle.
+pub fn lower_deviation(below: &mut [f64]) -> f64 {
+    MAD * median(below)
+}
+
+/// Number of [`OPERATIONS`].
+pub const SIZES: usize = 11;
+/// Sizes of blocks that are told apart.
+const OPERATIONS: [usize; SIZES] = [2, 4, 6, 8, 11, 15, 20, 27, 36, 60, 120];
+
+/// Class of a block of `count` operations.
+pub fn class(count: usize) -> usize {
+    OPERATIONS.iter().position(|size| count <= *size).unwrap_or(SIZES - 1)
+}
+
+/// A program as its operations were timed.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed<'a> {
+    /// Programmed time, s.
+    pub time: f64,
+    /// Measured scatter of the logarithm.
+    pub deviation: f64,
+    /// Whether times have no scatter of their own.
+    pub exact: bool,
+    /// Operations of each of the pools about whose middles that scatter was measured.
+    pub pools: &'a [usize],
+}
+
+/// Random numbers of the replications: each column is a Latin hypercube, so that the share of
+/// operations with a stop is right and not only near it. The sooner the first stop of a replication comes,
+/// the earlier it stands in an additive recurrence of the golden ratio, which gives its duration: the few
+/// replications that are stopped at all last as long in the mean as they should, at any rate.
+#[derive(Clone, Debug)]
+pub struct Stops {
+    /// Normal scores of the scatter without stops.
+    scores: Vec<f64>,
+    /// Exponential times to the next stop, in mean times between stops, one after the other.
+    arrivals: Vec<Vec<f64>>,
+    /// Exponential durations, in means.
+    durations: Vec<Vec<f64>>,
+}
+
+impl Default for Stops {
+    fn default() -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let mut column = |quantile: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let count = REPLICATIONS as f64;
+            let mut column: Vec<f64> = (0..REPLICATIONS).map(|i| quantile((i as f64 + 0.5) / count)).collect();
+            for i in (1..column.len()).rev() {
+                column.swap(i, random.random_range(0..=i));
+            }
+            column
+        };
+        let exponential = |u: f64| -(-u).ln_1p();
+        let scores = column(&|u| std::f64::consts::SQRT_2 * erf_inv(2.0 * u - 1.0));
+        let mut table = || (0..MOST).map(|_| column(&exponential)).collect::<Vec<_>>();
+        let (arrivals, mut durations) = (table(), table());
+        let mut soonest: Vec<usize> = (0..REPLICATIONS).collect();
+        soonest.sort_by(|a, b| arrivals[0][*a].total_cmp(&arrivals[0][*b]));
+        for (place, replication) in soonest.into_iter().enumerate() {
+            durations[0][replication] = exponential((0.5 + place as f64 * GOLDEN).fract());
+        }
+        Self { scores, arrivals, durations }
+    }
+}
+
+impl Stops {
+    /// Logarithms of the times of operations under `rate` stops per running time, 1/s, of a program
+    /// of `time` s, over that time.
+    fn replicated(&self, rate: f64, time: f64, scatter: f64) -> Vec<f64> {
+        let each = |i: usize| {
+            let (mut at, mut stopped) = (0.0, 0.0);
+            for (arrivals, durations) in self.arrivals.iter().zip(&self.durations) {
+                at += arrivals[i];
+                if at > rate * time {
+                    break;
+                }
+                stopped += MICRO_STOP * durations[i];
+            }
+            ((scatter * self.scores[i]).exp() + stopped / time).ln()
+        };
+        (0..REPLICATIONS).map(each).collect()
+    }
+
+    /// What stops add to the shape of blocks of every class of `classes`: means over replicated
+    /// blocks of that size, since the middle of a small block lies elsewhere than that of all.
+    pub fn shapes(&self, rate: f64, program: Timed<'_>, classes: &[bool]) -> Vec<Shape> {
+        let Timed { time, deviation, exact, pools } = program;
+        let pooled = |logarithms: &[f64]| pooled_deviation(logarithms, pools);
+        // Of blocks whose own middles are taken the scatter comes out low.
+        let alone = if exact { 0.0 } else { deviation / pooled(&self.replicated(0.0, time, 1.0)) };
+        // The measured scatter has the stops in it already.
+        let mut scatter = alone;
+        for _ in 0..2 {
+            if scatter > 0.0 {
+                scatter *= deviation / pooled(&self.replicated(rate, time, scatter));
+            }
+        }
+        let (with, without) = (self.replicated(rate, time, scatter), self.replicated(0.0, time, alone));
+        let added = |size: usize| {
+            let (with, without) = (mean_shape(&with, size, deviation), mean_shape(&without, size, deviation));
+            Shape {
+                location: with.location - without.location,
+                tail: with.tail - without.tail,
+                excess: with.excess - without.excess,
+                spread: if without.spread > 0.0 { (with.spread / without.spread).ln() } else { 0.0 },
+            }
+        };
+        let wanted = OPERATIONS.iter().zip(classes);
+        wanted.map(|(size, wanted)| if *wanted { added(*size) } else { Shape::default() }).collect()
+    }
+}
+
+/// Scatter by the half below the middles of pools of these sizes, one after the other; of all where there
+/// are none.
+fn pooled_deviation(logarithms: &[f64], pools: &[usize]) -> f64 {
+    let mut below: Vec<f64> = Vec::with_capacity(logarithms.len() / 2);
+    let mut sizes = pools.iter().copied().filter(|size| *size > 0).cycle();
+    let mut left = logarithms;
+    while !left.is_empty() {
+        let (pool, others) = left.split_at(sizes.next().unwrap_or(left.len()).min(left.len()));
+        let middle = median(&mut pool.to_vec());
+        below.extend(pool.iter().map(|y| middle - y).filter(|d| *d > 0.0));
+        left = others;
+    }
+    lower_deviation(&mut below)
+}
+
+fn mean_shape(logarithms: &[f64], size: usize, deviation: f64) -> Shape {
+    let blocks = logarithms.chunks_exact(size).map(|block| Shape::of(&mut block.to_vec(), deviation));
+    let blocks: Vec<Shape> = blocks.collect();
+    let mean = |value: &dyn Fn(&Shape) -> f64| blocks.iter().map(value).sum::<f64>() / blocks.len() as f64;
+    Shape {
+        location: bounded_mean(blocks.iter().map(|block| block.location).collect()),
+        tail: mean(&|block| block.tail),
+        excess: mean(&|block| block.excess),
+        spread: mean(&|block| block.spread.max(LEAST_SPREAD).ln()).exp(),
+    }
+}
+
+/// Mean of middles, none of which counts as further from their middle than the fit lets it: that of two
+/// operations of which one was stopped is far out, and weighs little.
+fn bounded_mean(middles: Vec<f64>) -> f64 {
+    let middle = median(&mut middles.clone());
+    let distances: Vec<f64> = middles.iter().map(|own| own - middle).collect();
+    let far = HUBER * MAD * median(&mut distances.iter().map(|distance| distance.abs()).collect::<Vec<f64>>());
+    middle + distances.iter().map(|distance| distance.clamp(-far, far)).sum::<f64>() / distances.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_operations_are_stopped_as_the_rate_says() {
+        let program = Timed { time: 360.0, deviation: 0.002, exact: true, pools: &[15] };
+        let rate = 2.0 / 3600.0;
+        let shape = Stops::default().shapes(rate, program, &[true; SIZES])[class(120)];
+        // All but stops of less than 1.64 scatters, exp(−1.18 s/20 s), and the mean of all.
+        let stopped = (1.0 - (-rate * 360.0).exp()) * (-FAR * 0.002 * 360.0 / 20.0_f64).exp();
+        assert!((shape.tail / stopped - 1.0).abs() < 0.03, "{shape:?} {stopped}");
+        assert!((shape.excess / (20.0 * rate).ln_1p() - 1.0).abs() < 0.03, "{shape:?}");
+    }
+
+    #[test]
+    fn a_few_stops_last_as_long_in_the_mean_as_many() {
+        // Of 2400 operations of 150 s half a stop an hour stops 50, three stops an hour 280.
+        let of = |hourly: f64| {
+            let program = Timed { time: 150.0, deviation: 0.005, exact: false, pools: &[18] };
+            let shape = Stops::default().shapes(hourly / 3600.0, program, &[true; SIZES])[class(20)];
+            (shape.excess + shape.location).exp_m1() / (hourly * MICRO_STOP / 3600.0)
+        };
+        for hourly in [0.5, 1.0, 1.5, 3.0] {
+            assert!((of(hourly) - 1.0).abs() < 0.06, "{hourly} 1/h: {}", of(hourly));
+        }
+    }
+
+    #[test]
+    fn the_scatter_of_small_pools_is_low_and_that_of_the_pools_that_were_measured() {
+        let normal = Stops::default().replicated(0.0, 100.0, 1e-3);
+        let of = |pools: &[usize]| pooled_deviation(&normal, pools) / 1e-3;
+        let [small, both, large, whole] = [of(&[4]), of(&[4, 30]), of(&[30]), of(&[])];
+        assert!(small < 0.9 && small < both && both < large && large <= whole * 1.01, "{small} {both} {large} {whole}");
+        assert!((whole - 1.0).abs() < 0.02, "{whole}");
+    }
+
+    #[test]
+    fn the_middle_of_a_few_operations_moves_hardly_further_than_that_of_many() {
+        // One stopped operation of two moves their middle by ten seconds; the fit takes that for an outlier.
+        let program = Timed { time: 480.0, deviation: 0.0048, exact: false, pools: &[9] };
+        let shapes = Stops::default().shapes(1.5 / 3600.0, program, &[true; SIZES]);
+        let [few, many] = [2, 20].map(|count| shapes[class(count)].location);
+        assert!(0.0 < many && many < few && few < 3.5 * many, "{few} {many}");
+        assert!(shapes[class(4)].location < 2.0 * many, "{shapes:?}");
+    }
+}

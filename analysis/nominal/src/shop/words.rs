@@ -1,0 +1,132 @@
+//! What a scenario calls the numbers of this model, and what it states of them.
+
+use super::model::{Action, ShopModel};
+use super::nominal::Shop;
+use super::visit::Visits;
+use crate::stated::{Movable, Stated, Words};
+use crate::{Candidate, WrittenEffect};
+use toolroom_scenario::effects::SHOP_EFFECTS;
+use toolroom_scenario::{Occasion, Scope, Target};
+
+impl ShopModel {
+    /// Takes over what the file states about these blocks.
+    pub(super) fn state(&mut self, shop: &Shop, seen: &Visits, stated: &mut Stated) {
+        self.frame.words.movable = movable(shop, self.frame.surfaces.iter().map(|surface| surface.name.as_str()));
+        for own in stated.deviations.clone() {
+            let same = |index: usize| {
+                let written = self.written_effect(index);
+                self.frame.candidates[index].id == own.id
+                    && written.scope == own.scope
+                    && (own.id == "feed_hold" || written.recorded.is_some() == own.recorded.is_some())
+                    && !matches!(self.actions[index], Action::Booked)
+            };
+            let index = match (0..self.actions.len()).find(|index| same(*index)) {
+                Some(index) => index,
+                None => match self.scoped(seen, own.id, &own.scope) {
+                    Some((id, action)) => {
+                        let typical = if own.size == 0.0 { 1.0 } else { own.size.abs() };
+                        let shape = own.scope.words();
+                        self.frame.candidates.push(Candidate {
+                            id,
+                            shape,
+                            typical,
+                            greatest: f64::INFINITY,
+                            least: 0.0,
+                        });
+                        self.actions.push(action);
+                        self.actions.len() - 1
+                    }
+                    None => {
+                        let (id, words) = (own.id, own.scope.words());
+                        self.frame
+                            .notes
+                            .push(format!("[[deviation]] {id} {words} is not predicted in blocks of a log"));
+                        continue;
+                    }
+                },
+            };
+            self.frame.words.effects.push((index, own.size));
+        }
+        // Constants of tools are in the processes behind the lives of edges already.
+        stated.calibrations.retain(|own| own.constant().is_none());
+        Words::settle(&mut self.frame, stated);
+    }
+
+    /// What a deviation with a scope does to the blocks; `None` where blocks do not tell.
+    fn scoped(&self, seen: &Visits, id: &str, scope: &Scope) -> Option<(&'static str, Action)> {
+        let entry = SHOP_EFFECTS.iter().find(|entry| entry.id == id)?;
+        let weight = |block: &super::block::Block| {
+            let mut occasion = Occasion::at(block.time);
+            occasion.set("machine", seen.machines[block.machine].clone());
+            occasion.set("shift", block.shift.clone());
+            if let Some((part, operation)) = block.program.and_then(|program| seen.programs[program].split_once('/')) {
+                occasion.set("part", part.to_owned());
+                occasion.set("operation", operation.to_owned());
+            }
+            f64::from(u8::from(scope.holds(&occasion)))
+        };
+        let weights: Vec<f64> = self.blocks.list.iter().map(weight).collect();
+        let action = match id {
+            "feed_override" => Action::Slower(weights),
+            "operator_delay" => Action::Delay(weights),
+            "tool_change_delay" => Action::Change(weights),
+            _ => return None,
+        };
+        Some((entry.id, action))
+    }
+
+    /// How a scenario says a candidate.
+    pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
+        let shape = &self.frame.candidates[candidate].shape;
+        let names = |part: &str| {
+            let (key, list) = part.split_once('=')?;
+            let key = toolroom_scenario::SCOPE_NAMES.iter().find(|own| **own == key)?;
+            Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
+        };
+        let scope = Scope { names: shape.split(", ").filter_map(names).collect(), ..Scope::default() };
+        let recorded = match &self.actions[candidate] {
+            Action::Overridden(mean) => Some(*mean),
+            Action::Slower(_)
+            | Action::Delay(_)
+            | Action::Change(_)
+            | Action::Stops
+            | Action::Booked
+            | Action::Hold
+            | Action::Acceleration(_)
+            | Action::Policy
+            | Action::Breakdowns => None,
+        };
+        WrittenEffect { scope, recorded, ..WrittenEffect::default() }
+    }
+}
+
+/// The words of a scenario for surfaces; those that no scenario can hold have none.
+fn movable<'a>(shop: &Shop, names: impl Iterator<Item = &'a str>) -> Vec<(String, Movable)> {
+    let machine = |name: &str| shop.station(name).map(|_| Target::Machine(name.to_owned()));
+    let program = |name: &str| shop.programs.get(name).map(|_| Target::Operation(name.to_owned()));
+    let of = |name: &str| -> Option<Movable> {
+        let whole = match name {
+            "programmed times" => Some("programmed_time"),
+            "handling time" => Some("handling_time"),
+            "change time" => Some("tool_change_time"),
+            _ => None,
+        };
+        if let Some(word) = whole {
+            return Some(Movable::factor(word, Target::Shop));
+        }
+        if name == "wear rate level" {
+            return Some(Movable { inverse: true, ..Movable::factor("wear_rate", Target::Shop) });
+        }
+        let rest = |start: &str| name.strip_prefix(start);
+        None.or_else(|| Some(Movable::factor("programmed_time", program(rest("programmed time of ")?)?)))
+            .or_else(|| Some(Movable::factor("handling_time", program(rest("handling time of ")?)?)))
+            .or_else(|| Some(Movable::factor("programmed_time", machine(rest("gain of machine ")?)?)))
+            .or_else(|| Some(Movable::factor("handling_time", machine(rest("handling at ")?)?)))
+            .or_else(|| Some(Movable::factor("tool_change_time", machine(rest("changes at ")?)?)))
+            .or_else(|| {
+                let target = machine(rest("lives of edges at ")?)?;
+                Some(Movable { inverse: true, ..Movable::factor("wear_rate", target) })
+            })
+    };
+    names.filter_map(|name| Some((name.to_owned(), of(name)?))).collect()
+}

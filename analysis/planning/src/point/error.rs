@@ -1,0 +1,103 @@
+//! Why a point cannot be evaluated.
+
+use std::fmt::Display;
+use toolroom_effects::EffectError;
+use toolroom_form::nearest;
+use toolroom_infeed::SetError;
+use toolroom_process::unit::UnitError;
+use toolroom_process::{Field, ModelError};
+use toolroom_wear::PairError;
+
+/// Why a point cannot be evaluated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PointError {
+    /// An effect that is none, or not one of the process.
+    #[error(transparent)]
+    Effect(EffectError),
+    /// A parameter set of turning or milling.
+    #[error(transparent)]
+    Pair(#[from] PairError),
+    /// A parameter set of grinding.
+    #[error(transparent)]
+    Set(#[from] SetError),
+    /// A change without `=`.
+    #[error("`{text}` is not of the form key=value")]
+    NoChange {
+        /// The change.
+        text: String,
+    },
+    /// A group of parameters that the process does not have.
+    #[error("there is no parameter group `{group}`")]
+    NoGroup {
+        /// The group.
+        group: String,
+        /// Groups that there are.
+        known: Vec<&'static str>,
+    },
+    /// A parameter that the group does not have.
+    #[error("`{group}` has no parameter `{name}`")]
+    NoParameter {
+        /// The group.
+        group: String,
+        /// The parameter.
+        name: String,
+        /// Parameters that there are.
+        known: Vec<&'static str>,
+    },
+    /// Neither an input nor a state.
+    #[error("{process} has no input or state `{key}`")]
+    NoValue {
+        /// Name of the process.
+        process: &'static str,
+        /// The key.
+        key: String,
+        /// Inputs and states that there are.
+        known: Vec<&'static str>,
+    },
+    /// A value that is no quantity of its field.
+    #[error("--set {}: {source}", field.name)]
+    Unit {
+        /// The field.
+        field: &'static Field,
+        /// What is wrong with the text.
+        source: UnitError,
+    },
+    /// A value out of the range of its field.
+    #[error("--set {source}")]
+    OutOfRange {
+        /// The field.
+        field: &'static Field,
+        /// The range.
+        source: ModelError,
+    },
+    /// A time of the advance that is none.
+    #[error("--advance: {0}")]
+    AdvanceTime(UnitError),
+    /// The process cannot be advanced.
+    #[error("--advance: {0}")]
+    Advance(ModelError),
+}
+
+impl PointError {
+    /// The likely way out.
+    pub fn fix(&self) -> String {
+        match self {
+            Self::Effect(_) => "see toolroom effects".to_owned(),
+            Self::Pair(_) | Self::Set(_) => "give --tool SET".to_owned(),
+            Self::NoChange { .. } => "--set cutting_speed=\"40 m/min\"".to_owned(),
+            Self::NoGroup { known, .. } | Self::NoParameter { known, .. } => known.join(", "),
+            Self::NoValue { key, known, .. } => {
+                let near = nearest(key, known.iter().copied());
+                let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+                format!("{near}inputs and states: {}; parameters as group.name", known.join(", "))
+            }
+            Self::Unit { field, .. } | Self::OutOfRange { field, .. } => {
+                let unit: &dyn Display = if field.display == "1" { &"a bare number" } else { &field.display };
+                format!("{} is in {unit}", field.name)
+            }
+            Self::AdvanceTime(_) => "--advance \"10 s\"".to_owned(),
+            Self::Advance(_) => "see the ranges above".to_owned(),
+        }
+    }
+}
