@@ -68,7 +68,7 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
     let run = toolroom(&[&["gap", "diagnose", "--data", &data_path, "--out", &out], &models[..]].concat());
     assert_eq!(run.status.code(), Some(0), "{}", said(&run));
     let summary = String::from_utf8_lossy(&run.stdout).into_owned();
-    assert!(summary.lines().count() <= 10 && summary.contains("in all"), "{summary}");
+    assert!(summary.lines().count() <= 12 && summary.contains("in all"), "{summary}");
     let text = fs::read_to_string(path(data.path(), "gap/diagnosis.json")).expect("a diagnosis");
     let found: Value = serde_json::from_str(&text).expect("JSON");
     let schema: Value = serde_json::from_slice(&toolroom(&["schema", "diagnosis"]).stdout).expect("a schema");
@@ -77,10 +77,8 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
     assert_eq!(texts(&found["effects"], "id"), ["wheel_dulling"]);
     assert_eq!(texts(&found["effects"], "process"), ["grinding"]);
     let processes = &found["processes"];
-    assert_eq!(
-        (&processes["turning"]["verdict"], &processes["grinding"]["verdict"]),
-        (&"no_gap".into(), &"effect".into())
-    );
+    assert_eq!(processes["grinding"]["verdict"], "effect");
+    assert_eq!(processes["turning"]["effects"], Value::Array(Vec::new()));
     let closed = |value: &Value| value["closed"].as_f64().expect("a number");
     let (own, all) = (closed(&processes["grinding"]["closure"]["total"]), closed(&found["closure"]["total"]));
     assert!(0.0 < all && all < own, "{own} {all}");
@@ -101,18 +99,18 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
     assert_eq!(checked.status.code(), Some(0), "{}", said(&checked));
 }
 
+// These shops are made by other equations than the models, and their operators are late by another distribution: a test
+// may see that, but no effect is to blame.
 #[test]
-fn nothing_hidden_in_two_processes_is_no_gap() {
+fn nothing_hidden_in_two_processes_is_blamed_on_nothing() {
     let data = tables(&[("trials", Case::null("grinding", 31)), ("operations", Case::null("turning", 21))]);
     let (data, grinding, turning) = (path(data.path(), ""), shipped("grinding"), shipped("turning"));
     let run = toolroom(&["gap", "diagnose", "--data", &data, "--model", &grinding, "--model", &turning, "--json"]);
     let found: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
-    assert_eq!(
-        (&found["verdict"], &found["effects"]),
-        (&"no_gap".into(), &Value::Array(Vec::new())),
-        "{}",
-        found["notes"]
-    );
+    assert_eq!(found["effects"], Value::Array(Vec::new()), "{}", found["notes"]);
+    assert!(!["effect", "constant", "masked"].map(Value::from).contains(&found["verdict"]), "{}", found["notes"]);
+    // Grinding has no test of fit yet, and nothing to find.
+    assert_eq!(found["processes"]["grinding"]["verdict"], "no_gap");
 }
 
 #[test]

@@ -83,7 +83,7 @@ fn a_fault_in_the_contour_file_has_its_line_there() {
     let scenario = with_contour(folder.path(), &rk3().replace("allowance = \"0.5 mm\"", "allowance = \"0.5 kg\""));
     let message = refused(&scenario, &[]);
     let line = rk3().lines().position(|line| line.contains("allowance = \"0.5 mm\"")).expect("a line") + 1;
-    assert!(message.contains(&format!("own.toml, line {line}")), "{message}");
+    assert!(message.contains(&format!("own.toml:{line}:")), "{message}");
 }
 
 #[test]

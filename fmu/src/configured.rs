@@ -2,10 +2,8 @@
 
 use crate::fault::{Fault, Outcome};
 use crate::unit::{AdaptivePolicy, Unit};
-use std::any::{Any, TypeId};
-use std::collections::HashMap;
 use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::Arc;
 use toolroom_cutting::Regeneration;
 use toolroom_effects::Effects;
 use toolroom_process::{AnyRecord, Field, Record};
@@ -35,15 +33,6 @@ pub(crate) struct Configured<U: Unit> {
 }
 
 impl<U: Unit> Configured<U> {
-    /// The default set, parsed once a process.
-    pub fn shared() -> Arc<Self> {
-        // A generic function has no statics of its own for each type: they are told apart here.
-        static SETS: OnceLock<Mutex<HashMap<TypeId, Arc<dyn Any + Send + Sync>>>> = OnceLock::new();
-        let mut sets = SETS.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-        let shared = sets.entry(TypeId::of::<Self>()).or_insert_with(|| Arc::new(Self::shipped()));
-        Arc::downcast(Arc::clone(shared)).unwrap_or_else(|_| unreachable!("it is kept by its type"))
-    }
-
     /// The default set.
     pub fn shipped() -> Self {
         let (name, text) = U::SETS[0];
@@ -184,7 +173,7 @@ impl<U: Unit> Configured<U> {
 
     /// The parameters of a saved state.
     pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Outcome<Self> {
-        let mut configured = Self::clone(&Self::shared());
+        let mut configured = Self::shipped();
         if configured.set != set {
             configured.choose_set(set, resources)?;
         }

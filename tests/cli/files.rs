@@ -92,7 +92,12 @@ fn check_tells_a_slip_in_any_kind_of_file() {
         ("chatter/milling-slot", "[chart]", "[chart]\nspeeed = 1", "unknown-key"),
         ("life/policies", "lives = 2000", "lives = 0", "out-of-range"),
         ("grinding/cycle", "coolant_factor = 1.0", "coolant_faktor = 1.0", "unknown-key"),
-        ("contour/rk3", "path_error = { model = \"empirical\" }", "path_error = { model = \"none\" }", "syntax"),
+        (
+            "contour/rk3",
+            "path_error = { model = \"empirical\" }",
+            "path_error = { model = \"none\" }",
+            "unknown-choice",
+        ),
         ("gap/map-vicomtech", "rows_per_operation = 10", "rows_per_operation = 0", "out-of-range"),
         ("gap/vicomtech", "process = \"empirical\"", "proces = \"empirical\"", "unknown-key"),
     ] {

@@ -135,7 +135,7 @@ impl<U: Unit> Instance<U> {
     /// An instance, not initialised. `resources` is the folder of the unit's resources.
     pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
         const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
-        let fresh = Configured::shared();
+        let fresh = Arc::new(Configured::shipped());
         Self {
             core: Core::fresh(fresh.clone()),
             memory: U::Memory::default(),

@@ -10,8 +10,8 @@ use toolroom_process::{Advance, ProcessEvent, Record};
 /// Relative difference of communication points that is taken as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Most commands of the built-in policy in one step: each takes a few microseconds (measured), so that they end within
-/// a second.
+/// Most commands of the built-in policy in one step, so that they end within a second (assumption: each takes a few
+/// microseconds).
 const COMMANDS: f64 = 100_000.0;
 
 /// Longest integration at once, s: 28 hours in cut. Whether the edge is worn out is looked at after each, so that a step
