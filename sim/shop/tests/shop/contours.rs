@@ -156,15 +156,22 @@ fn a_worn_cutter_leaves_the_tolerance_and_the_part_is_scrap() {
 
 #[test]
 fn corners_take_their_time_and_show_in_the_form() {
-    let with = |policy: &str| {
-        let contour = MC1.replace("policy = \"loop\"", &format!("policy = \"{policy}\""));
+    let with = |corners: &str| {
+        let shipped = "policy = \"loop\", radius = \"2 mm\", tolerance = \"0.05 mm\"";
+        assert!(MC1.contains(shipped));
+        let contour = MC1.replace(shipped, corners);
         let shop = shop(&contour, &[1], ContourRule::Time, 1);
         let (plan, log) = (plan(&shop, 0), run(&shop));
         assert!((log.passes[0].cutting_time - plan.time()).abs() < 1e-9);
         assert!(log.passes[0].size_error.abs() >= plan.corner_error);
         (plan.corner_error, plan.idle_time)
     };
-    let [(looped, long), (stopped, short), (slowed, shortest)] = ["loop", "exact_stop", "slow_down"].map(with);
+    let [(looped, long), (stopped, short), (slowed, shortest)] = [
+        "policy = \"loop\", radius = \"2 mm\", tolerance = \"0.05 mm\"",
+        "policy = \"exact_stop\"",
+        "policy = \"slow_down\", tolerance = \"0.05 mm\"",
+    ]
+    .map(with);
     // Loops and stops meet the corner; slowing down cuts it by the tolerance that the file admits.
     assert_eq!((looped, stopped), (0.0, 0.0));
     assert!((slowed - 50e-6).abs() < 1e-12, "{slowed}");
