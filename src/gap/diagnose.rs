@@ -83,7 +83,7 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
         if let NominalProcess::Shop(shop) = &model.process {
-            add_facts(shop, &records, diagnosis, args.seed);
+            add_facts(shop, &records, &model.stated.deviations, diagnosis, args.seed);
         }
         if out.is_some() {
             let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);

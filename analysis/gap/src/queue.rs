@@ -17,7 +17,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
-use toolroom_scenario::MICRO_STOP;
+use toolroom_scenario::{Deviation, MICRO_STOP, Scope};
 use toolroom_statistics::Moments;
 
 /// Replications of a log.
@@ -65,10 +65,11 @@ struct Call<'a> {
     known: bool,
 }
 
-/// Scores the waits before every pool of machines whose jobs come from another machine.
-pub fn queues(shop: &Shop, seen: &Visits, diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
+/// Scores the waits before every pool of machines whose jobs come from another machine. What the file states of the shop
+/// acts with and without the named effects.
+pub fn queues(shop: &Shop, seen: &Visits, stated: &[Deviation], diagnosis: &Diagnosis, seed: u64) -> Vec<QueueScore> {
     let calls = calls(seen);
-    let model = Occupation::new(shop, seen, diagnosis);
+    let model = Occupation::new(shop, seen, stated, diagnosis);
     let one = |pool: &Vec<usize>| {
         let mut own: Vec<&Call<'_>> = calls.iter().filter(|call| pool.contains(&call.visit.machine)).collect();
         own.sort_by(|a, b| a.ready.total_cmp(&b.ready));
@@ -144,13 +145,52 @@ struct Occupation<'a> {
     seen: &'a Visits,
     /// Calibration factors by the name of the parameter.
     factors: BTreeMap<&'a str, f64>,
-    effects: &'a [NamedEffect],
+    stated: Vec<Acting>,
+    named: Vec<Acting>,
+}
+
+/// An effect as it acts on the time of an operation.
+struct Acting {
+    id: &'static str,
+    /// Whether it follows the recorded overrides.
+    as_recorded: bool,
+    scope: Scope,
+    /// In the display unit of the catalogue.
+    size: f64,
+}
+
+impl Acting {
+    fn named(effect: &NamedEffect) -> Self {
+        let scope = effect.shape.strip_prefix("shift=").map(Scope::shift).unwrap_or_default();
+        Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
+    }
+
+    fn stated(own: &Deviation) -> Self {
+        let size = if own.id == "micro_stops" { own.size * 3600.0 } else { own.size };
+        Self { id: own.id, as_recorded: own.recorded.is_some(), scope: own.scope.clone(), size }
+    }
 }
 
 impl<'a> Occupation<'a> {
-    fn new(shop: &'a Shop, seen: &'a Visits, diagnosis: &'a Diagnosis) -> Self {
+    fn new(shop: &'a Shop, seen: &'a Visits, stated: &[Deviation], diagnosis: &'a Diagnosis) -> Self {
         let factors = diagnosis.calibration.iter().map(|own| (own.parameter.as_str(), own.value)).collect();
-        Self { shop, seen, factors, effects: &diagnosis.effects }
+        let named = diagnosis.effects.iter().map(Acting::named).collect();
+        Self { shop, seen, factors, stated: stated.iter().map(Acting::stated).collect(), named }
+    }
+
+    /// Whether a scope holds for an operation. A log has no tools, lots and people: what is scoped by them is not replayed.
+    fn holds(&self, scope: &Scope, visit: &Visit) -> bool {
+        let (program, machine) = (&self.seen.programs[visit.program], &self.seen.machines[visit.machine]);
+        let (part, operation) = program.split_once('/').unwrap_or((program, ""));
+        let fits = |(key, names): &(&str, Vec<String>)| match *key {
+            "machine" => names.contains(machine),
+            "part" => names.iter().any(|name| name == part),
+            "operation" => names.iter().any(|name| name == operation),
+            "shift" => names.iter().any(|name| *name == self.shop.shift(machine, visit.start)),
+            _ => false,
+        };
+        let after = scope.from.is_none_or(|from| visit.start >= from);
+        after && scope.until.is_none_or(|until| visit.start < until) && scope.names.iter().all(fits)
     }
 
     /// Product of the calibrated factors; a constant that the records did not move stays at 1.
@@ -179,19 +219,18 @@ impl<'a> Occupation<'a> {
         let change = station.tool_change * self.factor(&[Change, ChangeAtMachine(machine)]);
         let [changes, holds] = [visit.changes.len() as f64, visit.holds.len() as f64];
         let mut all = time + handling + visit.setup + changes * change;
-        for effect in self.effects.iter().filter(|_| with_effects) {
-            let shift = effect.shape.strip_prefix("shift=");
-            if shift.is_some_and(|shift| shift != self.shop.shift(machine, visit.start)) {
+        for effect in self.stated.iter().chain(self.named.iter().filter(|_| with_effects)) {
+            if !self.holds(&effect.scope, visit) {
                 continue;
             }
-            all += match (effect.id, effect.shape.as_str()) {
-                ("feed_override", "as recorded") => time * visit.override_excess,
-                ("feed_override", _) => time * effect.size,
-                ("operator_delay", _) => effect.size,
-                ("tool_change_delay", _) => changes * effect.size,
-                ("feed_hold", _) => holds * effect.size,
-                ("axis_acceleration", _) => nominal.feed_speeds * effect.size,
-                ("micro_stops", _) => {
+            all += match effect.id {
+                "feed_override" if effect.as_recorded => time * visit.override_excess,
+                "feed_override" => time * effect.size,
+                "operator_delay" => effect.size,
+                "tool_change_delay" => changes * effect.size,
+                "feed_hold" => holds * effect.size,
+                "axis_acceleration" => nominal.feed_speeds * effect.size,
+                "micro_stops" => {
                     // Poisson by inversion, sizes in the display unit 1/h.
                     let mean = effect.size / 3600.0 * time;
                     let (mut probability, mut stopped) = ((-mean).exp(), 0.0);
@@ -205,8 +244,8 @@ impl<'a> Occupation<'a> {
                     stopped
                 }
                 // Neither occupies a machine longer: lives of edges and breakdowns are those of the log.
-                ("tool_change_policy" | "breakdown_shape", _) => 0.0,
-                (id, _) => unreachable!("{id} is no effect of a shop's log"),
+                "tool_change_policy" | "breakdown_shape" => 0.0,
+                id => unreachable!("{id} is no effect of a shop's log"),
             };
         }
         all

@@ -11,17 +11,18 @@ use toolroom_facts::waits::waits;
 use toolroom_facts::{Fact, Quantity, findings};
 use toolroom_nominal::shop::{Breakdowns, SHORT_STOP, Shop, Station, Visits, visits};
 use toolroom_records::Records;
-use toolroom_scenario::{Distribution, FailureClock, FailureMode};
+use toolroom_scenario::{Deviation, Distribution, FailureClock, FailureMode};
 
 /// Prior standard deviation of the logarithm of the life of edges on one machine: that of the wear rate and that of a
 /// machine, as in the calibration of the channel `edge_life`.
 const LIFE: f64 = 0.18;
 
 /// Tests the facts of a log, adds them to what is said of it, and takes back what they contradict: a constant of
-/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`.
-pub fn add_facts(shop: &Shop, records: &Records, diagnosis: &mut Diagnosis, seed: u64) {
+/// the file that the log rejects, or a queue that nothing explains, leaves no `no_gap`. `stated` are the effects of the
+/// shop that its file has.
+pub fn add_facts(shop: &Shop, records: &Records, stated: &[Deviation], diagnosis: &mut Diagnosis, seed: u64) {
     let seen = visits(records);
-    let scores = queues(shop, &seen, diagnosis, seed);
+    let scores = queues(shop, &seen, stated, diagnosis, seed);
     let named = |id: &str| diagnosis.effects.iter().any(|effect| effect.id == id);
     let explained = !diagnosis.effects.is_empty();
     let mut facts = of_failures(shop, &seen, named("breakdown_shape"), seed);

@@ -139,7 +139,7 @@ fn queues_of_the_true_shop_fit_and_slow_machines_show_in_them() {
         let mut diagnosis = diagnose(forward.as_ref(), 1).diagnosis;
         // As if calibration knew nothing of what makes the shop slow.
         diagnosis.calibration.clear();
-        queues(shop, &visits(records), &diagnosis, 1)
+        queues(shop, &visits(records), &[], &diagnosis, 1)
     };
     let own = scored(&recorded(7, &[]));
     let mills = own.iter().find(|score| score.machines == ["M1", "M2"]).expect("a pool of mills");
@@ -193,7 +193,7 @@ fn with_facts(records: &Records) -> Diagnosis {
     let model = nominal();
     let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
     let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
-    add_facts(shop, records, &mut diagnosis, 1);
+    add_facts(shop, records, &[], &mut diagnosis, 1);
     diagnosis
 }
 

@@ -28,7 +28,7 @@ impl State {
     /// commonly write.
     ///
     /// ```
-    /// use toolroom_gap::shop::State;
+    /// use toolroom_nominal::shop::State;
     /// assert_eq!(State::of("FEED_HOLD"), State::Hold);
     /// assert_eq!(State::of("off shift"), State::OffShift);
     /// assert_eq!(State::of("UNAVAILABLE"), State::Unknown);
