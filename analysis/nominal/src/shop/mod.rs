@@ -10,7 +10,7 @@
 //! program), and a block has several channels: where its times lie (median), how far they spread,
 //! how much longer than shorter outliers there are, what its mean is above its median. Spreads are
 //! taken over normal scores of the probability integral transform under the nominal simulation. Waits
-//! in queues are scored by themselves ([`queues`]).
+//! in queues are scored by the room `gap`.
 //!
 //! # Source
 //! Normal scores of the randomised probability integral transform: Dunn & Smyth 1996. Short stops
