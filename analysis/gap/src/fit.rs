@@ -80,9 +80,9 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
     residual
 }
 
-/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in [`normal_equations`](super::gram::normal_equations). Its
-/// derivatives are those of its point once it is `settled`, by what is active, or
-/// `complete`.
+/// Fits nuisance and the `active` candidates from `start`; `local_scale` as in
+/// [`normal_equations`](crate::normal_equations). Its derivatives are those of its point once it is `settled`, by what is
+/// active, or `complete`.
 pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], local_scale: &[f64]) -> Fit {
     let mut linear = start;
     if active.iter().any(|index| linear.effects[*index].is_empty()) {
