@@ -241,11 +241,12 @@ fn generic(judged: &Judged<'_>) -> Option<String> {
     beaten.then(|| "a generic signature predicts groups left out better than any effect".to_owned())
 }
 
-/// What is added has to shrink the gap of groups left out by more than [`LEAST_CLOSED`], or by
-/// [`LEAST_OF_CLOSABLE`] of what can be closed at all. An effect of which the form allowance could take half has to do so for certain. Where the form of
-/// the equations drowns the gap (the interval holds zero and is wider than the least closure), an effect that the
-/// form could not imitate has to improve the prediction of left-out groups beside the allowance, for certain. A further
-/// effect that moves the same readings has to be certain, or to lead by more.
+/// What is added has to shrink the gap of groups left out by more than [`LEAST_CLOSED`], or by [`LEAST_OF_CLOSABLE`] of
+/// what can be closed at all. An effect of which the form allowance could take half has to do so for certain.
+///
+/// The form of the equations drowns a gap where the interval of the closure holds zero and is wider than the least
+/// closure. An effect that the form could not imitate is then named if it improves the prediction of left-out groups
+/// beside the allowance, for certain. A further effect that moves the same readings has to be certain, or to lead by more.
 fn closes(judged: &Judged<'_>) -> Option<String> {
     let closed = judged.own();
     let imitated = judged.added().iter().any(|index| judged.decision.base.imitated(judged.model(), *index) > IMITATED);
