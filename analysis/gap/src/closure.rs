@@ -5,13 +5,13 @@ use super::constants::{NINETY, TOO_FEW};
 use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
 use super::noise::HUBER;
+use super::reframed::Reframed;
 use super::settle::settled;
 use super::trial::Trial;
-use super::{Basis, Closure, Direction, Forward, Frame, Measured, Method, Point};
+use super::{Basis, Closure, Forward, Measured, Method};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use toolroom_innovations::Chain;
 
 /// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
 /// is known to a tenth.
@@ -56,37 +56,9 @@ impl<'a> Outside<'a> {
     pub fn size(&self, index: usize) -> f64 {
         let mut frame = self.model.frame().clone();
         frame.measured.fitted.iter_mut().for_each(|fitted| *fitted = !*fitted);
-        let turned = Turned { model: self.model, frame };
+        let turned = Reframed { model: self.model, frame };
         let trial = Trial::new(&turned, &self.basis, &[], &self.base.fit, &[index]);
         trial.fit.linear.point.effects[index]
-    }
-}
-
-/// A model with fitted groups and those kept out exchanged.
-struct Turned<'a> {
-    model: &'a dyn Forward,
-    frame: Frame,
-}
-
-impl Forward for Turned<'_> {
-    fn frame(&self) -> &Frame {
-        &self.frame
-    }
-
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.model.simulate(at)
-    }
-
-    fn scatter_is_known(&self, channel: usize) -> bool {
-        self.model.scatter_is_known(channel)
-    }
-
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        self.model.chains(at)
-    }
-
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        self.model.slopes(at, raw, along)
     }
 }
 

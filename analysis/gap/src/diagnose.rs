@@ -62,8 +62,8 @@ fn diagnosed(model: &dyn Forward, method: Method, seed: u64) -> Diagnosed {
     match Widened::new(model, &basis, &refit) {
         None => judged(model, basis, refit, seed),
         Some(widened) => {
-            let (basis, refit) = settled(&widened, method);
-            let mut diagnosed = judged(&widened, basis, refit, seed);
+            let (basis, refit) = settled(&widened.model, method);
+            let mut diagnosed = judged(&widened.model, basis, refit, seed);
             diagnosed.diagnosis.notes.push(widened.note());
             if widened.far() {
                 let effects = diagnosed.diagnosis.effects.iter_mut();

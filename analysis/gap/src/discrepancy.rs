@@ -13,14 +13,14 @@
 use super::constants::{DISCREPANT, LENGTHS};
 use super::fit::offset_residual;
 use super::gram::normal_equations;
-use super::{Basis, Direction, Discrepancy, Fit, Forward, Frame, Point, Surface};
+use super::reframed::Reframed;
+use super::{Basis, Discrepancy, Fit, Forward, Surface};
 use toolroom_evidence::{amplitudes, matern_columns};
-use toolroom_innovations::Chain;
 
 /// A model with the discrepancy that the data ask for.
 pub(super) struct Widened<'a> {
-    model: &'a dyn Forward,
-    frame: Frame,
+    /// The model with the surfaces of the discrepancy among its own.
+    pub model: Reframed<'a>,
     /// Amplitude of every class that has one, relative, over the scale of its prior.
     pub found: Vec<(&'static str, f64, f64)>,
 }
@@ -40,7 +40,7 @@ impl<'a> Widened<'a> {
                 frame.surfaces.extend(surfaces.into_iter().map(scaled));
             }
         }
-        Some(Self { model, frame, found })
+        Some(Self { model: Reframed { model, frame }, found })
     }
 
     /// What a reader has to know of it.
@@ -91,27 +91,5 @@ impl Tried {
         let classes: Vec<_> = surfaces.iter().map(of).collect();
         let (amplitudes, gain) = amplitudes(&gram, &precision, &classes);
         Self { surfaces, amplitudes, gain }
-    }
-}
-
-impl Forward for Widened<'_> {
-    fn frame(&self) -> &Frame {
-        &self.frame
-    }
-
-    fn simulate(&self, at: &Point) -> Vec<f64> {
-        self.model.simulate(at)
-    }
-
-    fn scatter_is_known(&self, channel: usize) -> bool {
-        self.model.scatter_is_known(channel)
-    }
-
-    fn chains(&self, at: &Point) -> Vec<Chain> {
-        self.model.chains(at)
-    }
-
-    fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
-        self.model.slopes(at, raw, along)
     }
 }

@@ -56,6 +56,7 @@ pub mod plan;
 mod pooled;
 mod processes;
 mod queue;
+mod reframed;
 mod rules;
 mod score;
 mod settle;
