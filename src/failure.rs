@@ -8,6 +8,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use toolroom_form::ReadError;
+use toolroom_gap::ModelFileError;
+use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
@@ -146,6 +148,18 @@ impl From<RequestError> for Failure {
 impl From<FinishedRunError> for Failure {
     fn from(error: FinishedRunError) -> Self {
         Self::argument(error, FinishedRun::FIX)
+    }
+}
+
+impl From<GapStudyError> for Failure {
+    fn from(error: GapStudyError) -> Self {
+        match error {
+            GapStudyError::Model(ModelFileError::Read(error)) => error.into(),
+            other => match other.fix() {
+                Some(fix) => Self::argument(other, fix),
+                None => Self::Work { message: other.to_string() },
+            },
+        }
     }
 }
 

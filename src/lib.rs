@@ -16,6 +16,7 @@
 //! | a stability chart | [`planning::lobes::ChartStudy`] | `toolroom lobes` |
 //! | the blind benchmark | [`blind::diagnose`] | `toolroom gap blind` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
+//! | a diagnosis with its documents | [`gap_study::GapStudy`] | `toolroom gap diagnose` |
 //! | a process at one point | [`planning::point::Point`] | `toolroom point` |
 //! | the cycle time of a part program | [`planning::program::CycleTime`] | `toolroom program` |
 //! | what differs between two runs | [`study::difference::RunDifference`] | `toolroom diff` |
@@ -38,6 +39,7 @@ pub use toolroom_effects as effects;
 pub use toolroom_fmu as fmu;
 pub use toolroom_form as form;
 pub use toolroom_gap as gap;
+pub use toolroom_gap_study as gap_study;
 pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
 pub use toolroom_kinds as kinds;

@@ -1,18 +1,16 @@
 //! `toolroom gap apply`: the model with everything that a diagnosis has found, and what that does
 //! to the key figures of the shop.
 
-mod figures;
-mod mark;
-
-use super::nominal_of;
+use super::{nominal_of, reading};
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use toolroom_apply::{ApplyError, Changes, Request, apply};
+use toolroom_apply::{ApplyError, Changes, Request, apply, is_marked, marked};
 use toolroom_gap::{NominalModel, NominalProcess};
+use toolroom_gap_study::{Figure, figures, table};
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?).map_err(|error| {
@@ -43,7 +41,7 @@ fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Va
         calibration: !args.no_calibration,
     };
     let mut changes = apply(request)?;
-    changes.text = mark::marked(&changes.text, &changes.data);
+    changes.text = marked(&changes.text, &changes.data);
     Ok(changes)
 }
 
@@ -66,16 +64,17 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     if let NominalProcess::Program(_) = nominal.process {
         return wrote(out, &changes, "toolroom gap diagnose --model", voice);
     }
-    let figures = args.data.as_ref().map(|data| figures::figures(model, out, data, voice)).transpose()?;
+    let figures =
+        args.data.as_ref().map(|data| reading(voice, |reading| figures(model, out, data, reading))).transpose()?;
     if voice.json {
-        let figures = figures.iter().flatten().map(figures::Figure::json).collect::<Vec<_>>();
+        let figures = figures.iter().flatten().map(Figure::json).collect::<Vec<_>>();
         return voice.json(&json!({
             "schema": 1, "model": out.display().to_string(), "effects": changes.effects,
             "calibration": changes.constants, "kpi": figures,
         }));
     }
     if let Some(figures) = &figures {
-        voice.data(figures::table(figures).trim_end())?;
+        voice.data(table(figures).trim_end())?;
     }
     wrote(out, &changes, "toolroom run", voice)
 }
@@ -117,7 +116,7 @@ fn several(
     std::fs::create_dir_all(&args.out).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
     for (path, is, text) in &texts {
         if *is == "as it was" {
-            files.put_marked(path, text, mark::is_marked)?;
+            files.put_marked(path, text, is_marked)?;
         } else {
             put(files, path, text)?;
         }
@@ -132,7 +131,7 @@ fn several(
 
 /// Writes a model; one in its place is replaced if `gap apply` wrote it and nobody changed it since.
 fn put(files: &Files, path: &Path, text: &str) -> Result<(), Failure> {
-    files.put_marked(path, text, mark::is_marked)
+    files.put_marked(path, text, is_marked)
 }
 
 fn wrote(path: &Path, changes: &Changes, next: &str, voice: &Voice) -> Result<(), Failure> {

@@ -1,16 +1,18 @@
 //! `toolroom gap predict`: what a model predicts of recorded operations.
 
-use super::tables::tables;
+use super::reading;
 use crate::args::PredictArgs;
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use toolroom_apply::{Prediction, predictions};
+use toolroom_gap_study::tables;
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
-    for table in tables(std::slice::from_ref(&args.model), &args.set, &args.data, voice)? {
+    let model = std::slice::from_ref(&args.model);
+    for table in reading(voice, |reading| tables(model, &args.set, &args.data, reading))? {
         let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
         let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
         if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {

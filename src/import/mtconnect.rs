@@ -6,14 +6,13 @@ use crate::output::{OutputDir, provenance};
 use crate::program::REFUSED;
 use crate::speak::Voice;
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_contour::{Drives, Program, Units};
 use toolroom_process::unit;
 use toolroom_records::mtconnect::{
-    Lines, Passed, Role, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, whole,
+    Role, RoleError, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, summary, whole,
 };
 use toolroom_records::{Records, write_csv};
 
@@ -21,7 +20,8 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let read = args.files.iter().chain(&args.nc).map(AsRef::as_ref);
     let out = OutputDir::create(&args.out, &["events.csv", "runs.csv", "stretches.csv"], read, voice.force)?;
-    let chosen: Vec<(Role, String)> = args.key.iter().map(|text| role(text)).collect::<Result<_, _>>()?;
+    let chosen: Vec<(Role, String)> =
+        args.key.iter().map(|text| Role::assigned(text)).collect::<Result<_, _>>().map_err(refused)?;
     let mut inputs: Vec<(String, Vec<u8>)> = Vec::new();
     let mut all: Vec<Session> = Vec::new();
     for file in &args.files {
@@ -33,7 +33,7 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
             return Err(Failure::argument(message, "give logs of an adapter in the SHDR format"));
         }
         let own = sessions(&args.machine, &lines, &chosen);
-        voice.say(report(&name, &lines, &own));
+        voice.say(summary(&name, &lines, &own));
         all.extend(own);
         inputs.push((name, bytes));
     }
@@ -98,53 +98,7 @@ fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<
     Ok(records)
 }
 
-/// `ROLE=KEY` of the command line.
-fn role(text: &str) -> Result<(Role, String), Failure> {
-    let names = || Role::ALL.map(|(_, name)| name).join(", ");
-    let (word, key) = text.split_once('=').unwrap_or((text, ""));
-    match Role::named(word) {
-        Some(role) if !key.is_empty() => Ok((role, key.to_owned())),
-        Some(_) => Err(Failure::argument(format!("--key {text} names no key"), "write --key ROLE=KEY")),
-        None => Err(Failure::argument(format!("--key {text}: no role `{word}`"), format!("roles are {}", names()))),
-    }
-}
-
-/// What was read of a log, what was passed over and why.
-fn report(name: &str, lines: &Lines, sessions: &[Session]) -> String {
-    let mut text =
-        format!("{name}: {} lines, {} values, {} sessions", lines.count, lines.entries.len(), sessions.len());
-    let mut passed: BTreeMap<Passed, (usize, usize)> = BTreeMap::new();
-    for (line, why) in &lines.passed {
-        passed.entry(*why).or_insert((0, *line)).0 += 1;
-    }
-    for (why, (count, first)) in passed {
-        text += &format!("\n  {count} lines: {} (first: line {first})", why.reason());
-    }
-    let mut keys: BTreeMap<Role, &str> = BTreeMap::new();
-    let mut unused: Vec<&str> = Vec::new();
-    for session in sessions {
-        keys.extend(session.keys.iter().map(|(role, key)| (*role, key.as_str())));
-        unused.extend(session.unused());
-        let (start, end) = session.span();
-        let order = if session.disordered > 0 {
-            format!(", {} values put into order", session.disordered)
-        } else {
-            String::new()
-        };
-        text += &format!(
-            "\n  session from line {}: {:.1} s, {} values{order}",
-            session.line,
-            end - start,
-            session.entries.len()
-        );
-    }
-    let word = |role: &Role| Role::ALL.iter().find(|(each, _)| each == role).map_or("", |(_, name)| name);
-    let pairs: Vec<String> = keys.iter().map(|(role, key)| format!("{} = {key}", word(role))).collect();
-    text += &format!("\n  {}", pairs.join(", "));
-    unused.sort_unstable();
-    unused.dedup();
-    if !unused.is_empty() {
-        text += &format!("\n  not used: {}", unused.join(", "));
-    }
-    text
+fn refused(error: RoleError) -> Failure {
+    let fix = error.fix();
+    Failure::argument(error, fix)
 }

@@ -11,6 +11,7 @@
 //! | [`Applied`] | calibration and sizes that a scenario can hold, and what they predict |
 //! | [`document`] | `diagnosis.json`, schema 2 |
 //! | [`apply`] | the text of a model with what a diagnosis has found |
+//! | [`marked`] | a model with a mark, by which the next application knows that it may replace it |
 //! | [`model_hash`] | the hash by which a diagnosis knows the model that it read |
 //! | [`predictions()`] | what a model predicts of records, without a fit |
 //!
@@ -25,14 +26,21 @@
 //! # What is not applied
 //! Scatter, tails and skewness of the blocks of a shop's log, and the coefficients of empirical models.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod applied;
+mod constants;
 mod difference;
 mod document;
 mod edit;
+mod effects;
 mod error;
 mod hash;
+mod mark;
 mod predict;
 mod program;
+mod scope;
+mod values;
 
 pub use applied::{Applied, Constant, Found, applied_to};
 pub use difference::changed_lines;
@@ -40,4 +48,5 @@ pub use document::{PredictionRow, Process, SCHEMA, document, predictions_of};
 pub use edit::{Changes, Request, apply};
 pub use error::ApplyError;
 pub use hash::model_hash;
+pub use mark::{is_marked, marked};
 pub use predict::{Prediction, predictions};

@@ -1,10 +1,11 @@
 //! Effects and drives of a model of part programs.
 
-use crate::edit::{amount, number, put, unreadable, written};
 use crate::error::ApplyError;
+use crate::values::{amount, number, put, unreadable, written};
 use serde_json::Value;
 use toml_edit::{DocumentMut, Item, Table, TableLike};
-use toolroom_gap::program::DEFAULT_DRIVES;
+use toolroom_contour::Drives;
+use toolroom_process::{Field, Record};
 
 /// The table under `key`, which is made where there is none.
 fn table<'a>(document: &'a mut DocumentMut, key: &str) -> Result<&'a mut dyn TableLike, ApplyError> {
@@ -45,10 +46,11 @@ pub fn calibrate(document: &mut DocumentMut, own: &Value) -> Result<(), ApplyErr
     let parameter = own["parameter"].as_str().unwrap_or_default();
     let key = parameter.strip_prefix("drives.").ok_or_else(|| unreadable("a calibration"))?;
     let factor = number(&own["factor"], "a factor")?;
-    let default = DEFAULT_DRIVES.iter().find(|(name, ..)| *name == key);
-    let (_, unit, usual) = default.ok_or_else(|| unreadable("a calibration"))?;
+    // A tool changer is not calibrated but has an effect of its own, tool_change_delay.
+    let drive = Drives::<f64>::FIELDS.iter().find(|drive| drive.name == key && key != "tool_change_time");
+    let Field { unit, start, .. } = *drive.ok_or_else(|| unreadable("a calibration"))?;
     let drives = table(document, "drives")?;
-    let before = drives.get(key).and_then(Item::as_value).map(amount(unit)).unwrap_or(*usual);
+    let before = drives.get(key).and_then(Item::as_value).map(amount(unit)).unwrap_or(start);
     put(drives, key, written(before * factor, unit));
     Ok(())
 }

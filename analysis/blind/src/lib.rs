@@ -10,6 +10,8 @@
 //! # What is not modelled
 //! A case says how right a diagnosis is on simulated shops; it says nothing about shops whose noise is of another kind.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod benchmark;
 mod error;
 mod judged;

@@ -29,6 +29,6 @@ pub(crate) fn in_ablation(case: &Case) -> bool {
         Set::Effect => case.hidden.iter().all(|hidden| hidden.strength == 1.0) && case.seed.is_multiple_of(3),
         Set::Null => case.seed.is_multiple_of(3),
         Set::Outside => case.seed.is_multiple_of(2),
-        _ => false,
+        Set::Pair | Set::HeavyNull | Set::Stress | Set::StressNull => false,
     }
 }

@@ -17,6 +17,8 @@
 //! Minutes are those of the recorded operations by their predictions, not of a shop that runs anew: what a shorter cycle does to
 //! queues and idle times is not in them. Breakdowns and repairs are facts of their own and are not in the minutes either.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod forms;
 mod minutes;
 mod pictures;

@@ -48,9 +48,6 @@ impl KindError {
 
 impl From<ModelFileError> for KindError {
     fn from(error: ModelFileError) -> Self {
-        match error {
-            ModelFileError::Read(error) => Self::Read(error),
-            other => Self::Model(other),
-        }
+        if let ModelFileError::Read(error) = error { Self::Read(error) } else { Self::Model(error) }
     }
 }

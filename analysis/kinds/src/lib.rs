@@ -17,6 +17,8 @@
 //! Tables (CSV, Parquet): they have no keys, and what reads them says what is wrong. A file that a verb reads beside
 //! another one, such as the part program of a setup, is looked at by the verb.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod error;
 mod readers;
 

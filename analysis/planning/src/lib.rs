@@ -12,6 +12,8 @@
 //! A study hands out text for a terminal, JSON for programs, and its files: tables, pictures and the report. It
 //! writes nothing by itself.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod codes;
 pub mod contour;
 pub mod cycle;

@@ -43,6 +43,8 @@
 //! loads, not queues. Money is not discounted, and the cost of good parts' material, of sensors and
 //! of programming is left out.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 pub mod compare;
 pub mod difference;
 mod figure;

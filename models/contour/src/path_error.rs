@@ -13,7 +13,6 @@ pub struct VelocityLoop {
 
 /// Law of the radial error on an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum PathError {
     /// Lag of a proportional position loop around a velocity loop (ideal where `None`): the arc
     /// comes out smaller by `R_c·(1 − |G|)`, which tends to `V²/(2·K_v²·R_c)`, with the radius

@@ -176,12 +176,52 @@ pub const fn record_keys<const N: usize>(fields: &'static [Field]) -> [Key; N] {
     keys
 }
 
+/// Whether two texts are the same.
+const fn same(one: &[u8], other: &[u8]) -> bool {
+    if one.len() != other.len() {
+        return false;
+    }
+    let mut i = 0;
+    while i < one.len() {
+        if one[i] != other[i] {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
 impl Key {
     /// The optional key of a field of a record.
     pub const fn of(field: &'static Field) -> Self {
         let Field { unit, display, min, max, .. } = *field;
         let quantity = Quantity { unit, display, min, max, above: false, example: "" };
         Self::optional(field.name, Kind::Quantity(quantity), field.doc)
+    }
+
+    /// The optional key of the field of this name: a file that names some fields of a record has their ranges from it.
+    ///
+    /// # Panics
+    /// While compiling, where no field has the name.
+    pub const fn of_named(fields: &'static [Field], name: &str) -> Self {
+        let mut i = 0;
+        while i < fields.len() {
+            if same(fields[i].name.as_bytes(), name.as_bytes()) {
+                return Self::of(&fields[i]);
+            }
+            i += 1;
+        }
+        panic!("no field has the name")
+    }
+
+    /// The same key under another name, with its own meaning.
+    pub const fn called(self, name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, ..self }
+    }
+
+    /// The same key with a value where a file does not say.
+    pub const fn by_default(self, value: &'static str) -> Self {
+        Self { need: Need::Default(value), ..self }
     }
 
     /// A key that has to be there.

@@ -3,70 +3,43 @@
 use super::ProgramModel;
 use std::path::Path;
 use std::sync::Arc;
-use toolroom_contour::{Program, ProgramError, Units};
-use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Quantity, Section, Walk};
+use toolroom_contour::{Drives, Program, ProgramError, Units};
+use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Section, Walk};
 use toolroom_process::Record;
+use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::GAP;
 
-const fn quantity(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: false, example })
+/// A drive by its key, with the value where a file does not say.
+const fn drive(name: &str, value: &'static str) -> Key {
+    Key::of_named(Drives::<f64>::FIELDS, name).by_default(value)
 }
-
-/// Drives by key: SI unit, and the value where a file does not say.
-pub const DEFAULT_DRIVES: [(&str, &str, f64); 3] =
-    [("rapid_speed", "m/s", 0.5), ("corner_deviation", "m", 10e-6), ("jerk_time", "s", 0.0)];
 
 static DRIVES: Form = Form {
     title: "[drives]",
     doc: "Feed drives and tool changer",
     keys: &[
-        Key::default("rapid_speed", quantity("m/s", "m/min", 10.0, "30 m/min"), "30 m/min", "Rapid speed of each axis"),
-        Key::default(
-            "tool_change_time",
-            quantity("s", "s", 3600.0, "4 s"),
-            "0 s",
-            "Time of a tool change by the sheet",
-        ),
-        Key::default(
-            "corner_deviation",
-            quantity("m", "um", 1e-3, "10 um"),
-            "10 um",
-            "Distance by which corners may be rounded",
-        ),
-        Key::default("jerk_time", quantity("s", "s", 1.0, "0.01 s"), "0 s", "Time in which the acceleration builds up"),
+        drive("rapid_speed", "30 m/min"),
+        drive("tool_change_time", "0 s"),
+        drive("corner_deviation", "10 um"),
+        drive("jerk_time", "0 s"),
     ],
 };
+
+/// An effect by its key; a file that does not say has none of it.
+const fn effect(name: &str, none: &'static str) -> Key {
+    Key::of_named(ShopDeviations::<f64>::FIELDS, name).by_default(none)
+}
 
 static EFFECTS: Form = Form {
     title: "[effects]",
     doc: "Effects that are switched on",
     keys: &[
-        Key::default("feed_override", quantity("1", "1", 10.0, "1"), "0", "Share of the logged override that acts"),
-        Key::default(
-            "feed_hold",
-            quantity("s", "s", 3600.0, "10 s"),
-            "0 s",
-            "Time of a mean hold; holds count as long as logged",
-        ),
-        Key::default(
-            "feed_hold_each",
-            quantity("s", "s", 3600.0, "10 s"),
-            "0 s",
-            "Time of every hold, however long it was logged",
-        ),
-        Key::default(
-            "axis_acceleration",
-            quantity("s2/m", "s2/m", 100.0, "0.5 s2/m"),
-            "0 s2/m",
-            "Inverse of the acceleration",
-        ),
-        Key::default("canned_cycle_dwell", quantity("s", "s", 60.0, "1 s"), "0 s", "Time per hole"),
-        Key::default(
-            "tool_change_delay",
-            quantity("s", "s", 3600.0, "10 s"),
-            "0 s",
-            "Time per tool change beside that of the sheet",
-        ),
+        effect("feed_override", "0"),
+        effect("feed_hold", "0 s").called("feed_hold", "Time of a mean hold; holds count as long as logged"),
+        effect("feed_hold", "0 s").called("feed_hold_each", "Time of every hold, however long it was logged"),
+        effect("axis_acceleration", "0 s2/m"),
+        effect("canned_cycle_dwell", "0 s"),
+        effect("tool_change_delay", "0 s"),
     ],
 };
 

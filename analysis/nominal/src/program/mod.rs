@@ -13,7 +13,7 @@
 mod file;
 mod rows;
 
-pub use file::{CODES, DEFAULT_DRIVES};
+pub use file::CODES;
 pub(super) use file::{FORM, section};
 
 use super::features::{self, standardised};

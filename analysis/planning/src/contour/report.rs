@@ -293,7 +293,7 @@ fn path_error(law: &PathError) -> String {
             )
         }
         PathError::ExplicitEuler { step } => format!("explicit_euler, step {} ms", significant(step * MM)),
-        _ => "off".to_owned(),
+        PathError::Off => "off".to_owned(),
     }
 }
 

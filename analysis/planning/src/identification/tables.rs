@@ -47,9 +47,11 @@ impl IdentificationStudy {
                 read_force_traces(&forces.name, &forces.bytes, &mut list).map_err(|error| forces.refused(&error))?;
             notes.extend(more.iter().map(|note| format!("{}: {note}", forces.name)));
         }
-        let study = Self::new(title, list, options).map_err(|error| match error {
-            IdentifyError::Impossible { trials: impossible } => trials.impossible(&impossible).into(),
-            other => TrialsError::Identify(other),
+        let study = Self::new(title, list, options).map_err(|error| {
+            if let IdentifyError::Impossible { trials: impossible } = &error {
+                return trials.impossible(impossible).into();
+            }
+            TrialsError::Identify(error)
         })?;
         Ok((study, notes))
     }

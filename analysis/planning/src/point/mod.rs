@@ -112,7 +112,7 @@ impl Point {
                 let value = match value {
                     Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), significant),
                     Value::String(text) => text.clone(),
-                    other => other.to_string(),
+                    Value::Null | Value::Bool(_) | Value::Array(_) | Value::Object(_) => value.to_string(),
                 };
                 let _ = writeln!(text, "  {name:34} {value:>14}");
             }

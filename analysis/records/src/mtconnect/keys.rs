@@ -41,6 +41,46 @@ impl Role {
     pub fn named(word: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, name)| *name == word).map(|(role, _)| *role)
     }
+
+    /// The role and the key of `ROLE=KEY`, as on the command line.
+    ///
+    /// # Errors
+    /// [`RoleError`]: no role, or no key.
+    pub fn assigned(text: &str) -> Result<(Self, String), RoleError> {
+        let (word, key) = text.split_once('=').unwrap_or((text, ""));
+        let role =
+            Self::named(word).ok_or_else(|| RoleError::Unknown { text: text.to_owned(), word: word.to_owned() })?;
+        if key.is_empty() { Err(RoleError::NoKey { text: text.to_owned() }) } else { Ok((role, key.to_owned())) }
+    }
+}
+
+/// A text that assigns no key to a role.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RoleError {
+    /// No role has the word.
+    #[error("--key {text}: no role `{word}`")]
+    Unknown {
+        /// What was read.
+        text: String,
+        /// The word before the `=`.
+        word: String,
+    },
+    /// Nothing stands behind the `=`.
+    #[error("--key {text} names no key")]
+    NoKey {
+        /// What was read.
+        text: String,
+    },
+}
+
+impl RoleError {
+    /// The likely fix.
+    pub fn fix(&self) -> String {
+        match self {
+            Self::Unknown { .. } => format!("roles are {}", Role::ALL.map(|(_, name)| name).join(", ")),
+            Self::NoKey { .. } => "write --key ROLE=KEY".to_owned(),
+        }
+    }
 }
 
 /// Names that adapters give to a role, in lower case without separators and without a path prefix;

@@ -13,6 +13,7 @@
 //! | [`events`] | the same as records |
 //! | [`runs()`], [`Run`] | runs of programs, from start to completion |
 //! | [`run_table()`] | runs of the table of the NIST test bed |
+//! | [`summary()`] | what was read of a log, for people |
 //! | [`whole`], [`stretches()`], [`Untimed`] | times of runs, and of the stretches of a part program in each run |
 //!
 //! ```
@@ -31,13 +32,15 @@ mod session;
 mod shdr;
 mod state;
 mod stretches;
+mod summary;
 mod time;
 
 pub use events::events;
-pub use keys::Role;
+pub use keys::{Role, RoleError};
 pub use run_table::{RunTableError, run_table};
 pub use runs::{Run, runs};
 pub use session::{Session, sessions};
 pub use shdr::{Entry, Lines, Passed, parse_shdr};
 pub use state::{MachineState, UNAVAILABLE, states};
 pub use stretches::{Untimed, stretches, whole};
+pub use summary::summary;

@@ -21,7 +21,7 @@ pub fn is_marked(model: &str) -> bool {
 }
 
 /// A model without its mark, and the hash in it.
-pub fn parted(model: &str) -> (String, Option<String>) {
+fn parted(model: &str) -> (String, Option<String>) {
     let (mut lines, mut hash, mut within) = (Vec::new(), None, false);
     for line in model.lines() {
         if line.trim_start().starts_with('[') {

@@ -1,6 +1,6 @@
 //! A model and records of a diagnosis, as its document and an application know them.
 
-use crate::failure::Failure;
+use crate::GapStudyError;
 use std::path::{Path, PathBuf};
 use toolroom_apply::{Applied, Process, applied_to, model_hash};
 use toolroom_gap::{Asked, Diagnosed, NominalModel};
@@ -23,10 +23,10 @@ pub struct Known {
 
 impl Known {
     /// A model without usable records.
-    pub fn nothing(model: &NominalModel, path: &Path, set: &[String]) -> Result<Self, Failure> {
+    pub fn nothing(model: &NominalModel, path: &Path, set: &[String]) -> Result<Self, GapStudyError> {
         let text = std::fs::read_to_string(path)
-            .map_err(|error| Failure::argument(format!("{}: {error}", path.display()), "check the path"))?;
-        let hash = model_hash(&text, set).map_err(|error| Failure::argument(&error, error.fix()))?;
+            .map_err(|source| GapStudyError::Unreadable { path: path.to_owned(), source })?;
+        let hash = model_hash(&text, set)?;
         let (process, target) = (model.kind().name(), model.target());
         let (data, aside) = (String::new(), Vec::new());
         Ok(Self { path: path.to_owned(), hash, process, target, data, records: None, aside, nominal: None })
@@ -39,12 +39,11 @@ impl Known {
         set: &[String],
         records: &Records,
         asked: &dyn Fn(&NominalModel) -> Asked,
-    ) -> Result<(Self, NominalModel), Failure> {
+    ) -> Result<(Self, NominalModel), GapStudyError> {
         let mut known = Self::nothing(&model, path, set)?;
         let mut table = Vec::new();
         let written = write_csv(records, &mut table);
-        known.data =
-            written.map(|()| fingerprint(&table)).map_err(|error| Failure::Work { message: error.to_string() })?;
+        known.data = written.map(|()| fingerprint(&table)).map_err(|error| GapStudyError::Work(error.to_string()))?;
         known.records = Some(records.clone());
         if !model.stated.seen.contains(&known.data) {
             return Ok((known, model));

@@ -1,18 +1,17 @@
 //! Key figures of the recorded shop, of its nominal model, and of the model with the effects.
 
-use crate::failure::Failure;
-use crate::gap::{nominal_of, recorded};
-use crate::speak::Voice;
+use crate::{GapStudyError, Reading};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use toolroom_gap::shop::{Shop, ShopKpi, mix, visits};
-use toolroom_gap::{NominalProcess, Settings};
+use toolroom_gap::{ModelFileError, NominalModel, NominalProcess, Settings};
 use toolroom_recording::simulated;
 use toolroom_records::RecordKind;
 use toolroom_scenario::file::read;
 
-/// One key figure.
+/// One key figure: of the recorded shop, of its nominal model, and of the model with the effects.
+#[derive(Clone, Debug)]
 pub struct Figure {
     name: &'static str,
     unit: &'static str,
@@ -27,6 +26,7 @@ impl Figure {
         1.0 - (self.recorded - self.after).abs() / (self.recorded - self.before).abs()
     }
 
+    /// For programs.
     pub fn json(&self) -> Value {
         json!({
             "kpi": self.name, "unit": self.unit, "recorded": self.recorded, "nominal": self.before,
@@ -35,14 +35,14 @@ impl Figure {
     }
 }
 
-/// Runs the shop before and after, and holds both against the recorded events.
-pub fn figures(model: &Path, better: &Path, data: &Path, voice: &Voice) -> Result<Vec<Figure>, Failure> {
-    let nominal = nominal_of(model, &[])?;
-    let NominalProcess::Shop(shop) = &nominal.process else {
-        let message = "key figures are those of a shop, but the model diagnoses one process";
-        return Err(Failure::argument(message, "leave --data out"));
-    };
-    let seen = visits(&recorded(data, &nominal, voice)?);
+/// Runs the shop of `model` and of `better`, the model with the effects, and holds both against the recorded events.
+///
+/// # Errors
+/// [`GapStudyError`]: a file that cannot be read, a model that is no shop, a run that stops.
+pub fn figures(model: &Path, better: &Path, data: &Path, reading: &Reading<'_>) -> Result<Vec<Figure>, GapStudyError> {
+    let nominal = NominalModel::read(model, &[])?;
+    let NominalProcess::Shop(shop) = &nominal.process else { return Err(GapStudyError::NoShop) };
+    let seen = visits(&reading.records(data, &nominal)?);
     let mix = mix(&seen);
     let recorded = ShopKpi::of(shop, &seen, &mix);
     let [before, after] = [run(model, shop, &mix)?, run(better, shop, &mix)?];
@@ -60,9 +60,9 @@ pub fn figures(model: &Path, better: &Path, data: &Path, voice: &Voice) -> Resul
     ])
 }
 
-fn run(model: &Path, shop: &Shop, mix: &std::collections::BTreeMap<String, f64>) -> Result<ShopKpi, Failure> {
-    let scenario = read(model, &[])?.scenario;
-    let log = toolroom_shop::run(&scenario, 0, 0).map_err(|error| Failure::Work { message: error.to_string() })?;
+fn run(model: &Path, shop: &Shop, mix: &std::collections::BTreeMap<String, f64>) -> Result<ShopKpi, GapStudyError> {
+    let scenario = read(model, &[]).map_err(ModelFileError::from)?.scenario;
+    let log = toolroom_shop::run(&scenario, 0, 0).map_err(|error| GapStudyError::Work(error.to_string()))?;
     let all = simulated(&scenario, &log, &|_, channel| Settings::default().sensor(channel));
     let events = all.iter().find(|records| records.kind == RecordKind::Shop);
     Ok(ShopKpi::of(shop, &events.map(visits).unwrap_or_default(), mix))

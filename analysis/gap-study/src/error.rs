@@ -1,0 +1,118 @@
+//! Why there is no diagnosis of a data set.
+
+use std::path::PathBuf;
+use toolroom_apply::ApplyError;
+use toolroom_gap::ModelFileError;
+use toolroom_records::RecordError;
+
+/// Why there is no diagnosis of a data set.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GapStudyError {
+    /// A nominal model.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// Records.
+    #[error(transparent)]
+    Records(#[from] RecordError),
+    /// A model that the diagnosis cannot be applied to.
+    #[error(transparent)]
+    Apply(#[from] ApplyError),
+    /// A file.
+    #[error("{path}: {source}")]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Several models, and one table for all.
+    #[error("{data} is one table, but {models} models are given")]
+    OneTable {
+        /// The table.
+        data: PathBuf,
+        /// How many models.
+        models: usize,
+    },
+    /// A table with two models.
+    #[error("{one} and {other} both read the table `{table}`")]
+    TwoModels {
+        /// A model.
+        one: PathBuf,
+        /// Another one.
+        other: PathBuf,
+        /// Their table.
+        table: &'static str,
+    },
+    /// A model without table.
+    #[error("{model} is a model of {kind}, but {data} holds no {table}.csv or {table}.parquet; it holds {found}")]
+    NoTable {
+        /// The model.
+        model: PathBuf,
+        /// What it is a model of.
+        kind: &'static str,
+        /// The folder of tables.
+        data: PathBuf,
+        /// The table that it lacks.
+        table: &'static str,
+        /// What there is.
+        found: String,
+    },
+    /// A table without model, where there are several models.
+    #[error("{data} holds {left}, which no model reads")]
+    NoModel {
+        /// The folder of tables.
+        data: PathBuf,
+        /// Tables that nobody reads.
+        left: String,
+        /// The shipped model of the first of them.
+        shipped: &'static str,
+    },
+    /// A group that is in both sets of records.
+    #[error("{column} {name} stands in both sets; a group is either fitted or held out")]
+    BothSets {
+        /// What groups are.
+        column: String,
+        /// The group.
+        name: String,
+    },
+    /// Nothing of what the model predicts was measured.
+    #[error("no channel that the model predicts is recorded{}", notes.iter().fold(String::new(), |all, note| format!("{all}; {note}")))]
+    NothingMeasured {
+        /// What was noted while reading.
+        notes: Vec<String>,
+    },
+    /// Key figures of a model that is no shop.
+    #[error("key figures are those of a shop, but the model diagnoses one process")]
+    NoShop,
+    /// The work could not be done although the input is right.
+    #[error("{0}")]
+    Work(String),
+}
+
+impl GapStudyError {
+    /// The likely fix; none where the work could not be done although the input is right.
+    pub fn fix(&self) -> Option<String> {
+        Some(match self {
+            Self::Model(_) => "see scenarios/gap for nominal models that work".to_owned(),
+            Self::Records(RecordError::Quote { .. }) => "mend that line; nothing was diagnosed".to_owned(),
+            Self::Records(RecordError::Unreadable { .. }) | Self::Unreadable { .. } => "check the path".to_owned(),
+            Self::Records(_) => "`toolroom import csv` maps other tables to records".to_owned(),
+            Self::Apply(error) => error.fix().to_owned(),
+            Self::OneTable { .. } => "give the directory that holds a table for each, or one model".to_owned(),
+            Self::TwoModels { .. } => "leave one of them out: a table has one model".to_owned(),
+            Self::NoTable { model, .. } => {
+                format!("leave {} out, or add the table; `toolroom import csv` maps others", model.display())
+            }
+            Self::NoModel { shipped, .. } => {
+                format!("add a model (--model scenarios/gap/{shipped}.toml), or take the table away")
+            }
+            Self::BothSets { .. } => "give the groups of the second set other names".to_owned(),
+            Self::NothingMeasured { .. } => {
+                "`toolroom gap` compares forces, wear, power, temperature, stock, …".to_owned()
+            }
+            Self::NoShop => "leave --data out".to_owned(),
+            Self::Work(_) => return None,
+        })
+    }
+}

@@ -1,0 +1,33 @@
+//! The gap diagnosis from files to documents.
+//!
+//! ```text
+//!  MODEL.toml … ─► tables: each model with its records ─► GapStudy ─► diagnosis.json, predictions, report
+//!  DATA ─────────┘                                                        │ applied to the model
+//!                                                                         ▼
+//!                                       Figures: recorded shop, nominal model, model with the effects
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`tables()`], [`Table`] | which model reads which table of a data set |
+//! | [`GapStudy`], [`GapRequest`] | the diagnosis of a data set, with its documents |
+//! | [`figures()`], [`Figure`] | what the effects do to the key figures of a shop |
+//! | [`GapStudyError`] | why there is none, and the likely fix |
+//!
+//! # What is not modelled
+//! Nothing is written: documents are handed out as texts. Reading Parquet is left to the caller, who hands in a reader.
+
+#![deny(clippy::wildcard_enum_match_arm)]
+
+mod error;
+mod figures;
+mod known;
+mod request;
+mod study;
+mod tables;
+
+pub use error::GapStudyError;
+pub use figures::{Figure, figures, table};
+pub use request::{GapRequest, Reading};
+pub use study::{GapStudy, NAMES};
+pub use tables::{Table, tables};

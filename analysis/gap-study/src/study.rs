@@ -1,0 +1,174 @@
+//! The diagnosis of a data set, with its documents.
+
+use crate::known::{self, Known};
+use crate::{GapRequest, GapStudyError, Reading, Table, tables};
+use serde_json::Value;
+use std::path::Path;
+use toolroom_apply::{Applied, PredictionRow, Process, document, predictions_of};
+use toolroom_chart::ResultFiles;
+use toolroom_chart::page::Provenance;
+use toolroom_gap::plan::plan;
+use toolroom_gap::shop::{add_facts, visits};
+use toolroom_gap::{
+    Answers, Asked, Diagnosed, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes, joined,
+};
+use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
+use toolroom_records::{ColumnKind, Records};
+
+/// The files of a diagnosis.
+pub const NAMES: &[&str] = &["diagnosis.json", "report.html", "report.md", "report.json", "predictions.csv"];
+
+/// What is said of a data set.
+pub struct GapStudy {
+    /// The diagnosis of each process.
+    pub answers: Answers,
+    /// `diagnosis.json`.
+    pub document: Value,
+    /// What the nominal and the applied model predict of each row.
+    pub predictions: Vec<PredictionRow>,
+    /// The report, process by process; without pictures where none were wanted.
+    pub pages: Vec<Page>,
+}
+
+/// A process before it is diagnosed.
+struct Prepared {
+    asked: Asked,
+    known: Known,
+    /// Model and records; none where the table holds no usable row.
+    table: Option<(NominalModel, Records)>,
+}
+
+impl GapStudy {
+    /// Reads models and tables, and diagnoses them together.
+    ///
+    /// # Errors
+    /// [`GapStudyError`]: a file that cannot be read, models and tables that do not fit each other, records in which
+    /// nothing of what a model predicts was measured.
+    pub fn new(request: &GapRequest<'_>, reading: &Reading<'_>) -> Result<Self, GapStudyError> {
+        let tables = tables(request.models, request.set, request.data, reading)?;
+        let prepared =
+            tables.into_iter().zip(request.models).map(|(table, path)| prepared(table, path, request, reading));
+        let (mut asked, mut stated, mut rest) = (Vec::new(), Vec::new(), Vec::new());
+        for one in prepared {
+            let Prepared { asked: own, known, table } = one?;
+            asked.push(own);
+            stated.push(known);
+            rest.push(table);
+        }
+        let (mut answers, diagnosed) = diagnosed_processes(&asked, request.seed);
+        let points = points(&stated, &asked, &diagnosed);
+        let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
+        let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
+        let pages = completed(request, &mut answers, rest, &asked);
+        let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
+        let document = document(answers.json(), &processes, known::data(&stated));
+        Ok(Self { answers, document, predictions, pages })
+    }
+
+    /// Processes of which too little was measured for an answer, each with what is too little.
+    pub fn untold(&self) -> Vec<String> {
+        let untold = self.answers.processes.iter().filter(|(_, own)| own.verdict == GapVerdict::CannotTell);
+        untold.map(|(process, own)| format!("{process}: {}", own.notes.join("; "))).collect()
+    }
+
+    /// Diagnosis, predictions and report.
+    pub fn files(&self, provenance: Provenance) -> ResultFiles {
+        let mut files = ResultFiles::default();
+        files.push("diagnosis.json", pretty(&self.document));
+        files.push("predictions.csv", PredictionRow::csv(&self.predictions));
+        files.push("report.html", html(&self.pages, self.answers.sections(), provenance));
+        files.push("report.md", markdown(&self.pages));
+        files.push("report.json", pretty(&toolroom_gap_report::json(&self.pages)));
+        files
+    }
+}
+
+fn pretty(value: &Value) -> String {
+    format!("{value:#}")
+}
+
+/// A model over its records, without those that are held out.
+fn prepared(
+    table: Table,
+    path: &Path,
+    request: &GapRequest<'_>,
+    reading: &Reading<'_>,
+) -> Result<Prepared, GapStudyError> {
+    let Table { model, records } = table;
+    let mut records = match records {
+        Ok(records) => records,
+        Err(why) => {
+            let asked = Asked { process: model.kind().name(), parts: Vec::new(), notes: vec![why], impossible: 0 };
+            return Ok(Prepared { asked, known: Known::nothing(&model, path, request.set)?, table: None });
+        }
+    };
+    let mut outside: Vec<String> = Vec::new();
+    if let Some(more) = request.holdout_data {
+        let more = reading.records(more, &model)?;
+        (records, outside) = joined(&model, &records, more, request.group)
+            .map_err(|(column, name)| GapStudyError::BothSets { column, name })?;
+    }
+    // Every so many groups is held out, evenly through the data.
+    let every = if request.holdout > 0.0 { (1.0 / request.holdout).round().max(2.0) as usize } else { usize::MAX };
+    let held = |index: usize, name: &str| {
+        outside.iter().any(|own| own == name) || (every < usize::MAX && index % every == every - 1)
+    };
+    let asked = |model: &NominalModel| model.asked(&records, request.group, held);
+    let (known, model) = Known::of(model, path, request.set, &records, &asked)?;
+    let asked = asked(&model);
+    if asked.parts.iter().all(|part| part.frame().measured.is_empty())
+        && !only_values_are_missing(&model, &records, &asked)
+    {
+        return Err(GapStudyError::NothingMeasured { notes: asked.notes });
+    }
+    Ok(Prepared { asked, known, table: Some((model, records)) })
+}
+
+/// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.
+fn only_values_are_missing(model: &NominalModel, records: &Records, asked: &Asked) -> bool {
+    if let NominalProcess::Shop(_) = model.process {
+        return visits(records).list.is_empty();
+    }
+    let mut channels = records.kind.columns().iter().filter(|column| column.kind == ColumnKind::Channel);
+    asked.impossible == 0 && channels.any(|column| records.numbers(column.name).is_some())
+}
+
+/// The applied point of each part of each process.
+fn points(stated: &[Known], asked: &[Asked], diagnosed: &[Vec<Diagnosed>]) -> Vec<Vec<Applied>> {
+    let all = stated.iter().zip(asked).zip(diagnosed);
+    all.map(|((known, own), diagnosed)| known.applied(own, diagnosed)).collect()
+}
+
+/// The pages of the report, after each diagnosis has learned its next experiment and the facts of its log.
+fn completed(
+    request: &GapRequest<'_>,
+    answers: &mut Answers,
+    tables: Vec<Option<(NominalModel, Records)>>,
+    asked: &[Asked],
+) -> Vec<Page> {
+    let mut pages: Vec<Page> = Vec::new();
+    for (((process, diagnosis), table), asked) in answers.processes.iter_mut().zip(tables).zip(asked) {
+        let Some((model, records)) = table.filter(|_| diagnosis.verdict != GapVerdict::CannotTell) else {
+            pages.push(Page::without_readings(process, diagnosis.clone()));
+            continue;
+        };
+        if let Some(best) = plan(&model, &records, request.group, diagnosis).best() {
+            let separates = best.separates();
+            diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
+        }
+        if let NominalProcess::Shop(shop) = &model.process {
+            add_facts(shop, &records, &model.stated.deviations, diagnosis, request.seed);
+        }
+        if request.pages {
+            let readings = Readings::of_process(&model, &records, &asked.parts, diagnosis);
+            let rates = request.models.iter().find_map(|path| rates(path, request.set)).unwrap_or_default();
+            pages.push(Page { process, diagnosis: diagnosis.clone(), readings, rates });
+        }
+    }
+    pages
+}
+
+/// Rates of the machines of a model file, where it is a scenario.
+fn rates(path: &Path, set: &[String]) -> Option<Rates> {
+    toolroom_scenario::file::read(path, set).ok().map(|read| Rates::of(&read.scenario))
+}
