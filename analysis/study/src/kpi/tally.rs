@@ -299,7 +299,12 @@ impl Tally {
                     self.tardy += u32::from(job.finish > job.due);
                 }
                 JobOutcome::InProcess => {}
-                outcome => {
+                outcome @ (JobOutcome::ToolFailure
+                | JobOutcome::OutOfTolerance
+                | JobOutcome::Burnt
+                | JobOutcome::Chatter
+                | JobOutcome::Breakdown
+                | JobOutcome::ShiftEnd) => {
                     self.scrapped += 1;
                     self.scrapped_by_tool += u32::from(outcome == JobOutcome::ToolFailure);
                     self.out_of_tolerance += u32::from(outcome == JobOutcome::OutOfTolerance);
@@ -353,10 +358,14 @@ impl Tally {
         for (edge, inside) in log.edges.iter().zip(inside) {
             let tool = &scenario.tools[edge.tool as usize];
             let (time, count) = life[edge.tool as usize];
-            let whole = match edge.reason {
-                ChangeReason::EndOfRun if edge.cutting_time <= 0.0 => 0.0,
-                ChangeReason::EndOfRun if count > 0.0 => (edge.cutting_time * count / time).min(1.0),
-                _ => 1.0,
+            let whole = if edge.reason != ChangeReason::EndOfRun {
+                1.0
+            } else if edge.cutting_time <= 0.0 {
+                0.0
+            } else if count > 0.0 {
+                (edge.cutting_time * count / time).min(1.0)
+            } else {
+                1.0
             };
             let used = if edge.cutting_time > 0.0 {
                 whole * (inside / edge.cutting_time).min(1.0)

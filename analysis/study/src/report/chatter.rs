@@ -80,7 +80,7 @@ fn diameter(scenario: &Scenario, tool: usize, cut: &Cut) -> Option<f64> {
     let process = &scenario.tools.get(tool)?.process;
     let diameter = match process {
         ProcessModel::Milling(milling) => milling.cutter.diameter,
-        _ => cut.diameter,
+        ProcessModel::Turning(_) | ProcessModel::Infeed(_) | ProcessModel::Other(_) => cut.diameter,
     };
     (diameter > 0.0 && nominal_limit(process, cut, cut.cutting_speed, 0.0).is_some()).then_some(diameter)
 }
