@@ -47,7 +47,7 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
     Operation {
         name: "operation".to_owned(),
         machines: machines.to_vec(),
-        tool,
+        tool: Some(tool),
         setup_group: "one".to_owned(),
         setup_time: None,
         work,
