@@ -2,7 +2,7 @@
 
 use super::cut::Segment;
 use super::draws::owner;
-use super::machine::{MOUNTED, Task};
+use super::machine::{MOUNTED, Piece};
 use super::pass::Place;
 use super::ports::{Ports, read};
 use super::recorder::Recorder;
@@ -87,13 +87,13 @@ pub(super) fn along(segment: &Segment, process: &dyn MachineProcess, ports: &Por
 
 impl Vibration {
     /// Adds the segment to the row of its pass and to the part.
-    pub(super) fn note(&self, row: &mut PassRow, task: &mut Surface) {
+    pub(super) fn note(&self, row: &mut PassRow, surface: &mut Surface) {
         row.chatter_time += self.chatter_time;
         row.stability_margin = row.stability_margin.min(self.margin);
         row.vibration_amplitude = row.vibration_amplitude.max(self.amplitude);
         row.roughness = row.roughness.max(self.roughness);
-        task.roughness = task.roughness.max(self.roughness);
-        task.chattered |= self.chatter_time > 0.0;
+        surface.roughness = surface.roughness.max(self.roughness);
+        surface.chattered |= self.chatter_time > 0.0;
     }
 }
 
@@ -171,7 +171,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 }
 
-impl Task {
+impl Piece {
     /// A pass begins anew on the surface.
     pub(super) fn renew_surface(&mut self) {
         if self.share_left >= 1.0 {

@@ -67,7 +67,7 @@ const LEAST_PACE: f64 = 0.01;
 impl<'a, R: Recorder> Shop<'a, R> {
     /// The process of a tool in the operation that a machine does.
     pub(super) fn process(&self, machine: usize, tool: usize) -> &'a ProcessModel {
-        let acting = self.world.machines[machine].task.as_ref().map_or(0, |task| task.acting);
+        let acting = self.world.machines[machine].task.as_ref().map_or(0, |task| task.machining.acting);
         self.scenario.tools[tool].process_of(acting)
     }
 

@@ -65,7 +65,7 @@ pub use error::{Refusal, ShopError};
 pub use event::Event;
 pub use job::{Job, Jobs};
 pub use layout::programmed_cutting_times;
-pub use machine::{Machine, Step, Task};
+pub use machine::{Machine, Machining, Pass, Piece, Step, Task};
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};

@@ -1,8 +1,6 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
-use super::chatter::Surface;
-use super::draws::Blank;
-use super::machine::{IN_WORK, Step, Task};
+use super::machine::{IN_WORK, Machining, Piece, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
@@ -37,30 +35,22 @@ impl<R: Recorder> Shop<'_, R> {
         let setup = asked.calibrated(self.scenario, "setup_time", setup.unwrap_or(kind.setup_time));
         state.task = Some(Task {
             slot,
-            tool: plan.tool,
             begun: now,
             step: Step::Setup,
-            pass: 0,
             left: if change { setup } else { 0.0 },
             since: now,
             end: None,
             load_time,
             unload_time,
-            delay,
-            hold,
-            moved,
-            acting,
-            row: None,
-            share_left: 1.0,
-            lost_edges: 0,
-            blank: Blank { hardness: 1.0, lot_deviation: 0.0 },
-            size_error: 0.0,
-            layers: 1,
-            surface: Surface::default(),
-            burnt: false,
-            spoiled: false,
-            correction: 0.0,
-            readings: Vec::new(),
+            machining: Machining {
+                tool: plan.tool,
+                delay,
+                hold,
+                moved,
+                acting,
+                lost_edges: 0,
+                piece: Piece::default(),
+            },
         });
         if change {
             self.log_event("setup", Some(machine), Some(number), None);
@@ -76,7 +66,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
         loop {
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) }; // the operation is over
-            if task.left > 0.0 || dispatching && task.step == Step::Unload {
+            if task.left > 0.0 || dispatching && matches!(task.step, Step::Unload) {
                 let at = self.now().after(task.left)?;
                 let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
                 let now = self.now();
@@ -108,7 +98,7 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
         task.left = (task.left - elapsed).max(0.0);
-        let (cutting, pace) = (task.step == Step::Pass, task.moved.pace);
+        let (cutting, pace) = (matches!(task.step, Step::Pass(_)), task.machining.moved.pace);
         self.calendar.cancel(end);
         if cutting { self.halt_pass(machine, elapsed / pace) } else { Ok(()) }
     }
@@ -121,7 +111,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let job = self.world.jobs.at(slot);
                 let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
                 self.world.machines[machine].setup_group = Some(plan.setup_group);
-                self.handle(machine, Step::Load);
+                self.load(machine);
                 Ok(())
             }
             Step::Load => self.next_pass(machine),
@@ -129,7 +119,7 @@ impl<R: Recorder> Shop<'_, R> {
                 self.replace_edge(machine);
                 self.next_pass(machine)
             }
-            Step::Pass => self.end_pass(machine),
+            Step::Pass(_) => self.end_pass(machine),
             Step::Delay => {
                 self.finish_cutting(machine);
                 Ok(())
@@ -141,45 +131,52 @@ impl<R: Recorder> Shop<'_, R> {
             }
             Step::Dressing => {
                 self.dress(machine);
-                self.handle(machine, Step::Unload);
+                self.unload(machine);
                 Ok(())
             }
             Step::Unload => self.end_operation(machine),
         }
     }
 
-    /// Begins loading or unloading.
-    pub(super) fn handle(&mut self, machine: usize, step: Step) {
+    /// Begins loading.
+    pub(super) fn load(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        task.step = step;
-        task.left = if step == Step::Load { task.load_time } else { task.unload_time };
+        task.step = Step::Load;
+        task.left = task.load_time;
+    }
+
+    /// Begins unloading.
+    fn unload(&mut self, machine: usize) {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.step = Step::Unload;
+        task.left = task.unload_time;
     }
 
     /// All passes are cut, or the part is lost: the wheel is dressed if it has to be, the part
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        let delay = std::mem::take(&mut task.delay);
+        let delay = std::mem::take(&mut task.machining.delay);
         if delay > 0.0 {
             task.step = Step::Delay;
             task.left = delay;
             return;
         }
-        let hold = std::mem::take(&mut task.hold);
+        let hold = std::mem::take(&mut task.machining.hold);
         if hold > 0.0 {
             task.step = Step::Hold;
             task.left = hold;
             self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
             return;
         }
-        let tool = task.tool as usize;
+        let tool = task.machining.tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()
             .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
         if dull {
             self.begin_dressing(machine);
         } else {
-            self.handle(machine, Step::Unload);
+            self.unload(machine);
         }
     }
 
@@ -195,14 +192,15 @@ impl<R: Recorder> Shop<'_, R> {
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let operation = &self.scenario.parts[part].operations[index];
         let tolerance = operation.size_tolerance;
-        let rough = task.surface.roughness > operation.roughness_limit;
-        let bad = if task.spoiled {
+        let piece = &task.machining.piece;
+        let rough = piece.surface.roughness > operation.roughness_limit;
+        let bad = if piece.spoiled {
             Some(JobOutcome::ToolFailure)
-        } else if rough && task.surface.chattered {
+        } else if rough && piece.surface.chattered {
             Some(JobOutcome::Chatter)
-        } else if task.burnt {
+        } else if piece.burnt {
             Some(JobOutcome::Burnt)
-        } else if rough || task.size_error.abs() > tolerance {
+        } else if rough || piece.size_error.abs() > tolerance {
             Some(JobOutcome::OutOfTolerance)
         } else {
             None
@@ -249,16 +247,17 @@ impl<R: Recorder> Shop<'_, R> {
     /// passes to come is not known: they count as programmed.
     fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
         let passes = &self.layout.pass_times[part][operation];
-        let from = |first: usize| if task.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
-        let pass = task.pass as usize;
+        let Machining { delay, hold, piece, .. } = &task.machining;
+        let from = |first: usize| if piece.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
+        let pass = piece.pass as usize;
         let due =
-            || from(pass + 1) + if task.spoiled { 0.0 } else { passes.get(pass).unwrap_or(&0.0) * task.share_left };
-        let after_cutting = task.delay + task.hold + task.unload_time;
+            || from(pass + 1) + if piece.spoiled { 0.0 } else { passes.get(pass).unwrap_or(&0.0) * piece.share_left };
+        let after_cutting = delay + hold + task.unload_time;
         match task.step {
             Step::Setup => task.load_time + due() + after_cutting,
             Step::Load => task.left + due() + after_cutting,
             Step::ToolChange => due() + after_cutting,
-            Step::Pass => task.left + from(pass + 1) + after_cutting,
+            Step::Pass(_) => task.left + from(pass + 1) + after_cutting,
             Step::Delay | Step::Hold => task.left + after_cutting,
             Step::Dressing => task.unload_time,
             Step::Unload => task.left,
