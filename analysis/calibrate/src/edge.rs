@@ -3,6 +3,8 @@
 use crate::curve::Curve;
 use crate::normal::{HALF_LN_TAU, ln_below, ln_between, ln_density, ln_sum};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
 /// A stretch of cutting at one condition, with what was read at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,6 +198,34 @@ impl Common<'_> {
             }
         }
         width.ln() + ln_sum(&terms)
+    }
+
+    /// Readings of another edge that is cut and read as this one.
+    pub fn replicate(&self, edge: &Edge, random: &mut ChaCha8Rng) -> Vec<f64> {
+        if edge.readings() == 0 {
+            return Vec::new();
+        }
+        let mut normal = || -> f64 { StandardNormal.sample(&mut *random) };
+        let mut predicted = Predicted::default();
+        self.predict(edge, (self.scatter * normal()).exp(), &mut predicted);
+        let mut readings: Vec<f64> = predicted.wear.iter().map(|wear| wear + self.noise * normal()).collect();
+        if let Some(noise) = &self.in_life {
+            let times = reading_times(edge);
+            let count = times.len();
+            let rate = DMatrix::from_fn(count, count, |i, j| {
+                let diagonal = if i == j { 1e-12 } else { 0.0 };
+                noise.covariance(times[i], times[j]) + diagonal
+            });
+            if let Some(factor) = Cholesky::new(rate) {
+                let off = factor.l() * DVector::from_fn(count, |_, _| normal());
+                readings
+                    .iter_mut()
+                    .zip(&predicted.pace)
+                    .zip(off.iter())
+                    .for_each(|((reading, pace), off)| *reading += pace * off);
+            }
+        }
+        readings
     }
 
     /// Log density of readings and standardised level `z`, its derivative by `z` and the Gauss–Newton curvature.

@@ -1,7 +1,7 @@
 //! The wear laws with their parameters and priors.
 
 use crate::parameter::{Parameter, Prior, Scale};
-use toolroom_wear::{Cut, EnergyBalance, ExtendedTaylor, Pair, WearLaw};
+use toolroom_wear::{EnergyBalance, ExtendedTaylor, Pair, TakeyamaMurata, Usui, WearLaw};
 
 /// A wear law that can be calibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,10 +20,22 @@ pub enum Law {
 const LEVEL: f64 = 0.7;
 /// Standard deviation of the logarithm of an activation energy.
 const ENERGY: f64 = 0.25;
-/// Minutes in SI.
+/// Standard deviation of the logarithm of Taylor's exponent of speed.
+const SPEED: f64 = 0.3;
+/// Mean and standard deviation of the exponent of feed.
+const FEED: (f64, f64) = (1.5, 0.6);
+/// Mean and standard deviation of the exponent of depth of cut.
+const DEPTH: (f64, f64) = (0.75, 0.3);
+/// Standard deviation of the coordinate of the contrast of the wear stages.
+const CONTRAST: f64 = 1.0;
+/// Standard deviation of the coordinate of the tilt of the wear stages, where it is free.
+const TILT: f64 = 1.0;
+/// Seconds of a minute.
 const MINUTE: f64 = 60.0;
-/// mm/min of a rate in m/s.
-const MM_PER_MIN: f64 = 6e4;
+/// um of a metre.
+const MICRO: f64 = 1e6;
+/// Units of a kilo-unit.
+const KILO: f64 = 1e3;
 
 impl Law {
     /// Every law, those of fewest parameters first.
@@ -44,147 +56,137 @@ impl Law {
         Self::ALL.into_iter().find(|law| law.group() == group)
     }
 
-    /// Its parameters with what is known of them from a handbook or from the set `base`.
-    pub(crate) fn parameters(self, base: &Pair) -> Vec<Parameter> {
-        let named = |key: &str| format!("{}.{key}", self.group());
-        let level = |key, unit, value: f64| {
-            let prior = Prior::new(value.ln(), LEVEL);
-            Parameter::new(named(key), unit, Scale::Logarithm, prior, "measure wear of any edge")
-        };
-        let energy = |key, unit, value: f64| {
-            let prior = Prior::new(value.ln(), ENERGY);
-            Parameter::new(named(key), unit, Scale::Logarithm, prior, "vary cutting_speed by a factor of 1.2 or more")
-        };
+    /// The law with what `base` says of it: its own parameters where it is the law of the set, otherwise levels, run-in and
+    /// reference temperature of the set's energy balance, and for Taylor's law the reference cut of the set.
+    pub(crate) fn template(self, base: &Pair) -> WearLaw {
         let balance = match base.law {
             WearLaw::EnergyBalance(law) => law,
-            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) => EnergyBalance::default(),
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => EnergyBalance::default(),
         };
-        match self {
-            Self::ExtendedTaylor => {
-                let law = taylor(base);
-                let exponent = |key, value, deviation, lift| {
-                    Parameter::new(named(key), "1", Scale::Plain, Prior::new(value, deviation), lift)
-                };
-                let contrast = Prior::new(Scale::Contrast.coordinate(law.stage_contrast), 1.0);
-                vec![
-                    level("reference_life", "min", law.reference_life / MINUTE),
-                    Parameter::new(
-                        named("speed_exponent"),
-                        "1",
-                        Scale::Logarithm,
-                        Prior::new(law.speed_exponent.ln(), 0.3),
-                        "vary cutting_speed by a factor of 1.2 or more",
-                    ),
-                    exponent("feed_exponent", 1.5, 0.6, "vary feed_per_rev"),
-                    exponent("depth_exponent", 0.75, 0.3, "vary depth_of_cut"),
-                    Parameter::new(
-                        named("stage_contrast"),
-                        "1",
-                        Scale::Contrast,
-                        contrast,
-                        "read wear during the life",
-                    ),
-                ]
+        let EnergyBalance { run_in_land, run_in_offset, reference_temperature, gas_constant, .. } = balance;
+        match (self, base.law) {
+            (Self::ExtendedTaylor, law @ WearLaw::ExtendedTaylor(_))
+            | (Self::TakeyamaMurata, law @ WearLaw::TakeyamaMurata(_))
+            | (Self::Usui, law @ WearLaw::Usui(_))
+            | (Self::EnergyBalance, law @ WearLaw::EnergyBalance(_)) => law,
+            (Self::ExtendedTaylor, _) => {
+                let cut = base.reference_cut();
+                WearLaw::ExtendedTaylor(ExtendedTaylor {
+                    reference_speed: cut.cutting_speed,
+                    reference_feed: cut.feed_per_rev,
+                    reference_depth: cut.depth_of_cut,
+                    ..ExtendedTaylor::default()
+                })
             }
-            Self::TakeyamaMurata => vec![
-                level("abrasive_wear", "um/m", balance.mechanical_wear_per_path * 1e6),
-                level("diffusion_wear_at_reference", "um/min", balance.thermal_wear_rate * MINUTE * 1e6),
-                energy("activation_energy", "kJ/mol", balance.thermal_activation_energy / 1e3),
-            ],
-            Self::Usui => vec![
-                level("wear_at_reference", "um/m", balance.mechanical_wear_per_path * 1e6),
-                // Usui's constant of carbide at high temperature (recalled).
-                energy("activation_temperature", "K", 21950.0),
-            ],
-            Self::EnergyBalance => vec![
-                level("mechanical_wear_per_path", "um/m", balance.mechanical_wear_per_path * 1e6),
-                level("thermal_wear_rate", "um/min", balance.thermal_wear_rate * MINUTE * 1e6),
-                energy("mechanical_activation_energy", "kJ/mol", balance.mechanical_activation_energy / 1e3),
-                energy("thermal_activation_energy", "kJ/mol", balance.thermal_activation_energy / 1e3),
-            ],
+            (Self::TakeyamaMurata, _) => WearLaw::TakeyamaMurata(TakeyamaMurata {
+                abrasive_wear: balance.mechanical_wear_per_path,
+                diffusion_wear_at_reference: balance.thermal_wear_rate,
+                activation_energy: balance.thermal_activation_energy,
+                reference_temperature,
+                run_in_land,
+                run_in_offset,
+                gas_constant,
+                ..TakeyamaMurata::default()
+            }),
+            (Self::Usui, _) => WearLaw::Usui(Usui {
+                // All of the wear at the reference cut of an energy balance, whose parts are of one size there.
+                wear_at_reference: 1.4 * balance.mechanical_wear_per_path,
+                reference_temperature,
+                run_in_land,
+                run_in_offset,
+                ..Usui::default()
+            }),
+            (Self::EnergyBalance, _) => WearLaw::EnergyBalance(balance),
         }
     }
 
-    /// The wear rate in mm/min at a land in mm under a cut, with `values` of the parameters in their units of files.
-    pub(crate) fn rate<'a>(
-        self,
-        base: &'a Pair,
-        cut: &Cut,
-        limit: f64,
-        values: &[f64],
-    ) -> Box<dyn Fn(f64) -> f64 + 'a> {
-        let contact = base.contact(cut);
-        let (speed, factor) = (cut.cutting_speed, cut.wear_factor);
-        let balance = match base.law {
-            WearLaw::EnergyBalance(law) => law,
-            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) => EnergyBalance::default(),
+    /// Its parameters with what is known of them from a handbook, around the values of a template.
+    pub(crate) fn parameters(self, template: &WearLaw) -> Vec<Parameter> {
+        let named = |key: &str| format!("{}.{key}", self.group());
+        let around = |key, unit, value: f64, deviation, lift| {
+            let prior = Prior::new(value.ln(), deviation);
+            Parameter::new(named(key), unit, Scale::Logarithm, prior, lift)
         };
-        let run_in = move |land: f64| 1.0 + balance.run_in_land / (land + balance.run_in_offset);
-        let inverse = move |land: f64| contact.steady_temperature(land).recip() - balance.reference_temperature.recip();
-        match self {
-            Self::ExtendedTaylor => {
-                let law = ExtendedTaylor {
-                    reference_life: values[0] * MINUTE,
-                    speed_exponent: values[1],
-                    feed_exponent: values[2],
-                    depth_exponent: values[3],
-                    stage_contrast: values[4],
-                    wear_limit: limit * 1e-3,
-                    ..taylor(base)
+        let level = |key, unit, value| around(key, unit, value, LEVEL, "measure the wear of any edge");
+        let energy =
+            |key, unit, value| around(key, unit, value, ENERGY, "vary cutting_speed by a factor of 1.2 or more");
+        match template {
+            WearLaw::ExtendedTaylor(law) => {
+                let exponent = |key, (mean, deviation), lift| {
+                    Parameter::new(named(key), "1", Scale::Plain, Prior::new(mean, deviation), lift)
                 };
-                let life = law.tool_life(cut) / MINUTE;
-                Box::new(move |land| {
-                    let x = (land / limit).min(1.0);
-                    limit / (life * (1.0 + law.stage_contrast * (6.0 * x * (1.0 - x) - 1.0)))
-                })
+                let contrast = Prior::new(Scale::Contrast.coordinate(law.stage_contrast), CONTRAST);
+                let lift = "read wear early, in the middle and late in the life of edges";
+                vec![
+                    level("reference_life", "min", law.reference_life / MINUTE),
+                    around(
+                        "speed_exponent",
+                        "1",
+                        law.speed_exponent,
+                        SPEED,
+                        "vary cutting_speed by a factor of 1.2 or more",
+                    ),
+                    exponent("feed_exponent", FEED, "vary feed_per_rev"),
+                    exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
+                    Parameter::new(named("stage_contrast"), "1", Scale::Contrast, contrast, lift),
+                    Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift),
+                ]
             }
-            Self::TakeyamaMurata => {
-                let (abrasive, diffusion) = (values[0] * 1e-6 * factor, values[1] * 1e-6 / MINUTE * factor);
-                let energy = values[2] * 1e3 / balance.gas_constant;
-                Box::new(move |land| {
-                    let land = land * 1e-3;
-                    MM_PER_MIN * (speed * abrasive * run_in(land) + diffusion * (-energy * inverse(land)).exp())
-                })
-            }
-            Self::Usui => {
-                let (level, temperature) = (values[0] * 1e-6 * factor, values[1]);
-                Box::new(move |land| {
-                    let land = land * 1e-3;
-                    MM_PER_MIN * speed * level * run_in(land) * (-temperature * inverse(land)).exp()
-                })
-            }
-            Self::EnergyBalance => {
-                let law = EnergyBalance {
-                    mechanical_wear_per_path: values[0] * 1e-6,
-                    thermal_wear_rate: values[1] * 1e-6 / MINUTE,
-                    mechanical_activation_energy: values[2] * 1e3,
-                    thermal_activation_energy: values[3] * 1e3,
-                    ..balance
-                };
-                Box::new(move |land| {
-                    let land = land * 1e-3;
-                    let theta = contact.steady_temperature(land);
-                    let layer = 1.0 + (land / law.heated_layer_land).powi(2);
-                    let mechanical = law.mechanical_wear_per_path * run_in(land) * law.softening(theta);
-                    MM_PER_MIN * factor * (speed * mechanical + law.thermal_wear_rate * layer * law.activation(theta))
-                })
-            }
+            WearLaw::TakeyamaMurata(law) => vec![
+                level("abrasive_wear", "um/m", law.abrasive_wear * MICRO),
+                level("diffusion_wear_at_reference", "um/min", law.diffusion_wear_at_reference * MINUTE * MICRO),
+                energy("activation_energy", "kJ/mol", law.activation_energy / KILO),
+            ],
+            WearLaw::Usui(law) => vec![
+                level("wear_at_reference", "um/m", law.wear_at_reference * MICRO),
+                energy("activation_temperature", "K", law.activation_temperature),
+            ],
+            WearLaw::EnergyBalance(law) => vec![
+                level("mechanical_wear_per_path", "um/m", law.mechanical_wear_per_path * MICRO),
+                level("thermal_wear_rate", "um/min", law.thermal_wear_rate * MINUTE * MICRO),
+                energy("mechanical_activation_energy", "kJ/mol", law.mechanical_activation_energy / KILO),
+                energy("thermal_activation_energy", "kJ/mol", law.thermal_activation_energy / KILO),
+            ],
         }
     }
 }
 
-/// Taylor's law of a set, or the handbook's at the reference cut of the set.
-fn taylor(base: &Pair) -> ExtendedTaylor {
-    match base.law {
-        WearLaw::ExtendedTaylor(law) => law,
-        WearLaw::EnergyBalance(_) | WearLaw::TakeyamaMurata(_) => {
-            let cut = base.reference_cut();
-            ExtendedTaylor {
-                reference_speed: cut.cutting_speed,
-                reference_feed: cut.feed_per_rev,
-                reference_depth: cut.depth_of_cut,
-                ..ExtendedTaylor::default()
-            }
+/// The law of a template with other values of its parameters, in their units and the order of [`Law::parameters`].
+pub(crate) fn with_values(template: &WearLaw, values: &[f64]) -> WearLaw {
+    match *template {
+        WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor {
+            reference_life: values[0] * MINUTE,
+            speed_exponent: values[1],
+            feed_exponent: values[2],
+            depth_exponent: values[3],
+            stage_contrast: values[4],
+            // The coordinate counts the tilt in shares of what the contrast leaves it.
+            stage_tilt: values[5] * (1.0 - values[4]),
+            ..law
+        }),
+        WearLaw::TakeyamaMurata(law) => WearLaw::TakeyamaMurata(TakeyamaMurata {
+            abrasive_wear: values[0] / MICRO,
+            diffusion_wear_at_reference: values[1] / MICRO / MINUTE,
+            activation_energy: values[2] * KILO,
+            ..law
+        }),
+        WearLaw::Usui(law) => {
+            WearLaw::Usui(Usui { wear_at_reference: values[0] / MICRO, activation_temperature: values[1], ..law })
         }
+        WearLaw::EnergyBalance(law) => WearLaw::EnergyBalance(EnergyBalance {
+            mechanical_wear_per_path: values[0] / MICRO,
+            thermal_wear_rate: values[1] / MICRO / MINUTE,
+            mechanical_activation_energy: values[2] * KILO,
+            thermal_activation_energy: values[3] * KILO,
+            ..law
+        }),
+    }
+}
+
+/// The law with lives that end at a wear limit in mm.
+pub(crate) fn ending_at(template: WearLaw, limit: f64) -> WearLaw {
+    match template {
+        WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor { wear_limit: limit * 1e-3, ..law }),
+        WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) | WearLaw::EnergyBalance(_) => template,
     }
 }

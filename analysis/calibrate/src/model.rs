@@ -1,6 +1,7 @@
 //! What inference needs of a statistical model.
 
 use crate::parameter::Parameter;
+use rand_chacha::ChaCha8Rng;
 
 /// A model of readings that come edge by edge: given the parameters, edges are independent.
 pub trait Model: Sync {
@@ -12,6 +13,12 @@ pub trait Model: Sync {
 
     /// Sum of the log densities of all data of each of some edges, what is particular to an edge integrated out.
     fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64;
+
+    /// The readings of an edge, in the order of [`Model::replicate`].
+    fn readings(&self, edge: usize) -> Vec<f64>;
+
+    /// Readings of another edge that is cut and read as this one.
+    fn replicate(&self, u: &[f64], edge: usize, random: &mut ChaCha8Rng) -> Vec<f64>;
 
     /// Logarithm of the normalised prior density.
     fn ln_prior(&self, u: &[f64]) -> f64 {

@@ -1,6 +1,7 @@
 //! Parameters in working coordinates, each with its prior.
 
 use crate::normal::ln_density;
+use toolroom_wear::LARGEST_TILT;
 
 /// Greatest contrast of the wear stages (`extended_taylor.stage_contrast` in the wear models).
 const GREATEST_CONTRAST: f64 = 0.95;
@@ -15,6 +16,8 @@ pub enum Scale {
     Plain,
     /// `u = logit(value/0.95)`, the contrast of the wear stages.
     Contrast,
+    /// `u = atanh(value/0.95)`, the tilt of the wear stages in shares of `1 - stage_contrast`.
+    Tilt,
 }
 
 impl Scale {
@@ -24,6 +27,7 @@ impl Scale {
             Self::Logarithm => u.exp(),
             Self::Plain => u,
             Self::Contrast => GREATEST_CONTRAST / (1.0 + (-u).exp()),
+            Self::Tilt => LARGEST_TILT * u.tanh(),
         }
     }
 
@@ -33,6 +37,7 @@ impl Scale {
             Self::Logarithm => value.ln(),
             Self::Plain => value,
             Self::Contrast => (value / (GREATEST_CONTRAST - value)).ln(),
+            Self::Tilt => (value / LARGEST_TILT).atanh(),
         }
     }
 }

@@ -222,12 +222,13 @@ impl Weighted {
         Self { draws, weights: Weights::smoothed(&ratios) }
     }
 
-    fn moments(&self) -> (DVector<f64>, DMatrix<f64>) {
+    /// Weighted mean and covariance.
+    pub fn moments(&self) -> (DVector<f64>, DMatrix<f64>) {
         moments(&self.draws, &self.weights.weights)
     }
 
     /// Systematic resampling to equal weights, shuffled so that any first part of the draws is a sample.
-    fn resampled(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<DVector<f64>> {
+    pub fn resampled(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<DVector<f64>> {
         let offset: f64 = random.random();
         let mut chosen = Vec::with_capacity(count);
         let mut sum = 0.0;
