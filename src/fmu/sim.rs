@@ -1,6 +1,5 @@
 //! `toolroom fmu sim F.fmu`.
 
-use super::machine::isolation as isolation_of;
 use super::refused;
 use crate::args::{FmuIsolation, FmuSimArgs};
 use crate::failure::Failure;
@@ -13,7 +12,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
-use toolroom_fmu_import::{LoadError, Unit};
+use toolroom_fmu_import::{Isolation, LoadError, Unit};
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
@@ -29,7 +28,7 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let limit = seconds("--call-limit", Some(&args.call_limit))?.filter(|limit| *limit > 0.0);
     let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
-    let unit = Unit::load(&args.file, &isolation_of(isolation, Some(limit))).map_err(not_loaded)?;
+    let unit = Unit::load(&args.file, &Isolation::of(isolation, Some(limit))).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
