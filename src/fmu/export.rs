@@ -1,13 +1,12 @@
 //! `toolroom fmu export MODEL`.
 
-use super::cross;
 use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{Binary, Entry, Platform, Version, file_name, package, units};
+use toolroom_fmu::{Binary, Compiler, CrossError, Entry, Platform, Version, file_name, package, units};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = unit(args.model)?;
@@ -105,15 +104,18 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     platforms.sort_unstable();
     platforms.dedup();
     let every = wanted.contains(&FmuPlatform::All);
-    let cross = cross::Compiler::find();
+    let cross = Compiler::find();
+    let began = |target: &str| voice.say(format_args!("compiling for {target} …"));
     let mut binaries = Vec::new();
     for platform in platforms {
         // With the cross compiler at hand this machine's library is made for old C libraries too.
         let library = match &cross {
-            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => compiler.library(platform, voice),
+            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => {
+                compiler.library(platform, &began).map_err(|error| not_compiled(&error))
+            }
             _ if Some(platform) == host => own_library(platform),
-            Ok(compiler) => compiler.library(platform, voice),
-            Err(missing) => Err(missing.failure()),
+            Ok(compiler) => compiler.library(platform, &began).map_err(|error| not_compiled(&error)),
+            Err(missing) => Err(not_compiled(missing)),
         };
         match library {
             Ok(library) => binaries.push(Binary { platform, library }),
@@ -135,6 +137,13 @@ fn own_library(_platform: Platform) -> Result<Vec<u8>, Failure> {
     std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)
         .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })?;
     Ok(library)
+}
+
+fn not_compiled(error: &CrossError) -> Failure {
+    match error.fix() {
+        Some(fix) => Failure::argument(error, fix),
+        None => Failure::Work { message: error.to_string() },
+    }
 }
 
 /// The library that was built with this program, beside it.

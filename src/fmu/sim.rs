@@ -1,6 +1,5 @@
 //! `toolroom fmu sim F.fmu`.
 
-use super::machine::isolation as isolation_of;
 use super::refused;
 use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs};
 use crate::failure::Failure;
@@ -13,7 +12,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, simulate};
-use toolroom_fmu_import::{Driven, LoadError, Unit};
+use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
@@ -34,7 +33,7 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
         Some(FmuInterface::CoSimulation) => Driven::CoSimulation,
         Some(FmuInterface::ModelExchange) => Driven::ModelExchange,
     };
-    let unit = Unit::load_driven(&args.file, &isolation_of(isolation, Some(limit)), driven).map_err(not_loaded)?;
+    let unit = Unit::load_driven(&args.file, &Isolation::of(isolation, Some(limit)), driven).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,

@@ -20,6 +20,7 @@
 //! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, of Co-Simulation or Model Exchange, one instance, one variable of it |
 //! | `UnitProcess`, `wire::Wires` | with the feature `fmi`: a unit in the place of a native process, in SI |
 //! | `Isolation`, `worker::serve` | with the feature `fmi`: where the code of a unit runs |
+//! | `register` | with the feature `fmi`: lets scenarios name units in the place of processes |
 //! | `simulate::simulate` | with the feature `fmi`: a unit by itself |
 //!
 //! ```
@@ -36,9 +37,12 @@ pub mod archive;
 pub mod check;
 pub mod description;
 #[cfg(feature = "fmi")]
+mod importer;
+#[cfg(feature = "fmi")]
 pub mod instance;
 #[cfg(feature = "fmi")]
 mod keeping;
+mod listing;
 #[cfg(feature = "fmi")]
 pub mod machine;
 pub mod platform;
@@ -58,6 +62,7 @@ pub use description::{Dimension, Interface, ModelDescription, Reading, ValueType
 pub use platform::{Binary, PLATFORMS, Platform};
 #[cfg(feature = "fmi")]
 pub use {
+    importer::register,
     instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
     machine::UnitProcess,
     unit::{CALL_LIMIT, Driven, Isolation, LoadError, Steps, Unit, WorkerProgram},
