@@ -25,6 +25,7 @@
 //! | [`Turning`] | exact D-curve limits, process damping, verdicts, speed variation |
 //! | [`Milling`], [`AtSpeed`] | verdicts and limits by spectral collocation; helix, unequal pitch, runout |
 //! | [`StabilityVerdict`], [`StabilityLimit`] | the answers: small, `Copy`, cheap to cache |
+//! | [`StableIntervals`] | every depth at which a cut is stable, behind limit, margin and charts |
 //! | [`Lobes`], [`Boundary`] | charts as plain data |
 //! | [`Forced`], [`Simulation`], [`LimitCycle`] | vibration of stable and unstable cuts |
 //! | [`Scatter`], [`Probability`], [`RobustSpeed`] | stability under uncertain constants |
@@ -77,12 +78,14 @@
 //!   always there; use [`Milling::simulate`].
 
 mod amplitude;
+mod claims;
 mod crossing;
 pub mod discretised;
 mod error;
 mod factor;
 mod gauss;
 mod hessenberg;
+mod intervals;
 mod krylov;
 mod lobes;
 mod milling;
@@ -91,6 +94,7 @@ mod period;
 mod plan;
 mod polynomial;
 mod response;
+mod scan;
 mod simulate;
 mod speed_variation;
 mod structure;
@@ -99,12 +103,14 @@ mod uncertainty;
 mod verdict;
 
 pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
+pub use claims::claims;
 pub use error::ChatterError;
+pub use intervals::{Certificate, StableIntervals};
 pub use lobes::{Axis, Boundary, BoundaryColumn, BoundaryHole, Crossing, Hole, Lobes};
 pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
 pub use simulate::{Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
 pub use structure::Mode;
-pub use turning::{Bar, BoundaryPoint, Support, Turning};
+pub use turning::{Bar, Support, Turning};
 pub use uncertainty::{Probability, RobustSpeed, Scatter};
 pub use verdict::{ChatterKind, StabilityLimit, StabilityVerdict};

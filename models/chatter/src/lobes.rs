@@ -2,9 +2,11 @@
 
 use crate::error::{ChatterError, finite};
 use crate::paper::{FiveDegrees, Reduced};
+use crate::turning::TurningAtSpeed;
 use crate::verdict::{ChatterKind, StabilityVerdict};
 use crate::{AtSpeed, Milling, SpeedVariation, StabilityLimit, Turning};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Evenly spaced values from `start` to `end`, both included.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -134,17 +136,13 @@ impl Milling {
         })
     }
 
-    /// The boundary below `greatest` depth (m), traced instead of filled in: far fewer verdicts
-    /// than [`Milling::lobes`] for a finer curve.
-    ///
-    /// Every fourth speed of the axis is searched in `steps` equal depths; the speeds between are
-    /// added where crossings appear or vanish and where the curve bends. An island that is thinner
-    /// than `greatest/steps` and narrower than four speeds may be missed.
+    /// The boundary below `greatest` depth (m): the ends of the stable intervals at every speed of the axis, and at
+    /// speeds between where ends appear, vanish or change their kind.
     ///
     /// # Errors
-    /// As [`Milling::lobes`]; fewer than two steps.
-    pub fn boundary(&self, speed: &Axis, greatest: f64, steps: usize) -> Result<Boundary, ChatterError> {
-        trace(speed, greatest, steps, |speed| self.at_speed(speed))
+    /// As [`Milling::lobes`].
+    pub fn boundary(&self, speed: &Axis, greatest: f64) -> Result<Boundary, ChatterError> {
+        trace(speed, greatest, |speed| self.at_speed(speed))
     }
 
     /// [`Milling::boundary`] at speeds that vary about those of the axis.
@@ -156,37 +154,34 @@ impl Milling {
         speed: &Axis,
         variation: SpeedVariation,
         greatest: f64,
-        steps: usize,
     ) -> Result<Boundary, ChatterError> {
-        trace(speed, greatest, steps, |speed| self.at_varying_speed(speed, variation))
+        trace(speed, greatest, |speed| self.at_varying_speed(speed, variation))
     }
 }
 
+/// Parts into which a step of the axis is divided where the boundary folds.
+const PARTS: usize = 8;
+
 /// [`Milling::boundary`] of a cut that `at` prepares at each speed.
 fn trace<'a>(
-    speed: &Axis,
+    axis: &Axis,
     greatest: f64,
-    steps: usize,
     at: impl Fn(f64) -> Result<AtSpeed<'a>, ChatterError> + Sync,
 ) -> Result<Boundary, ChatterError> {
-    if steps < 2 {
-        return Err(ChatterError::TooFewPoints { quantity: "steps", points: steps });
-    }
-    let speeds = speed.values("speed")?;
+    axis.values("speed")?;
     crate::error::positive("greatest depth", greatest)?;
+    let finer = Axis { points: PARTS * (axis.points - 1) + 1, ..*axis };
+    let speeds = finer.values("speed")?;
     let column = |i: &usize| -> Result<(usize, Result<BoundaryColumn, BoundaryHole>), ChatterError> {
         let speed = speeds[*i];
-        match at(speed).and_then(|at| at.up_to(greatest).crossings(greatest, steps)) {
+        match at(speed).and_then(|at| at.up_to(greatest).charted_intervals(greatest)) {
             Ok(crossings) => Ok((*i, Ok(BoundaryColumn { speed, crossings }))),
             Err(error) if error.is_failed_search() => Ok((*i, Err(BoundaryHole { speed, reason: error.to_string() }))),
             Err(error) => Err(error),
         }
     };
-    let (mut columns, mut holes) = (std::collections::BTreeMap::new(), std::collections::BTreeMap::new());
-    let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
-    wanted.dedup();
-    // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
-    let tolerance = greatest / 400.0;
+    let (mut columns, mut holes) = (BTreeMap::new(), BTreeMap::new());
+    let mut wanted: Vec<usize> = (0..speeds.len()).step_by(PARTS).collect();
     while !wanted.is_empty() {
         let traced: Result<Vec<_>, _> = wanted.par_iter().map(column).collect();
         for (i, traced) in traced? {
@@ -195,42 +190,21 @@ fn trace<'a>(
                 Err(hole) => drop(holes.insert(i, hole)),
             }
         }
-        wanted = bends(&columns, tolerance);
+        wanted = folds(&columns);
         // A speed that failed once fails again.
         wanted.retain(|i| !holes.contains_key(i));
     }
     Ok(Boundary { columns: columns.into_values().collect(), holes: holes.into_values().collect() })
 }
 
-/// Speeds that are still missing between columns whose crossings do not continue each other.
-fn bends(columns: &std::collections::BTreeMap<usize, BoundaryColumn>, tolerance: f64) -> Vec<usize> {
-    let known: Vec<(&usize, &BoundaryColumn)> = columns.iter().collect();
-    let mut wanted = Vec::new();
-    for (at, pair) in known.windows(2).enumerate() {
-        let (a, b) = (pair[0].1, pair[1].1);
-        let gap = pair[1].0 - pair[0].0;
-        if gap < 2 {
-            continue;
-        }
-        let differs = a.crossings.len() != b.crossings.len()
-            || a.crossings.iter().zip(&b.crossings).any(|(x, y)| x.limit.kind != y.limit.kind);
-        // The chord against its continuation from either side.
-        let outside = [at.checked_sub(1).map(|i| known[i].1), known.get(at + 2).map(|k| k.1)];
-        let bent = outside.into_iter().flatten().any(|c| {
-            let (near, far) = if c.speed < a.speed { (a, b) } else { (b, a) };
-            let share = (far.speed - near.speed) / (near.speed - c.speed);
-            let pairs = near.crossings.iter().zip(&far.crossings).zip(&c.crossings);
-            c.crossings.len() != near.crossings.len()
-                || pairs.into_iter().any(|((n, f), c)| {
-                    let straight = n.limit.depth + (n.limit.depth - c.limit.depth) * share;
-                    0.125 * (f.limit.depth - straight).abs() > tolerance
-                })
-        });
-        if differs || bent {
-            wanted.push(pair[0].0 + gap / 2);
-        }
-    }
-    wanted
+/// Speeds halfway between columns whose ends do not continue each other.
+fn folds(columns: &BTreeMap<usize, BoundaryColumn>) -> Vec<usize> {
+    let kinds = |column: &BoundaryColumn| column.crossings.iter().map(|end| end.limit.kind).collect::<Vec<_>>();
+    let neighbours = columns.iter().zip(columns.iter().skip(1));
+    neighbours
+        .filter(|((i, a), (j, b))| *j - *i > 1 && kinds(a) != kinds(b))
+        .map(|((i, _), (j, _))| i + (j - i) / 2)
+        .collect()
 }
 
 /// The boundary of a chart.
@@ -291,7 +265,11 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`].
     pub fn lobe_chart(&self, speed: &[f64], width: &[f64]) -> Result<Lobes, ChatterError> {
-        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict_without_margin(speed, width)))
+        let greatest = width.iter().copied().fold(0.0, f64::max);
+        Lobes::fill(speed, width, |speed| {
+            let at_speed = TurningAtSpeed::new(self, speed, greatest)?;
+            Ok(move |width| at_speed.verdict(width))
+        })
     }
 
     /// [`Turning::lobe_chart`] at speeds that vary about `speed`.

@@ -72,10 +72,10 @@ fn compared(
 }
 
 fn milling(cut: &Milling, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
-    let (speed, greatest, steps) = (&chart.speed, chart.depth.end, chart.depth.points);
+    let (speed, greatest) = (&chart.speed, chart.depth.end);
     let Boundary { columns, holes } = match variation {
-        Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest, steps)?,
-        None => cut.boundary(speed, greatest, steps)?,
+        Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest)?,
+        None => cut.boundary(speed, greatest)?,
     };
     let first = |column: &BoundaryColumn| column.crossings.first().map_or(f64::NAN, |crossing| crossing.limit.depth);
     // A line is not drawn across a hole.
@@ -98,7 +98,13 @@ fn turning(cut: &Turning, variation: Option<SpeedVariation>, chart: &Chart) -> R
             let at = |speed| found(cut.limit_at_varying_speed(speed, variation, greatest, steps));
             sampled(label, &chart.speed, at)
         }
-        None => sampled(label, &finer(&chart.speed), |speed| Ok(on_chart(found(cut.limit(speed))?, chart))),
+        None => {
+            let ends = |speed: f64| -> Result<Vec<f64>, ChatterError> {
+                let found = cut.stable_intervals(speed, greatest)?;
+                Ok(found.ends.iter().map(|end| end.limit.depth).collect())
+            };
+            sampled_ends(label, &finer(&chart.speed), ends)
+        }
     }
 }
 
@@ -108,7 +114,16 @@ fn sampled(
     axis: &Axis,
     limit: impl Fn(f64) -> Result<Option<f64>, ChatterError> + Sync,
 ) -> Result<Curve, ChatterError> {
-    let at = |at: f64| match limit(at) {
+    sampled_ends(label, axis, |at| Ok(limit(at)?.into_iter().collect()))
+}
+
+/// The ends of the stable intervals at every value of the axis, in parallel; where the search fails there is a hole.
+fn sampled_ends(
+    label: String,
+    axis: &Axis,
+    ends: impl Fn(f64) -> Result<Vec<f64>, ChatterError> + Sync,
+) -> Result<Curve, ChatterError> {
+    let at = |at: f64| match ends(at) {
         Err(error) if !error.is_failed_search() => Err(error),
         outcome => Ok((at, outcome)),
     };
@@ -118,7 +133,9 @@ fn sampled(
         if let Err(error) = &outcome {
             curve.holes.push((at, error.to_string()));
         }
-        curve.limit.push((at, outcome.ok().flatten().unwrap_or(f64::NAN)));
+        let ends = outcome.unwrap_or_default();
+        curve.limit.push((at, ends.first().copied().unwrap_or(f64::NAN)));
+        curve.further.extend(ends.iter().skip(1).map(|depth| (at, *depth)));
     }
     Ok(curve)
 }

@@ -1,8 +1,8 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
-    scattered,
+    Boundary, Intervals, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, is_stable_beyond,
+    rounded, rounded_damping, scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
@@ -36,6 +36,7 @@ pub struct TurningStructure {
     /// What wear changes.
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
+    intervals: Intervals<Key>,
     chucks: Memo<ChuckKey, f64>,
     /// By steps of the depth.
     growth: Memo<(Key, i32), f64>,
@@ -107,6 +108,7 @@ impl TurningStructure {
             bar,
             regeneration,
             boundaries: Memo::default(),
+            intervals: Memo::default(),
             chucks: Memo::default(),
             growth: Memo::default(),
         };
@@ -211,14 +213,23 @@ impl TurningStructure {
         let key = self.key(at);
         let nominal = self.boundary(at, &key);
         let boundary = Boundary { limit: nominal.limit / self.coefficient(at), ..nominal };
-        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration);
+        let stable_again = || {
+            let depth = at.depth * self.coefficient(at);
+            at.variation.is_none()
+                && nominal.limit > 0.0
+                && is_stable_beyond(&self.intervals, key, depth, |greatest| {
+                    let (cut, speed) = self.nominal(at, &key)?;
+                    cut.stable_intervals(speed, greatest)
+                })
+        };
+        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration, stable_again);
         if at.modulation <= 0.0 || !vibration.stable() {
             return vibration;
         }
         let critical = self.critical_modulation(at, &key);
-        let margin = vibration.margin.min(1.0 - at.modulation / critical);
-        let judged = Vibration { margin, ..vibration };
-        if margin >= 0.0 {
+        let modulated = 1.0 - at.modulation / critical;
+        let judged = Vibration { margin: vibration.margin.min(modulated), ..vibration };
+        if modulated >= 0.0 {
             return judged;
         }
         let boundary = Boundary { kind: ChatterKind::Parametric, ..boundary };
