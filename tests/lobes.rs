@@ -564,3 +564,46 @@ fn points_that_are_none_are_input_errors() {
     let output = toolroom(&["lobes", "/nowhere.toml"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
 }
+
+#[test]
+fn a_cut_that_is_stable_again_above_its_limit_is_told_in_every_answer() {
+    let path = directory("again").join("again.toml");
+    let text = "schema = 1\nname = \"again\"\nprocess = \"turning\"\n[[mode]]\nname = \"tool\"\ndirection = [0.81398, 0.5809]\n\
+                natural_frequency = \"968.5 Hz\"\ndamping_ratio = 0.0347\nstiffness = \"4.917 N/um\"\n[cut]\n\
+                cutting_coefficient = \"756.2 MPa\"\nforce_angle = \"34.2 deg\"\nprocess_damping = \"7.69e5 N/m\"\n\
+                diameter = \"40 mm\"\n[chart]\nspindle_speed = [\"4200 rpm\", \"4450 rpm\"]\ndepth_of_cut = [\"0 mm\", \"8 mm\"]\n\
+                columns = 11\nrows = 41\n";
+    fs::write(&path, text).expect("writable");
+    let path = path.display().to_string();
+    let at = |depth: &str| json(&toolroom(&["lobes", &path, "--json", "--at", "4320.58 rpm", depth]));
+    let verdict = at("4.5 mm");
+    assert_eq!((&verdict["stable"], &verdict["certificate"]), (&true.into(), &"proved".into()));
+    close(&verdict["stability_limit [mm]"], 3.40790862, 1e-7);
+    let intervals = verdict["stable_intervals [mm]"].as_array().expect("a list");
+    for (interval, [from, to]) in intervals.iter().skip(1).zip([[4.36082071, 4.76004717], [5.79565668, 9.0]]) {
+        close(&interval[0], from, 1e-7);
+        assert!(interval[1].as_f64().expect("a number") < 1.0 + to);
+    }
+    assert_eq!(intervals.len(), 3);
+    assert_eq!(at("5 mm")["stable"], false);
+    // Grid, curve and verdict are one answer: every point of the grid lies on the side that the ends say.
+    let out = directory("again-chart");
+    let chart = json(&toolroom(&["lobes", &path, "--json", "--out", &out.display().to_string()]));
+    let table = fs::read_to_string(out.join("lobes.csv")).expect("the table");
+    let boundary = &chart["boundaries"][0];
+    let ends = |speed: f64| -> Vec<f64> {
+        let points = ["limit", "further"].into_iter().flat_map(|key| boundary[key].as_array().expect("points"));
+        let at = points.filter(|point| (point[0].as_f64().expect("a speed") - speed).abs() < 1e-6);
+        at.filter_map(|point| point[1].as_f64()).collect()
+    };
+    let mut compared = 0;
+    for row in table.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let (speed, depth): (f64, f64) = (cells[0].parse().expect("speed"), cells[1].parse().expect("depth"));
+        let below = ends(speed).into_iter().filter(|end| *end < depth).count();
+        assert_eq!(cells[3] == "true", below % 2 == 0, "{row}");
+        compared += 1;
+    }
+    assert_eq!(compared, 11 * 41);
+    assert!(!boundary["curves"].as_array().expect("curves").is_empty());
+}

@@ -1,6 +1,6 @@
 //! All depths at which a cut is stable, at one spindle speed.
 
-use crate::lobes::Crossing;
+use crate::boundary::Crossing;
 use crate::verdict::StabilityLimit;
 
 /// How it is known that no end of a stable interval is missing.

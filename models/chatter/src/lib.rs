@@ -22,7 +22,7 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Mode`], [`Bar`] | a vibration mode; the mode of a bar in a chuck at the tool |
-//! | [`Turning`] | exact D-curve limits, process damping, verdicts, speed variation |
+//! | [`Turning`] | exact limits and stable intervals, process damping, verdicts, speed variation |
 //! | [`Milling`], [`AtSpeed`] | verdicts and limits by spectral collocation; helix, unequal pitch, runout |
 //! | [`StabilityVerdict`], [`StabilityLimit`] | the answers: small, `Copy`, cheap to cache |
 //! | [`StableIntervals`] | every depth at which a cut is stable, behind limit, margin and charts |
@@ -78,6 +78,7 @@
 //!   always there; use [`Milling::simulate`].
 
 mod amplitude;
+mod boundary;
 mod claims;
 mod crossing;
 pub mod discretised;
@@ -103,10 +104,11 @@ mod uncertainty;
 mod verdict;
 
 pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
+pub use boundary::{Boundary, BoundaryColumn, BoundaryCurve, BoundaryHole, Crossing};
 pub use claims::claims;
 pub use error::ChatterError;
 pub use intervals::{Certificate, StableIntervals};
-pub use lobes::{Axis, Boundary, BoundaryColumn, BoundaryHole, Crossing, Hole, Lobes};
+pub use lobes::{Axis, Hole, Lobes};
 pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
 pub use simulate::{Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;

@@ -4,11 +4,11 @@ use super::Milling;
 use super::characteristic::Characteristic;
 use super::engagement::Geometry;
 use super::slow;
+use crate::boundary::Crossing;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
 use crate::intervals::{Certificate, StableIntervals};
 use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant};
-use crate::lobes::Crossing;
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::scan::{STEPS, SignChanges};
@@ -32,6 +32,9 @@ enum Effort {
 
 /// Least logarithm of a spectral radius that is told apart: less decays in a period beyond rounding.
 const LEAST_EXCESS: f64 = -50.0;
+
+/// Logarithm of the spectral radius that a sample may have to count as an end of a stable interval.
+const NEUTRAL: f64 = 1e-6;
 
 /// Greatest dimension whose eigenvalues are all worked out where the iteration stalls: a quarter of a
 /// second.
@@ -229,7 +232,7 @@ impl<'a> AtSpeed<'a> {
 
     /// Dominant multiplier at `depth` over one period, and the period (s).
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
-        if let Some(speed) = self.slow() {
+        if let Some(speed) = self.slow()? {
             let geometry = self.geometry(depth)?;
             return Ok((slow::dominant(self.cut, &geometry, speed, depth), geometry.span / speed));
         }
@@ -271,9 +274,9 @@ impl<'a> AtSpeed<'a> {
     }
 
     /// The spindle speed (rad/s), where it is so low that the envelope of the lobes answers.
-    fn slow(&self) -> Option<f64> {
-        let Motion::Constant(speed) = self.motion else { return None };
-        (slow::waves(self.cut, speed) > slow::MOST_WAVES).then_some(speed)
+    fn slow(&self) -> Result<Option<f64>, ChatterError> {
+        let Motion::Constant(speed) = self.motion else { return Ok(None) };
+        Ok(slow::is_slow(self.cut, speed)?.then_some(speed))
     }
 
     /// The characteristic function and the tooth period (s), where the cut has one: one mode, regular
@@ -401,7 +404,7 @@ impl<'a> AtSpeed<'a> {
     /// As [`AtSpeed::verdict`]; a greatest depth that is not positive.
     pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
         let ends = self.ends(greatest, Effort::Boundary, false)?;
-        let certificate = match self.slow() {
+        let certificate = match self.slow()? {
             Some(_) => Certificate::Envelope,
             None => Certificate::Resolution(greatest / STEPS as f64),
         };
@@ -430,22 +433,24 @@ impl<'a> AtSpeed<'a> {
 
     /// The end of a stable interval between two depths on different sides of the boundary.
     fn end(&mut self, [before, after]: [(f64, f64); 2], effort: Effort) -> Result<Crossing, ChatterError> {
-        let tolerance = match effort {
-            Effort::Screening => 1e-3 / STEPS as f64,
-            Effort::Verdict | Effort::Boundary => 1e-10,
-        };
         let becomes_unstable = after.1 > 0.0;
-        let mut excess = |depth: f64| -> Result<f64, ChatterError> {
-            Ok(if depth == 0.0 { before.1 } else { self.dominant(depth, effort)?.0.value.norm().ln() })
-        };
-        let (start, end) = (excess(before.0)?, excess(after.0)?);
-        // Beside the boundary less effort can take the other side.
-        let depth = if (start > 0.0) != (end > 0.0) {
-            root(&mut excess, (before.0, start), (after.0, end), tolerance)?
-        } else if start.abs() < end.abs() {
-            before.0
-        } else {
-            after.0
+        let depth = match effort {
+            Effort::Screening => root(|depth| self.excess(depth), before, after, 1e-3 / STEPS as f64)?,
+            Effort::Verdict | Effort::Boundary => {
+                let mut excess = |depth: f64| Ok(self.dominant(depth, effort)?.0.value.norm().ln());
+                let start = if before.0 == 0.0 { before.1 } else { excess(before.0)? };
+                let end = excess(after.0)?;
+                if (start > 0.0) != (end > 0.0) {
+                    root(&mut excess, (before.0, start), (after.0, end), 1e-10)?
+                } else {
+                    // A sample on the boundary can change its side; anywhere else no end is told.
+                    let (depth, excess) = if start.abs() < end.abs() { (before.0, start) } else { (after.0, end) };
+                    if excess.abs() > NEUTRAL {
+                        return Err(ChatterError::NotConverged { residual: excess.abs() });
+                    }
+                    depth
+                }
+            }
         };
         let (dominant, period) = self.dominant(depth, effort)?;
         Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
