@@ -60,10 +60,12 @@ fn textbook() -> Result<Vec<Claim>, ChatterError> {
 
 fn chuck() -> Result<Vec<Claim>, ChatterError> {
     let mut claims = Vec::new();
-    for (lag, published) in [(0.0, 0.50), (0.4e-4, 0.38), (0.8e-4, 0.24)] {
-        let critical = Reduced::from_preset(Preset::F0_120Hz, lag).critical_modulation(1.0, 1.2)?;
+    for (microseconds, published) in [(0.0, 0.50), (40.0, 0.38), (80.0, 0.24)] {
+        let critical = Reduced::from_preset(Preset::F0_120Hz, 1e-6 * microseconds).critical_modulation(1.0, 1.2)?;
         claims.push(Claim {
-            claim: format!("three-jaw chuck, chip-formation lag {lag:e} s: critical modulation, nothing fitted"),
+            claim: format!(
+                "three-jaw chuck, chip-formation lag {microseconds} us: critical modulation, nothing fitted"
+            ),
             source: ZAKOVOROTNY.to_owned(),
             published,
             computed: critical.unwrap_or(f64::NAN),
@@ -138,7 +140,7 @@ fn milling() -> Result<Vec<Claim>, ChatterError> {
             feed_per_tooth: 0.1e-3,
         };
         let depth = cut.at_speed(rpm(speed))?.limit(12e-3)?.depth;
-        let claim = format!("milling, {modes} modes, a/D {immersion}, {speed} rpm: limiting depth, mm");
+        let claim = format!("milling, modes in {modes} directions, a/D {immersion}, {speed} rpm: limiting depth, mm");
         claims.push(millimetres(claim, COLLOCATION, published, depth, 1e-6));
     }
     Ok(claims)
@@ -163,7 +165,7 @@ fn islands() -> Result<Vec<Claim>, ChatterError> {
     Ok(claims)
 }
 
-/// Two helical teeth of 45 degrees on 8 mm, one mode along the feed.
+/// Two helical teeth of 45 degrees on 8 mm, one mode along the feed, at a radial immersion.
 fn helical(immersion: f64) -> Result<Milling, ChatterError> {
     Ok(Milling {
         modes: vec![Mode { direction: [1.0, 0.0], natural_frequency: 922.0, damping_ratio: 0.011, stiffness: 1.34e6 }],
