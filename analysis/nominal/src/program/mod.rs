@@ -26,6 +26,7 @@ use super::{
 use rows::{Rows, rows};
 use toolroom_contour::{Drives, Program};
 use toolroom_form::significant as rounded;
+use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
 use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};
@@ -266,6 +267,14 @@ fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
 impl Forward for Stretches {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
+    }
+
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {
