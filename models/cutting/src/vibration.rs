@@ -14,8 +14,7 @@ pub(crate) use turning::Edge;
 pub use turning::TurningStructure;
 
 use memo::Memo;
-use std::sync::Arc;
-use toolroom_chatter::{AmplitudeTable, ChatterError, ChatterKind, LimitCycle, Mode, SpeedVariation, StableIntervals};
+use toolroom_chatter::{AmplitudeTable, ChatterKind, LimitCycle, Mode, SpeedVariation};
 use toolroom_process::record;
 
 record! {
@@ -142,22 +141,6 @@ impl Boundary {
         let (natural, damping_ratio) = mode.map_or((1.0, 0.03), |mode| (mode.natural_frequency, mode.damping_ratio));
         Self { limit, kind, frequency, waves: natural * period, damping_ratio }
     }
-}
-
-/// Stable intervals beyond a limit, by the key of a verdict and the power of two up to which they are searched.
-type Intervals<K> = Memo<(K, i32), Option<Arc<StableIntervals>>>;
-
-/// Whether a cut is stable at `depth` (m) by its intervals up to a greatest depth, which `search` works out. A search
-/// that fails leaves it unstable.
-fn is_stable_beyond<K: std::hash::Hash + Eq + Copy>(
-    intervals: &Intervals<K>,
-    key: K,
-    depth: f64,
-    search: impl FnOnce(f64) -> Result<StableIntervals, ChatterError>,
-) -> bool {
-    let power = depth.log2().ceil() as i32;
-    let found = intervals.of((key, power), || search(2f64.powi(power)).ok().map(Arc::new));
-    found.is_some_and(|found| found.is_stable(depth))
 }
 
 /// Modes whose frequencies and damping differ from nominal by factors, at the same modal mass.

@@ -11,11 +11,11 @@ const MOST: usize = 1 << 17;
 /// A function's results by its arguments. It is invisible: equal to any other, empty when cloned.
 pub(super) struct Memo<K, V>(Mutex<HashMap<K, V>>);
 
-impl<K: Hash + Eq + Copy, V: Clone> Memo<K, V> {
+impl<K: Hash + Eq + Copy, V: Copy> Memo<K, V> {
     /// The result for `key`, worked out where it is new.
     pub fn of(&self, key: K, work: impl FnOnce() -> V) -> V {
         if let Some(known) = self.0.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
-            return known.clone();
+            return *known;
         }
         // Outside the lock: two threads may work out the same, but none waits.
         let value = work();
@@ -23,7 +23,7 @@ impl<K: Hash + Eq + Copy, V: Clone> Memo<K, V> {
         if known.len() >= MOST {
             known.clear();
         }
-        known.insert(key, value.clone());
+        known.insert(key, value);
         value
     }
 }

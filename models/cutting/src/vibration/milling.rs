@@ -1,8 +1,8 @@
 //! What vibrates in milling.
 
 use super::{
-    Boundary, Intervals, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, is_stable_beyond,
-    rounded, rounded_damping, scattered,
+    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
+    scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::{
@@ -20,7 +20,6 @@ pub struct MillingStructure {
     /// What wear changes.
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
-    intervals: Intervals<Key>,
     forced: Memo<Key, f64>,
     /// By steps of the depth.
     growth: Memo<(Key, i32), f64>,
@@ -100,7 +99,6 @@ impl MillingStructure {
             process_damping,
             regeneration,
             boundaries: Memo::default(),
-            intervals: Memo::default(),
             forced: Memo::default(),
             growth: Memo::default(),
         })
@@ -208,14 +206,9 @@ impl MillingStructure {
         let (tangential, _) = self.worn(at);
         let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
         let boundary = Boundary { limit: judged.limit * scale, ..judged };
-        let stable_again = || {
-            at.variation.is_none()
-                && judged.limit > 0.0
-                && is_stable_beyond(&self.intervals, key, at.depth / scale, |greatest| {
-                    let (cut, speed, _) = self.judged(at, &key)?;
-                    cut.at_speed(speed)?.stable_intervals(greatest)
-                })
-        };
+        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
+        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
         let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration, stable_again);
         Vibration { forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth, ..vibration }
     }

@@ -1,8 +1,8 @@
 //! What vibrates in turning.
 
 use super::{
-    Boundary, Intervals, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, is_stable_beyond,
-    rounded, rounded_damping, scattered,
+    Boundary, Memo, Regeneration, SPEED_STEP, STIFFNESS_STEP, Vibration, coarse_damping, rounded, rounded_damping,
+    scattered,
 };
 use std::f64::consts::TAU;
 use toolroom_chatter::paper::Reduced;
@@ -36,7 +36,6 @@ pub struct TurningStructure {
     /// What wear changes.
     pub regeneration: Regeneration,
     boundaries: Memo<Key, Boundary>,
-    intervals: Intervals<Key>,
     chucks: Memo<ChuckKey, f64>,
     /// By steps of the depth.
     growth: Memo<(Key, i32), f64>,
@@ -108,7 +107,6 @@ impl TurningStructure {
             bar,
             regeneration,
             boundaries: Memo::default(),
-            intervals: Memo::default(),
             chucks: Memo::default(),
             growth: Memo::default(),
         };
@@ -213,15 +211,9 @@ impl TurningStructure {
         let key = self.key(at);
         let nominal = self.boundary(at, &key);
         let boundary = Boundary { limit: nominal.limit / self.coefficient(at), ..nominal };
-        let stable_again = || {
-            let depth = at.depth * self.coefficient(at);
-            at.variation.is_none()
-                && nominal.limit > 0.0
-                && is_stable_beyond(&self.intervals, key, depth, |greatest| {
-                    let (cut, speed) = self.nominal(at, &key)?;
-                    cut.stable_intervals(speed, greatest)
-                })
-        };
+        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
+        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
         let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration, stable_again);
         if at.modulation <= 0.0 || !vibration.stable() {
             return vibration;
