@@ -131,7 +131,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The controller has heard chatter: the rest of the pass is cut at another speed, and later
     /// passes of the kind on this machine too.
     pub(super) fn react(&mut self, machine: usize, place: Place, stop: f64) -> Result<(), ShopError> {
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let pass = plan.first_pass + place.pass as u32;
         let ports = &self.layout.tools[place.tool].ports;
         let heard = {

@@ -1,7 +1,7 @@
 //! Breakdowns and repairs, and what becomes of the work in the machine.
 
 use super::event::Event;
-use super::machine::{Piece, Step};
+use super::machine::{Content, Piece, Step};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, OperationResult, OperationRow};
@@ -20,14 +20,20 @@ impl<R: Recorder> Shop<'_, R> {
         let regular = self.deviation("breakdown_shape", failure.machine);
         let between = match failure.time_between {
             Distribution::Exponential { mean } if regular != 0.0 => {
-                Distribution::Weibull { mean, shape: 1.0 + regular }
+                &Distribution::Weibull { mean, shape: 1.0 + regular }
             }
-            other @ (Distribution::Constant(_)
+            Distribution::Constant(_)
             | Distribution::Exponential { .. }
+            | Distribution::Erlang { .. }
+            | Distribution::Gamma { .. }
             | Distribution::Lognormal { .. }
             | Distribution::Weibull { .. }
             | Distribution::Triangular { .. }
-            | Distribution::Uniform { .. }) => other,
+            | Distribution::Beta { .. }
+            | Distribution::Normal { .. }
+            | Distribution::Uniform { .. }
+            | Distribution::DiscreteUniform { .. }
+            | Distribution::Empirical(_) => &failure.time_between,
         };
         let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
         let time = self.moved("time_between_failures", failure.machine, time).max(0.0);
@@ -177,7 +183,10 @@ impl<R: Recorder> Shop<'_, R> {
             return; // no part in the machine yet
         }
         task.begun = now;
-        task.machining.piece = Piece::default();
+        match &mut task.content {
+            Content::Plain(_) => {} // the same time again
+            Content::Machining(machining) => machining.piece = Piece::default(),
+        }
         self.load(machine);
     }
 

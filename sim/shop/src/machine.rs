@@ -66,9 +66,45 @@ pub struct Task {
     pub load_time: f64,
     /// Time of unloading, s.
     pub unload_time: f64,
-    /// How the work is cut.
-    pub machining: Machining,
+    /// What is done to the part.
+    pub content: Content,
 }
+
+/// What an operation does to its part.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// Plain work that takes this time, s: its one step is [`Step::Work`].
+    Plain(f64),
+    /// Passes of a tool, with all that comes between them.
+    Machining(Machining),
+}
+
+impl Task {
+    /// Its tool and workpiece.
+    ///
+    /// # Panics
+    /// Where the work is plain: only what belongs to passes asks.
+    pub(super) fn machining(&self) -> &Machining {
+        match &self.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(_) => unreachable!("{PLAIN}"),
+        }
+    }
+
+    /// The same to change it.
+    ///
+    /// # Panics
+    /// Where the work is plain.
+    pub(super) fn machining_mut(&mut self) -> &mut Machining {
+        match &mut self.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(_) => unreachable!("{PLAIN}"),
+        }
+    }
+}
+
+/// Why plain work has no passes.
+const PLAIN: &str = "plain work has neither passes nor changes of edges";
 
 /// What holds for an operation with a tool from its beginning to its end.
 #[derive(Clone, Debug)]
@@ -145,7 +181,8 @@ pub(super) struct InCut<'a> {
 /// # Panics
 /// Where there is none of them: only passes ask.
 pub(super) fn in_cut<'a>(task: &'a mut Option<Task>, edge: &'a mut Option<Edge>) -> InCut<'a> {
-    let Task { step, left, machining, .. } = task.as_mut().expect(IN_WORK);
+    let Task { step, left, content, .. } = task.as_mut().expect(IN_WORK);
+    let Content::Machining(machining) = content else { unreachable!("{PLAIN}") };
     InCut { step, left, machining, edge: edge.as_mut().expect(MOUNTED) }
 }
 
@@ -156,6 +193,8 @@ pub enum Step {
     Setup,
     /// Fastening the part.
     Load,
+    /// Plain work.
+    Work,
     /// Changing the edge.
     ToolChange,
     /// Cutting.
@@ -192,7 +231,14 @@ impl Step {
     pub(super) fn pass_mut(&mut self) -> &mut Pass {
         match self {
             Self::Pass(pass) => pass,
-            Self::Setup | Self::Load | Self::ToolChange | Self::Delay | Self::Hold | Self::Dressing | Self::Unload => {
+            Self::Setup
+            | Self::Load
+            | Self::Work
+            | Self::ToolChange
+            | Self::Delay
+            | Self::Hold
+            | Self::Dressing
+            | Self::Unload => {
                 unreachable!("only a pass is planned, interrupted and taken over")
             }
         }
@@ -203,6 +249,7 @@ impl Step {
         match self {
             Self::Setup => MachineState::Setup,
             Self::Load | Self::Unload => MachineState::Handling,
+            Self::Work => MachineState::Working,
             Self::ToolChange => MachineState::ToolChange,
             Self::Pass(_) | Self::Delay | Self::Hold => MachineState::Cutting,
             Self::Dressing => MachineState::Dressing,

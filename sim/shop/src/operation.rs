@@ -1,10 +1,29 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
-use super::machine::{IN_WORK, Machining, Piece, Step, Task};
+use super::layout::ContentPlan;
+use super::machine::{Content, IN_WORK, Machining, Piece, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
-use toolroom_scenario::Distribution;
+use toolroom_scenario::{Distribution, Operation};
+
+impl Piece {
+    /// Why it is no good part, if it is none.
+    fn fault(&self, operation: &Operation) -> Option<JobOutcome> {
+        let rough = self.surface.roughness > operation.roughness_limit;
+        if self.spoiled {
+            Some(JobOutcome::ToolFailure)
+        } else if rough && self.surface.chattered {
+            Some(JobOutcome::Chatter)
+        } else if self.burnt {
+            Some(JobOutcome::Burnt)
+        } else if rough || self.size_error.abs() > operation.size_tolerance {
+            Some(JobOutcome::OutOfTolerance)
+        } else {
+            None
+        }
+    }
+}
 
 impl<R: Recorder> Shop<'_, R> {
     /// A machine takes a job.
@@ -26,9 +45,21 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.operations[part][index];
         let asked = self.asked(machine, slot);
         let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
-        let moved = asked.moved(self.scenario, plan.cutting_time);
-        let (delay, hold) = (self.delay(&asked, slot, moved.pace), self.hold(&asked, slot));
-        let acting = asked.acting(self.scenario, plan.tool as usize);
+        let content = match plan.content {
+            ContentPlan::Plain => Content::Plain(self.plain_time(&asked, slot, part, index)),
+            ContentPlan::Machining { tool, cutting_time, .. } => {
+                let moved = asked.moved(self.scenario, cutting_time);
+                Content::Machining(Machining {
+                    tool,
+                    delay: self.delay(&asked, slot, moved.pace * cutting_time),
+                    hold: self.hold(&asked, slot),
+                    moved,
+                    acting: asked.acting(self.scenario, tool as usize),
+                    lost_edges: 0,
+                    piece: Piece::default(),
+                })
+            }
+        };
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
         let setup = self.scenario.parts[part].operations[index].setup_time;
@@ -42,15 +73,7 @@ impl<R: Recorder> Shop<'_, R> {
             end: None,
             load_time,
             unload_time,
-            machining: Machining {
-                tool: plan.tool,
-                delay,
-                hold,
-                moved,
-                acting,
-                lost_edges: 0,
-                piece: Piece::default(),
-            },
+            content,
         });
         if change {
             self.log_event("setup", Some(machine), Some(number), None);
@@ -98,9 +121,12 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
         task.left = (task.left - elapsed).max(0.0);
-        let (cutting, pace) = (matches!(task.step, Step::Pass(_)), task.machining.moved.pace);
         self.calendar.cancel(end);
-        if cutting { self.halt_pass(machine, elapsed / pace) } else { Ok(()) }
+        if !matches!(task.step, Step::Pass(_)) {
+            return Ok(());
+        }
+        let pace = task.machining().moved.pace;
+        self.halt_pass(machine, elapsed / pace)
     }
 
     fn end_step(&mut self, machine: usize) -> Result<(), ShopError> {
@@ -114,7 +140,17 @@ impl<R: Recorder> Shop<'_, R> {
                 self.load(machine);
                 Ok(())
             }
-            Step::Load => self.next_pass(machine),
+            Step::Load => match task.content {
+                Content::Plain(time) => {
+                    self.work(machine, time);
+                    Ok(())
+                }
+                Content::Machining(_) => self.next_pass(machine),
+            },
+            Step::Work => {
+                self.unload(machine);
+                Ok(())
+            }
             Step::ToolChange => {
                 self.replace_edge(machine);
                 self.next_pass(machine)
@@ -145,6 +181,13 @@ impl<R: Recorder> Shop<'_, R> {
         task.left = task.load_time;
     }
 
+    /// Begins plain work.
+    fn work(&mut self, machine: usize, time: f64) {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.step = Step::Work;
+        task.left = time;
+    }
+
     /// Begins unloading.
     fn unload(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
@@ -156,20 +199,20 @@ impl<R: Recorder> Shop<'_, R> {
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        let delay = std::mem::take(&mut task.machining.delay);
+        let delay = std::mem::take(&mut task.machining_mut().delay);
         if delay > 0.0 {
             task.step = Step::Delay;
             task.left = delay;
             return;
         }
-        let hold = std::mem::take(&mut task.machining.hold);
+        let hold = std::mem::take(&mut task.machining_mut().hold);
         if hold > 0.0 {
             task.step = Step::Hold;
             task.left = hold;
             self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
             return;
         }
-        let tool = task.machining.tool as usize;
+        let tool = task.machining().tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()
             .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
@@ -191,19 +234,9 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at_mut(task.slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let operation = &self.scenario.parts[part].operations[index];
-        let tolerance = operation.size_tolerance;
-        let piece = &task.machining.piece;
-        let rough = piece.surface.roughness > operation.roughness_limit;
-        let bad = if piece.spoiled {
-            Some(JobOutcome::ToolFailure)
-        } else if rough && piece.surface.chattered {
-            Some(JobOutcome::Chatter)
-        } else if piece.burnt {
-            Some(JobOutcome::Burnt)
-        } else if rough || piece.size_error.abs() > tolerance {
-            Some(JobOutcome::OutOfTolerance)
-        } else {
-            None
+        let bad = match &task.content {
+            Content::Plain(_) => None,
+            Content::Machining(Machining { piece, .. }) => piece.fault(operation),
         };
         job.operation += 1;
         let result = if bad.is_some() { OperationResult::Bad } else { OperationResult::Good };
@@ -246,8 +279,21 @@ impl<R: Recorder> Shop<'_, R> {
     /// Time in cut and in handling that an operation still takes, s. What policies will make of
     /// passes to come is not known: they count as programmed.
     fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
+        let Machining { delay, hold, piece, .. } = match &task.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(time) => {
+                return match task.step {
+                    Step::Setup => task.load_time + time + task.unload_time,
+                    Step::Load => task.left + time + task.unload_time,
+                    Step::Work => task.left + task.unload_time,
+                    Step::Unload => task.left,
+                    Step::ToolChange | Step::Pass(_) | Step::Delay | Step::Hold | Step::Dressing => {
+                        unreachable!("steps of an operation with a tool")
+                    }
+                };
+            }
+        };
         let passes = &self.layout.pass_times[part][operation];
-        let Machining { delay, hold, piece, .. } = &task.machining;
         let from = |first: usize| if piece.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
         let pass = piece.pass as usize;
         let due =
@@ -259,7 +305,7 @@ impl<R: Recorder> Shop<'_, R> {
             Step::ToolChange => due() + after_cutting,
             Step::Pass(_) => task.left + from(pass + 1) + after_cutting,
             Step::Delay | Step::Hold => task.left + after_cutting,
-            Step::Dressing => task.unload_time,
+            Step::Dressing | Step::Work => task.unload_time,
             Step::Unload => task.left,
         }
     }

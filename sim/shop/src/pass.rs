@@ -61,8 +61,8 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: job.row.part as usize,
             operation: job.operation as usize,
-            pass: task.machining.piece.pass as usize,
-            tool: task.machining.tool as usize,
+            pass: task.machining().piece.pass as usize,
+            tool: task.machining().tool as usize,
         }
     }
 
@@ -70,13 +70,13 @@ impl<R: Recorder> Shop<'_, R> {
     /// pass, or the end of cutting.
     pub(super) fn next_pass(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let edge = self.world.machines[machine].edges[place.tool].as_ref();
         if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
             self.begin_change(machine);
             return Ok(());
         }
-        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.machining.piece.spoiled);
+        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.machining().piece.spoiled);
         if spoiled || place.pass >= plan.passes as usize {
             self.finish_cutting(machine);
             return Ok(());
@@ -94,6 +94,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
             Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
             Work::Contour(_) => self.begin_contour(machine, place, plan.first_pass),
+            Work::Plain(_) => unreachable!("plain work has no passes"),
         }
     }
 
@@ -102,7 +103,7 @@ impl<R: Recorder> Shop<'_, R> {
         let tool = &self.scenario.tools[place.tool];
         let part = &self.scenario.parts[place.part];
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
-        let machining = &mut self.world.machines[machine].task.as_mut().expect(IN_WORK).machining;
+        let machining = self.world.machines[machine].task.as_mut().expect(IN_WORK).machining_mut();
         machining.piece.blank = blank;
         if tool.variants.switches(machining.acting, "lot_hardness") {
             machining.piece.blank.lot_deviation = 1.0;
@@ -254,7 +255,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn plan_segment(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
         let now = self.now();
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.process(machine, place.tool).machine_process();
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
@@ -328,7 +329,7 @@ impl<R: Recorder> Shop<'_, R> {
         match lost {
             Some(event) => self.lose_edge(machine, place, event),
             None => {
-                let plan = self.layout.operations[place.part][place.operation];
+                let plan = self.layout.passes(place.part, place.operation);
                 let state = &mut self.world.machines[machine];
                 let InCut { machining: Machining { piece, .. }, edge, .. } =
                     in_cut(&mut state.task, &mut state.edges[place.tool]);
@@ -349,13 +350,13 @@ impl<R: Recorder> Shop<'_, R> {
     fn take_over(&mut self, machine: usize, place: Place, share: f64) {
         let clock = self.now();
         let now = clock.seconds();
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let ports = &self.layout.tools[place.tool].ports;
         let path = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cutting(cuts) => cuts[place.pass].path_length,
             Work::Contour(work) => work.programmed[place.pass].path_length,
-            Work::Grinding { .. } | Work::Cycle(_) => 0.0,
+            Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
         let form_error = self.form_error(machine, place, plan.first_pass);
         let process = self.process(machine, place.tool).machine_process();
@@ -464,7 +465,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The wear limit rule reads the edge after every pass.
     fn read_wear(&mut self, machine: usize, place: Place) {
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let later = self.deviation("tool_change_policy", machine);
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
