@@ -12,6 +12,8 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     let wear = toolroom_wear::claims().map_err(|error| Failure::Work { message: format!("wear: {error}") })?;
     claims.extend(wear.into_iter().map(|claim| ("wear", claim)));
     claims.extend(toolroom_cutting::milling::claims().into_iter().map(|claim| ("milling", claim)));
+    let chatter = toolroom_chatter::claims().map_err(|error| Failure::Work { message: format!("chatter: {error}") })?;
+    claims.extend(chatter.into_iter().map(|claim| ("chatter", claim)));
     let infeed = toolroom_infeed::claims().map_err(|error| Failure::Work { message: format!("infeed: {error}") })?;
     claims.extend(infeed.into_iter().map(|claim| ("infeed", claim)));
     let contour = toolroom_contour::claims().map_err(|error| Failure::Work { message: format!("contour: {error}") })?;

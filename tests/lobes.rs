@@ -366,31 +366,40 @@ fn the_shipped_turning_charts_have_a_verdict_at_every_point() {
     }
 }
 
-/// At 1e-300 mm the poles of the structure and the roots of the cut cannot be told apart in floating point.
+/// At 40 rpm the slot is too slow for the period map and too fast for the envelope of the lobes.
 #[test]
 fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
     let folder = directory("holes");
     let place = |name: &str| folder.join(name).display().to_string();
-    let path = shipped(BAR);
-    let small =
-        ["--set", "chart.columns=6", "--set", "chart.rows=5", "--set", "chart.depth_of_cut=[\"1e-300 mm\", \"2 mm\"]"];
+    let path = shipped(SLOT);
+    let small = [
+        "--set",
+        "chart.columns=6",
+        "--set",
+        "chart.rows=5",
+        "--set",
+        "chart.spindle_speed=[\"40 rpm\", \"8040 rpm\"]",
+        "--set",
+        "chart.depth_of_cut=[\"0.1 mm\", \"2 mm\"]",
+    ];
     let output = toolroom(&[&["lobes", &path, "--json", "--out", &place("whole")][..], &small].concat());
     let whole = json(&output);
     let told = stderr(&output);
-    assert!(told.contains("6 of 30 points have no verdict") && told.contains("first 800 rpm"), "{told}");
-    assert_eq!(whole["holes"], 6);
+    assert!(told.contains("5 of 30 points have no verdict") && told.contains("first 40 rpm"), "{told}");
+    assert_eq!(whole["holes"], 5);
     let first = &whole["without_verdict"][0];
-    assert_eq!(first["spindle_speed [rpm]"], 800.0);
-    assert!(first["reason"].as_str().is_some_and(|reason| reason.contains("multiplier was not found")), "{first}");
+    assert_eq!(first["spindle_speed [rpm]"], 40.0);
+    assert!(first["reason"].as_str().is_some_and(|reason| reason.contains("too slow for the period map")), "{first}");
     let share = whole["stable_share"].as_f64().expect("a share");
     let table = fs::read_to_string(folder.join("whole/lobes.csv")).expect("a table");
     assert!(table.starts_with(
         "spindle_speed [rpm],depth_of_cut [mm],spectral_radius,stable,type,chatter_frequency [Hz],hole\n"
     ));
-    let holes = table.lines().filter(|line| line.contains(",,,,,the dominant multiplier was not found")).count();
+    let holes =
+        table.lines().filter(|line| line.contains(",,,,") && line.contains("too slow for the period map")).count();
     let stable = table.lines().filter(|line| line.contains(",true,stable,")).count();
-    assert_eq!((table.lines().count(), holes), (31, 6));
-    assert!((share - stable as f64 / 24.0).abs() < 1e-12);
+    assert_eq!((table.lines().count(), holes), (31, 5));
+    assert!((share - stable as f64 / 25.0).abs() < 1e-12);
     for name in ["lobes.svg", "report.html"] {
         assert!(fs::read_to_string(folder.join("whole").join(name)).expect(name).contains("no verdict"), "{name}");
     }
@@ -406,7 +415,7 @@ fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
     }
     let output = toolroom(&["merge", &place("parts"), "--json", "--out", &place("merged")]);
     assert_eq!(json(&output), whole);
-    assert!(stderr(&output).contains("6 of 30 points have no verdict"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("5 of 30 points have no verdict"), "{}", stderr(&output));
     for name in ["lobes.csv", "lobes.svg", "lobes.png"] {
         let [one, other] = ["whole", "merged"].map(|out| fs::read(folder.join(out).join(name)).expect(name));
         assert_eq!(one, other, "{name}");
@@ -418,12 +427,14 @@ fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
         "--set",
         "chart.rows=2",
         "--set",
-        "chart.depth_of_cut=[\"1e-300 mm\", \"1e-299 mm\"]",
+        "chart.spindle_speed=[\"30 rpm\", \"60 rpm\"]",
+        "--set",
+        "chart.depth_of_cut=[\"0.1 mm\", \"2 mm\"]",
     ];
     let output = toolroom(&[&["lobes", &path, "--out", &place("none")][..], &none].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(String::from_utf8_lossy(&output.stdout).contains("no point of the chart has a verdict"));
-    assert!(fs::read_to_string(folder.join("none/lobes.svg")).expect("a picture").contains("Slender bar"));
+    assert!(fs::read_to_string(folder.join("none/lobes.svg")).expect("a picture").contains("Slot with two teeth"));
 }
 
 /// A faulty structure is told through the scenario whose tool names it, with place, value and fix in
@@ -563,4 +574,47 @@ fn points_that_are_none_are_input_errors() {
     }
     let output = toolroom(&["lobes", "/nowhere.toml"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+}
+
+#[test]
+fn a_cut_that_is_stable_again_above_its_limit_is_told_in_every_answer() {
+    let path = directory("again").join("again.toml");
+    let text = "schema = 1\nname = \"again\"\nprocess = \"turning\"\n[[mode]]\nname = \"tool\"\ndirection = [0.81398, 0.5809]\n\
+                natural_frequency = \"968.5 Hz\"\ndamping_ratio = 0.0347\nstiffness = \"4.917 N/um\"\n[cut]\n\
+                cutting_coefficient = \"756.2 MPa\"\nforce_angle = \"34.2 deg\"\nprocess_damping = \"7.69e5 N/m\"\n\
+                diameter = \"40 mm\"\n[chart]\nspindle_speed = [\"4200 rpm\", \"4450 rpm\"]\ndepth_of_cut = [\"0 mm\", \"8 mm\"]\n\
+                columns = 11\nrows = 41\n";
+    fs::write(&path, text).expect("writable");
+    let path = path.display().to_string();
+    let at = |depth: &str| json(&toolroom(&["lobes", &path, "--json", "--at", "4320.58 rpm", depth]));
+    let verdict = at("4.5 mm");
+    assert_eq!((&verdict["stable"], &verdict["certificate"]), (&true.into(), &"proved".into()));
+    close(&verdict["stability_limit [mm]"], 3.40790862, 1e-7);
+    let intervals = verdict["stable_intervals [mm]"].as_array().expect("a list");
+    for (interval, [from, to]) in intervals.iter().skip(1).zip([[4.36082071, 4.76004717], [5.79565668, 9.0]]) {
+        close(&interval[0], from, 1e-7);
+        assert!(interval[1].as_f64().expect("a number") < 1.0 + to);
+    }
+    assert_eq!(intervals.len(), 3);
+    assert_eq!(at("5 mm")["stable"], false);
+    // Grid, curve and verdict are one answer: every point of the grid lies on the side that the ends say.
+    let out = directory("again-chart");
+    let chart = json(&toolroom(&["lobes", &path, "--json", "--out", &out.display().to_string()]));
+    let table = fs::read_to_string(out.join("lobes.csv")).expect("the table");
+    let boundary = &chart["boundaries"][0];
+    let ends = |speed: f64| -> Vec<f64> {
+        let points = ["limit", "further"].into_iter().flat_map(|key| boundary[key].as_array().expect("points"));
+        let at = points.filter(|point| (point[0].as_f64().expect("a speed") - speed).abs() < 1e-6);
+        at.filter_map(|point| point[1].as_f64()).collect()
+    };
+    let mut compared = 0;
+    for row in table.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let (speed, depth): (f64, f64) = (cells[0].parse().expect("speed"), cells[1].parse().expect("depth"));
+        let below = ends(speed).into_iter().filter(|end| *end < depth).count();
+        assert_eq!(cells[3] == "true", below % 2 == 0, "{row}");
+        compared += 1;
+    }
+    assert_eq!(compared, 11 * 41);
+    assert!(!boundary["curves"].as_array().expect("curves").is_empty());
 }

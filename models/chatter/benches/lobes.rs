@@ -30,7 +30,7 @@ fn charts(c: &mut Criterion) {
         let (Ok(speeds), Ok(depths)) = (speed.values("speed"), depth.values("depth")) else { continue };
         group.bench_function(format!("full, a/D = {immersion}"), |b| b.iter(|| black_box(cut.lobes(&speeds, &depths))));
         group.bench_function(format!("boundary, a/D = {immersion}"), |b| {
-            b.iter(|| black_box(cut.boundary(&speed, 10e-3, 16)));
+            b.iter(|| black_box(cut.boundary(&speed, 10e-3)));
         });
     }
 }

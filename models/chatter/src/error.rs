@@ -68,6 +68,18 @@ pub enum ChatterError {
         /// Greatest depth that was searched (m).
         searched: f64,
     },
+    /// The spindle is too slow for the period map and too fast for the envelope of the lobes.
+    #[error(
+        "the spindle is too slow for the period map and too fast for the envelope of the lobes: the fastest mode swings \
+         {waves:.0} times in a pass of a tooth, and the teeth turn {turn:.2} rad while the slowest vibration decays; at most \
+         400 times or 0.02 rad are answered"
+    )]
+    TooSlow {
+        /// Oscillations of the fastest mode in one pass of a tooth.
+        waves: f64,
+        /// Angle (rad) by which the teeth turn while the vibration that lasts longest decays to 1/e.
+        turn: f64,
+    },
     /// The eigenvalue iteration did not reach its tolerance; nothing is reported instead.
     #[error("the dominant multiplier was not found: residual {residual}")]
     NotConverged {
@@ -81,7 +93,7 @@ impl ChatterError {
     /// point and all others.
     pub fn is_failed_search(&self) -> bool {
         match self {
-            Self::NotConverged { .. } => true,
+            Self::NotConverged { .. } | Self::TooSlow { .. } => true,
             Self::NotFinite { .. }
             | Self::NotPositive { .. }
             | Self::OutOfRange { .. }

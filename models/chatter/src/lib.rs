@@ -22,9 +22,10 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Mode`], [`Bar`] | a vibration mode; the mode of a bar in a chuck at the tool |
-//! | [`Turning`] | exact D-curve limits, process damping, verdicts, speed variation |
+//! | [`Turning`] | exact limits and stable intervals, process damping, verdicts, speed variation |
 //! | [`Milling`], [`AtSpeed`] | verdicts and limits by spectral collocation; helix, unequal pitch, runout |
 //! | [`StabilityVerdict`], [`StabilityLimit`] | the answers: small, `Copy`, cheap to cache |
+//! | [`StableIntervals`] | every depth at which a cut is stable, behind limit, margin and charts |
 //! | [`Lobes`], [`Boundary`] | charts as plain data |
 //! | [`Forced`], [`Simulation`], [`LimitCycle`] | vibration of stable and unstable cuts |
 //! | [`Scatter`], [`Probability`], [`RobustSpeed`] | stability under uncertain constants |
@@ -77,12 +78,15 @@
 //!   always there; use [`Milling::simulate`].
 
 mod amplitude;
+mod boundary;
+mod claims;
 mod crossing;
 pub mod discretised;
 mod error;
 mod factor;
 mod gauss;
 mod hessenberg;
+mod intervals;
 mod krylov;
 mod lobes;
 mod milling;
@@ -91,6 +95,7 @@ mod period;
 mod plan;
 mod polynomial;
 mod response;
+mod scan;
 mod simulate;
 mod speed_variation;
 mod structure;
@@ -99,12 +104,15 @@ mod uncertainty;
 mod verdict;
 
 pub use amplitude::{AmplitudeTable, LimitCycle, arithmetic_roughness, indentation_coefficient};
+pub use boundary::{Boundary, BoundaryColumn, BoundaryCurve, BoundaryHole, Crossing};
+pub use claims::claims;
 pub use error::ChatterError;
-pub use lobes::{Axis, Boundary, BoundaryColumn, BoundaryHole, Crossing, Hole, Lobes};
+pub use intervals::{Certificate, StableIntervals};
+pub use lobes::{Axis, Hole, Lobes};
 pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
 pub use simulate::{Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
 pub use structure::Mode;
-pub use turning::{Bar, BoundaryPoint, Support, Turning};
+pub use turning::{Bar, Support, Turning};
 pub use uncertainty::{Probability, RobustSpeed, Scatter};
 pub use verdict::{ChatterKind, StabilityLimit, StabilityVerdict};

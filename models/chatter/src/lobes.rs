@@ -2,8 +2,9 @@
 
 use crate::error::{ChatterError, finite};
 use crate::paper::{FiveDegrees, Reduced};
+use crate::turning::TurningAtSpeed;
 use crate::verdict::{ChatterKind, StabilityVerdict};
-use crate::{AtSpeed, Milling, SpeedVariation, StabilityLimit, Turning};
+use crate::{Milling, SpeedVariation, Turning};
 use rayon::prelude::*;
 
 /// Evenly spaced values from `start` to `end`, both included.
@@ -133,156 +134,6 @@ impl Milling {
             Ok(move |depth| at_speed.screen(depth))
         })
     }
-
-    /// The boundary below `greatest` depth (m), traced instead of filled in: far fewer verdicts
-    /// than [`Milling::lobes`] for a finer curve.
-    ///
-    /// Every fourth speed of the axis is searched in `steps` equal depths; the speeds between are
-    /// added where crossings appear or vanish and where the curve bends. An island that is thinner
-    /// than `greatest/steps` and narrower than four speeds may be missed.
-    ///
-    /// # Errors
-    /// As [`Milling::lobes`]; fewer than two steps.
-    pub fn boundary(&self, speed: &Axis, greatest: f64, steps: usize) -> Result<Boundary, ChatterError> {
-        trace(speed, greatest, steps, |speed| self.at_speed(speed))
-    }
-
-    /// [`Milling::boundary`] at speeds that vary about those of the axis.
-    ///
-    /// # Errors
-    /// As [`Milling::boundary`]; a variation out of range.
-    pub fn boundary_at_varying_speed(
-        &self,
-        speed: &Axis,
-        variation: SpeedVariation,
-        greatest: f64,
-        steps: usize,
-    ) -> Result<Boundary, ChatterError> {
-        trace(speed, greatest, steps, |speed| self.at_varying_speed(speed, variation))
-    }
-}
-
-/// [`Milling::boundary`] of a cut that `at` prepares at each speed.
-fn trace<'a>(
-    speed: &Axis,
-    greatest: f64,
-    steps: usize,
-    at: impl Fn(f64) -> Result<AtSpeed<'a>, ChatterError> + Sync,
-) -> Result<Boundary, ChatterError> {
-    if steps < 2 {
-        return Err(ChatterError::TooFewPoints { quantity: "steps", points: steps });
-    }
-    let speeds = speed.values("speed")?;
-    crate::error::positive("greatest depth", greatest)?;
-    let column = |i: &usize| -> Result<(usize, Result<BoundaryColumn, BoundaryHole>), ChatterError> {
-        let speed = speeds[*i];
-        match at(speed).and_then(|at| at.up_to(greatest).crossings(greatest, steps)) {
-            Ok(crossings) => Ok((*i, Ok(BoundaryColumn { speed, crossings }))),
-            Err(error) if error.is_failed_search() => Ok((*i, Err(BoundaryHole { speed, reason: error.to_string() }))),
-            Err(error) => Err(error),
-        }
-    };
-    let (mut columns, mut holes) = (std::collections::BTreeMap::new(), std::collections::BTreeMap::new());
-    let mut wanted: Vec<usize> = (0..speeds.len()).step_by(4).chain([speeds.len() - 1]).collect();
-    wanted.dedup();
-    // A bend counts when it could move the curve by half a cell of a chart of 200 depths.
-    let tolerance = greatest / 400.0;
-    while !wanted.is_empty() {
-        let traced: Result<Vec<_>, _> = wanted.par_iter().map(column).collect();
-        for (i, traced) in traced? {
-            match traced {
-                Ok(column) => drop(columns.insert(i, column)),
-                Err(hole) => drop(holes.insert(i, hole)),
-            }
-        }
-        wanted = bends(&columns, tolerance);
-        // A speed that failed once fails again.
-        wanted.retain(|i| !holes.contains_key(i));
-    }
-    Ok(Boundary { columns: columns.into_values().collect(), holes: holes.into_values().collect() })
-}
-
-/// Speeds that are still missing between columns whose crossings do not continue each other.
-fn bends(columns: &std::collections::BTreeMap<usize, BoundaryColumn>, tolerance: f64) -> Vec<usize> {
-    let known: Vec<(&usize, &BoundaryColumn)> = columns.iter().collect();
-    let mut wanted = Vec::new();
-    for (at, pair) in known.windows(2).enumerate() {
-        let (a, b) = (pair[0].1, pair[1].1);
-        let gap = pair[1].0 - pair[0].0;
-        if gap < 2 {
-            continue;
-        }
-        let differs = a.crossings.len() != b.crossings.len()
-            || a.crossings.iter().zip(&b.crossings).any(|(x, y)| x.limit.kind != y.limit.kind);
-        // The chord against its continuation from either side.
-        let outside = [at.checked_sub(1).map(|i| known[i].1), known.get(at + 2).map(|k| k.1)];
-        let bent = outside.into_iter().flatten().any(|c| {
-            let (near, far) = if c.speed < a.speed { (a, b) } else { (b, a) };
-            let share = (far.speed - near.speed) / (near.speed - c.speed);
-            let pairs = near.crossings.iter().zip(&far.crossings).zip(&c.crossings);
-            c.crossings.len() != near.crossings.len()
-                || pairs.into_iter().any(|((n, f), c)| {
-                    let straight = n.limit.depth + (n.limit.depth - c.limit.depth) * share;
-                    0.125 * (f.limit.depth - straight).abs() > tolerance
-                })
-        });
-        if differs || bent {
-            wanted.push(pair[0].0 + gap / 2);
-        }
-    }
-    wanted
-}
-
-/// The boundary of a chart.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Boundary {
-    /// By ascending speed, closer where it bends.
-    pub columns: Vec<BoundaryColumn>,
-    /// Speeds at which the search for the boundary failed, ascending.
-    pub holes: Vec<BoundaryHole>,
-}
-
-/// A spindle speed without boundary.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct BoundaryHole {
-    /// Spindle speed (rad/s).
-    pub speed: f64,
-    /// Why the boundary was not found.
-    pub reason: String,
-}
-
-/// Where the boundary meets one spindle speed.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct BoundaryColumn {
-    /// Spindle speed (rad/s).
-    pub speed: f64,
-    /// By ascending depth; stability is lost at the first, third …
-    pub crossings: Vec<Crossing>,
-}
-
-/// One crossing of the boundary with growing depth.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Crossing {
-    /// Depth, kind and frequency.
-    pub limit: StabilityLimit,
-    /// Whether the cut becomes unstable here rather than stable again.
-    pub becomes_unstable: bool,
-}
-
-impl Boundary {
-    /// Whether `depth` (m) at `speed` (rad/s) is stable by linear interpolation; `None` off the
-    /// chart or where the neighbouring speeds have different numbers of crossings.
-    pub fn is_stable(&self, speed: f64, depth: f64) -> Option<bool> {
-        let right = self.columns.partition_point(|column| column.speed < speed);
-        let (a, b) = (self.columns.get(right.saturating_sub(1))?, self.columns.get(right)?);
-        if a.crossings.len() != b.crossings.len() || speed < a.speed {
-            return None;
-        }
-        let share = if b.speed > a.speed { (speed - a.speed) / (b.speed - a.speed) } else { 0.0 };
-        let depths = a.crossings.iter().zip(&b.crossings);
-        let below = depths.filter(|(x, y)| x.limit.depth + (y.limit.depth - x.limit.depth) * share < depth);
-        Some(below.count() % 2 == 0)
-    }
 }
 
 impl Turning {
@@ -291,7 +142,11 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`].
     pub fn lobe_chart(&self, speed: &[f64], width: &[f64]) -> Result<Lobes, ChatterError> {
-        Lobes::fill(speed, width, |speed| Ok(move |width| self.verdict_without_margin(speed, width)))
+        let greatest = width.iter().copied().fold(0.0, f64::max);
+        Lobes::fill(speed, width, |speed| {
+            let at_speed = TurningAtSpeed::new(self, speed, greatest)?;
+            Ok(move |width| at_speed.verdict(width))
+        })
     }
 
     /// [`Turning::lobe_chart`] at speeds that vary about `speed`.

@@ -52,7 +52,7 @@ pub(crate) fn least_root(coefficients: &[f64], guess: Option<Complex<f64>>, rest
 }
 
 /// Value, slope and half the curvature at `x`.
-pub(crate) fn evaluate(coefficients: &[f64], x: Complex<f64>) -> [Complex<f64>; 3] {
+fn evaluate(coefficients: &[f64], x: Complex<f64>) -> [Complex<f64>; 3] {
     let zero = Complex::new(0.0, 0.0);
     let [mut p, mut slope, mut curvature] = [zero; 3];
     for a in coefficients.iter().rev() {
@@ -120,12 +120,6 @@ fn divide(rest: &mut Vec<f64>, root: Complex<f64>) {
 /// Whether the disc of `radius` holds no root.
 fn is_clear(coefficients: &[f64], radius: f64) -> bool {
     greatest_reflection(coefficients, radius) < 1.0
-}
-
-/// Whether the disc of `radius` holds a root; `None` where that hangs on less than `doubt`.
-pub(crate) fn holds_root(coefficients: &[f64], radius: f64, doubt: f64) -> Option<bool> {
-    let greatest = greatest_reflection(coefficients, radius);
-    (greatest.is_finite() && (greatest - 1.0).abs() > doubt).then_some(greatest > 1.0)
 }
 
 /// Greatest reflection coefficient of the recursion of Schur, Cohn and Jury, or the first that is not

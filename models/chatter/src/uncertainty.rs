@@ -130,7 +130,7 @@ impl Turning {
     ) -> Result<Probability, ChatterError> {
         share_stable(samples, |sample| {
             let cut = self.scattered(scatter, seed, sample)?;
-            Ok(cut.verdict_without_margin(spindle_speed, width)?.stable)
+            cut.is_stable(spindle_speed, width)
         })
     }
 

@@ -85,12 +85,23 @@ impl Vibration {
         self.kind == ChatterKind::Stable
     }
 
-    /// A cut of `depth` (m) below or beyond `boundary` with `chip` (m) in the mean.
-    fn judged(boundary: &Boundary, depth: f64, chip: f64, regeneration: &Regeneration) -> Self {
+    /// A cut of `depth` (m) below or beyond `boundary` with `chip` (m) in the mean; beyond it the cut can be
+    /// `stable_again`.
+    fn judged(
+        boundary: &Boundary,
+        depth: f64,
+        chip: f64,
+        regeneration: &Regeneration,
+        stable_again: impl FnOnce() -> bool,
+    ) -> Self {
         let limit = boundary.limit;
         let margin = 1.0 - depth / limit;
         let stable = Self { limit, margin, frequency: boundary.frequency, ..Self::NONE };
-        if margin >= 0.0 { stable } else { stable.chattering(boundary, depth / limit, chip, regeneration) }
+        if margin >= 0.0 || stable_again() {
+            stable
+        } else {
+            stable.chattering(boundary, depth / limit, chip, regeneration)
+        }
     }
 
     /// The same cut in its limit cycle.

@@ -4,7 +4,7 @@ use super::cut::{Cut, found};
 use super::file::Chart;
 use rayon::prelude::*;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
-use toolroom_chatter::{Axis, Boundary, BoundaryColumn, ChatterError, Milling, SpeedVariation, Turning};
+use toolroom_chatter::{Axis, Boundary, BoundaryColumn, BoundaryCurve, ChatterError, Milling, SpeedVariation, Turning};
 use toolroom_form::significant;
 
 /// One boundary of a chart: (speed, depth) in the units of [`Chart`].
@@ -16,6 +16,8 @@ pub struct Curve {
     pub limit: Vec<(f64, f64)>,
     /// Where the cut becomes stable again or unstable once more.
     pub further: Vec<(f64, f64)>,
+    /// The same ends joined to curves, of milling and of turning at constant speed.
+    pub pieces: Vec<BoundaryCurve>,
     /// Speeds at which the search for the limit failed, and why.
     pub holes: Vec<(f64, String)>,
 }
@@ -72,11 +74,28 @@ fn compared(
 }
 
 fn milling(cut: &Milling, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
-    let (speed, greatest, steps) = (&chart.speed, chart.depth.end, chart.depth.points);
-    let Boundary { columns, holes } = match variation {
-        Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest, steps)?,
-        None => cut.boundary(speed, greatest, steps)?,
-    };
+    let (speed, greatest) = (&chart.speed, chart.depth.end);
+    Ok(traced(match variation {
+        Some(variation) => cut.boundary_at_varying_speed(speed, variation, greatest)?,
+        None => cut.boundary(speed, greatest)?,
+    }))
+}
+
+fn turning(cut: &Turning, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
+    let (greatest, steps) = (chart.depth.end, chart.depth.points);
+    match variation {
+        Some(variation) => {
+            let at = |speed| found(cut.limit_at_varying_speed(speed, variation, greatest, steps));
+            sampled("stability limit".to_owned(), &chart.speed, at)
+        }
+        None => Ok(traced(cut.boundary(&finer(&chart.speed), greatest)?)),
+    }
+}
+
+/// The first ends of the stable intervals, the further ones, and the curves that they form.
+fn traced(boundary: Boundary) -> Curve {
+    let pieces = boundary.curves();
+    let Boundary { columns, holes, .. } = boundary;
     let first = |column: &BoundaryColumn| column.crossings.first().map_or(f64::NAN, |crossing| crossing.limit.depth);
     // A line is not drawn across a hole.
     let gaps = holes.iter().map(|hole| (hole.speed, f64::NAN));
@@ -87,19 +106,7 @@ fn milling(cut: &Milling, variation: Option<SpeedVariation>, chart: &Chart) -> R
         depths.map(|depth| (column.speed, depth))
     });
     let holes = holes.into_iter().map(|hole| (hole.speed, hole.reason)).collect();
-    Ok(Curve { label: "stability limit".to_owned(), limit, further: further.collect(), holes })
-}
-
-fn turning(cut: &Turning, variation: Option<SpeedVariation>, chart: &Chart) -> Result<Curve, ChatterError> {
-    let (greatest, steps) = (chart.depth.end, chart.depth.points);
-    let label = "stability limit".to_owned();
-    match variation {
-        Some(variation) => {
-            let at = |speed| found(cut.limit_at_varying_speed(speed, variation, greatest, steps));
-            sampled(label, &chart.speed, at)
-        }
-        None => sampled(label, &finer(&chart.speed), |speed| Ok(on_chart(found(cut.limit(speed))?, chart))),
-    }
+    Curve { label: "stability limit".to_owned(), limit, further: further.collect(), pieces, holes }
 }
 
 /// The limit at every value of the axis, in parallel; where the search for it fails there is a hole.
@@ -113,7 +120,7 @@ fn sampled(
         outcome => Ok((at, outcome)),
     };
     let outcomes: Result<Vec<_>, _> = axis.values("speed")?.into_par_iter().map(at).collect();
-    let mut curve = Curve { label, limit: Vec::new(), further: Vec::new(), holes: Vec::new() };
+    let mut curve = Curve { label, limit: Vec::new(), further: Vec::new(), pieces: Vec::new(), holes: Vec::new() };
     for (at, outcome) in outcomes? {
         if let Err(error) = &outcome {
             curve.holes.push((at, error.to_string()));

@@ -118,12 +118,19 @@ impl Cut {
     /// [`ChatterError`] where the point lies outside the domain of the model or its search fails.
     pub fn judge(&self, speed: f64, depth: f64, chart: &Chart) -> Result<Judgement, ChatterError> {
         let searched = chart.depth.end.max(2.0 * depth);
+        let mut intervals = None;
         let (verdict, limit, searched) = match self {
             Self::Milling(cut, variation) => {
                 let mut at_speed = prepared(cut, *variation, speed)?;
-                (at_speed.verdict(depth)?, found(at_speed.limit(searched))?, searched)
+                let found = at_speed.stable_intervals(searched)?;
+                let limit = found.limit().map(|limit| limit.depth);
+                intervals = Some(found);
+                (at_speed.verdict(depth)?, limit, searched)
             }
-            Self::Turning(cut, None) => (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY),
+            Self::Turning(cut, None) => {
+                intervals = Some(cut.stable_intervals(speed, searched)?);
+                (cut.verdict(speed, depth)?, found(cut.limit(speed))?, f64::INFINITY)
+            }
             Self::Turning(cut, Some(variation)) => {
                 let limit = cut.limit_at_varying_speed(speed, *variation, searched, chart.depth.points);
                 (cut.verdict_at_varying_speed(speed, *variation, depth)?, found(limit)?, searched)
@@ -140,7 +147,7 @@ impl Cut {
                 (at.verdict(spindle)?, lathe.critical_chuck_modulation(spindle, searched)?, searched)
             }
         };
-        Ok(Judgement { speed, depth, verdict, limit, searched })
+        Ok(Judgement { speed, depth, verdict, limit, searched, intervals })
     }
 
     /// Verdicts over some columns of the chart's grid; a point whose search fails is a hole.

@@ -6,7 +6,7 @@ use crate::tables::table;
 use serde_json::{Value, json};
 use toolroom_chart::page::Provenance;
 use toolroom_chart::{ResultFiles, png};
-use toolroom_chatter::{Hole, Lobes};
+use toolroom_chatter::{BoundaryCurve, Hole, Lobes};
 use toolroom_form::Echo;
 use toolroom_process::table::Cell;
 use toolroom_shards::fingerprint;
@@ -47,6 +47,13 @@ fn summary(study: &ChartStudy<'_>) -> Value {
         };
         points.iter().map(pair).collect()
     };
+    let piece = |piece: &BoundaryCurve| {
+        let point = |[speed, depth, frequency]: &[f64; 3]| {
+            json!([axes.speed.shown(*speed), axes.depth.shown(*depth), frequency])
+        };
+        let points: Vec<Value> = piece.points.iter().map(point).collect();
+        json!({ "kind": word(piece.kind), "closed": piece.closed, "points": points })
+    };
     let boundaries: Vec<Value> = study
         .curves
         .iter()
@@ -56,6 +63,7 @@ fn summary(study: &ChartStudy<'_>) -> Value {
                 "columns": [axes.speed.column(), axes.depth.column()],
                 "limit": pairs(&curve.limit),
                 "further": pairs(&curve.further),
+                "curves": curve.pieces.iter().map(piece).collect::<Vec<_>>(),
                 "holes": curve.holes.iter().map(|(at, reason)| json!([axes.speed.shown(*at), reason])).collect::<Vec<_>>(),
             })
         })

@@ -3,7 +3,8 @@
 use super::cut::Cut;
 use serde_json::{Map, Value, json};
 use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{ChatterError, ChatterKind, StabilityVerdict};
+use toolroom_chatter::{Certificate, ChatterError, ChatterKind, StabilityVerdict, StableIntervals};
+use toolroom_form::significant;
 use toolroom_process::unit::convert;
 
 /// Chip pressure by which the chuck's cutting stiffness is a depth of cut, 300 kgf/mm², Pa.
@@ -26,6 +27,8 @@ pub struct Judgement {
     pub limit: Option<f64>,
     /// Greatest depth that was searched; infinite where the limit is exact.
     pub searched: f64,
+    /// All depths at which the cut is stable, of milling and of turning at constant speed.
+    pub intervals: Option<StableIntervals>,
 }
 
 /// What was found out about an operating point; where the search failed, why.
@@ -40,7 +43,7 @@ impl Judgement {
 
     /// The verdict on `cut` for programs.
     pub fn json(&self, cut: &Cut) -> Map<String, Value> {
-        let Self { speed, depth, verdict, limit, searched } = self;
+        let Self { speed, depth, verdict, limit, searched, intervals } = self;
         let axes = cut.axes();
         let mut object = Map::new();
         let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
@@ -58,6 +61,14 @@ impl Judgement {
                 put("stability_limit [mm]", json!(limit.map(|depth| depth * 1e3)));
                 put("margin", json!(self.margin()));
                 put("searched [mm]", finite(searched * 1e3));
+                if let Some(found) = intervals {
+                    let stable = found.intervals();
+                    put(
+                        "stable_intervals [mm]",
+                        json!(stable.iter().map(|pair| pair.map(|b| b * 1e3)).collect::<Vec<_>>()),
+                    );
+                    put("certificate", certificate(found.certificate).into());
+                }
                 if let Some(variation) = variation {
                     put(
                         "speed_variation",
@@ -87,6 +98,15 @@ impl Judgement {
         put("chatter_frequencies [Hz]", json!(verdict.chatter_frequencies(cut.greatest_frequency())));
         put("residual", verdict.residual.into());
         object
+    }
+}
+
+/// How it is known that no stable interval is missing, in a word.
+fn certificate(certificate: Certificate) -> String {
+    match certificate {
+        Certificate::Proved => "proved".to_owned(),
+        Certificate::Envelope => "envelope".to_owned(),
+        Certificate::Resolution(step) => format!("resolution:{} mm", significant(step * 1e3)),
     }
 }
 

@@ -48,9 +48,17 @@ fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> S
     let shown = |point: &(f64, f64)| (x.shown(point.0), y.shown(point.1));
     let mut lobes = StabilityLobes::default();
     for curve in curves {
-        lobes = lobes
-            .boundary(curve.label.as_str(), curve.limit.iter().map(shown))
-            .places("islands and pockets", curve.further.iter().map(shown));
+        lobes = if curve.pieces.is_empty() {
+            let limit = lobes.boundary(curve.label.as_str(), curve.limit.iter().map(shown));
+            limit.places("islands and pockets", curve.further.iter().map(shown))
+        } else {
+            // One line with a gap between the curves.
+            let points = curve.pieces.iter().flat_map(|piece| {
+                let points = piece.points.iter().map(|[speed, depth, _]| (*speed, *depth));
+                points.chain([(f64::NAN, f64::NAN)])
+            });
+            lobes.boundary(curve.label.as_str(), points.map(|point| shown(&point)))
+        };
     }
     for judgement in judgements.iter().flatten() {
         let standing = Standing::of(judgement.verdict.stable, judgement.margin());
@@ -92,7 +100,8 @@ pub(super) fn report(study: &ChartStudy<'_>, echo: &[Echo], provenance: Provenan
             file.cut.period()
         ));
     }
-    let caption = "Below the line every cut is stable; marks beyond it are where a cut becomes stable again.";
+    let caption = "The line is the boundary: from depth zero up to it every cut is stable; inside an island that it encloses a cut is \
+             unstable, above it stable again.";
     section = section.figure(Figure::new(chart.as_ref(), caption).data_in("lobes.csv"));
     for lack in study.holes() {
         section = section.paragraph(format!("Missing: {lack}."));

@@ -91,6 +91,12 @@ impl<'a> PointVerdict<'a> {
                 Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), significant),
                 Value::String(text) => text.clone(),
                 Value::Null => "none".to_owned(),
+                Value::Array(intervals) if name == "stable_intervals [mm]" => {
+                    let end =
+                        |interval: &Value, side: usize| interval[side].as_f64().map_or_else(String::new, significant);
+                    let interval = |interval: &Value| format!("{}–{}", end(interval, 0), end(interval, 1));
+                    intervals.iter().map(interval).collect::<Vec<_>>().join(", ")
+                }
                 // The lines are many; the strongest has a row of its own.
                 Value::Array(lines) => format!("{} lines, with --json", lines.len()),
                 Value::Bool(_) | Value::Object(_) => value.to_string(),

@@ -12,7 +12,7 @@ use super::Milling;
 use super::engagement::Geometry;
 use crate::gauss::Rule;
 use crate::krylov::Dominant;
-use crate::polynomial::{Root, evaluate, holds_root, least_root};
+use crate::polynomial::{Root, least_root};
 use crate::response::Modal;
 use nalgebra::Complex;
 use std::sync::Arc;
@@ -158,53 +158,6 @@ impl Characteristic {
         let size = self.series[..=order].iter().rev().fold(0.0, |sum, p| sum * argument + p.abs());
         let error = modulus * (f64::EPSILON * size + NEGLIGIBLE * tolerance) / root.slope;
         root.step.powi(2).max(error)
-    }
-
-    /// Whether the cut is stable at `depth`, for less than the dominant multiplier costs: one
-    /// multiplier outside the unit circle will do, and Jury's criterion needs none. `None` where the
-    /// series cancels or a multiplier is too near the circle for that.
-    pub fn is_stable(&mut self, depth: f64) -> Option<bool> {
-        const TOLERANCE: f64 = 1e-6;
-        if self.is_surely_unstable(depth) {
-            return Some(false);
-        }
-        let reach = depth * self.strength;
-        let order = self.order(2.0 * reach, TOLERANCE)?;
-        self.expand(reach, order);
-        let unstable = holds_root(&self.polynomial, 1.0, TOLERANCE)?;
-        let root = if unstable { least_root(&self.polynomial, self.last, &mut self.rest) } else { None };
-        self.last = root.map(|root| root.at);
-        Some(!unstable)
-    }
-
-    /// Whether a disc about the last root, moved to this `depth`, is sure to hold a root and lies
-    /// within the unit circle: a polynomial of degree n has a root within `n |f/f'|` of any point.
-    fn is_surely_unstable(&mut self, depth: f64) -> bool {
-        const TOLERANCE: f64 = 1e-3;
-        let Some(mut at) = self.last else { return false };
-        let reach = depth * self.strength;
-        let greatest = 1.1 * at.norm_sqr().sqrt();
-        let Some(order) = self.order(reach * (1.0 + greatest), TOLERANCE) else { return false };
-        for _ in 0..6 {
-            let modulus = at.norm_sqr().sqrt();
-            if modulus > greatest.min(1.0) {
-                return false;
-            }
-            let [p, slope, curvature] = evaluate(&self.series[..=order], (1.0 - at) * reach);
-            let value = 1.0 - at * p + at * at * self.determinant;
-            let slopes = [
-                -p + at * slope * reach + at * 2.0 * self.determinant,
-                slope * reach - at * curvature * (reach * reach) + self.determinant,
-            ];
-            let error = modulus * TOLERANCE;
-            let disc = (order + 2) as f64 * (value.norm_sqr().sqrt() + error) / slopes[0].norm_sqr().sqrt();
-            if modulus + disc < 1.0 {
-                self.last = Some(at);
-                return true;
-            }
-            at -= value * slopes[0] / (slopes[0] * slopes[0] - value * slopes[1]);
-        }
-        false
     }
 
     /// Order up to which the series counts at `argument`; `None` where rounding of its terms exceeds

@@ -5,6 +5,7 @@ mod cutter;
 mod engagement;
 mod forced;
 mod preview;
+mod slow;
 mod stability;
 
 pub use cutter::{Cutter, Direction, Engagement, MillingForce};

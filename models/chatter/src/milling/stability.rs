@@ -3,12 +3,15 @@
 use super::Milling;
 use super::characteristic::Characteristic;
 use super::engagement::Geometry;
+use super::slow;
+use crate::boundary::Crossing;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
+use crate::intervals::{Certificate, StableIntervals};
 use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant};
-use crate::lobes::Crossing;
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
+use crate::scan::{STEPS, SignChanges};
 use crate::speed_variation::SpeedVariation;
 use crate::structure::last_to_decay;
 use crate::verdict::{StabilityLimit, StabilityVerdict};
@@ -26,6 +29,12 @@ enum Effort {
     /// On the boundary, and to find it.
     Boundary,
 }
+
+/// Least logarithm of a spectral radius that is told apart: less decays in a period beyond rounding.
+const LEAST_EXCESS: f64 = -50.0;
+
+/// Logarithm of the spectral radius that a sample may have to count as an end of a stable interval.
+const NEUTRAL: f64 = 1e-6;
 
 /// Greatest dimension whose eigenvalues are all worked out where the iteration stalls: a quarter of a
 /// second.
@@ -223,6 +232,10 @@ impl<'a> AtSpeed<'a> {
 
     /// Dominant multiplier at `depth` over one period, and the period (s).
     fn dominant(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
+        if let Some(speed) = self.slow()? {
+            let geometry = self.geometry(depth)?;
+            return Ok((slow::dominant(self.cut, &geometry, speed, depth), geometry.span / speed));
+        }
         let (extra, residual, _) = effort.settings();
         if let Some(found) = self.characteristic_multiplier(depth, effort)? {
             return Ok(found);
@@ -258,6 +271,12 @@ impl<'a> AtSpeed<'a> {
     ) -> Result<Option<(Dominant, f64)>, ChatterError> {
         let Some((function, period)) = self.characteristic(depth, effort)? else { return Ok(None) };
         Ok(function.dominant(depth, effort.settings().1).map(|found| (found, period)))
+    }
+
+    /// The spindle speed (rad/s), where it is so low that the envelope of the lobes answers.
+    fn slow(&self) -> Result<Option<f64>, ChatterError> {
+        let Motion::Constant(speed) = self.motion else { return Ok(None) };
+        Ok(slow::is_slow(self.cut, speed)?.then_some(speed))
     }
 
     /// The characteristic function and the tooth period (s), where the cut has one: one mode, regular
@@ -312,17 +331,23 @@ impl<'a> AtSpeed<'a> {
         (Dominant { value: (last_to_decay(&self.cut.modes) * period).exp(), residual: 0.0 }, period)
     }
 
-    fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
-        within("depth", depth, 0.0, f64::MAX)?;
-        let (mut dominant, mut period) = if depth == 0.0 { self.uncut() } else { self.dominant(depth, effort)? };
+    /// The dominant multiplier at `depth` (m) and the period (s), with more effort the nearer it is to the unit circle.
+    fn refined(&mut self, depth: f64, effort: Effort) -> Result<(Dominant, f64), ChatterError> {
+        let mut found = self.dominant(depth, effort)?;
         let mut spent = effort;
         for next in [Effort::Verdict, Effort::Boundary] {
-            let near = depth > 0.0 && (dominant.value.norm() - 1.0).abs() < spent.settings().2;
+            let near = (found.0.value.norm() - 1.0).abs() < spent.settings().2;
             if near && next as usize > spent as usize {
-                (dominant, period) = self.dominant(depth, next)?;
+                found = self.dominant(depth, next)?;
                 spent = next;
             }
         }
+        Ok(found)
+    }
+
+    fn judge(&mut self, depth: f64, effort: Effort) -> Result<StabilityVerdict, ChatterError> {
+        within("depth", depth, 0.0, f64::MAX)?;
+        let (dominant, period) = if depth == 0.0 { self.uncut() } else { self.refined(depth, effort)? };
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
         verdict.name_frequency(&self.cut.modes);
         if let Motion::Varying(_, variation) = self.motion {
@@ -359,26 +384,76 @@ impl<'a> AtSpeed<'a> {
         Ok(Krylov::default().dominant(&mut map, 1e-12)?.value.norm())
     }
 
-    /// Least depth (m) at which the cut becomes unstable, to a relative 1e-9, and how.
-    ///
-    /// Depths up to `greatest` are sampled in 40 steps and the first step that ends unstable in
-    /// 24 more: an unstable island thinner than `greatest/40` may be missed.
+    /// Least depth (m) at which the cut becomes unstable, to a relative 1e-9, and how: the first end of
+    /// [`AtSpeed::stable_intervals`].
     ///
     /// # Errors
-    /// [`ChatterError::NoLimit`] if no sampled depth is unstable; otherwise as
+    /// [`ChatterError::NoLimit`] if no depth up to `greatest` is unstable; otherwise as
     /// [`AtSpeed::verdict`].
     pub fn limit(&mut self, greatest: f64) -> Result<StabilityLimit, ChatterError> {
-        positive("greatest depth", greatest)?;
-        let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Boundary)?.0.value.norm().ln());
-        let coarse = brackets(&mut excess, (0.0, -1.0), greatest, 40, true)?;
-        let Some([before, after]) = coarse.first() else {
-            return Err(ChatterError::NoLimit { searched: greatest });
+        let ends = self.ends(greatest, Effort::Boundary, true)?;
+        ends.first().map(|end| end.limit).ok_or(ChatterError::NoLimit { searched: greatest })
+    }
+
+    /// All depths up to `greatest` (m) at which the cut is stable, their ends to a relative 1e-9.
+    ///
+    /// The spectral radius is sampled in even steps, which are halved where the radius approaches one between two
+    /// samples; the certificate states the step.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`]; a greatest depth that is not positive.
+    pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
+        let ends = self.ends(greatest, Effort::Boundary, false)?;
+        let certificate = match self.slow()? {
+            Some(_) => Certificate::Envelope,
+            None => Certificate::Resolution(greatest / STEPS as f64),
         };
-        let fine = brackets(&mut excess, *before, after.0, 24, true)?;
-        let [before, after] = fine.first().copied().unwrap_or([*before, *after]);
-        let depth = root(&mut excess, before, after, 1e-10)?;
-        let (dominant, period) = self.dominant(depth, Effort::Boundary)?;
-        Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
+        Ok(StableIntervals { ends, greatest, certificate })
+    }
+
+    /// [`AtSpeed::stable_intervals`] for a chart: the same ends to a thousandth of a step.
+    pub(crate) fn charted_intervals(&mut self, greatest: f64) -> Result<Vec<Crossing>, ChatterError> {
+        self.ends(greatest, Effort::Screening, false)
+    }
+
+    /// The ends of the stable intervals up to `greatest` (m), or the first alone, as exact as `effort` allows.
+    fn ends(&mut self, greatest: f64, effort: Effort, first_only: bool) -> Result<Vec<Crossing>, ChatterError> {
+        positive("greatest depth", greatest)?;
+        let uncut = self.uncut().0.value.norm().ln().max(LEAST_EXCESS);
+        let mut brackets = Vec::new();
+        for found in SignChanges::new(|depth| self.excess(depth), uncut, greatest) {
+            brackets.extend(found?);
+            if first_only && !brackets.is_empty() {
+                brackets.truncate(1);
+                break;
+            }
+        }
+        brackets.into_iter().map(|bracket| self.end(bracket, effort)).collect()
+    }
+
+    /// The end of a stable interval between two depths on different sides of the boundary.
+    fn end(&mut self, [before, after]: [(f64, f64); 2], effort: Effort) -> Result<Crossing, ChatterError> {
+        let becomes_unstable = after.1 > 0.0;
+        let depth = match effort {
+            Effort::Screening => root(|depth| self.excess(depth), before, after, 1e-3 / STEPS as f64)?,
+            Effort::Verdict | Effort::Boundary => {
+                let mut excess = |depth: f64| Ok(self.dominant(depth, effort)?.0.value.norm().ln());
+                let start = if before.0 == 0.0 { before.1 } else { excess(before.0)? };
+                let end = excess(after.0)?;
+                if (start > 0.0) != (end > 0.0) {
+                    root(&mut excess, (before.0, start), (after.0, end), 1e-10)?
+                } else {
+                    // A sample on the boundary can change its side; anywhere else no end is told.
+                    let (depth, excess) = if start.abs() < end.abs() { (before.0, start) } else { (after.0, end) };
+                    if excess.abs() > NEUTRAL {
+                        return Err(ChatterError::NotConverged { residual: excess.abs() });
+                    }
+                    depth
+                }
+            }
+        };
+        let (dominant, period) = self.dominant(depth, effort)?;
+        Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
     }
 
     /// [`AtSpeed::limit`] for less effort: `steps` even depths are sampled and the first that ends
@@ -398,43 +473,9 @@ impl<'a> AtSpeed<'a> {
         Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
     }
 
-    /// All crossings of the boundary below `greatest` depth that `steps` equal steps show, to a
-    /// thousandth of a step.
-    pub(crate) fn crossings(&mut self, greatest: f64, steps: usize) -> Result<Vec<Crossing>, ChatterError> {
-        // Without cutting the structure decays; its true radius is not needed for the bracket.
-        let found = brackets(|depth| self.side(depth), (0.0, -1.0), greatest, steps, false)?;
-        let crossing = |[before, after]: [(f64, f64); 2]| {
-            let becomes_unstable = after.1 > 0.0;
-            let (before, after) = (self.excess_beside(before)?, self.excess_beside(after)?);
-            let depth = root(|depth| self.excess(depth), before, after, 1e-3 / steps as f64)?;
-            let (dominant, period) = self.dominant(depth, Effort::Screening)?;
-            Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
-        };
-        found.into_iter().map(crossing).collect()
-    }
-
-    /// Logarithm of the spectral radius at `depth` (m), to some three digits.
+    /// Logarithm of the spectral radius at `depth` (m): to some three digits, of the right sign.
     fn excess(&mut self, depth: f64) -> Result<f64, ChatterError> {
-        Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
-    }
-
-    /// On which side of the boundary `depth` (m) lies: a number of the sign of [`AtSpeed::excess`].
-    fn side(&mut self, depth: f64) -> Result<f64, ChatterError> {
-        let known = match self.characteristic(depth, Effort::Screening)? {
-            Some((function, _)) => function.is_stable(depth),
-            None => None,
-        };
-        match known {
-            Some(stable) => Ok(if stable { -1.0 } else { 1.0 }),
-            None => self.excess(depth),
-        }
-    }
-
-    /// The excess at a depth that lies on a known side, with the sign of that side.
-    fn excess_beside(&mut self, (depth, side): (f64, f64)) -> Result<(f64, f64), ChatterError> {
-        let excess = if depth == 0.0 { side } else { self.excess(depth)? };
-        let same = (excess > 0.0) == (side > 0.0);
-        Ok((depth, if same { excess } else { f64::MIN_POSITIVE.copysign(side) }))
+        Ok(self.refined(depth, Effort::Screening)?.0.value.norm().ln().max(LEAST_EXCESS))
     }
 
     /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).

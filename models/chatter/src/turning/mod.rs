@@ -1,21 +1,24 @@
 //! Turning: exact limits from the frequency response, verdicts from the period map.
 
 mod bar;
-mod neutral;
+mod crossings;
+mod line;
 mod oriented;
 mod roots;
 mod stability;
 
 pub use bar::{Bar, Support};
+pub(crate) use roots::TurningAtSpeed;
 
-use self::neutral::{Neutral, NeutralCurve};
+use self::crossings::{Crossings, NeutralVibration};
+use self::line::LoopGain;
 use self::oriented::Oriented;
-use crate::crossing::root;
+use crate::boundary::Crossing;
 use crate::error::{ChatterError, finite, positive, within};
+use crate::intervals::{Certificate, StableIntervals};
 use crate::structure::{Mode, check_modes};
-use crate::verdict::{ChatterKind, StabilityLimit};
+use crate::verdict::StabilityLimit;
 use nalgebra::Complex;
-use std::f64::consts::TAU;
 
 /// A turning cut: modes, cutting force and its direction.
 ///
@@ -67,19 +70,6 @@ pub struct Turning {
 
 fn one() -> f64 {
     1.0
-}
-
-/// A value at a chatter frequency on the stability boundary.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct BoundaryPoint {
-    /// Spindle speed (rad/s).
-    pub spindle_speed: f64,
-    /// Width of cut (m).
-    pub width: f64,
-    /// Frequency of the vibration (Hz).
-    pub chatter_frequency: f64,
-    /// Number of whole waves between two revolutions.
-    pub lobe: u32,
 }
 
 impl Turning {
@@ -177,81 +167,49 @@ impl Turning {
         grid
     }
 
-    /// The stability boundary without process damping, lobe by lobe (the D-curve):
-    /// `b = −1/(2 K_f Re G(i w))`, `w tau = 2 pi k + phase`.
+    /// Least width that is unstable at `spindle_speed` (rad/s), exact to rounding: the first end of
+    /// [`Turning::stable_intervals`].
     ///
     /// # Errors
-    /// A cut that is none or one with process damping, whose boundary depends on the speed.
-    pub fn lobes(&self, greatest_lobe: u32) -> Result<Vec<BoundaryPoint>, ChatterError> {
-        self.check()?;
-        within("process_damping", self.process_damping, 0.0, 0.0)?;
-        let curve = NeutralCurve::new(self, 1.0);
-        let mut points = Vec::new();
-        for lobe in 0..=greatest_lobe {
-            for w in self.frequency_grid() {
-                if let [Some(neutral), _] = curve.at(w) {
-                    let spindle_speed = TAU * w / (TAU * f64::from(lobe) + neutral.phase);
-                    points.push(BoundaryPoint {
-                        spindle_speed,
-                        width: neutral.width,
-                        chatter_frequency: w / TAU,
-                        lobe,
-                    });
-                }
-            }
-        }
-        Ok(points)
-    }
-
-    /// Least width that is unstable at `spindle_speed` (rad/s), exact to rounding.
-    ///
-    /// # Errors
-    /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process
-    /// damping keeps every width stable.
-    ///
-    /// # Source
-    /// The D-curve `1/G + b [K_f (1 − e^(−i w tau)) + i w C_i/V] = 0`, solved for the frequency at
-    /// which its phase fits the speed.
+    /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process damping keeps every
+    /// width stable, up to that at which the cut is a thousand times as stiff as the structure.
     pub fn limit(&self, spindle_speed: f64) -> Result<StabilityLimit, ChatterError> {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
-        let tau = TAU / spindle_speed;
-        let grid = self.frequency_grid();
-        let curve = NeutralCurve::new(self, spindle_speed);
-        // Waves that do not fit: zero where the vibration closes after one revolution.
-        let misfit = |neutral: Neutral, w: f64| (w * tau - neutral.phase) / TAU;
-        let mut least: Option<(f64, f64)> = None;
-        let mut last = (grid[0], curve.at(grid[0]));
-        for pair in grid.windows(2) {
-            let steps = ((pair[1] - pair[0]) * tau / TAU * 4.0).ceil().clamp(1.0, 64.0);
-            for step in 1..=steps as usize {
-                let w = pair[0] + (pair[1] - pair[0]) * step as f64 / steps;
-                let here = (w, curve.at(w));
-                for branch in 0..2 {
-                    let (Some(before), Some(after)) = (last.1[branch], here.1[branch]) else { continue };
-                    let (m0, m1) = (misfit(before, last.0), misfit(after, w));
-                    let whole = m0.max(m1).floor();
-                    // A jump of the phase by a turn is no crossing.
-                    if m0.min(m1) >= whole || (m1 - m0).abs() >= 0.75 {
-                        continue;
-                    }
-                    // The grid resolves the curve: no dip to less than half lies between two points.
-                    if least.is_some_and(|(least, _)| before.width.min(after.width) > 2.0 * least) {
-                        continue;
-                    }
-                    let f = |w: f64| Ok(curve.at(w)[branch].map_or(f64::NAN, |neutral| misfit(neutral, w) - whole));
-                    let w = root(f, (last.0, m0 - whole), (w, m1 - whole), 1e-15)?;
-                    if let Some(found) = curve.at(w)[branch].filter(|n| least.is_none_or(|(b, _)| n.width < b)) {
-                        least = Some((found.width, w));
-                    }
-                }
-                last = here;
-            }
-        }
-        let Some((depth, w)) = least else {
-            return Err(ChatterError::NoLimit { searched: f64::INFINITY });
-        };
-        let kind = ChatterKind::Hopf;
-        Ok(StabilityLimit { depth, kind, chatter_frequency: w / TAU })
+        let line = LoopGain::new(self, spindle_speed);
+        let searched = line.stiff_width();
+        let least = Crossings::new(&line).least(searched).ok_or(ChatterError::NoLimit { searched })?;
+        Ok(least.limit())
     }
+
+    /// All widths up to `greatest` (m) at which the cut is stable at `spindle_speed` (rad/s), exact to rounding.
+    ///
+    /// # Errors
+    /// As [`Turning::limit`], but a cut without limit is stable throughout.
+    ///
+    /// # Source
+    /// The characteristic function `1 + b [K_f (1 − e^(−s tau)) + s C_i/V] G(s)` is linear in the width, so that the
+    /// frequencies at which roots cross the imaginary axis do not depend on it. All of them are isolated; a root crosses
+    /// to the right where the imaginary part of the loop gain rises.
+    pub fn stable_intervals(&self, spindle_speed: f64, greatest: f64) -> Result<StableIntervals, ChatterError> {
+        self.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        positive("greatest width", greatest)?;
+        let line = LoopGain::new(self, spindle_speed);
+        Ok(stable_intervals(&Crossings::new(&line).up_to(greatest), greatest))
+    }
+}
+
+/// The stable intervals between neutral vibrations of ascending width, from no unstable root at width zero.
+fn stable_intervals(crossings: &[NeutralVibration], greatest: f64) -> StableIntervals {
+    let mut unstable_roots = 0;
+    let mut ends = Vec::new();
+    for vibration in crossings {
+        let before = unstable_roots;
+        unstable_roots += vibration.change;
+        if (before > 0) != (unstable_roots > 0) {
+            ends.push(Crossing { limit: vibration.limit(), becomes_unstable: before == 0 });
+        }
+    }
+    StableIntervals { ends, greatest, certificate: Certificate::Proved }
 }

@@ -2,6 +2,7 @@
 //! collocation of a period of the variation.
 
 use super::Turning;
+use super::roots::TurningAtSpeed;
 use crate::SpeedVariation;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
@@ -21,6 +22,23 @@ impl Cut for Turning {
 
     fn damping(&self, (): &(), _: f64, speed: f64) -> Option<[f64; 4]> {
         (self.process_damping != 0.0).then(|| [self.damping_slope(speed), 0.0, 0.0, 0.0])
+    }
+}
+
+impl TurningAtSpeed<'_> {
+    /// Verdict at `width` (m), which must not exceed the width that the cut was prepared for.
+    ///
+    /// # Errors
+    /// A width that is negative or not finite; a root that was not found.
+    pub fn verdict(&self, width: f64) -> Result<StabilityVerdict, ChatterError> {
+        within("width", width, 0.0, f64::MAX)?;
+        let tau = TAU / self.spindle_speed;
+        let root = self.rightmost_root(width)?;
+        let mut verdict = StabilityVerdict::from_multiplier((root.rate * tau).exp(), tau, root.residual);
+        verdict.stable = self.unstable_roots(width) == 0;
+        verdict.kind = if verdict.stable { ChatterKind::Stable } else { ChatterKind::Hopf };
+        verdict.chatter_frequency = root.rate.im / TAU;
+        Ok(verdict)
     }
 }
 
@@ -65,14 +83,16 @@ impl Turning {
     /// # Errors
     /// As [`Turning::verdict`].
     pub fn verdict_without_margin(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
-        self.check()?;
-        positive("spindle_speed", spindle_speed)?;
-        within("width", width, 0.0, f64::MAX)?;
-        let tau = TAU / spindle_speed;
-        let root = self.rightmost_root(spindle_speed, width)?;
-        let mut verdict = StabilityVerdict::from_multiplier((root.rate * tau).exp(), tau, root.residual);
-        verdict.chatter_frequency = root.rate.im / TAU;
-        Ok(verdict)
+        TurningAtSpeed::new(self, spindle_speed, width)?.verdict(width)
+    }
+
+    /// Whether the cut is stable at `spindle_speed` (rad/s) and `width` (m): the number of unstable roots alone, for
+    /// less than a verdict costs.
+    ///
+    /// # Errors
+    /// As [`Turning::verdict`].
+    pub fn is_stable(&self, spindle_speed: f64, width: f64) -> Result<bool, ChatterError> {
+        Ok(TurningAtSpeed::new(self, spindle_speed, width)?.unstable_roots(width) == 0)
     }
 
     /// Verdict at a speed that varies about `spindle_speed` (rad/s); the spectral radius is that of
@@ -118,7 +138,7 @@ impl Turning {
         let length = TAU * f64::from(revolutions) / spindle_speed;
         let dominant = if width == 0.0 {
             // Without a cut the speed does not matter.
-            let root = self.rightmost_root(spindle_speed, width)?;
+            let root = TurningAtSpeed::new(self, spindle_speed, width)?.rightmost_root(width)?;
             Dominant { value: (root.rate * length).exp(), residual: root.residual }
         } else {
             let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);

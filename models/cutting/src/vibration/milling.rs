@@ -206,7 +206,10 @@ impl MillingStructure {
         let (tangential, _) = self.worn(at);
         let scale = if self.helix_angle == 0.0 { NOMINAL / tangential } else { 1.0 };
         let boundary = Boundary { limit: judged.limit * scale, ..judged };
-        let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration);
+        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
+        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
+        let vibration = Vibration::judged(&boundary, at.depth, at.feed_per_tooth, &self.regeneration, stable_again);
         Vibration { forced: self.forced(at, &key) * at.depth / scale * at.feed_per_tooth, ..vibration }
     }
 

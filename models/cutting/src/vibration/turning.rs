@@ -211,14 +211,17 @@ impl TurningStructure {
         let key = self.key(at);
         let nominal = self.boundary(at, &key);
         let boundary = Boundary { limit: nominal.limit / self.coefficient(at), ..nominal };
-        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration);
+        // Nearer to the limit the verdict on a rounded depth could lie on its other side.
+        let beyond = at.depth > boundary.limit * (1.0 + STIFFNESS_STEP);
+        let stable_again = || beyond && at.variation.is_none() && self.growth_rate(at) < 0.0;
+        let vibration = Vibration::judged(&boundary, at.depth, at.feed, &self.regeneration, stable_again);
         if at.modulation <= 0.0 || !vibration.stable() {
             return vibration;
         }
         let critical = self.critical_modulation(at, &key);
-        let margin = vibration.margin.min(1.0 - at.modulation / critical);
-        let judged = Vibration { margin, ..vibration };
-        if margin >= 0.0 {
+        let modulated = 1.0 - at.modulation / critical;
+        let judged = Vibration { margin: vibration.margin.min(modulated), ..vibration };
+        if modulated >= 0.0 {
             return judged;
         }
         let boundary = Boundary { kind: ChatterKind::Parametric, ..boundary };
