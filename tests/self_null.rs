@@ -128,3 +128,26 @@ fn what_was_applied_has_no_gap_to_fresh_records_of_the_same_shop() {
     // At a level of 1 % two of three are rejected three times in ten thousand such tests.
     assert!(passed >= 2, "{passed} of 3");
 }
+
+/// Grinding is tested as cutting is: its own trials fit, noise eight times that of the sheet does not.
+#[test]
+fn a_grinding_shop_has_no_gap_to_its_own_trials_and_a_wrong_noise_is_seen() {
+    let text = shipped("grinding");
+    let scattering = text.replace("scatter = \"none\"", "scatter = \"shop\"");
+    assert_ne!(scattering, text, "the shipped wheel says how its workpieces scatter");
+    let mut passed = 0;
+    for (text, hours, seed) in
+        [(&text, 8, 1), (&text, 40, 2), (&scattering, 8, 1), (&scattering, 8, 2), (&scattering, 40, 1)]
+    {
+        let found = diagnosis(&lasting(text, hours), &lasting(text, hours), "trials", seed);
+        assert_eq!(found["effects"], Value::Array(Vec::new()), "{hours} h, seed {seed}: {}", found["fit"]);
+        assert_eq!(found["verdict"] == "no_gap", found["fit"]["passed"] == true, "{hours} h, seed {seed}");
+        passed += usize::from(found["verdict"] == "no_gap");
+    }
+    // At a level of 1 % two of five are rejected once in a thousand such tests.
+    assert!(passed >= 4, "{passed} of 5");
+    let noisy = format!("{text}\n[[gap.sensor]]\nchannel = \"normal_force\"\nrelative = 0.16\n");
+    let found = diagnosis(&noisy, &text, "trials", 1);
+    assert_eq!(found["verdict"], "unknown", "{}", found["fit"]);
+    assert_eq!(found["fit"]["parts"][0]["what"], "normal_force", "{}", found["fit"]);
+}

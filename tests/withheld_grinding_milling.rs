@@ -28,8 +28,16 @@ fn reduced(csv: &str, without: &[&str], keep: impl Fn(usize) -> bool) -> String 
 
 #[test]
 fn a_grinder_that_hides_nothing_is_blamed_for_nothing() {
-    let (diagnosis, _) = diagnosed("grinding", &Case::null("grinding", 1).records());
-    assert_eq!(diagnosis.verdict, GapVerdict::NoGap, "{}", diagnosis.terminal());
+    let mut fitting = 0;
+    for seed in 1..=5 {
+        let (diagnosis, _) = diagnosed("grinding", &Case::null("grinding", seed).records());
+        assert!(diagnosis.effects.is_empty(), "seed {seed}: {}", diagnosis.terminal());
+        let passed = diagnosis.fit.as_ref().expect("trials are tested").passed();
+        assert_eq!(diagnosis.verdict == GapVerdict::NoGap, passed, "seed {seed}: {}", diagnosis.terminal());
+        fitting += usize::from(passed);
+    }
+    // Equations and noise are those of another author, so that a test at 1 % may see the difference.
+    assert!(fitting >= 3, "{fitting} of 5");
 }
 
 #[test]

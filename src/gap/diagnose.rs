@@ -82,6 +82,12 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
             let separates = best.separates();
             diagnosis.next = NextExperiment { design: best.design.clone(), minutes: best.minutes, separates };
         }
+        // What is compared of a shop is no operation but a block of them.
+        let is_shop = matches!(model.process, NominalProcess::Shop(_));
+        let ids = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name)).filter(|_| !is_shop);
+        for own in &mut diagnosis.apart {
+            own.operation_id = ids.and_then(|ids| ids.get(own.row)).cloned().unwrap_or_default();
+        }
         if let NominalProcess::Shop(shop) = &model.process {
             add_facts(shop, &records, &model.stated.deviations, diagnosis, args.seed);
         }

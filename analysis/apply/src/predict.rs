@@ -39,7 +39,7 @@ pub(crate) fn at(model: &dyn Forward, point: &Point) -> Vec<Prediction> {
             Transform::Log => (observation.value.exp(), observation.value.exp()),
         };
         Prediction {
-            row: observation.row,
+            row: model.frame().record_of(observation.row),
             channel: channel.name,
             unit: channel.unit,
             measured: value_measured,

@@ -154,10 +154,14 @@ impl Fact {
     /// Whether the fact contradicts its file at `level`, by as much as matters. Where the level agrees the
     /// scatter or the regularity must do so, which are tests of their own.
     pub fn is_rejected(&self, level: f64) -> bool {
-        let factor = self.factor();
-        let far = !(1.0 / MATTERS..=MATTERS).contains(&factor);
+        let far = self.is_far();
         let other = self.tests.iter().any(|(name, p)| !matches!(*name, "middle" | "level") && *p < level);
         self.p < level && (far || other)
+    }
+
+    /// Whether it lies more than what matters from its file.
+    pub fn is_far(&self) -> bool {
+        !(1.0 / MATTERS..=MATTERS).contains(&self.factor())
     }
 
     /// The fact in one sentence without a full stop.
@@ -241,6 +245,12 @@ pub fn findings(facts: &[Fact]) -> Vec<Finding> {
     rejected.map(finding).collect()
 }
 
+/// The facts that contradict their file at their level, by less than matters.
+pub fn slight(facts: &[Fact]) -> Vec<&Fact> {
+    let below = |(fact, level): (&Fact, f64)| fact.p < level && !fact.is_rejected(level);
+    facts.iter().zip(levels(facts)).filter(|(fact, level)| below((fact, *level))).map(|(fact, _)| fact).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -275,6 +285,8 @@ mod tests {
     #[test]
     fn what_is_sure_but_small_is_no_finding_and_the_level_is_shared() {
         assert!(findings(&[fact(8.5, 1e-9)]).is_empty());
+        assert_eq!(slight(&[fact(8.5, 1e-9)]).len(), 1);
+        assert!(slight(&[fact(16.0, 1e-9)]).is_empty() && slight(&[fact(8.5, 0.5)]).is_empty());
         assert_eq!(findings(&[fact(16.0, 0.004)]).len(), 1);
         assert!(findings(&[fact(16.0, 0.004), fact(8.0, 0.9), fact(8.0, 0.9)]).is_empty());
         let pool = Fact { pooled: true, ..fact(16.0, 0.004) };

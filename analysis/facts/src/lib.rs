@@ -35,4 +35,4 @@ pub mod survival;
 pub mod times;
 pub mod waits;
 
-pub use fact::{Fact, Finding, Quantity, findings};
+pub use fact::{Fact, Finding, Quantity, findings, slight};

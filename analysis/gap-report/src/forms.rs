@@ -107,7 +107,19 @@ impl Page {
     }
 
     fn closures(&self) -> Table {
-        let mut table = Table::new(["channel", "before", "after", "closed, %", "90 % from", "to", "of closable, %"]);
+        let mut table = Table::new([
+            "channel",
+            "before",
+            "after",
+            "closed, %",
+            "90 % from",
+            "to",
+            "of closable, %",
+            "of the mean, %",
+            "without what stands apart, %",
+            "of the rms, %",
+            "robust, %",
+        ]);
         let all = self.diagnosis.channels.iter().map(|(name, closure)| (words(name), closure));
         let all: Vec<(String, &Closure)> =
             all.chain([("all, in units of noise".to_owned(), &self.diagnosis.total)]).collect();
@@ -121,6 +133,10 @@ impl Page {
                 percent(closure.ci90[0]),
                 percent(closure.ci90[1]),
                 percent(closure.of_closable),
+                percent(closure.measures.mean),
+                percent(closure.measures.mean_without_apart),
+                percent(closure.measures.rms),
+                percent(closure.measures.robust),
             ]);
         }
         table

@@ -80,6 +80,7 @@ fn merged(parts: &[Box<dyn Forward>], diagnosed: &[Diagnosed], seed: u64) -> Dia
         total: pooled(&pool, seed),
         channels: each().flat_map(|own| own.channels.clone()).collect(),
         held_out,
+        apart: each().flat_map(|own| own.apart.clone()).collect(),
         budget: mean_budget(each()),
         masked: each().flat_map(|own| own.masked.clone()).collect(),
         next: next.cloned().unwrap_or_else(NextExperiment::default),

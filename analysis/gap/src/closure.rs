@@ -5,18 +5,16 @@ use super::catalogue::entry;
 use super::constants::{NINETY, TOO_FEW};
 use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
+use super::measures::{CLOSABLE, Left, Measures, apart};
 use super::noise::HUBER;
 use super::reframed::Reframed;
 use super::settle::settled;
 use super::trial::Trial;
-use super::{Basis, Closure, Forward, Measured, Method};
+use super::{Apart, Basis, Closure, Forward, Measured, Method, Transform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
-/// is known to a tenth.
-const CLOSABLE: f64 = 0.2;
 /// Resamples of groups for an interval.
 const RESAMPLES: usize = 400;
 
@@ -127,10 +125,82 @@ pub fn closures(
     };
     let one = |place: usize| {
         let fits: Vec<&Sums> = fits.iter().map(|fit| &fit[place]).collect();
-        closure(&values[place], &fits, seed)
+        let left: Vec<Left> = if place < channels {
+            readings(model, basis, [base, chosen], scored, place).into_iter().map(|(_, own)| own).collect()
+        } else {
+            among_channels(model, basis, [base, chosen], scored, &among)
+        };
+        closure(&values[place], &fits, &left, seed)
     };
     let by_channel = measured.channels.iter().enumerate().map(|(index, channel)| (channel.name, one(index))).collect();
     (one(channels), by_channel)
+}
+
+/// What two models leave of the readings of a channel in the groups `scored`, SI, with the place of each observation.
+fn readings(
+    model: &dyn Forward,
+    basis: &Basis,
+    [base, chosen]: [&LeftOut; 2],
+    scored: &[usize],
+    channel: usize,
+) -> Vec<(usize, Left)> {
+    let measured = &model.frame().measured;
+    let transform = measured.channels[channel].transform;
+    let of = |i: usize| {
+        let value = measured.observations[i].value;
+        let deviation = basis.noise.deviation(measured, i);
+        let kind = model.frame().kind_of(measured.observations[i].row);
+        let left = match transform {
+            Transform::Linear => Left { before: base.residual[i], after: chosen.residual[i], deviation, kind },
+            Transform::Log => {
+                let off = |residual: f64| value.exp() - (value - residual).exp();
+                let deviation = deviation * value.exp();
+                Left { before: off(base.residual[i]), after: off(chosen.residual[i]), deviation, kind }
+            }
+        };
+        (i, left)
+    };
+    let places = scored.iter().flat_map(|group| measured.spans[*group].clone());
+    places.filter(|i| measured.observations[*i].channel == channel).map(of).collect()
+}
+
+/// The same of all channels that `count`, in standard deviations of the noise.
+fn among_channels(
+    model: &dyn Forward,
+    basis: &Basis,
+    left: [&LeftOut; 2],
+    scored: &[usize],
+    count: &[bool],
+) -> Vec<Left> {
+    let own = |channel: usize| readings(model, basis, left, scored, channel);
+    let all = (0..count.len()).filter(|channel| count[*channel]).flat_map(own);
+    all.map(|(_, own)| own.standardised()).collect()
+}
+
+/// What two models leave of the scored readings of the channels `touched` (all, if none is named), in standard deviations
+/// of the noise.
+pub(super) fn standardised(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 2], touched: &[&str]) -> Vec<Left> {
+    let measured = &model.frame().measured;
+    among_channels(model, basis, left, &scored(measured), &counted(measured, touched))
+}
+
+/// Readings in the groups `scored` that stand apart with either model.
+pub(super) fn standing_apart(model: &dyn Forward, basis: &Basis, left: [&LeftOut; 2], scored: &[usize]) -> Vec<Apart> {
+    let frame = model.frame();
+    let measured = &frame.measured;
+    let of = |channel: usize| {
+        let (places, own): (Vec<usize>, Vec<Left>) = readings(model, basis, left, scored, channel).into_iter().unzip();
+        let about = &measured.channels[channel];
+        let row = |at: usize| Apart {
+            row: frame.record_of(measured.observations[places[at]].row),
+            operation_id: String::new(),
+            channel: about.name,
+            excess: own[at].before,
+            unit: about.unit,
+        };
+        apart(&own).into_iter().map(row).collect::<Vec<_>>()
+    };
+    (0..measured.channels.len()).flat_map(of).collect()
 }
 
 /// Whether each channel counts for effects that touch some: all, if none of them is measured.
@@ -174,8 +244,8 @@ pub(super) fn huber(standard: f64) -> f64 {
     if standard.abs() <= far { standard * standard } else { far * (2.0 * standard.abs() - far) }
 }
 
-/// `fits` are sums with fits to other groups; none where the fit counts as it is.
-pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
+/// `fits` are sums with fits to other groups; none where the fit counts as it is. `left` are the readings themselves.
+pub(super) fn closure(sums: &Sums, fits: &[&Sums], left: &[Left], seed: u64) -> Closure {
     let groups: Vec<usize> = (0..sums.count.len()).filter(|i| sums.count[*i] > 0.0).collect();
     // Every group counts alike: else the one with the most readings would decide.
     let root = |values: &[f64], groups: &[usize]| {
@@ -216,6 +286,7 @@ pub(super) fn closure(sums: &Sums, fits: &[&Sums], seed: u64) -> Closure {
         } else {
             f64::NAN
         },
+        measures: Measures::of(left),
     }
 }
 
@@ -233,12 +304,12 @@ mod tests {
         let own = sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0]);
         let others =
             [0.5, 0.8, 1.1, 1.6].map(|factor| sums([8.0, 9.0, 10.0, 11.0, 9.5, 10.5, 12.0, 10.0].map(|x| factor * x)));
-        let (narrow, wide) = (closure(&own, &[], 1), closure(&own, &others.iter().collect::<Vec<_>>(), 1));
+        let (narrow, wide) = (closure(&own, &[], &[], 1), closure(&own, &others.iter().collect::<Vec<_>>(), &[], 1));
         assert_eq!(narrow.closed, wide.closed);
         assert!((narrow.closed - 0.5).abs() < 1e-12);
         let width = |closure: &Closure| closure.ci90[1] - closure.ci90[0];
         assert!(width(&wide) > 3.0 * width(&narrow), "{narrow:?} {wide:?}");
         assert!(wide.ci90[0] < 0.5 && 0.5 < wide.ci90[1]);
-        assert_eq!(closure(&own, &[&own], 1).ci90, narrow.ci90, "a fit that does not move changes nothing");
+        assert_eq!(closure(&own, &[&own], &[], 1).ci90, narrow.ci90, "a fit that does not move changes nothing");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::belief::{closed_by_constants, held_against, spares};
 use super::catalogue::{entry, report_units};
-use super::closure::{closures, scored, touched};
+use super::closure::{closures, scored, standing_apart, touched};
 use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
 use super::decide::{Decision, decide};
 use super::diagnosing::Diagnosing;
@@ -111,6 +111,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         total,
         channels,
         held_out: scored.iter().map(|group| measured.groups[*group].clone()).collect(),
+        apart: standing_apart(model, &basis, [&base_left, &chosen_left], &scored),
         budget: budget(model, &decision),
         masked: hidden.iter().map(|shown| shown.row.clone()).collect(),
         next: NextExperiment::default(),

@@ -1,6 +1,6 @@
 //! What a diagnosis says, and its JSON form (schema 1).
 
-use super::{Fitness, Identifiable};
+use super::{Fitness, Identifiable, Measures};
 use serde_json::{Value, json};
 use toolroom_facts::{Fact, Finding};
 
@@ -104,6 +104,23 @@ pub struct Closure {
     /// Share of what could be closed at all: of the mean square above the noise floor, at most 1. No number where less
     /// than a fifth of the mean square lies above it.
     pub of_closable: f64,
+    /// Four measures of the same readings, none of which counts a far one less than it is but where it says so.
+    pub measures: Measures,
+}
+
+/// A reading that stands apart from all others of its channel, with the named effects as without.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    /// Row of the records.
+    pub row: usize,
+    /// Its operation; empty where nobody said.
+    pub operation_id: String,
+    /// Channel.
+    pub channel: &'static str,
+    /// Measured less predicted without effects, SI.
+    pub excess: f64,
+    /// SI unit.
+    pub unit: &'static str,
 }
 
 /// Share of the gap by cause; none is negative, they sum to 1.
@@ -162,6 +179,8 @@ pub struct Diagnosis {
     pub channels: Vec<(&'static str, Closure)>,
     /// Groups on which it was scored.
     pub held_out: Vec<String>,
+    /// Readings in those that stand apart.
+    pub apart: Vec<Apart>,
     /// Where the gap goes.
     pub budget: Budget,
     /// What cannot be seen.
@@ -270,13 +289,20 @@ impl Budget {
 
 impl Closure {
     /// Of a gap of which nothing is known.
-    pub(super) const UNKNOWN: Self =
-        Self { before: f64::NAN, after: f64::NAN, closed: f64::NAN, ci90: [f64::NAN; 2], of_closable: f64::NAN };
+    pub(super) const UNKNOWN: Self = Self {
+        before: f64::NAN,
+        after: f64::NAN,
+        closed: f64::NAN,
+        ci90: [f64::NAN; 2],
+        of_closable: f64::NAN,
+        measures: Measures::UNKNOWN,
+    };
 
     pub(super) fn json(&self, with_groups: Option<&[String]>) -> Value {
         let mut value = json!({
             "before": number(self.before), "after": number(self.after), "closed": number(self.closed),
             "ci90": [number(self.ci90[0]), number(self.ci90[1])], "of_closable": number(self.of_closable),
+            "measures": self.measures.json(),
         });
         if let Some(groups) = with_groups {
             value["heldout_groups"] = json!(groups);
@@ -295,6 +321,7 @@ impl Diagnosis {
             total: Closure::UNKNOWN,
             channels: Vec::new(),
             held_out: Vec::new(),
+            apart: Vec::new(),
             budget: Budget::UNKNOWN,
             masked: Vec::new(),
             next: NextExperiment::default(),
@@ -347,6 +374,10 @@ impl Diagnosis {
             "effects": self.effects.iter().map(effect).collect::<Vec<_>>(),
             "where": self.cells.iter().map(cell).collect::<Vec<_>>(),
             "closure": { "total": self.total.json(Some(&self.held_out)), "channels": channels },
+            "apart": self.apart.iter().map(|own| json!({
+                "operation_id": own.operation_id, "row": own.row, "channel": own.channel, "excess": number(own.excess),
+                "unit": own.unit,
+            })).collect::<Vec<_>>(),
             "budget": self.budget.json(),
             "masked": self.masked.iter().map(masked).collect::<Vec<_>>(),
             "next_experiment": {

@@ -314,9 +314,9 @@ impl<'a> Test<'a> {
             let step = channel.sensor.resolution;
             let raw = |value: f64| if channel.transform == Transform::Log { value.exp() } else { value };
             // The deviation counts a step by its rectangular spread; the step itself is drawn below.
-            let spread = step / raw(observation.value) / 12.0_f64.sqrt();
+            let spread = step / raw(predicted) / 12.0_f64.sqrt();
             let spread = if channel.transform == Transform::Log { spread } else { step / 12.0_f64.sqrt() };
-            let deviation = (observation.deviation.powi(2) - spread.powi(2)).max(0.0).sqrt();
+            let deviation = (self.noise.deviation(measured, i).powi(2) - spread.powi(2)).max(0.0).sqrt();
             let mut value = predicted + column[i] + deviation * z;
             if step > 0.0 {
                 let read = (raw(value) / step).round() * step;

@@ -51,6 +51,7 @@ mod identifiability;
 mod joined;
 mod left_out;
 mod linear;
+mod measures;
 mod method;
 mod noise;
 pub mod plan;
@@ -78,8 +79,8 @@ pub use constants::FEWEST_GROUPS;
 pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
-    Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed, Ranked,
-    Tried,
+    Apart, Budget, Calibrated, Cell, Closure, Diagnosis, Found, GapVerdict, NamedEffect, NextExperiment, NotNamed,
+    Ranked, Tried,
 };
 pub use fit::{Fit, fit};
 pub use fitness::{Fitness, LeastSeen, Part, Structure};
@@ -87,6 +88,7 @@ pub use gram::normal_equations;
 pub use identifiability::{Identifiable, identifiability};
 pub use joined::joined;
 pub use linear::{Linear, predict};
+pub use measures::{Left, Measures, apart};
 pub use method::{Bare, Method};
 pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes, diagnosed_processes};

@@ -1,6 +1,6 @@
 //! Noise as the data show it: scale, memory and outliers of each channel.
 
-use super::Measured;
+use super::{Measured, Observation, Transform};
 use std::sync::Arc;
 use toolroom_innovations::{Chain, Filter};
 pub(crate) use toolroom_nominal::{HUBER, MAD};
@@ -23,6 +23,8 @@ pub struct Noise {
     pub memory: Vec<f64>,
     /// Root of the weight of each whitened value.
     pub weight: Vec<f64>,
+    /// Standard deviation of each observation by the sensor sheet, transformed.
+    deviations: Arc<Vec<f64>>,
     /// How each group scatters from row to row, with the deviations of the sheet; empty where nothing is known of it.
     pub(super) chains: Arc<Vec<Chain>>,
     /// The filters of the chains at the scales.
@@ -32,11 +34,35 @@ pub struct Noise {
 impl Noise {
     /// The sensor sheet as it stands, and what is known of the scatter from row to row.
     pub fn of_sheet(measured: &Measured, chains: Vec<Chain>) -> Self {
+        let deviations = measured.observations.iter().map(|observation| observation.deviation).collect();
+        Self::of_deviations(measured, deviations, chains)
+    }
+
+    /// The same with the sheet read at what a model predicts instead of at what was read: `residual` is what it leaves.
+    /// The share of a deviation that grows with the value would else weigh a low reading more than a high one.
+    pub(super) fn at_predictions(measured: &Measured, residual: &[f64], chains: Vec<Chain>) -> Self {
+        let deviation = |(observation, residual): (&Observation, &f64)| {
+            let channel = &measured.channels[observation.channel];
+            let predicted = observation.value - residual;
+            let of = |transformed: f64| match channel.transform {
+                Transform::Linear => channel.sensor.deviation(transformed),
+                Transform::Log => channel.sensor.deviation(transformed.exp()) / transformed.exp(),
+            };
+            // What else an observation scatters by stays.
+            let other = observation.deviation.powi(2) - of(observation.value).powi(2);
+            (other.max(0.0) + of(predicted).powi(2)).sqrt()
+        };
+        let deviations = measured.observations.iter().zip(residual).map(deviation).collect();
+        Self::of_deviations(measured, deviations, chains)
+    }
+
+    fn of_deviations(measured: &Measured, deviations: Vec<f64>, chains: Vec<Chain>) -> Self {
         let channels = measured.channels.len();
         let mut noise = Self {
             scale: vec![1.0; channels],
             memory: vec![0.0; channels],
             weight: vec![1.0; measured.len()],
+            deviations: Arc::new(deviations),
             chains: Arc::new(chains),
             filters: Arc::default(),
         };
@@ -119,7 +145,7 @@ impl Noise {
         }
         noise.filter(measured);
         let white = noise.whiten(measured, residual);
-        let weight = |(value, observation): (&f64, &super::Observation)| {
+        let weight = |(value, observation): (&f64, &Observation)| {
             if measured.rare[observation.channel] { 1.0 } else { (HUBER / value.abs().max(HUBER)).sqrt() }
         };
         noise.weight = white.iter().zip(&measured.observations).map(weight).collect();
@@ -170,8 +196,7 @@ impl Noise {
 
     /// Standard deviation of an observation's noise, transformed.
     pub fn deviation(&self, measured: &Measured, i: usize) -> f64 {
-        let observation = &measured.observations[i];
-        observation.deviation * self.scale[observation.channel]
+        self.deviations[i] * self.scale[measured.observations[i].channel]
     }
 }
 

@@ -1,8 +1,9 @@
 //! Closure over several models that were diagnosed by themselves.
 
 use super::catalogue::entry;
-use super::closure::{FITS, Sums, closure, counted, huber, scored};
+use super::closure::{FITS, Sums, closure, counted, huber, scored, standardised};
 use super::left_out::LeftOut;
+use super::measures::Left;
 use super::{Closure, Diagnosed, Forward};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -32,5 +33,13 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
         Sums { before: column(0), after: column(1), floor: column(2), count: column(3) }
     };
     let fits: Vec<Sums> = (0..FITS).into_par_iter().map(|draw| sums(Some(draw))).collect();
-    closure(&sums(None), &fits.iter().collect::<Vec<_>>(), seed)
+    let left: Vec<Left> = parts
+        .iter()
+        .flat_map(|(_, model, diagnosed)| {
+            let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
+            let touched: Vec<&str> = rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect();
+            standardised(*model, &diagnosed.basis, [&diagnosed.held_out[0], &diagnosed.held_out[1]], &touched)
+        })
+        .collect();
+    closure(&sums(None), &fits.iter().collect::<Vec<_>>(), &left, seed)
 }

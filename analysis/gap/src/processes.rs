@@ -22,7 +22,8 @@ use toolroom_chart::{Axis, Estimate, Intervals, Table};
 /// Lines of the terminal's summary.
 const LINES: usize = 10;
 /// Lists of a diagnosis whose entries say of which process they are.
-const LISTS: [&str; 8] = ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts"];
+const LISTS: [&str; 9] =
+    ["effects", "where", "masked", "calibration", "ranking", "tried", "not_named", "facts", "apart"];
 
 /// What is said of every process of a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,6 +131,7 @@ impl Answers {
             "budget": budget.json(), "masked": list("masked"), "next_experiment": next,
             "calibration": list("calibration"), "ranking": list("ranking"), "tried": list("tried"),
             "not_named": list("not_named"), "untried": self.untried_json(), "notes": notes, "facts": list("facts"),
+            "apart": list("apart"),
             "processes": own.into_iter().map(|(process, own)| (process.to_owned(), own)).collect::<Map<_, _>>(),
         })
     }

@@ -92,6 +92,11 @@ pub fn queues(shop: &Shop, seen: &Visits, stated: &[Deviation], diagnosis: &Diag
 }
 
 impl QueueScore {
+    /// The fit of the model with the named effects, if there are any.
+    pub fn fit(&self, named: bool) -> &QueueFit {
+        if named { &self.with } else { &self.without }
+    }
+
     /// In words.
     pub fn words(&self, named: bool) -> String {
         let machines = self.machines.join(", ");

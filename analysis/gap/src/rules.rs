@@ -14,7 +14,7 @@ use super::decide::Decision;
 use super::diagnosing::Diagnosing;
 use super::evidence::predictive_gain;
 use super::trial::{Remainder, Trial};
-use super::{Closure, Forward};
+use super::{Closure, Fit, Forward};
 use std::sync::OnceLock;
 
 /// One rule of the decision.
@@ -286,15 +286,18 @@ fn scattered(judged: &Judged<'_>) -> f64 {
 
 /// Share of what the further effects do that they do to readings which the others move too.
 fn overlap(judged: &Judged<'_>) -> f64 {
-    let (model, linear) = (judged.model(), &judged.trial.fit.linear);
-    let moves =
-        |list: &[usize], i: usize| list.iter().map(|index| linear.effects[*index][i]).map(f64::abs).sum::<f64>();
-    let (before, added) = (&judged.beside.fit.active, judged.added());
-    let square =
-        |i: usize| (moves(&added, i) / judged.context.basis.noise.deviation(&model.frame().measured, i)).powi(2);
-    let rows = 0..linear.residual.len();
+    let (model, own, other) = (judged.model(), &judged.trial.fit, &judged.beside.fit);
+    // Each fit has the derivatives by its own effects: the model need not have kept those of the one beside it.
+    let moves = |fit: &Fit, list: &[usize], i: usize| {
+        let slope = |index: &usize| fit.linear.effects[*index].get(i).map_or(0.0, |slope| slope.abs());
+        list.iter().map(slope).sum::<f64>()
+    };
+    let added = judged.added();
+    let deviation = |i: usize| judged.context.basis.noise.deviation(&model.frame().measured, i);
+    let square = |i: usize| (moves(own, &added, i) / deviation(i)).powi(2);
+    let rows = 0..own.linear.residual.len();
     let all: f64 = rows.clone().map(square).sum();
-    let shared: f64 = rows.filter(|i| moves(before, *i) != 0.0).map(square).sum();
+    let shared: f64 = rows.filter(|i| moves(other, &other.active, *i) != 0.0).map(square).sum();
     if all > 0.0 { shared / all } else { 0.0 }
 }
 

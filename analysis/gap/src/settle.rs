@@ -39,7 +39,8 @@ pub(super) fn stated(model: &dyn Forward, basis: &Basis, fit: &Fit) -> (Basis, F
     let fit = super::fit::fit(model, &stated.noise, fit.linear.clone(), &[], &stated.local_scale);
     let fit = fit.complete(model);
     // Wear moves its own scatter along: the chains are those of the fit.
-    stated.noise = super::Noise::of_sheet(&model.frame().measured, model.chains(&fit.linear.point));
+    let chains = model.chains(&fit.linear.point);
+    stated.noise = super::Noise::at_predictions(&model.frame().measured, &fit.linear.residual, chains);
     (stated, fit)
 }
 

@@ -1,6 +1,7 @@
 //! Features of recorded rows: standardised conditions, levels, covariates.
 
 use super::Covariate;
+use std::collections::BTreeMap;
 use toolroom_records::Records;
 
 /// Spread below which a column counts as constant, relative.
@@ -138,4 +139,33 @@ pub fn covariates(records: &Records, groups: &[usize], conditions: &[&str], wear
         }
     }
     covariates
+}
+
+/// Lots by the column `lot`; without it, pieces of a part in the order of time, as many to a lot as the scenario says.
+pub(super) fn lots(records: &Records, sizes: &[(String, u32)]) -> Vec<usize> {
+    if let Some((names, of_row)) = records.levels("lot")
+        && names.len() > 1
+    {
+        return of_row;
+    }
+    let mut order: Vec<usize> = (0..records.len()).collect();
+    if let Some(times) = records.numbers("start_time") {
+        order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
+    }
+    let (names, of_row) = records.levels("part_type").unwrap_or_else(|| (Vec::new(), vec![0; records.len()]));
+    let size = |part: usize| {
+        let named = sizes.iter().find(|(name, _)| names.get(part) == Some(name)).or(sizes.first());
+        named.map_or(1, |(_, size)| (*size).max(1) as usize)
+    };
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut numbers: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    let mut lots = vec![0; records.len()];
+    for row in order {
+        let count = counts.entry(of_row[row]).or_default();
+        let key = (of_row[row], *count / size(of_row[row]));
+        *count += 1;
+        let next = numbers.len();
+        lots[row] = *numbers.entry(key).or_insert(next);
+    }
+    lots
 }

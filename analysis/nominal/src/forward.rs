@@ -161,6 +161,10 @@ pub struct Frame {
     pub words: Words,
     /// How its equations may be off beyond the form allowance; `None` where nothing is known of it.
     pub discrepancy: Option<Discrepancy>,
+    /// Row of the records behind each row; empty where they are the same.
+    pub order: Vec<usize>,
+    /// Kind of each row, among whose readings one may stand apart; empty where all are of one kind.
+    pub kinds: Vec<usize>,
 }
 
 impl Frame {
@@ -177,7 +181,19 @@ impl Frame {
             notes: Vec::new(),
             words: Words::default(),
             discrepancy: None,
+            order: Vec::new(),
+            kinds: Vec::new(),
         }
+    }
+
+    /// The row of the records behind `row`.
+    pub fn record_of(&self, row: usize) -> usize {
+        self.order.get(row).copied().unwrap_or(row)
+    }
+
+    /// The kind of `row`.
+    pub fn kind_of(&self, row: usize) -> usize {
+        self.kinds.get(row).copied().unwrap_or(0)
     }
 
     /// Whether each parameter, then each surface, is part of the form allowance rather than of the calibration.

@@ -1,7 +1,7 @@
 //! What differs from edge to edge and from piece to piece in a run of the scenario.
 
 use super::{Local, Ports};
-use std::collections::BTreeMap;
+use crate::features;
 use toolroom_process::Record;
 use toolroom_records::Records;
 use toolroom_wear::Scatter;
@@ -36,7 +36,7 @@ impl Scattered {
         Self {
             scatter,
             land: scatter.initial_wear * (0.5 * spread * spread).exp(),
-            lots: lots(records, sizes),
+            lots: features::lots(records, sizes),
             kinds: told_apart.then(|| (both.sqrt(), mechanical / both)),
         }
     }
@@ -73,33 +73,4 @@ impl Scattered {
     pub fn land_deviation(&self) -> f64 {
         self.land * self.scatter.initial_wear_scatter.powi(2).exp_m1().sqrt()
     }
-}
-
-/// Lots by the column `lot`; without it, pieces of a part in the order of time, as many to a lot as the scenario says.
-fn lots(records: &Records, sizes: &[(String, u32)]) -> Vec<usize> {
-    if let Some((names, of_row)) = records.levels("lot")
-        && names.len() > 1
-    {
-        return of_row;
-    }
-    let mut order: Vec<usize> = (0..records.len()).collect();
-    if let Some(times) = records.numbers("start_time") {
-        order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
-    }
-    let (names, of_row) = records.levels("part_type").unwrap_or_else(|| (Vec::new(), vec![0; records.len()]));
-    let size = |part: usize| {
-        let named = sizes.iter().find(|(name, _)| names.get(part) == Some(name)).or(sizes.first());
-        named.map_or(1, |(_, size)| (*size).max(1) as usize)
-    };
-    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
-    let mut numbers: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let mut lots = vec![0; records.len()];
-    for row in order {
-        let count = counts.entry(of_row[row]).or_default();
-        let key = (of_row[row], *count / size(of_row[row]));
-        *count += 1;
-        let next = numbers.len();
-        lots[row] = *numbers.entry(key).or_insert(next);
-    }
-    lots
 }

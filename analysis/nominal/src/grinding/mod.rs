@@ -10,6 +10,7 @@
 mod catalogue;
 mod conditions;
 mod plunge;
+mod scattered;
 mod words;
 
 pub use conditions::dressings;
@@ -22,6 +23,7 @@ use catalogue::Action;
 use conditions::Conditions;
 use plunge::{Plunge, plunge};
 use rayon::prelude::*;
+use scattered::Scattered;
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Input};
 use toolroom_innovations::Chain;
@@ -51,6 +53,8 @@ pub struct Grinding {
     rows: Vec<Vec<usize>>,
     changes: Vec<Change>,
     actions: Vec<Action>,
+    /// How workpieces scatter; `None` where no scenario stands behind the trials.
+    scattered: Option<Scattered>,
 }
 
 /// Mean radius lags behind the radius at the wheel by half a revolution's depth where infeed is
@@ -88,7 +92,8 @@ impl Grinding {
             notes,
             ..Frame::new(measured)
         };
-        let mut model = Self { process, frame, conditions, rows, changes: Vec::new(), actions: Vec::new() };
+        let scattered = stated.tool.is_some().then(|| Scattered::new(records, settings));
+        let mut model = Self { process, frame, conditions, rows, changes: Vec::new(), actions: Vec::new(), scattered };
         model.calibration(records, settings);
         model.allowance(records);
         model.catalogue(records);
@@ -167,8 +172,9 @@ impl Grinding {
         process
     }
 
-    /// Readings of all trials after one dressing.
-    fn dressing(&self, process: &Infeed, at: &Point, group: usize) -> Vec<Plunge> {
+    /// Readings of all trials after one dressing, each of a workpiece that is harder by the share `harder` than those
+    /// before it.
+    fn dressing(&self, process: &Infeed, at: &Point, group: usize, harder: f64) -> Vec<Plunge> {
         let c = &self.conditions;
         let mut process = process.clone();
         if let Some(row) = self.rows[group].first() {
@@ -209,9 +215,15 @@ impl Grinding {
                 // Each trial finds its own contact: what the wheel has worn is not missing.
                 part.commanded_infeed = part.wheel_wear;
             }
-            let (read, end) = plunge(&process, part, &u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
+            let ground =
+                |u: &Input| plunge(&process, part, u, [c.revolutions[*row], c.spark_out[*row]], exponent, ramp);
+            let (read, end) = ground(&u);
             wheel = end;
-            readings.push(read);
+            readings.push(if harder == 0.0 {
+                read
+            } else {
+                ground(&Input { process_stiffness_factor: factor * (1.0 + harder), ..u }).0
+            });
         }
         readings
     }
@@ -241,16 +253,16 @@ impl Forward for Grinding {
         self.written_effect(candidate)
     }
     fn scatter_is_known(&self, _channel: usize) -> bool {
-        false
+        self.scattered.is_some()
     }
-    fn chains(&self, _at: &Point) -> Vec<Chain> {
-        Vec::new()
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        self.chains_at(at)
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let process = self.process_at(at);
         let measured = &self.frame.measured;
         let of_group = |group: usize| {
-            let readings = self.dressing(&process, at, group);
+            let readings = self.dressing(&process, at, group, 0.0);
             let place: std::collections::BTreeMap<usize, usize> =
                 self.rows[group].iter().enumerate().map(|(place, row)| (*row, place)).collect();
             let span = &measured.observations[measured.spans[group].clone()];

@@ -108,17 +108,44 @@ pub(super) fn plunge(
         stock_removed: part.stock_removed - warm - ramp * part.depth_of_cut,
         normal_force: steady.normal_force,
         tangential_force: steady.tangential_force,
-        rise_revolutions: risen(&rise, RISEN * steady.normal_force),
+        rise_revolutions: risen(&rise, steady.normal_force),
         force_after_spark_out: process.normal_force(&part, &contact.input(&resting)),
     };
     (read, part)
 }
 
-/// Where the force first comes to `level`, between revolutions on a straight line.
-fn risen(rise: &[(f64, f64)], level: f64) -> f64 {
-    let crossing = rise.windows(2).find(|pair| pair[1].1 >= level);
+/// Where the force first comes to [`RISEN`] of `steady`. Between revolutions what is missing falls by the same share in
+/// equal times, as it does from one to the next: on a straight line the slope by a stiffness would jump wherever the
+/// crossing passes a whole number of revolutions.
+fn risen(rise: &[(f64, f64)], steady: f64) -> f64 {
+    let crossing = rise.windows(2).find(|pair| pair[1].1 >= RISEN * steady);
     crossing.map_or(0.0, |pair| {
         let ((from, low), (to, high)) = (pair[0], pair[1]);
-        if high > low { from + (to - from) * (level - low) / (high - low) } else { to }
+        let [before, after] = [low, high].map(|force| 1.0 - force / steady);
+        let share = if after > 0.0 && before > after {
+            (before / (1.0 - RISEN)).ln() / (before / after).ln()
+        } else if high > low {
+            (RISEN * steady - low) / (high - low)
+        } else {
+            1.0
+        };
+        from + (to - from) * share
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rise_of_first_order_is_read_where_its_law_has_it() {
+        for lag in [0.5, 0.5493, 0.553, 0.6_f64] {
+            let rise: Vec<(f64, f64)> = (0..40).map(|n| (f64::from(n), 170.0 * (1.0 - lag.powi(n)))).collect();
+            let golden = toolroom_infeed::revolutions_to(RISEN, lag);
+            assert!((risen(&rise, 170.0) - golden).abs() < 1e-9, "{lag}: {} instead of {golden}", risen(&rise, 170.0));
+        }
+        // A force that has come to its end within a revolution has no rate to go by.
+        assert!((risen(&[(0.0, 0.0), (1.0, 100.0)], 100.0) - 0.95).abs() < 1e-12);
+        assert_eq!(risen(&[], 100.0), 0.0);
+    }
 }

@@ -118,6 +118,10 @@ impl Stretches {
             ];
             observation.deviation = scatter.iter().fold(observation.deviation, |sum, own| sum.hypot(*own));
         }
+        // Motions, holes and tool changes are off by times of their own order.
+        let kind = |row: usize| usize::from(rows.holes[row] > 0.0) + 2 * usize::from(rows.changes[row] > 0.0);
+        frame.kinds = (0..records.len()).map(kind).collect();
+        frame.order = order;
         let mut stretches = Self { model, frame, rows, actions: Vec::new(), features: Vec::new() };
         stretches.allowance(&records);
         stretches.catalogue(whole);

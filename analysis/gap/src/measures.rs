@@ -1,0 +1,182 @@
+//! How far a gap shrinks, in four numbers that say different things about the same readings.
+//!
+//! A sum is what a planner asks for, and one reading may rule it; so the readings that stand far apart are named and the
+//! sum is shown without them, too. A root mean square asks for the spread, a robust loss for the ordinary reading.
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use toolroom_statistics::median;
+
+/// Residual in standard deviations beyond which a reading stands apart, before and after (1). Assumption: no reading of
+/// noise lies there.
+const FAR: f64 = 6.0;
+/// Residual of such a reading over the median of its kind (1). Assumption: where all readings are far off, none of them
+/// stands apart.
+const BEYOND: f64 = 5.0;
+/// Standard deviations from which the robust loss is linear (1). Assumption, as for the noise.
+const HUBER: f64 = 2.5;
+/// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
+/// is known to a tenth.
+pub(super) const CLOSABLE: f64 = 0.2;
+
+/// What two models leave of one reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// Residual of the model without effects.
+    pub before: f64,
+    /// Residual with them.
+    pub after: f64,
+    /// Standard deviation of its noise, in the same unit.
+    pub deviation: f64,
+    /// Its kind: what is usual is the median of its kind.
+    pub kind: usize,
+}
+
+impl Left {
+    /// The same in standard deviations of the noise.
+    pub fn standardised(self) -> Self {
+        Self { before: self.before / self.deviation, after: self.after / self.deviation, deviation: 1.0, ..self }
+    }
+}
+
+/// Four measures of how far a gap shrinks; `NaN` where there is no gap of that kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measures {
+    /// `1 − |Σ after| / |Σ before|`.
+    pub mean: f64,
+    /// The same without the readings that stand apart.
+    pub mean_without_apart: f64,
+    /// `1 −` the ratio of root mean squares.
+    pub rms: f64,
+    /// `1 −` the root of the ratio of mean Huber losses.
+    pub robust: f64,
+    /// Share of the mean square above the noise that is closed, without the readings that stand apart, at most 1. No
+    /// number where less than a fifth of the mean square lies above the noise.
+    pub of_closable: f64,
+}
+
+/// Places of the readings that stand apart: far off before and after, and by much more than is usual among their kind.
+pub fn apart(readings: &[Left]) -> Vec<usize> {
+    let mut kinds: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    readings.iter().for_each(|own| kinds.entry(own.kind).or_default().push(own.before.abs()));
+    let usual: BTreeMap<usize, f64> = kinds.into_iter().map(|(kind, mut sizes)| (kind, median(&mut sizes))).collect();
+    let far = |own: &Left| {
+        own.before.abs().min(own.after.abs()) > FAR * own.deviation && own.before.abs() > BEYOND * usual[&own.kind]
+    };
+    (0..readings.len()).filter(|i| far(&readings[*i])).collect()
+}
+
+impl Measures {
+    /// Of a gap of which nothing is known.
+    pub(super) const UNKNOWN: Self =
+        Self { mean: f64::NAN, mean_without_apart: f64::NAN, rms: f64::NAN, robust: f64::NAN, of_closable: f64::NAN };
+
+    /// Of readings, each with what two models leave of it.
+    pub fn of(readings: &[Left]) -> Self {
+        let apart = apart(readings);
+        let ordinary: Vec<Left> =
+            readings.iter().enumerate().filter(|(i, _)| !apart.contains(i)).map(|(_, own)| *own).collect();
+        let mean = |readings: &[Left]| {
+            let sum = |of: fn(&Left) -> f64| readings.iter().map(of).sum::<f64>().abs();
+            1.0 - sum(|own| own.after) / sum(|own| own.before)
+        };
+        let total = |readings: &[Left], of: &dyn Fn(&Left) -> f64| readings.iter().map(of).sum::<f64>();
+        let ratio = |of: &dyn Fn(f64, f64) -> f64| {
+            let after = total(readings, &|own| of(own.after, own.deviation));
+            (after / total(readings, &|own| of(own.before, own.deviation))).sqrt()
+        };
+        let square = |of: fn(&Left) -> f64| total(&ordinary, &|own| of(own).powi(2));
+        let (before, after, floor) = (square(|own| own.before), square(|own| own.after), square(|own| own.deviation));
+        let closable = before - floor;
+        Self {
+            mean: mean(readings),
+            mean_without_apart: mean(&ordinary),
+            rms: 1.0 - ratio(&|residual, _| residual * residual),
+            robust: 1.0 - ratio(&|residual, deviation| huber(residual / deviation)),
+            of_closable: if closable > CLOSABLE * before { ((before - after) / closable).min(1.0) } else { f64::NAN },
+        }
+    }
+
+    /// The four measures as `closure` of `diagnosis.json` shows them.
+    pub(super) fn json(&self) -> Value {
+        let number = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+        json!({
+            "mean": number(self.mean), "mean_without_apart": number(self.mean_without_apart), "rms": number(self.rms),
+            "robust": number(self.robust), "of_closable": number(self.of_closable),
+        })
+    }
+}
+
+/// Huber's loss of a standardised residual.
+fn huber(standard: f64) -> f64 {
+    let size = standard.abs();
+    if size <= HUBER { 0.5 * size * size } else { HUBER * (size - 0.5 * HUBER) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn readings(before: [f64; 8], after: [f64; 8]) -> Vec<Left> {
+        let own = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, kind: 0 };
+        before.into_iter().zip(after).map(own).collect()
+    }
+
+    const BEFORE: [f64; 8] = [6.0, 5.2, 4.1, 5.8, 120.0, 4.7, 5.5, 6.3];
+    const AFTER: [f64; 8] = [0.4, -0.6, 0.9, 0.2, 114.5, -0.3, 0.5, 0.7];
+
+    #[test]
+    fn one_reading_rules_the_sum_and_the_others_show_what_is_closed() {
+        let all = readings(BEFORE, AFTER);
+        assert_eq!(apart(&all), [4]);
+        let found = Measures::of(&all);
+        // By hand: 1 − 116.3/157.6, 1 − 1.8/37.6; losses by Huber 284.225 and 369.
+        let golden = [
+            (found.mean, 0.262056),
+            (found.mean_without_apart, 0.952128),
+            (found.rms, 0.0524909),
+            (found.robust, 0.122357),
+        ];
+        for (own, golden) in golden {
+            assert!((own / golden - 1.0).abs() < 2e-6, "{own} instead of {golden}");
+        }
+        assert_eq!(found.of_closable, 1.0, "1.024 of what lies above the noise is all of it");
+    }
+
+    #[test]
+    fn what_is_usual_for_one_kind_is_far_for_another() {
+        let mut all = readings(BEFORE, AFTER);
+        all.extend([110.0, 118.0, 125.0].map(|before| Left { before, after: 100.0, deviation: 1.0, kind: 1 }));
+        assert_eq!(apart(&all), [4]);
+        all[4].kind = 1;
+        assert!(apart(&all).is_empty());
+    }
+
+    #[test]
+    fn without_a_gap_above_the_noise_there_is_no_share_of_it() {
+        let noise = readings([1.0, -1.0, 1.1, -0.9, 1.0, -1.0, 0.9, -1.1], AFTER);
+        assert!(Measures::of(&noise).of_closable.is_nan());
+        assert!(Measures::of(&[]).mean.is_nan() && apart(&[]).is_empty());
+    }
+
+    #[test]
+    fn the_unit_of_the_readings_does_not_matter() {
+        let all = readings(BEFORE, AFTER);
+        for unit in [1e-6, 60.0, 1e3] {
+            let scaled: Vec<Left> = all
+                .iter()
+                .map(|own| Left {
+                    before: unit * own.before,
+                    after: unit * own.after,
+                    deviation: unit * own.deviation,
+                    ..*own
+                })
+                .collect();
+            assert_eq!(apart(&scaled), apart(&all));
+            let (a, b) = (Measures::of(&scaled), Measures::of(&all));
+            for (a, b) in [(a.mean, b.mean), (a.rms, b.rms), (a.robust, b.robust), (a.of_closable, b.of_closable)] {
+                assert!((a - b).abs() < 1e-9);
+            }
+        }
+    }
+}
