@@ -8,7 +8,7 @@ use toolroom::fmu::{Version, file_name, package, units};
 pub fn main() -> Result<(), Box<dyn Error>> {
     let unit = units().find(|unit| unit.name == "turning").ok_or("no unit of turning")?;
     let description = unit.describe();
-    let bytes = package(unit, Version::Three, &[])?;
+    let bytes = package(unit, Version::Three, &[], &[])?;
     let name = file_name(description, Version::Three);
     println!("{name}: {} variables, {} bytes without a library", description.variables.len(), bytes.len());
     Ok(())

@@ -3,6 +3,7 @@
 // Doc comments are help texts here: `time [s]` is a column, not a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod calibrate;
 mod files;
 mod gap;
 mod import;
@@ -10,6 +11,7 @@ mod lobes;
 mod planning;
 mod program;
 
+pub use calibrate::CalibrateArgs;
 pub use files::{CheckArgs, NewArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
@@ -136,6 +138,12 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
   toolroom life --fit nasa.csv --edge case --age time --wear VB --limit 0.3 \\
       --regress \"ln(DOC)\" --regress \"ln(feed)\" --regress material=2")]
     Life(LifeArgs),
+    /// A parameter set from what a shop knows of its own tools
+    #[command(before_help = "Examples:
+  toolroom calibrate turning --life \"15 min\" --at \"200 m/min\" --feed \"0.25 mm/rev\" --out first.toml
+  toolroom check first.toml                 every value with where it comes from
+  toolroom point turning --tool first.toml --set cutting_speed=\"250 m/min\"")]
+    Calibrate(CalibrateArgs),
     /// Lag and stiffnesses of machine and grinding process from plunge trials
     #[command(before_help = "Examples:
   toolroom identify scenarios/data/zb153u_trials.csv
@@ -298,6 +306,9 @@ pub struct FmuExportArgs {
     /// cargo-zigbuild and the sources
     #[arg(long, value_name = "PLATFORM", value_enum)]
     pub platforms: Vec<FmuPlatform>,
+    /// Parameter set file to pack beside the shipped sets, repeatable
+    #[arg(long, value_name = "SET")]
+    pub parameters: Vec<PathBuf>,
     /// Directory of the packages, or the package itself, FILE.fmu
     #[arg(long, value_name = "PATH", default_value = "out/fmu")]
     pub out: PathBuf,
@@ -381,7 +392,7 @@ pub struct CompletionsArgs {
 pub struct PointArgs {
     /// Process
     pub process: PointProcess,
-    /// Parameter set of tool and work material; the process's default, if left out
+    /// Parameter set of tool and work material, by name or path; the process's default, if left out
     #[arg(long, value_name = "SET")]
     pub tool: Option<String>,
     /// Input, state or group.parameter with its unit, repeatable

@@ -5,6 +5,7 @@
 //! as too little data; 130 and 143: interrupted by SIGINT and SIGTERM.
 
 mod args;
+mod calibrate;
 mod check;
 mod compare;
 mod completions;
@@ -69,6 +70,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Point(args) => point::run(&args, voice),
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
+        Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),
         Command::Grind(args) => grind::run(&args, voice),
         Command::Program(args) => program::run(&args, voice),

@@ -13,6 +13,7 @@ mod gap_processes;
 mod import;
 mod life;
 mod lobes;
+mod parameter_sets;
 mod planned;
 mod planning;
 mod programs;

@@ -71,7 +71,7 @@ pub use fault::{Fault, Outcome};
 pub use instance::Instance;
 pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;
-pub use package::{Binary, PackageError, Platform, Version, file_name, package};
+pub use package::{Binary, OwnSet, OwnSetError, PackageError, Platform, Version, file_name, own_set, package};
 pub use unit::{AdaptivePolicy, Renewal, Unit};
 pub use units::{MillingMachine, TurningMachine};
 pub use variable::{Role, Slot, ValueType, Variable, variables};

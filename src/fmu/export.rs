@@ -6,7 +6,9 @@ use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{Binary, Compiler, CrossError, Entry, Platform, Version, file_name, package, units};
+use toolroom_fmu::{
+    Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package, units,
+};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = unit(args.model)?;
@@ -21,10 +23,12 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let files = Files::new([], voice.force);
     let places = places(args, versions, |version| file_name(description, version));
     places.iter().try_for_each(|(_, path)| files.check(path))?;
+    let own = own_sets(args, unit)?;
     let binaries = binaries(&args.platforms, voice)?;
     let mut written = Vec::new();
     for (version, path) in places {
-        let bytes = package(unit, version, &binaries).map_err(|error| Failure::Work { message: error.to_string() })?;
+        let bytes =
+            package(unit, version, &binaries, &own).map_err(|error| Failure::Work { message: error.to_string() })?;
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)
                 .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
@@ -57,6 +61,9 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
             platforms.join(" ")
         ))?;
     }
+    for set in &own {
+        voice.say(format_args!("to use the set: tool.set = \"{}\"", set.name));
+    }
     if args.fmi.is_none() && is_file(&args.out) {
         voice.say("for importers of FMI 2.0 only: --fmi 2");
     }
@@ -64,6 +71,14 @@ pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
         voice.say(format_args!("next: toolroom fmu check {}", path.display()));
     }
     Ok(())
+}
+
+/// The parameter sets of `--parameters`, resolved: a package needs no other file.
+fn own_sets(args: &FmuExportArgs, unit: &Entry) -> Result<Vec<OwnSet>, Failure> {
+    let read = |path: &PathBuf| {
+        own_set(unit, path).map_err(|error| Failure::argument(format_args!("{}: {error}", path.display()), error.fix()))
+    };
+    args.parameters.iter().map(read).collect()
 }
 
 /// Whether `--out` names the package itself.

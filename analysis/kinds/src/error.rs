@@ -29,6 +29,14 @@ pub enum KindError {
         /// What the shop says.
         reason: String,
     },
+    /// A parameter set whose values contradict each other.
+    #[error("parameter set `{name}`: {reason}")]
+    Set {
+        /// The set.
+        name: String,
+        /// What its model says.
+        reason: String,
+    },
     /// A file that is no nominal model.
     #[error(transparent)]
     Model(ModelFileError),
@@ -41,6 +49,7 @@ impl KindError {
             Self::Read(_) => "see what is wrong in the file",
             Self::NoSign { .. } => "name the kind with --kind, such as --kind scenario",
             Self::Policy { .. } => "no run would begin",
+            Self::Set { .. } => "change one of the two values",
             Self::Model(_) => "see scenarios/gap for nominal models that work",
         }
     }

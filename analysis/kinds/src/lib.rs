@@ -120,6 +120,13 @@ pub static KINDS: &[FileKind] = &[
         form: Described::ByOneOf(&NominalModel::FORMS),
     },
     FileKind {
+        word: "parameter-set",
+        doc: "Constants of one tool in one work material, for parameter_set of tools and believed_model of policies",
+        signs: &["based_on", "handbook", "law", "material", "prior", "parameters"],
+        read: Some(readers::parameter_set),
+        form: Described::By(&toolroom_wear::PARAMETER_SET),
+    },
+    FileKind {
         word: "diagnosis",
         doc: "diagnosis.json of gap diagnose",
         signs: &[],
@@ -178,6 +185,7 @@ impl FileKind {
             "cycle" => "toolroom cycle file".to_owned(),
             "contour" => "toolroom contour file".to_owned(),
             "setup" => "toolroom setup file".to_owned(),
+            "parameter-set" => "toolroom parameter set".to_owned(),
             word => format!("toolroom {word}"),
         }
     }

@@ -3,12 +3,14 @@
 use crate::KindError;
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use toolroom_form::Echo;
+use toolroom_cutting::{MILLING_CATALOGUE, Milling};
+use toolroom_form::{Echo, significant};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::contour::{Task, read_setup};
 use toolroom_planning::cycle::CycleDesign;
 use toolroom_records::import::Mapping;
 use toolroom_scenario::file::{self, ScenarioFile};
+use toolroom_wear::{Origin, Pair, ParameterSet, TURNING_SETS};
 
 /// Reads a file with the values of `--set`.
 pub type Reader = fn(&Path, &[String]) -> Result<Checked, KindError>;
@@ -100,4 +102,73 @@ pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 pub fn nominal(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let model = NominalModel::read(path, set)?;
     Ok(checked("gap", None, Vec::new(), &format!("a nominal model of {} records", model.kind().name())))
+}
+
+pub fn parameter_set(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let set = ParameterSet::read(path, set, &[&TURNING_SETS, &MILLING_CATALOGUE])?;
+    let refuse =
+        |reason: toolroom_wear::SetError| KindError::Set { name: set.name.clone(), reason: reason.to_string() };
+    let pair = if set.process == "turning" { Some(Pair::of_set(&set).map_err(refuse)?) } else { None };
+    if set.process == "milling" {
+        Milling::of_set(&set).map_err(refuse)?;
+    }
+    let echo = set.values.iter().map(|value| Echo {
+        section: match acting(&set, value.group) {
+            true => value.group.to_owned(),
+            false => format!("{} (matters little: acts on no tool life under this law)", value.group),
+        },
+        key: value.field.name.to_owned(),
+        value: format!("{:14} {}: {}", value.shown(), value.origin, value.source),
+        default: value.origin == Origin::Assumed,
+    });
+    let mut checked = checked("parameter-set", Some(&set.name), echo.collect(), "");
+    let parameters = set.values.iter().map(|value| {
+        json!({
+            "name": value.key(),
+            "value": value.field.to_display(value.value),
+            "unit": value.field.display,
+            "origin": value.origin.to_string(),
+            "source": value.source,
+            "acts_on_life": acting(&set, value.group),
+        })
+    });
+    checked.result.insert("process".to_owned(), json!(set.process));
+    checked.result.insert("law".to_owned(), json!(set.law));
+    checked.result.insert("parameters".to_owned(), parameters.collect());
+    checked.result.insert("notes".to_owned(), json!(set.notes));
+    let count = |wanted: fn(&Origin) -> bool| set.values.iter().filter(|value| wanted(&value.origin)).count();
+    let mut summary = format!(
+        "valid: a parameter set of {} with {} values: {} given, {} of handbook constants, {} of the set it is based on, \
+         {} assumed",
+        set.process,
+        set.values.len(),
+        count(|origin| *origin == Origin::Given),
+        count(|origin| *origin == Origin::Handbook),
+        count(|origin| matches!(origin, Origin::Based(_))),
+        count(|origin| *origin == Origin::Assumed),
+    );
+    for note in &set.notes {
+        summary.push_str(&format!("\nnote: {note}"));
+    }
+    if let Some(pair) = pair {
+        let cut = pair.reference_cut();
+        summary.push_str(&format!(
+            "\nat {} m/min, {} mm/rev and {} mm an edge lasts {} min",
+            significant(cut.cutting_speed * 60.0),
+            significant(cut.feed_per_rev * 1e3),
+            significant(cut.depth_of_cut * 1e3),
+            significant(pair.life(&cut).cutting_time / 60.0),
+        ));
+    }
+    Ok(Checked { summary, ..checked })
+}
+
+/// Whether a group acts on tool life: heat and its measurement do not under a law without temperature.
+fn acting(set: &ParameterSet, group: &str) -> bool {
+    let heat_free = set.law == Some("extended_taylor");
+    match group {
+        "emf" | "force" => false,
+        "temperature" => !heat_free,
+        _ => true,
+    }
 }

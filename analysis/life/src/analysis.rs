@@ -7,6 +7,7 @@ use super::law::{Dimension, Family, Law};
 use super::replacement::{Costs, Replacement};
 use super::sample::{Sample, SampleError};
 use super::survival::{Step, kaplan_meier, turnbull};
+use rayon::prelude::*;
 
 /// What is to be worked out.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +64,45 @@ pub struct Interval {
     pub high: f64,
 }
 
+/// How far a sample reaches: beyond it a law says what nobody has seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Greatest age that was observed.
+    pub last: f64,
+    /// Share of edges that were still good then, by the estimate without a law.
+    pub good: f64,
+    /// Mean life up to that age, without a law.
+    pub restricted_mean: f64,
+}
+
+impl Seen {
+    fn of(sample: &Sample, empirical: &[Step]) -> Self {
+        let last = sample.range().1;
+        let (mut from, mut good, mut restricted_mean) = (0.0, 1.0, 0.0);
+        for step in empirical.iter().filter(|step| step.age <= last) {
+            restricted_mean += good * (step.age - from);
+            (from, good) = (step.age, step.survival);
+        }
+        restricted_mean += good * (last - from);
+        Self { last, good, restricted_mean }
+    }
+
+    /// Whether an age of a law is one that was observed.
+    pub fn reaches(&self, age: f64) -> bool {
+        age <= self.last || self.good < 1e-9
+    }
+
+    /// Whether the mean life is one of what was observed: not where so many edges outlived the
+    /// observation that its tail decides.
+    pub fn reaches_mean(&self) -> bool {
+        self.good <= TAIL
+    }
+}
+
+/// Share of edges that may outlive the observation while a mean life is still stated (assumption: the
+/// tail of a law then moves the mean by less than its usual interval).
+const TAIL: f64 = 0.05;
+
 /// What a sample says.
 #[derive(Clone, Debug)]
 pub struct Analysis {
@@ -71,6 +111,8 @@ pub struct Analysis {
     pub fits: Vec<Fitted>,
     /// Families that the sample does not determine, and why.
     pub refused: Vec<(Family, SampleError)>,
+    /// How far the lives reach.
+    pub seen: Seen,
     /// Reliability without a law: Kaplan–Meier, or Turnbull where ends lie between inspections.
     pub empirical: Vec<Step>,
     /// Laws of the resampled lives, of the family of the first fit.
@@ -97,6 +139,14 @@ pub struct Analysis {
     pub in_blocks: Replacement,
 }
 
+impl Analysis {
+    /// Whether the lives say when to replace: the best age is one that was observed, or running to failure
+    /// is best and the mean life known.
+    pub fn replacement_seen(&self) -> bool {
+        if self.by_age.age.is_finite() { self.seen.reaches(self.by_age.age) } else { self.seen.reaches_mean() }
+    }
+}
+
 /// Ages of a curve.
 const POINTS: usize = 60;
 
@@ -117,10 +167,11 @@ const POINTS: usize = 60;
 /// ```
 pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleError> {
     let (mut fits, mut refused) = (Vec::new(), Vec::new());
-    for family in &request.families {
-        match fit(sample, *family) {
+    let tried: Vec<_> = request.families.par_iter().map(|family| (*family, fit(sample, *family))).collect();
+    for (family, fitted) in tried {
+        match fitted {
             Ok(fitted) => fits.push(fitted),
-            Err(error) => refused.push((*family, error)),
+            Err(error) => refused.push((family, error)),
         }
     }
     if fits.is_empty() {
@@ -138,7 +189,7 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
     let law = best.law;
     let resampled = bootstrap::laws(sample, &best, request.bootstrap, request.seed);
     let fits = fits
-        .into_iter()
+        .into_par_iter()
         .map(|fit| Fitted {
             parameters: fit.parameters(sample, request.confidence),
             goodness: (request.goodness > 0).then(|| goodness::test(sample, &fit, request.goodness, request.seed)),
@@ -152,26 +203,27 @@ pub fn analyse(sample: &Sample, request: &Request) -> Result<Analysis, SampleErr
     };
     let end = law.quantile(0.995).max(sample.range().1);
     let ages: Vec<f64> = (1..=POINTS).map(|i| end * i as f64 / POINTS as f64).collect();
-    let band = |of: fn(&Law, f64) -> f64| bootstrap::band(&law, &resampled, &ages, request.confidence, of);
+    type Curve<'a> = &'a (dyn Fn(&Law, &[f64]) -> Vec<f64> + Sync);
+    let band = |of: Curve<'_>| bootstrap::band(&law, &resampled, &ages, request.confidence, of);
+    let each = |of: fn(&Law, f64) -> f64| move |law: &Law, ages: &[f64]| ages.iter().map(|age| of(law, *age)).collect();
     let costs = request.costs;
-    let best_of: Vec<Replacement> = {
-        use rayon::prelude::*;
-        resampled.par_iter().map(|law| costs.best_age(law)).collect()
-    };
+    let best_of: Vec<Replacement> = resampled.par_iter().map(|law| costs.best_age(law)).collect();
+    let empirical = if sample.inspected() { turnbull(sample) } else { kaplan_meier(sample, request.confidence) };
     let spread =
         |of: fn(&Replacement) -> f64| bootstrap::quantiles(best_of.iter().map(of).collect(), request.confidence);
     Ok(Analysis {
         refused,
-        empirical: if sample.inspected() { turnbull(sample) } else { kaplan_meier(sample, request.confidence) },
-        reliability: band(Law::survival),
-        hazard: band(Law::hazard),
-        residual_life: band(Law::mean_residual_life),
+        seen: Seen::of(sample, &empirical),
+        empirical,
+        reliability: band(&each(Law::survival)),
+        hazard: band(&each(Law::hazard)),
+        residual_life: band(&Law::residual_lives),
         b10: interval(&|law| law.quantile(0.1)),
         mean: interval(&Law::mean),
         by_age: costs.best_age(&law),
         best_age: spread(|best| best.age),
         best_cost: spread(|best| best.cost_rate),
-        cost: bootstrap::band(&law, &resampled, &ages, request.confidence, |law, age| costs.at_age(law, age)),
+        cost: band(&|law: &Law, ages: &[f64]| costs.at_ages(law, ages)),
         in_blocks: costs.best_blocks(&law),
         fits,
         resampled,

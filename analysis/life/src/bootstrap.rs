@@ -97,20 +97,21 @@ pub(super) fn quantiles(mut values: Vec<f64>, confidence: f64) -> (f64, f64) {
     (at(tail), at(1.0 - tail))
 }
 
-/// A function of age with the band of the refitted laws.
+/// A curve over ascending ages with the band of the refitted laws; `of` works it out for a law.
 pub fn band(
     fitted: &Law,
     laws: &[Law],
     ages: &[f64],
     confidence: f64,
-    of: impl Fn(&Law, f64) -> f64 + Sync,
+    of: impl Fn(&Law, &[f64]) -> Vec<f64> + Sync,
 ) -> Vec<Banded> {
-    ages.par_iter()
-        .map(|&age| {
-            let (low, high) = interval(laws, confidence, |law| of(law, age));
-            Banded { age, value: of(fitted, age), low, high }
-        })
-        .collect()
+    let curves: Vec<Vec<f64>> = laws.par_iter().map(|law| of(law, ages)).collect();
+    let curve = of(fitted, ages);
+    let at = |(i, age): (usize, &f64)| {
+        let (low, high) = quantiles(curves.iter().map(|curve| curve[i]).collect(), confidence);
+        Banded { age: *age, value: curve[i], low, high }
+    };
+    ages.iter().enumerate().map(at).collect()
 }
 
 #[cfg(test)]

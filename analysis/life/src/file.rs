@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::{scatter, sensors};
-use toolroom_wear::{Cut, Objective, PARAMETER_SETS, Pair};
+use toolroom_wear::{Cut, Objective, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
 use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
 
 /// What may stand before the dot in the name of a field, for messages.
@@ -88,9 +88,13 @@ pub fn parse(file: &str, text: &str, directory: &Path, overrides: &[String]) -> 
 }
 
 fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<StudyFile> {
-    let mut pair = pair(walk, root)?;
+    let (mut pair, of_set) = pair(walk, root, directory)?;
     set_parameters(walk, root, pair.parameters_mut());
-    let scatter = scatter(walk, root);
+    if let Err(reason) = pair.law.check() {
+        walk.fault(root.span_of("parameters"), Fault::Model { subject: "parameters".to_owned(), reason });
+    }
+    let stated = scatter(walk, root);
+    let scatter = if root.given("scatter") { stated } else { of_set.unwrap_or(stated) };
     let conditions = conditions(walk, root, &pair);
     let ends = walk.table(root, "end").map_or_else(Ends::default, |section| ends(walk, &section));
     if scatter.chipped_share > 0.0 && pair.chipping.rate == 0.0 {
@@ -147,19 +151,22 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
     Some(StudyFile { study, until, costs, sensitivity, write_lives: root.flag("write_lives")? })
 }
 
-fn pair(walk: &mut Walk, root: &Section<'_>) -> Option<Pair> {
-    let set = root.text("parameter_set")?;
-    let names = || PARAMETER_SETS.iter().map(|(name, _)| *name);
-    match Pair::named(set) {
-        Ok(pair) => Some(pair),
-        Err(_) => {
-            let fault = Fault::UnknownName {
-                kind: "parameter set",
-                name: set.to_owned(),
-                nearest: nearest(set, names()).map(str::to_owned),
-                known: names().collect::<Vec<_>>().join(", "),
-            };
-            walk.fault(root.span_of("parameter_set"), fault);
+fn pair(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<(Pair, Option<Scatter>)> {
+    let reference = root.text("parameter_set")?;
+    let span = root.span_of("parameter_set");
+    let loaded = ParameterSet::load(reference, directory, &TURNING_SETS);
+    match loaded.and_then(|set| Ok((Pair::of_set(&set)?, set))) {
+        Ok((pair, set)) => {
+            set.files.into_iter().for_each(|file| walk.named(file));
+            Some((pair, set.scatter))
+        }
+        Err(SetError::Unknown { name, nearest, known, .. }) => {
+            let nearest = nearest.map(str::to_owned);
+            walk.fault(span, Fault::UnknownName { kind: "parameter set", name, nearest, known });
+            None
+        }
+        Err(reason) => {
+            walk.fault(span, Fault::Table { reason: format!("parameter set \"{reference}\": {reason}") });
             None
         }
     }
@@ -205,7 +212,7 @@ fn conditions(walk: &mut Walk, root: &Section<'_>, pair: &Pair) -> Vec<(String, 
 fn cells(
     walk: &mut Walk,
     root: &Section<'_>,
-    (pair, scatter): (&Pair, &toolroom_wear::Scatter),
+    (pair, scatter): (&Pair, &Scatter),
     conditions: &[(String, Cut)],
     course: (Passes, bool),
 ) -> Vec<Cell> {

@@ -92,13 +92,16 @@ pub(super) fn refit(sample: &Sample, near: &Fit) -> Option<Fit> {
 
 /// Logarithm of the likelihood of a law.
 pub fn log_likelihood(sample: &Sample, law: &Law) -> f64 {
-    let of = |life: &Observation| match *life {
+    // Classes follow one another: the upper end of one is the lower end of the next.
+    let mut last = (f64::NAN, (0.0, 0.0));
+    let mut of = |life: &Observation| match *life {
         Observation::Failed(age) => law.ln_density(age),
         Observation::Censored(age) => law.ln_survival(age),
         Observation::Between(low, high) => {
-            let (failed_low, failed_high) = (law.failed(low), law.failed(high));
-            let share =
-                if failed_high < 0.5 { failed_high - failed_low } else { law.survival(low) - law.survival(high) };
+            let below = if low == last.0 { last.1 } else { law.shares(low) };
+            let above = law.shares(high);
+            last = (high, above);
+            let share = if above.0 < 0.5 { above.0 - below.0 } else { below.1 - above.1 };
             share.ln()
         }
     };
@@ -279,10 +282,14 @@ fn starts(sample: &Sample, family: Family) -> (f64, Vec<Vec<f64>>) {
                 let steepness = -(STEEPEST / shape - 1.0).ln();
                 vec![level, (sigma - NARROWEST).max(0.02).ln(), steepness, (scale / gamma(1.0 + shape.recip())).ln()]
             };
-            let early = wear(lift + 0.3 * sigma, 0.6 * sigma, 1.5, 1.5);
-            let even = wear(lift + 0.5 * sigma, sigma, 2.0, 0.5);
-            let late = wear(lift, sigma, 1.2, 3.0);
-            (unit, vec![early, even, late])
+            // The likelihood has several tops, of which the highest may lie under any of these.
+            let mut starts = Vec::new();
+            for (level, share) in [(0.3, 0.6), (0.5, 1.0), (0.0, 1.0), (0.8, 0.3)] {
+                for (shape, scale) in [(1.5, 1.5), (2.0, 0.5), (1.2, 3.0)] {
+                    starts.push(wear(lift + level * sigma, share * sigma, shape, scale));
+                }
+            }
+            (unit, starts)
         }
     }
 }

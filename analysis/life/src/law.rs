@@ -273,6 +273,21 @@ impl Law {
         }
     }
 
+    /// F(t) and R(t) in one go, the smaller one of them accurate.
+    pub fn shares(&self, age: f64) -> (f64, f64) {
+        let both =
+            |failed: f64, survival: &dyn Fn() -> f64| (failed, if failed < 0.5 { 1.0 - failed } else { survival() });
+        match self {
+            Self::Weibull { .. } | Self::Weibull3 { .. } | Self::CompetingRisks { .. } => {
+                let ln_survival = self.ln_survival(age);
+                both(-ln_survival.exp_m1(), &|| ln_survival.exp())
+            }
+            Self::Lognormal { .. } | Self::Normal { .. } | Self::Gamma { .. } | Self::InverseGaussian { .. } => {
+                both(self.failed(age), &|| self.survival(age))
+            }
+        }
+    }
+
     /// Rate at which edges of an age end, f(t)/R(t).
     pub fn hazard(&self, age: f64) -> f64 {
         (self.ln_density(age) - self.ln_survival(age)).exp()
@@ -354,6 +369,38 @@ impl Law {
     pub fn lived(&self, age: f64) -> f64 {
         integral(0.0, age, |t| self.survival(t))
     }
+
+    /// [`Law::lived`] at ascending ages, in one go from each to the next.
+    pub fn lived_to(&self, ages: &[f64]) -> Vec<f64> {
+        let (mut from, mut lived) = (0.0, 0.0);
+        let next = |age: &f64| {
+            lived += self.lived_between(from, *age);
+            from = *age;
+            lived
+        };
+        ages.iter().map(next).collect()
+    }
+
+    /// Mean time that an edge lives between two ages that lie close together, `∫ R du`.
+    pub(super) fn lived_between(&self, from: f64, to: f64) -> f64 {
+        panels(from, to, CLOSE, |t| self.survival(t))
+    }
+
+    /// [`Law::mean_residual_life`] at ascending ages, from the last one backwards.
+    pub fn residual_lives(&self, ages: &[f64]) -> Vec<f64> {
+        let Some(last) = ages.last() else { return Vec::new() };
+        let tail = self.mean_residual_life(*last);
+        let mut rest = if tail.is_nan() { 0.0 } else { tail * self.survival(*last) };
+        let mut residual = vec![0.0; ages.len()];
+        for i in (0..ages.len()).rev() {
+            if let Some(next) = ages.get(i + 1) {
+                rest += self.lived_between(ages[i], *next);
+            }
+            let survival = self.survival(ages[i]);
+            residual[i] = if survival > 0.0 { rest / survival } else { f64::NAN };
+        }
+        residual
+    }
 }
 
 fn weibull_ln_density(x: f64, shape: f64, scale: f64) -> f64 {
@@ -389,13 +436,19 @@ const LEGENDRE: [(f64, f64); 4] = [
 
 /// Integral by 8-point Gauss–Legendre on 32 equal parts: 1e-10 for survival functions.
 pub(super) fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const PARTS: usize = 32;
-    let half = 0.5 * (to - from) / PARTS as f64;
+    panels(from, to, 32, f)
+}
+
+/// Panels between ages of a curve, which are sixty or more over the whole range.
+const CLOSE: usize = 2;
+
+fn panels(from: f64, to: f64, parts: usize, f: impl Fn(f64) -> f64) -> f64 {
+    let half = 0.5 * (to - from) / parts as f64;
     let part = |i: usize| {
         let centre = from + half * (2 * i + 1) as f64;
         LEGENDRE.iter().map(|(x, w)| w * (f(centre - half * x) + f(centre + half * x))).sum::<f64>()
     };
-    half * (0..PARTS).map(part).sum::<f64>()
+    half * (0..parts).map(part).sum::<f64>()
 }
 
 #[cfg(test)]

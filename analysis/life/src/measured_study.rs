@@ -205,12 +205,18 @@ fn lead(analysis: &Analysis, words: &Words) -> String {
     let best = &analysis.fits[0];
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
     let n = |value: f64| toolroom_chart::number(value, 3);
-    format!(
-        "The most credible law is {}: mean life {}{unit}, one edge in ten is spent at {}{unit}.",
-        picture::label(best.fit.law.family()),
-        n(analysis.mean.value),
-        n(analysis.b10.value)
-    )
+    let seen = &analysis.seen;
+    let mean = if seen.reaches_mean() {
+        format!("mean life {}{unit}", n(analysis.mean.value))
+    } else {
+        format!("mean life up to {}{unit}, the last observation, {}{unit}", n(seen.last), n(seen.restricted_mean))
+    };
+    let tenth = if seen.reaches(analysis.b10.value) {
+        format!("one edge in ten is spent at {}{unit}", n(analysis.b10.value))
+    } else {
+        format!("one edge in ten is not spent by {}{unit}", n(seen.last))
+    };
+    format!("The most credible law is {}: {mean}, {tenth}.", picture::label(best.fit.law.family()))
 }
 
 fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, request: &Request) -> String {
@@ -224,16 +230,14 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
             continue;
         };
         let sample = &group.sample;
+        let seen = &analysis.seen;
         let (mean, cv) = page::moments(sample, &analysis.fits[0].fit.law);
-        let _ = writeln!(
-            text,
-            "{name}: {} lives, {} ended; {} {}, CV {}",
-            n(sample.size()),
-            n(sample.ended()),
-            words.key("mean"),
-            n(mean),
-            n(cv)
-        );
+        let moments = if seen.reaches_mean() {
+            format!("{} {}, CV {}", words.key("mean"), n(mean), n(cv))
+        } else {
+            format!("{} {} up to {}", words.key("restricted mean"), n(seen.restricted_mean), n(seen.last))
+        };
+        let _ = writeln!(text, "{name}: {} lives, {} ended; {moments}", n(sample.size()), n(sample.ended()));
         let _ = writeln!(text, "  {:24} {:>10} {:>8} {:>8}  parameters", "law", "AICc", "A²", "p");
         for fitted in &analysis.fits {
             let parameters = fitted
@@ -256,10 +260,21 @@ fn text(groups: &[Group], regression: Option<&Regression>, words: &Words, reques
         if analysis.fits.iter().any(|fitted| !fitted.fit.regular()) {
             let _ = writeln!(text, "  * not regular: it follows single lives and predicts little");
         }
-        let banded = |at: &Interval| format!("{} ({} … {})", n(at.value), n(at.low), n(at.high));
-        let _ = writeln!(text, "  B10 {}   mean life {}", banded(&analysis.b10), banded(&analysis.mean));
+        let unseen = || format!("not reached by t = {}", n(seen.last));
+        let banded = |at: &Interval, reached: bool| match reached {
+            true => format!("{} ({} … {})", n(at.value), n(at.low), n(at.high)),
+            false => unseen(),
+        };
+        let _ = writeln!(
+            text,
+            "  B10 {}   mean life {}",
+            banded(&analysis.b10, seen.reaches(analysis.b10.value)),
+            banded(&analysis.mean, seen.reaches_mean())
+        );
         let best = &analysis.by_age;
-        if best.age.is_finite() {
+        if !analysis.replacement_seen() {
+            let _ = writeln!(text, "  replace at: {}\n", unseen());
+        } else if best.age.is_finite() {
             let _ = writeln!(
                 text,
                 "  replace at {} ({} … {}): cost per time {} instead of {}, saves {:.1} %\n",

@@ -42,9 +42,12 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
     let (mean, cv) = moments(sample, &law);
     let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     let pair = |low: f64, high: f64| json!([finite(low), finite(high)]);
+    // Beyond what was observed there is nothing to state.
+    let seen = |value: f64| if analysis.seen.reaches(value) { finite(value) } else { Value::Null };
+    let whole = analysis.seen.reaches_mean();
     let quantiles: Map<String, Value> = [("b1", 0.01), ("b10", 0.1), ("b50", 0.5), ("b90", 0.9)]
         .into_iter()
-        .map(|(name, share)| (words.key(name), json!(law.quantile(share))))
+        .map(|(name, share)| (words.key(name), seen(law.quantile(share))))
         .collect();
     let fits: Vec<Value> = analysis
         .fits
@@ -75,23 +78,36 @@ pub fn json(sample: &Sample, analysis: &Analysis, words: &Words) -> Map<String, 
         .collect();
     let best = &analysis.by_age;
     let mut replacement = Map::new();
-    replacement.insert(words.key("age"), finite(best.age));
-    replacement.insert("cost_rate".to_owned(), json!(best.cost_rate));
-    replacement.insert("saving".to_owned(), json!(best.saving()));
-    replacement.insert("run_to_failure".to_owned(), json!(best.run_to_failure));
-    replacement.insert("age_interval".to_owned(), pair(analysis.best_age.0, analysis.best_age.1));
-    replacement.insert("cost_rate_interval".to_owned(), pair(analysis.best_cost.0, analysis.best_cost.1));
-    let block = json!({ "interval": finite(analysis.in_blocks.age), "cost_rate": analysis.in_blocks.cost_rate });
-    replacement.insert("blocks".to_owned(), block);
-    let banded = |at: &Interval| json!({ "value": at.value, "interval": pair(at.low, at.high) });
+    if analysis.replacement_seen() {
+        replacement.insert(words.key("age"), finite(best.age));
+        replacement.insert("cost_rate".to_owned(), json!(best.cost_rate));
+        replacement.insert("saving".to_owned(), json!(best.saving()));
+        replacement.insert("run_to_failure".to_owned(), json!(best.run_to_failure));
+        replacement.insert("age_interval".to_owned(), pair(analysis.best_age.0, analysis.best_age.1));
+        replacement.insert("cost_rate_interval".to_owned(), pair(analysis.best_cost.0, analysis.best_cost.1));
+        let block = json!({ "interval": finite(analysis.in_blocks.age), "cost_rate": analysis.in_blocks.cost_rate });
+        replacement.insert("blocks".to_owned(), block);
+    } else {
+        replacement.insert(words.key("age"), Value::Null);
+        replacement.insert(words.key("not_reached_by"), json!(analysis.seen.last));
+    }
+    let banded = |at: &Interval, reached: bool| {
+        let value = if reached { finite(at.value) } else { Value::Null };
+        json!({ "value": value, "interval": if reached { pair(at.low, at.high) } else { Value::Null } })
+    };
+    let steps =
+        analysis.empirical.iter().map(|step| json!([step.age, step.survival, finite(step.low), finite(step.high)]));
     let mut object = Map::new();
     object.insert("n".to_owned(), json!(sample.size()));
     object.insert("ended".to_owned(), json!(sample.ended()));
-    object.insert(words.key("mean"), json!(mean));
-    object.insert("cv".to_owned(), json!(cv));
+    object.insert(words.key("mean"), if whole { json!(mean) } else { Value::Null });
+    object.insert("cv".to_owned(), if whole { json!(cv) } else { Value::Null });
+    object.insert(words.key("restricted_mean"), json!(analysis.seen.restricted_mean));
+    object.insert(words.key("last_observation"), json!(analysis.seen.last));
+    object.insert("km".to_owned(), steps.collect());
     object.insert("quantiles".to_owned(), Value::Object(quantiles));
-    object.insert(words.key("b10"), banded(&analysis.b10));
-    object.insert(words.key("mean_life"), banded(&analysis.mean));
+    object.insert(words.key("b10"), banded(&analysis.b10, analysis.seen.reaches(analysis.b10.value)));
+    object.insert(words.key("mean_life"), banded(&analysis.mean, whole));
     object.insert("fits".to_owned(), Value::Array(fits));
     object.insert("refused".to_owned(), Value::Array(refused));
     object.insert("replacement".to_owned(), Value::Object(replacement));
@@ -128,15 +144,27 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
     let n = |value: f64| toolroom_chart::number(value, 4);
     let unit = if words.unit.is_empty() { String::new() } else { format!(" {}", words.unit) };
     let percent = 100.0 * confidence;
+    let unseen = || format!("not reached by {}{unit}", n(analysis.seen.last));
     let banded = |label: &str, at: &Interval| {
+        if !analysis.seen.reaches(at.value) {
+            return Tile::new(label, "not reached", unseen());
+        }
         Tile::new(
             label,
             format!("{}{unit}", n(at.value)),
             format!("{percent} % interval {} … {}", n(at.low), n(at.high)),
         )
     };
+    let mean = if analysis.seen.reaches_mean() {
+        banded("mean life", &analysis.mean)
+    } else {
+        let note = format!("restricted mean, up to the last observation at {}{unit}", n(analysis.seen.last));
+        Tile::new("mean life so far", format!("{}{unit}", n(analysis.seen.restricted_mean)), note)
+    };
     let best = &analysis.by_age;
-    let replaced = if best.age.is_finite() {
+    let replaced = if !analysis.replacement_seen() {
+        Tile::new("replace at", "not reached", unseen())
+    } else if best.age.is_finite() {
         let note = format!(
             "saves {:.1} % against running to failure; {} … {}",
             100.0 * best.saving(),
@@ -148,12 +176,7 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
         Tile::new("replace at", "failure", "edges do not age enough for anything else to pay")
     };
     let size = format!("{} of them ended", n(sample.ended()));
-    vec![
-        Tile::new("lives", n(sample.size()), size),
-        banded("mean life", &analysis.mean),
-        banded("B10", &analysis.b10),
-        replaced,
-    ]
+    vec![Tile::new("lives", n(sample.size()), size), mean, banded("B10", &analysis.b10), replaced]
 }
 
 /// The sections about one sample; `name` is that of its group.
@@ -207,7 +230,10 @@ pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words,
             "How long an edge of an age will still last on average.",
         ));
     let blocks = &analysis.in_blocks;
-    let costs = if blocks.age.is_finite() {
+    let costs = if !analysis.replacement_seen() {
+        "When to replace an edge lies beyond the ages that were observed; the curve there is the law's alone."
+            .to_owned()
+    } else if blocks.age.is_finite() {
         format!(
             "In blocks, replacing all edges every {} {unit} whatever their age, the cost per time is {} against {} by age.",
             toolroom_chart::number(blocks.age, 4),

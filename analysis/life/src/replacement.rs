@@ -64,18 +64,38 @@ impl Costs {
     /// assert!((best.age - 0.5026).abs() < 5e-5 && (best.cost_rate - 3.0314).abs() < 5e-5);
     /// ```
     pub fn best_age(&self, law: &Law) -> Replacement {
-        self.best(law, |age| self.at_age(law, age))
+        let grid = grid(range(law));
+        let lived = law.lived_to(&grid);
+        let rate = |age: f64, lived: f64| {
+            let survival = law.survival(age);
+            (self.planned * survival + self.failure * (1.0 - survival)) / lived
+        };
+        let costs: Vec<f64> = grid.iter().zip(&lived).map(|(age, lived)| rate(*age, *lived)).collect();
+        let best = lowest(&costs);
+        // From the next point below on, what was lived before is known.
+        let first = best.saturating_sub(1);
+        let near = |age: f64| rate(age, lived[first] + law.lived_between(grid[first], age));
+        self.settled(law, golden(grid[first], grid[(best + 1).min(POINTS)], near))
+    }
+
+    /// The cost of replacement at ascending ages, [`Costs::at_age`].
+    pub fn at_ages(&self, law: &Law, ages: &[f64]) -> Vec<f64> {
+        let cost = |(age, lived): (&f64, f64)| {
+            let survival = law.survival(*age);
+            (self.planned * survival + self.failure * (1.0 - survival)) / lived
+        };
+        ages.iter().zip(law.lived_to(ages)).map(cost).collect()
     }
 
     /// The best interval of block replacement.
     pub fn best_blocks(&self, law: &Law) -> Replacement {
-        self.best(law, |interval| self.in_blocks(law, interval))
+        let (low, high) = range(law);
+        self.settled(law, least(low, high, |interval| self.in_blocks(law, interval)))
     }
 
-    fn best(&self, law: &Law, cost: impl Fn(f64) -> f64) -> Replacement {
+    /// The rule at its best, or running to failure where that costs less.
+    fn settled(&self, law: &Law, (age, cost_rate): (f64, f64)) -> Replacement {
         let run_to_failure = self.run_to_failure(law);
-        let (low, high) = (law.quantile(1e-4).max(1e-4 * law.mean()), law.quantile(0.999));
-        let (age, cost_rate) = least(low, high, cost);
         if cost_rate < run_to_failure {
             Replacement { age, cost_rate, run_to_failure }
         } else {
@@ -87,11 +107,32 @@ impl Costs {
 /// Place and value of the least of `f`: the best of 60 points evenly spaced in the logarithm,
 /// refined by golden section.
 pub(super) fn least(low: f64, high: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
-    const POINTS: usize = 60;
-    let at = |i: usize| low * (high / low).powf(i as f64 / POINTS as f64);
-    let best = (0..=POINTS).min_by(|a, b| f(at(*a)).total_cmp(&f(at(*b)))).unwrap_or(0);
+    let grid = grid((low, high));
+    let best = lowest(&grid.iter().map(|age| f(*age)).collect::<Vec<_>>());
+    golden(grid[best.saturating_sub(1)], grid[(best + 1).min(POINTS)], f)
+}
+
+/// Parts of the range in which a rule is sought.
+const POINTS: usize = 60;
+
+/// Ages between which the best one of a law is sought.
+fn range(law: &Law) -> (f64, f64) {
+    (law.quantile(1e-4).max(1e-4 * law.mean()), law.quantile(0.999))
+}
+
+/// Ages evenly spaced in the logarithm.
+fn grid((low, high): (f64, f64)) -> Vec<f64> {
+    (0..=POINTS).map(|i| low * (high / low).powf(i as f64 / POINTS as f64)).collect()
+}
+
+/// Place of the least value.
+fn lowest(values: &[f64]) -> usize {
+    (0..values.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0)
+}
+
+/// Place and value of the least of `f` between two ages, by golden section.
+fn golden(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (at(best.saturating_sub(1)), at((best + 1).min(POINTS)));
     let (mut c, mut d) = (b - golden * (b - a), a + golden * (b - a));
     let (mut fc, mut fd) = (f(c), f(d));
     while b - a > 1e-7 * b {

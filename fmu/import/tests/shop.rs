@@ -35,7 +35,7 @@ fn turning(version: Version) -> PathBuf {
         let unit = units().find(|unit| unit.name == "turning").expect("a unit");
         for version in [Version::Two, Version::Three] {
             let binary = Binary { platform, library: library.clone() };
-            let bytes = package(unit, version, &[binary]).expect("a package");
+            let bytes = package(unit, version, &[binary], &[]).expect("a package");
             std::fs::write(path(&folder, version), bytes).expect("writable");
         }
         folder

@@ -5,9 +5,11 @@
 
 mod documentation;
 mod icon;
+mod own;
 mod platform;
 mod reference;
 
+pub use own::{OwnSet, OwnSetError, own_set};
 pub use platform::{Binary, Platform};
 
 use crate::catalogue::Entry;
@@ -57,11 +59,11 @@ const LICENCES: [(&str, &str); 2] = [
     ("LICENSE-APACHE.txt", include_str!("../../../LICENSE-APACHE")),
 ];
 
-/// The package of a unit with the libraries of some platforms.
+/// The package of a unit with the libraries of some platforms, and parameter sets beside the shipped ones.
 ///
 /// # Errors
 /// [`PackageError`]; memory is the only place written to.
-pub fn package(unit: &Entry, version: Version, binaries: &[Binary]) -> Result<Vec<u8>, PackageError> {
+pub fn package(unit: &Entry, version: Version, binaries: &[Binary], own: &[OwnSet]) -> Result<Vec<u8>, PackageError> {
     let description = unit.describe();
     let mut zip = Zip(ZipWriter::new(Cursor::new(Vec::new())));
     let model = match version {
@@ -80,7 +82,8 @@ pub fn package(unit: &Entry, version: Version, binaries: &[Binary]) -> Result<Ve
         zip.add(&format!("documentation/licenses/{name}"), text.as_bytes())?;
     }
     zip.add("documentation/licenses/license.spdx", format!("{}\n", crate::description::LICENCE).as_bytes())?;
-    for (name, text) in description.sets {
+    let shipped = description.sets.iter().copied();
+    for (name, text) in shipped.chain(own.iter().map(|set| (set.name.as_str(), set.text.as_str()))) {
         zip.add(&format!("resources/tools/{name}.toml"), text.as_bytes())?;
     }
     let icon = icon::svg(description);

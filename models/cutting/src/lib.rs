@@ -12,7 +12,7 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Turning`] | one edge in one workpiece |
-//! | [`Milling`], [`MILLING_SETS`] | one cutter in one workpiece; shipped sets |
+//! | [`Milling`], [`MILLING_SETS`], [`MILLING_CATALOGUE`] | one cutter in one workpiece; shipped sets, what a set holds |
 //! | [`HeldTurning`], [`HeldMilling`] | either under an input that stays, for many questions at once |
 //! | [`TurningStructure`], [`MillingStructure`] | what vibrates around the cut; without one a process does not ask |
 //! | [`Regeneration`], [`Vibration`] | what wear and chatter do to each other; the verdict of an operating point |
@@ -46,7 +46,8 @@ pub mod turning;
 mod vibration;
 
 pub use milling::{
-    Cutter, CutterLife, EdgeForce, HeldMilling, MILLING_SETS, Milling, MillingInput, MillingOutput, MillingState,
+    Cutter, CutterLife, EdgeForce, HeldMilling, MILLING_CATALOGUE, MILLING_SETS, Milling, MillingInput, MillingOutput,
+    MillingState,
 };
 pub use turning::{Finish, HeldTurning, LifeModel, Turning, TurningInput, TurningMemory, TurningOutput, TurningState};
 pub use vibration::{MillingStructure, Regeneration, TurningStructure, Vibration};

@@ -66,8 +66,8 @@ impl Turning {
     /// Turning with a shipped parameter set and no effects.
     ///
     /// # Errors
-    /// [`toolroom_wear::PairError::UnknownSet`] with the nearest name.
-    pub fn named(set: &str) -> Result<Self, toolroom_wear::PairError> {
+    /// [`toolroom_wear::SetError::Unknown`] with the nearest name.
+    pub fn named(set: &str) -> Result<Self, toolroom_wear::SetError> {
         Ok(Self { pair: Pair::named(set)?, ..Self::default() })
     }
 

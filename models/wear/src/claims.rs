@@ -1,6 +1,6 @@
 //! Published numbers beside those that this crate computes.
 
-use crate::{Cut, Objective, Pair, PairError, Scatter, WearLaw, WearState};
+use crate::{Cut, Objective, Pair, Scatter, SetError, WearLaw, WearState};
 use toolroom_process::{Claim, ModelError};
 
 const PAPER: &str = "Postnov & Shafikov, evolutionary model of tool wear";
@@ -13,7 +13,7 @@ const REFERENCE: &str = "independent implementation of the same equations in Pyt
 pub enum ClaimError {
     /// A parameter set did not load.
     #[error(transparent)]
-    Pair(#[from] PairError),
+    Pair(#[from] SetError),
     /// A calculation had no solution.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -154,15 +154,6 @@ impl WearLaw {
         }
     }
 
-    /// Parameters that a file may leave out: their defaults switch a term off.
-    pub(crate) fn optional(&self) -> &'static [&'static str] {
-        match self {
-            Self::ExtendedTaylor(_) => &["stage_tilt"],
-            Self::TakeyamaMurata(_) => &["run_in_land", "run_in_offset"],
-            Self::EnergyBalance(_) | Self::Usui(_) => &[],
-        }
-    }
-
     /// Whether its parameters, each in its range, fit together.
     ///
     /// # Errors

@@ -18,6 +18,7 @@
 //! | type | what it is |
 //! |---|---|
 //! | [`Pair`], [`PARAMETER_SETS`] | everything known of one tool in one work material; shipped sets |
+//! | [`ParameterSet`], [`PARAMETER_SET`] | a file of constants, handbook forms included, each with its origin |
 //! | [`Cut`] | what the edge meets, with neutral multipliers |
 //! | [`Temperature`], [`Force`], [`Emf`], [`Chipping`], [`Limits`] | the parts of a pair |
 //! | [`WearLaw`]: [`EnergyBalance`], [`ExtendedTaylor`], [`TakeyamaMurata`], [`Usui`] | how fast the flank wears; [`WearLaw::rate`] is dh/dt at constant conditions |
@@ -74,6 +75,7 @@ mod quadrature;
 mod scatter;
 mod schedule;
 mod search;
+mod set;
 mod speed;
 mod speed_table;
 mod state;
@@ -95,10 +97,16 @@ pub use law::{Wear, WearLaw};
 pub use life::{ConstantSpeed, Life, Objective};
 pub use limits::Limits;
 pub use observer::{Estimate, Measurement, Observer, ObserverNoise};
-pub use pair::{PARAMETER_SETS, Pair, PairError};
+pub use pair::{PARAMETER_SETS, Pair, TURNING_SETS};
 pub use plan::{PassPlan, Ramp, RampLimits, SpeedMode};
 pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
+pub use set::{
+    ABOUT, Band, Catalogue, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, FORCE_DEVIATION, FirstSet, FittedLives, Group,
+    HandbookTaylor, ISO_513, Kienzle, KnownLife, KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin,
+    PARAMETER_SET, ParameterSet, ParameterValue, ReferenceLife, SPEED_EXPONENT_DEVIATION, SetError, Spread, TestedLife,
+    ToolMaterial, is_path,
+};
 pub use speed::{RateOptimum, SetSpeed};
 pub use speed_table::SpeedTable;
 pub use state::{EdgeRun, WEAR_EVENTS, WearState};

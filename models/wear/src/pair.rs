@@ -1,8 +1,11 @@
 //! A tool–work pair: everything known about one tool material in one work material.
 
-use crate::{Chipping, Cut, Emf, Force, Limits, Temperature, WearLaw};
-use toolroom_process::parameters::{ParameterError, ParameterFile};
-use toolroom_process::{AnyRecord, ModelError, Number};
+use crate::{
+    Catalogue, Chipping, Cut, Emf, EnergyBalance, ExtendedTaylor, Force, Group, Limits, ParameterSet, SetError,
+    TakeyamaMurata, Temperature, Usui, WearLaw,
+};
+use std::path::Path;
+use toolroom_process::{AnyRecord, Field, Number, Record};
 
 /// Shipped parameter sets: name and file.
 pub const PARAMETER_SETS: &[(&str, &str)] = &[
@@ -34,47 +37,34 @@ pub struct Pair<N: Copy = f64> {
     pub limits: Limits<N>,
 }
 
-/// Why a parameter set was not loaded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PairError {
-    /// No shipped set has this name.
-    #[error("no parameter set `{name}`; did you mean `{nearest}`? There are {known}")]
-    UnknownSet {
-        /// What was asked for.
-        name: String,
-        /// The most similar name.
-        nearest: &'static str,
-        /// All names.
-        known: String,
-    },
-    /// The file does not name exactly one wear law.
-    #[error(
-        "{laws} wear laws given; one of [parameters.energy_balance], [parameters.extended_taylor], [parameters.takeyama_murata], [parameters.usui] is due"
-    )]
-    WearLaw {
-        /// How many there are.
-        laws: usize,
-    },
-    /// A group that a turning pair does not have.
-    #[error("unknown group [parameters.{group}]; did you mean [parameters.{nearest}]?")]
-    UnknownGroup {
-        /// What was read.
-        group: String,
-        /// The most similar name.
-        nearest: &'static str,
-    },
-    /// A faulty entry.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    /// Values that contradict each other.
-    #[error(transparent)]
-    Model(#[from] ModelError),
+const fn group(name: &'static str, fields: &'static [Field]) -> Group {
+    Group { name, fields, law: false, assumed: &[] }
 }
 
-/// Groups that every pair has, besides its wear law.
-const GROUPS: [&str; 5] = ["temperature", "force", "emf", "chipping", "limits"];
-const LAWS: [&str; 4] = ["energy_balance", "extended_taylor", "takeyama_murata", "usui"];
+const fn law(name: &'static str, fields: &'static [Field], assumed: &'static [&'static str]) -> Group {
+    Group { name, fields, law: true, assumed }
+}
+
+/// Parameter sets of turning: shipped ones, and what a set holds.
+pub static TURNING_SETS: Catalogue = Catalogue {
+    process: "turning",
+    sets: PARAMETER_SETS,
+    groups: &[
+        group("temperature", Temperature::<f64>::FIELDS),
+        law("energy_balance", EnergyBalance::<f64>::FIELDS, &[]),
+        law("extended_taylor", ExtendedTaylor::<f64>::FIELDS, &["hardness_exponent", "stage_contrast", "stage_tilt"]),
+        law(
+            "takeyama_murata",
+            TakeyamaMurata::<f64>::FIELDS,
+            &["run_in_land", "run_in_offset", "hardness_exponent", "gas_constant"],
+        ),
+        law("usui", Usui::<f64>::FIELDS, &["hardness_exponent"]),
+        group("force", Force::<f64>::FIELDS),
+        group("emf", Emf::<f64>::FIELDS),
+        group("chipping", Chipping::<f64>::FIELDS),
+        group("limits", Limits::<f64>::FIELDS),
+    ],
+};
 
 impl Default for Pair {
     /// The record defaults, which are the set `ni_vk6om`.
@@ -96,7 +86,7 @@ impl Pair {
     /// A shipped set.
     ///
     /// # Errors
-    /// [`PairError::UnknownSet`] with the nearest name.
+    /// [`SetError::Unknown`] with the nearest name.
     ///
     /// # Examples
     /// ```
@@ -104,36 +94,35 @@ impl Pair {
     /// assert_eq!(Pair::named("c45_t15k6").unwrap().limits.wear_limit, 0.8e-3);
     /// assert!(Pair::named("ni_vk6").unwrap_err().to_string().contains("did you mean `ni_vk"));
     /// ```
-    pub fn named(name: &str) -> Result<Self, PairError> {
-        match PARAMETER_SETS.iter().find(|(known, _)| *known == name) {
-            Some((_, text)) => Self::read(text),
-            None => {
-                let names = PARAMETER_SETS.iter().map(|(known, _)| *known);
-                let known = names.clone().collect::<Vec<_>>().join(", ");
-                Err(PairError::UnknownSet { name: name.to_owned(), nearest: nearest(name, names), known })
-            }
-        }
+    pub fn named(name: &str) -> Result<Self, SetError> {
+        Self::load(name, Path::new(""))
     }
 
-    /// Reads a parameter file.
+    /// The pair of a shipped name, or of a parameter set file whose path counts from `folder`.
     ///
     /// # Errors
-    /// [`PairError`], with the line where the file is at fault.
-    pub fn read(text: &str) -> Result<Self, PairError> {
-        let file = ParameterFile::read(text)?;
-        let known = || GROUPS.into_iter().chain(LAWS);
-        if let Some(group) = file.groups.keys().find(|group| known().all(|each| each != group.as_str())) {
-            return Err(PairError::UnknownGroup { group: group.clone(), nearest: nearest(group, known()) });
-        }
-        let mut laws = file.groups.keys().filter_map(|group| WearLaw::of_group(group));
-        let (Some(law), None) = (laws.next(), laws.next()) else {
-            let laws = LAWS.iter().filter(|law| file.groups.contains_key(**law)).count();
-            return Err(PairError::WearLaw { laws });
-        };
-        let mut pair = Self { name: file.name.clone(), title: file.title.clone(), law, ..Self::default() };
+    /// [`SetError`].
+    pub fn load(reference: &str, folder: &Path) -> Result<Self, SetError> {
+        Self::of_set(&ParameterSet::load(reference, folder, &TURNING_SETS)?)
+    }
+
+    /// Reads the text of a parameter set.
+    ///
+    /// # Errors
+    /// [`SetError`], with the lines where the text is at fault.
+    pub fn read(text: &str) -> Result<Self, SetError> {
+        Self::of_set(&ParameterSet::parse("the parameter set", text, &TURNING_SETS)?)
+    }
+
+    /// The pair that a parameter set of turning describes.
+    ///
+    /// # Errors
+    /// [`SetError::Model`] where values contradict each other.
+    pub fn of_set(set: &ParameterSet) -> Result<Self, SetError> {
+        let law = set.law.and_then(WearLaw::of_group).unwrap_or_default();
+        let mut pair = Self { name: set.name.clone(), title: set.title.clone(), law, ..Self::default() };
         for (group, record) in pair.parameters_mut() {
-            let optional = if group == law.group() { law.optional() } else { &[] };
-            file.fill_beside(text, group, record, optional)?;
+            set.fill(group, record);
         }
         pair.law.check()?;
         Ok(pair)
@@ -180,16 +169,4 @@ impl<N: Number> Pair<N> {
             WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => (N::from(0.0), N::from(0.0)),
         }
     }
-}
-
-/// The most similar of some names; the first where several are.
-fn nearest(name: &str, known: impl Iterator<Item = &'static str>) -> &'static str {
-    let mut best = ("", f64::NEG_INFINITY);
-    for each in known {
-        let similarity = strsim::normalized_damerau_levenshtein(name, each);
-        if similarity > best.1 {
-            best = (each, similarity);
-        }
-    }
-    best.0
 }

@@ -2,6 +2,7 @@
 //! changed or dressed.
 
 use super::{ContourRule, DressingRule, GrindingRule, StabilityRule};
+use toolroom_wear::Pair;
 
 /// One policy.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +21,8 @@ pub struct PolicyRule {
     pub dressing: DressingRule,
     /// How contours are planned; `None`: as each operation says.
     pub contour: Option<ContourRule>,
-    /// Shipped parameter set that the controller believes in, where it is not the tool's own.
-    pub believed_model: Option<String>,
+    /// Tool and work material that the controller believes in, where they are not the tool's own.
+    pub believed_model: Option<Pair>,
     /// Sensors of adaptive rules.
     pub sensors: SensorSheet,
 }

@@ -50,7 +50,11 @@ pub static STUDY: Form = Form {
             SamplingWord::Plain.word(),
             "How points of the inputs are chosen",
         ),
-        Key::required("parameter_set", Kind::Name, "Tool and work material: name of a turning parameter set"),
+        Key::required(
+            "parameter_set",
+            Kind::Name,
+            "Tool and work material: name of a shipped parameter set of turning, or path of a file",
+        ),
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::default(
             "scatter",

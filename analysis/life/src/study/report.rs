@@ -12,6 +12,7 @@ use crate::page::{self, Words};
 use crate::regression::Regression;
 use crate::sample::SampleError;
 use figures::{fan, sensitivities, taylor};
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use toolroom_chart::page::{Figure, Provenance, Report, Section};
@@ -19,7 +20,7 @@ use toolroom_chart::{ResultFiles, Table, number};
 use toolroom_form::{FormFile, significant};
 use toolroom_process::table::{Cell as CsvCell, csv_text};
 use toolroom_shards::{Plan, fingerprint};
-use worked::{Sensitivity, Worked, chipped, early, name, regression, sensitivity, work};
+use worked::{Sensitivity, Worked, chipped, early, name, outlived, regression, sensitivity, work};
 
 /// What a result is made of.
 pub struct Inputs<'a> {
@@ -70,7 +71,7 @@ pub fn results(inputs: &Inputs<'_>) -> Result<StudyResults, RefusedCell> {
     let worked = inputs
         .merged
         .cells
-        .iter()
+        .par_iter()
         .zip(&study.cells)
         .map(|(tally, cell)| work(cell, tally, study, inputs.request))
         .collect::<Result<Vec<_>, _>>()?;
@@ -113,7 +114,11 @@ fn overview(worked: &[Worked<'_>]) -> Table {
             tally.path.variation().into(),
             tally.paths.quantile(0.05).into(),
             (path / (life + 2.0)).into(),
-            cell.analysis.as_ref().map_or(f64::NAN, |analysis| analysis.b10.value).into(),
+            match &cell.analysis {
+                Ok(analysis) if analysis.seen.reaches(analysis.b10.value) => analysis.b10.value,
+                Ok(_) | Err(_) => f64::NAN,
+            }
+            .into(),
             chipped(tally).into(),
         ]);
     }
@@ -153,7 +158,11 @@ fn summary(
         }
         // Moments of the lives themselves, not of classes or laws.
         object.insert("n".to_owned(), json!(tally.life.count()));
-        object.insert("mean [min]".to_owned(), json!(tally.life.mean() / 60.0));
+        let restricted = outlived(tally) > 0.0;
+        let (mean, none) = (json!(tally.life.mean() / 60.0), Value::Null);
+        object.insert("mean [min]".to_owned(), if restricted { none } else { mean.clone() });
+        object.insert("restricted_mean [min]".to_owned(), mean);
+        object.insert("outlived".to_owned(), json!(outlived(tally)));
         object.insert("standard_error [min]".to_owned(), json!(tally.standard_error() / 60.0));
         object.insert("cv".to_owned(), json!(tally.life.variation()));
         let all = |share: f64| {
@@ -161,10 +170,12 @@ fn summary(
             tally.ends[1..].iter().for_each(|other| lives.merge(other));
             lives.quantile(share) / 60.0
         };
+        // What edges that outlived the study would have come to is not known.
+        let seen = |share: f64| if share <= 1.0 - outlived(tally) { json!(all(share)) } else { Value::Null };
         let quantiles =
             [("p1", 0.01), ("p5", 0.05), ("p10", 0.1), ("p50", 0.5), ("p90", 0.9), ("p95", 0.95), ("p99", 0.99)];
         let quantiles: Map<String, Value> =
-            quantiles.iter().map(|(name, share)| (format!("{name} [min]"), json!(all(*share)))).collect();
+            quantiles.iter().map(|(name, share)| (format!("{name} [min]"), seen(*share))).collect();
         object.insert("quantiles".to_owned(), Value::Object(quantiles));
         object.insert("path".to_owned(), json!({ "mean [m]": tally.path.mean(), "cv": tally.path.variation(), "p5 [m]": tally.paths.quantile(0.05) }));
         let ends: Map<String, Value> = End::ALL
@@ -229,7 +240,11 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
     );
     for cell in worked {
         let tally = cell.tally;
-        let b10 = cell.analysis.as_ref().map_or_else(|_| "–".to_owned(), |analysis| number(analysis.b10.value, 3));
+        let b10 = match &cell.analysis {
+            Ok(analysis) if analysis.seen.reaches(analysis.b10.value) => number(analysis.b10.value, 3),
+            Ok(analysis) => format!("> {}", number(analysis.seen.last, 3)),
+            Err(_) => "–".to_owned(),
+        };
         let _ = writeln!(
             text,
             "  {:32} {:>10} {:>8} {:>7} {:>10} {:>7} {b10:>9} {:>7} %",
@@ -252,10 +267,19 @@ fn text(inputs: &Inputs<'_>, worked: &[Worked<'_>]) -> String {
             );
         }
     }
+    if let Some(share) = worked.iter().map(|cell| outlived(cell.tally)).reduce(f64::max).filter(|share| *share > 0.0) {
+        let _ = writeln!(
+            text,
+            "  up to {} % of the edges of a line were still good when the study stopped: its mean life is a restricted mean",
+            number(100.0 * share, 3)
+        );
+    }
     if let Some(Ok(analysis)) = worked.first().map(|cell| &cell.analysis) {
         let best = &analysis.by_age;
         let first = name(worked[0].cell);
-        let _ = if best.age.is_finite() {
+        let _ = if !analysis.replacement_seen() {
+            writeln!(text, "{first}: when to replace is not reached by t = {} min", number(analysis.seen.last, 3))
+        } else if best.age.is_finite() {
             writeln!(
                 text,
                 "{first}: replace at {} min, saves {:.1} % against running to failure",

@@ -139,6 +139,10 @@ pub fn merge(plan: &Plan, cells: usize, directory: &Path) -> Result<Merged, Shar
     Ok(Merged { cells: merged, digest })
 }
 
+/// Classes over the range of the lives that are fitted: an interval a hundredth of the range wide tells a law
+/// hardly less than the lives themselves (for a normal law of the logarithm, 0.04 % of the information).
+const CLASSES: i32 = 100;
+
 /// Lives of a merged cell as a sample for fits, in minutes: classes of the sketch, edges that
 /// were still good as censored.
 pub fn sample(tally: &Tally) -> Result<Sample, SampleError> {
@@ -146,8 +150,11 @@ pub fn sample(tally: &Tally) -> Result<Sample, SampleError> {
         Observation::Between(low, high) => Observation::Between(low / 60.0, high / 60.0),
         Observation::Failed(_) | Observation::Censored(_) => observation,
     };
+    let classes = || tally.ends.iter().flat_map(|sketch| sketch.classes().map(|(class, _)| class));
+    let span = classes().max().unwrap_or(0) - classes().min().unwrap_or(0);
+    let joined = (span / CLASSES).max(1);
     let lives = End::ALL.iter().zip(&tally.ends).flat_map(|(end, sketch)| {
-        sketch.observations().map(move |(observation, weight)| {
+        sketch.observations(joined).into_iter().map(move |(observation, weight)| {
             let observation = minutes(observation);
             (if end.censored() { Observation::Censored(observation.age()) } else { observation }, weight)
         })

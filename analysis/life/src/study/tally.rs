@@ -180,12 +180,26 @@ impl Sketch {
         self.counts.iter().enumerate().map(|(i, count)| *count as f64 / STEPS * share(i)).sum()
     }
 
-    /// The classes as observations between two bounds, with their weights.
-    pub fn observations(&self) -> impl Iterator<Item = (Observation, f64)> + '_ {
-        self.counts.iter().enumerate().filter(|(_, count)| **count > 0).map(|(i, count)| {
-            let bound = |i: usize| ((f64::from(self.first) + i as f64) * Self::width()).exp();
-            (Observation::Between(bound(i), bound(i + 1)), *count as f64 / STEPS)
-        })
+    /// The classes as observations between two bounds, with their weights; `joined` neighbours are one class.
+    pub fn observations(&self, joined: i32) -> Vec<(Observation, f64)> {
+        let bound = |class: i32| (f64::from(class) * f64::from(joined) * Self::width()).exp();
+        let mut observations: Vec<(i32, u128)> = Vec::new();
+        for (class, count) in self.classes() {
+            // Classes are joined by their number, whatever the first one is.
+            let class = class.div_euclid(joined);
+            match observations.last_mut() {
+                Some((last, sum)) if *last == class => *sum += u128::from(count),
+                _ => observations.push((class, u128::from(count))),
+            }
+        }
+        let weighed = |(class, count)| (Observation::Between(bound(class), bound(class + 1)), count as f64 / STEPS);
+        observations.into_iter().map(weighed).collect()
+    }
+
+    /// Numbers and counts of the classes that hold something.
+    pub fn classes(&self) -> impl Iterator<Item = (i32, u64)> + '_ {
+        let number = |i: usize| self.first.saturating_add(i32::try_from(i).unwrap_or(i32::MAX));
+        self.counts.iter().enumerate().filter(|(_, count)| **count > 0).map(move |(i, count)| (number(i), *count))
     }
 }
 

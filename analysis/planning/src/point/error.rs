@@ -3,10 +3,8 @@
 use std::fmt::Display;
 use toolroom_effects::EffectError;
 use toolroom_form::nearest;
-use toolroom_infeed::SetError;
 use toolroom_process::unit::UnitError;
 use toolroom_process::{Field, ModelError};
-use toolroom_wear::PairError;
 
 /// Why a point cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
@@ -17,10 +15,10 @@ pub enum PointError {
     Effect(EffectError),
     /// A parameter set of turning or milling.
     #[error(transparent)]
-    Pair(#[from] PairError),
+    Pair(#[from] toolroom_wear::SetError),
     /// A parameter set of grinding.
     #[error(transparent)]
-    Set(#[from] SetError),
+    Set(#[from] toolroom_infeed::SetError),
     /// A change without `=`.
     #[error("`{text}` is not of the form key=value")]
     NoChange {

@@ -12,6 +12,7 @@ pub use error::PointError;
 use evaluate::evaluate;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
+use std::path::Path;
 use toolroom_cutting::{LifeModel, Milling, MillingInput};
 use toolroom_effects::{Effect, Effects};
 use toolroom_form::significant;
@@ -32,7 +33,7 @@ pub enum PointProcess {
 /// What is evaluated where.
 #[derive(Clone, Debug)]
 pub struct PointOptions {
-    /// Name of a parameter set; that of the demo where it is `None`.
+    /// Name of a parameter set, or path of its file; that of the demo where it is `None`.
     pub tool: Option<String>,
     /// Changes `key=value` of inputs and states, `group.key=value` of parameters.
     pub changes: Vec<String>,
@@ -70,7 +71,7 @@ impl Point {
         match process {
             PointProcess::Turning => turning::point(options, effects),
             PointProcess::Milling => {
-                let milling = Milling::named(options.tool.as_deref().unwrap_or("c45_endmill_d12"))?;
+                let milling = Milling::load(options.tool.as_deref().unwrap_or("c45_endmill_d12"), Path::new(""))?;
                 effects.check(Milling::NAME).map_err(PointError::Effect)?;
                 // A set is used at the cut for which it was made, unless a change says otherwise.
                 let start = MillingInput {

@@ -9,7 +9,7 @@ use toolroom_process::Process;
 use toolroom_wear::{Cut, Pair};
 
 pub fn point(options: &PointOptions, effects: Effects) -> Result<Point, PointError> {
-    let pair = Pair::named(options.tool.as_deref().unwrap_or("ni_vk6om"))?;
+    let pair = Pair::load(options.tool.as_deref().unwrap_or("ni_vk6om"), std::path::Path::new(""))?;
     effects.check(Turning::NAME).map_err(PointError::Effect)?;
     // A set is used at the cut for which it was made, unless a change says otherwise.
     let reference = pair.reference_cut();

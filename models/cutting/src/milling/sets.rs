@@ -1,8 +1,9 @@
 //! Shipped cutters.
 
-use super::Milling;
-use toolroom_process::parameters::ParameterFile;
-use toolroom_wear::PairError;
+use super::{Cutter, CutterLife, EdgeForce, Milling};
+use std::path::Path;
+use toolroom_process::{Field, Record};
+use toolroom_wear::{Catalogue, Chipping, Group, ParameterSet, SetError, check_tilt};
 
 /// Shipped milling parameter sets: name and file.
 pub const MILLING_SETS: &[(&str, &str)] = &[
@@ -10,14 +11,27 @@ pub const MILLING_SETS: &[(&str, &str)] = &[
     ("mill_t15k6_d32", include_str!("../../../../scenarios/parameters/milling/mill_t15k6_d32.toml")),
 ];
 
-/// Groups of a milling parameter file.
-const GROUPS: [&str; 4] = ["cutter", "force", "life", "chipping"];
+const fn group(name: &'static str, fields: &'static [Field], assumed: &'static [&'static str]) -> Group {
+    Group { name, fields, law: false, assumed }
+}
+
+/// Parameter sets of milling: shipped ones, and what a set holds.
+pub static MILLING_CATALOGUE: Catalogue = Catalogue {
+    process: "milling",
+    sets: MILLING_SETS,
+    groups: &[
+        group("cutter", Cutter::<f64>::FIELDS, &[]),
+        group("force", EdgeForce::<f64>::FIELDS, &[]),
+        group("life", CutterLife::<f64>::FIELDS, &["stage_tilt"]),
+        group("chipping", Chipping::<f64>::FIELDS, &[]),
+    ],
+};
 
 impl Milling {
     /// Milling with a shipped parameter set and no effects.
     ///
     /// # Errors
-    /// [`PairError::UnknownSet`] with the nearest name.
+    /// [`SetError::Unknown`] with the nearest name.
     ///
     /// # Examples
     /// ```
@@ -25,40 +39,37 @@ impl Milling {
     /// assert_eq!(Milling::named("mill_t15k6_d32").unwrap().cutter.diameter, 0.032);
     /// assert!(Milling::named("c45").unwrap_err().to_string().contains("did you mean `c45_endmill_d12`"));
     /// ```
-    pub fn named(set: &str) -> Result<Self, PairError> {
-        match MILLING_SETS.iter().find(|(known, _)| *known == set) {
-            Some((_, text)) => Self::read(text),
-            None => {
-                let known: Vec<&str> = MILLING_SETS.iter().map(|(known, _)| *known).collect();
-                Err(PairError::UnknownSet {
-                    name: set.to_owned(),
-                    nearest: nearest(set, &known),
-                    known: known.join(", "),
-                })
-            }
-        }
+    pub fn named(set: &str) -> Result<Self, SetError> {
+        Self::load(set, Path::new(""))
     }
 
-    /// Reads a parameter file.
+    /// Milling with the set of a shipped name, or of a parameter set file whose path counts from `folder`.
     ///
     /// # Errors
-    /// [`PairError`], with the line where the file is at fault.
-    pub fn read(text: &str) -> Result<Self, PairError> {
-        let file = ParameterFile::read(text)?;
-        if let Some(group) = file.groups.keys().find(|group| !GROUPS.contains(&group.as_str())) {
-            return Err(PairError::UnknownGroup { group: group.clone(), nearest: nearest(group, &GROUPS) });
-        }
+    /// [`SetError`].
+    pub fn load(reference: &str, folder: &Path) -> Result<Self, SetError> {
+        Self::of_set(&ParameterSet::load(reference, folder, &MILLING_CATALOGUE)?)
+    }
+
+    /// Reads the text of a parameter set.
+    ///
+    /// # Errors
+    /// [`SetError`], with the lines where the text is at fault.
+    pub fn read(text: &str) -> Result<Self, SetError> {
+        Self::of_set(&ParameterSet::parse("the parameter set", text, &MILLING_CATALOGUE)?)
+    }
+
+    /// Milling as a parameter set describes it, with no effects.
+    ///
+    /// # Errors
+    /// [`SetError::Model`] where values contradict each other.
+    pub fn of_set(set: &ParameterSet) -> Result<Self, SetError> {
         let mut milling = Self::default();
-        file.fill(text, "cutter", &mut milling.cutter)?;
-        file.fill(text, "force", &mut milling.force)?;
-        file.fill_beside(text, "life", &mut milling.life, &["stage_tilt"])?;
-        toolroom_wear::check_tilt(milling.life.stage_contrast, milling.life.stage_tilt)?;
-        file.fill(text, "chipping", &mut milling.chipping)?;
+        set.fill("cutter", &mut milling.cutter);
+        set.fill("force", &mut milling.force);
+        set.fill("life", &mut milling.life);
+        set.fill("chipping", &mut milling.chipping);
+        check_tilt(milling.life.stage_contrast, milling.life.stage_tilt)?;
         Ok(milling)
     }
-}
-
-fn nearest(name: &str, known: &[&'static str]) -> &'static str {
-    let likeness = |each: &str| strsim::jaro_winkler(each, name);
-    known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).copied().unwrap_or_default()
 }

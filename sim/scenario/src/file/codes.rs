@@ -21,7 +21,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "parameter-set",
-        "The constants of a tool and work material come from a named parameter set. `toolroom schema` and the manual list them; `parameters` in a tool changes single constants.",
+        "The constants of a tool and work material come from a parameter set: the name of a shipped one, or the path of a file of your own, which has a / or ends in .toml and counts from the file that names it. `toolroom check SET.toml` lists every value with where it comes from, `toolroom schema parameter-set` the keys. What a file states goes before what its [handbook] constants give, and both go before the set of `based_on`. `parameters` in a tool changes single constants.",
     ),
     (
         "cycle",

@@ -8,12 +8,12 @@ use crate::{ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
 use toml::de::DeValue;
-use toolroom_cutting::{Milling, MillingInput, Turning};
+use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
 use toolroom_effects::Effects;
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
-use toolroom_wear::{Chipping, Pair, Scatter, check_tilt};
+use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
 
 /// The process of a tool; `None` where a problem was noted.
 pub(super) fn process(
@@ -38,7 +38,8 @@ pub(super) fn process(
     };
     match process {
         ProcessKind::Turning => {
-            let pair = loaded(walk, tool, set, toolroom_wear::PARAMETER_SETS, Pair::named)?;
+            let set = self::set(walk, tool, "parameter_set", &TURNING_SETS)?;
+            let pair = Pair::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, &mut turning);
             set_parameters(walk, tool, turning.parameters_mut());
@@ -53,7 +54,8 @@ pub(super) fn process(
             Some(ProcessModel::Turning(Arc::new(turning)))
         }
         ProcessKind::Milling => {
-            let milling = loaded(walk, tool, set, toolroom_cutting::MILLING_SETS, Milling::named)?;
+            let set = self::set(walk, tool, "parameter_set", &MILLING_CATALOGUE)?;
+            let milling = Milling::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, &mut milling);
             set_parameters(walk, tool, milling.parameters_mut());
@@ -71,7 +73,8 @@ pub(super) fn process(
         }
         ProcessKind::Infeed => {
             let parameters = loaded(walk, tool, set, toolroom_infeed::PARAMETER_SETS, Parameters::named)?;
-            let mut infeed = Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, reason)).ok()?;
+            let mut infeed =
+                Infeed::new(parameters, effects).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             set_parameters(walk, tool, infeed.parameters_mut());
             Some(ProcessModel::Infeed(Arc::new(infeed)))
         }
@@ -140,15 +143,51 @@ fn loaded<T, E: Display>(
         walk.fault(tool.span_of("parameter_set"), fault);
         return None;
     }
-    named(set).map_err(|reason| refuse(walk, tool, reason)).ok()
+    named(set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()
 }
 
-fn refuse(walk: &mut Walk, tool: &Section<'_>, reason: impl Display) {
-    let fault = ScenarioFault::ParameterSet {
-        name: tool.text("parameter_set").unwrap_or_default().to_owned(),
-        reason: reason.to_string(),
+/// The parameter set that `key` names: a shipped one, or a file whose path counts from that of the
+/// scenario.
+pub(super) fn set(
+    walk: &mut Walk,
+    section: &Section<'_>,
+    key: &str,
+    catalogue: &'static Catalogue,
+) -> Option<ParameterSet> {
+    let reference = section.text(key)?;
+    match ParameterSet::load(reference, &walk.folder, catalogue) {
+        Ok(set) => {
+            set.files.iter().for_each(|file| walk.named(file.clone()));
+            Some(set)
+        }
+        Err(SetError::Unknown { name, nearest, known, .. }) => {
+            let kind = if catalogue.process == "turning" { "turning parameter set" } else { "milling parameter set" };
+            let fault = Fault::UnknownName { kind, name, nearest: nearest.map(str::to_owned), known };
+            walk.fault(section.span_of(key), fault);
+            None
+        }
+        Err(reason) => {
+            refuse(walk, section, key, reason);
+            None
+        }
+    }
+}
+
+pub(super) fn refuse(walk: &mut Walk, section: &Section<'_>, key: &str, reason: impl Display) {
+    let name = section.text(key).unwrap_or_default().to_owned();
+    walk.fault(section.span_of(key), ScenarioFault::ParameterSet { name, reason: reason.to_string() });
+}
+
+/// The key `scatter` of a tool: left out, the scatter of its parameter set where that states one.
+pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
+    let catalogue = match tool.chosen("process", ProcessKind::from_word) {
+        Some(ProcessKind::Turning) => Some(&TURNING_SETS),
+        Some(ProcessKind::Milling) => Some(&MILLING_CATALOGUE),
+        Some(ProcessKind::Infeed) | None => None,
     };
-    walk.fault(tool.span_of("parameter_set"), fault);
+    let of_set = |reference| ParameterSet::load(reference, &walk.folder, catalogue?).ok()?.scatter;
+    let stated = if tool.given("scatter") { None } else { tool.text("parameter_set").and_then(of_set) };
+    stated.unwrap_or_else(|| scatter(walk, tool))
 }
 
 /// The key `scatter` of a section: `scatter = "lab"`, or a table of deviations from the shop's

@@ -294,7 +294,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
     let mut tools = Vec::new();
     for (name, section) in named(walk, root, "tool", None) {
         names.tools.push(name.clone());
-        let scatter = processes::scatter(walk, &section);
+        let scatter = processes::tool_scatter(walk, &section);
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
         let process = processes::process(walk, &section, &scatter, &effects);

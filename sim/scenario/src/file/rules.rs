@@ -4,6 +4,7 @@ use super::Output;
 use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
+use super::processes;
 use super::random::distribution;
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
@@ -13,7 +14,8 @@ use crate::{
     ToolChangeRule,
 };
 use toml::de::DeTable;
-use toolroom_form::{Fault, Section, Span, Value, Walk, nearest};
+use toolroom_form::{Fault, Section, Span, Value, Walk};
+use toolroom_wear::{Pair, TURNING_SETS};
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
     let sections = walk.sections(root, "arrivals", None);
@@ -85,19 +87,9 @@ pub(super) fn tool_change(walk: &mut Walk, section: &Section<'_>) -> ToolChangeR
     }
 }
 
-fn believed_model(walk: &mut Walk, section: &Section<'_>) -> Option<String> {
-    let name = section.text("believed_model")?;
-    let known = || toolroom_wear::PARAMETER_SETS.iter().map(|(name, _)| *name);
-    if known().all(|each| each != name) {
-        let fault = Fault::UnknownName {
-            kind: "turning parameter set",
-            name: name.to_owned(),
-            nearest: nearest(name, known()).map(str::to_owned),
-            known: known().collect::<Vec<_>>().join(", "),
-        };
-        walk.fault(section.span_of("believed_model"), fault);
-    }
-    Some(name.to_owned())
+fn believed_model(walk: &mut Walk, section: &Section<'_>) -> Option<Pair> {
+    let set = processes::set(walk, section, "believed_model", &TURNING_SETS)?;
+    Pair::of_set(&set).map_err(|reason| processes::refuse(walk, section, "believed_model", reason)).ok()
 }
 
 /// The key `sensors` of a section, a table of [`SENSORS`]; left out, the default sensors.

@@ -53,15 +53,12 @@ use std::sync::Arc;
 use toolroom_chatter::{ChatterError, SpeedVariation};
 use toolroom_infeed::CycleError;
 use toolroom_kernel::Stream;
-use toolroom_wear::{Pair, PairError, SpeedSchedule};
+use toolroom_wear::{Pair, SpeedSchedule};
 
 /// Why a policy could not be worked out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PolicyError {
-    /// The believed model is not a shipped parameter set.
-    #[error("believed model: {0}")]
-    BelievedModel(#[from] PairError),
     /// The stability model refused the nominal structure.
     #[error("chatter: {0}")]
     Chatter(#[from] ChatterError),

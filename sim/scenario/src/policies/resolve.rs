@@ -168,7 +168,7 @@ fn controller(
 ) -> Result<Controller, PolicyError> {
     let pair = match &rule.believed_model {
         // An imported unit tells nobody its parameters; a policy may still name what it believes.
-        Some(name) if tool.process.takes_speed_commands() => Some(Pair::named(name)?),
+        Some(pair) if tool.process.takes_speed_commands() => Some(pair.clone()),
         _ => tool.process.pair().cloned(),
     };
     let believed = match (pair, cut) {

@@ -62,6 +62,15 @@ pub(super) fn chipped(tally: &Tally) -> f64 {
     tally.ends[chipping].weight() / total
 }
 
+/// Share of edges that were still good when the study stopped.
+pub(super) fn outlived(tally: &Tally) -> f64 {
+    let weight = |censored: bool| {
+        let ends = End::ALL.iter().zip(&tally.ends).filter(|(end, _)| !censored || end.censored());
+        ends.map(|(_, sketch)| sketch.weight()).sum::<f64>()
+    };
+    weight(true) / weight(false)
+}
+
 /// Probability of a failure before the early age, with its standard error.
 pub(super) fn early(tally: &Tally) -> (f64, f64) {
     (tally.early.mean(), tally.early.standard_error())

@@ -1,0 +1,574 @@
+//! Reading a parameter set: its values, those of the set that it is based on, and the law.
+
+use super::form::PARAMETER_SET;
+use super::{Catalogue, Origin, ParameterSet, ParameterValue, Spread, sources};
+use crate::Scatter;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
+use toolroom_form::{ContentFault, Fault, Quantity, ReadError, Section, Value, Walk, nearest, parse, set_record};
+use toolroom_process::parameters::place;
+use toolroom_process::{Field, ModelError, Record};
+
+/// Most steps in a chain of `based_on`.
+const LONGEST_CHAIN: usize = 4;
+
+/// A fault of a parameter set that only its reader knows.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum SetFault {
+    #[error("the set on which this one is based: {0}")]
+    Base(String),
+    #[error("`based_on` leads back to {0}")]
+    Cycle(String),
+    #[error("a chain of more than {LONGEST_CHAIN} sets, each based on the next")]
+    Chain,
+    #[error("{given} wear laws are given ({laws}), and `law` is left out")]
+    Laws { given: usize, laws: String },
+    #[error("no wear law: {0}")]
+    NoLaw(String),
+    #[error("law = \"{law}\", but nothing gives [parameters.{law}]")]
+    LawWithoutGroup { law: &'static str },
+    #[error("process = \"{read}\", where a set for {due} is due")]
+    Process { read: String, due: &'static str },
+    #[error("two sources for {key}: line {first} and line {second}")]
+    TwoSources { key: String, first: usize, second: usize },
+    #[error("{first} ({first_value}, line {first_line}) and {second} ({second_value}, line {second_line}) differ")]
+    WearLimits {
+        first: String,
+        first_value: String,
+        first_line: usize,
+        second: String,
+        second_value: String,
+        second_line: usize,
+    },
+    #[error("{0}")]
+    Implausible(String),
+    #[error("prior of `{key}`: {reason}")]
+    Prior { key: String, reason: &'static str },
+    #[error("[parameters.{group}] lacks {names}")]
+    Missing { group: &'static str, names: String },
+    #[error("{0}")]
+    Model(ModelError),
+}
+
+impl ContentFault for SetFault {
+    fn code(&self) -> &'static str {
+        "parameter-set"
+    }
+
+    fn fix(&self) -> Option<String> {
+        Some(match self {
+            Self::Laws { laws, .. } => format!("add `law = \"…\"` with one of {laws}"),
+            Self::LawWithoutGroup { law } => {
+                format!("add [parameters.{law}], or handbook constants that give it, or leave `law` out")
+            }
+            Self::TwoSources { .. } => "keep one of them".to_owned(),
+            Self::WearLimits { .. } => {
+                "a life belongs to one wear limit: state the same one, or the life at the other".to_owned()
+            }
+            Self::Missing { .. } => {
+                "state the values with their sources, or add `based_on` with a set that has them".to_owned()
+            }
+            Self::Prior { .. } => "write for example \"extended_taylor.speed_exponent\" = { factor = 1.35 }".to_owned(),
+            Self::Base(_)
+            | Self::Cycle(_)
+            | Self::Chain
+            | Self::NoLaw(_)
+            | Self::Process { .. }
+            | Self::Implausible(_)
+            | Self::Model(_) => return None,
+        })
+    }
+}
+
+impl From<SetFault> for Fault {
+    fn from(fault: SetFault) -> Self {
+        Self::Content(Arc::new(fault))
+    }
+}
+
+/// A value with its place in the file.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub value: f64,
+    pub source: String,
+    pub origin: Origin,
+    pub span: Range<usize>,
+}
+
+/// Values by group and name.
+pub(super) type Values = BTreeMap<(&'static str, &'static str), Placed>;
+
+pub(super) fn file(
+    path: &Path,
+    overrides: &[String],
+    catalogues: &[&'static Catalogue],
+    chain: &[PathBuf],
+) -> Result<ParameterSet, ReadError> {
+    let content = toolroom_form::text(path)?;
+    let own = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let longer: Vec<PathBuf> = chain.iter().cloned().chain([own]).collect();
+    let mut set = text(&path.display().to_string(), &content, overrides, catalogues, &longer)?;
+    set.files.insert(0, path.to_owned());
+    Ok(set)
+}
+
+/// `chain` are the files that lead here, this one included where it is a file.
+pub(super) fn text(
+    name: &str,
+    content: &str,
+    overrides: &[String],
+    catalogues: &[&'static Catalogue],
+    chain: &[PathBuf],
+) -> Result<ParameterSet, ReadError> {
+    let resolve = |walk: &mut Walk, root: &Section<'_>| set(walk, root, content, catalogues, chain);
+    Ok(parse(name, content, overrides, &PARAMETER_SET, resolve)?.content)
+}
+
+fn set(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    content: &str,
+    catalogues: &[&'static Catalogue],
+    chain: &[PathBuf],
+) -> Option<ParameterSet> {
+    let catalogue = catalogue(walk, root, catalogues)?;
+    let base = match root.text("based_on") {
+        Some(reference) => Some(base(walk, root, reference, catalogue, chain)?),
+        None => None,
+    };
+    let mut values = given(walk, root, catalogue);
+    let named: Vec<&'static str> =
+        catalogue.laws().filter(|law| values.keys().any(|(group, _)| group == law)).collect();
+    let inherited = |group: &str, name: &str| base.as_ref().and_then(|base| base.value(group, name));
+    // What the conversions refer to: the reference cut of this file or of its base.
+    let reference = |group: &str, name: &str| {
+        let own = values.iter().find(|((own, key), _)| *own == group && *key == name);
+        own.map(|(_, placed)| placed.value).or(inherited(group, name).map(|value| value.value))
+    };
+    let line = |span: &Range<usize>| place(content, span.start).0;
+    let mut converted = if catalogue.process == "turning" {
+        sources::convert(walk, root, &reference, &line)
+    } else {
+        if let Some(key) = ["handbook", "material"].into_iter().find(|key| root.given(key)) {
+            let applicable = "parameters, prior, scatter".to_owned();
+            walk.fault(
+                root.span_of(key),
+                Fault::NotApplicable {
+                    key: if key == "handbook" { "handbook" } else { "material" },
+                    case: "process = \"milling\"".to_owned(),
+                    applicable,
+                },
+            );
+        }
+        sources::Converted::default()
+    };
+    let law = law(walk, root, catalogue, &named, &converted, base.as_ref())?;
+    if let Some(law) = law {
+        diffusion_at_infinity(walk, law, root, &mut values, base.as_ref());
+    }
+    wear_limits(walk, &values, &converted, &line);
+    // The force of a material group stands where nothing else gives a force.
+    let (force, material) = (("force", "specific_force"), converted.material.take());
+    if let Some(of_material) = material
+        && !values.contains_key(&force)
+        && !converted.values.contains_key(&force)
+    {
+        converted.values.extend(of_material);
+    }
+    let mut all = Vec::new();
+    for group in catalogue.groups.iter().filter(|group| !group.law || Some(group.name) == law) {
+        let mut missing = Vec::new();
+        for field in group.fields {
+            let key = (group.name, field.name);
+            let placed = values.get(&key).or(converted.values.get(&key));
+            let value = match (placed, inherited(group.name, field.name)) {
+                (Some(placed), _) => ParameterValue {
+                    group: group.name,
+                    field,
+                    value: placed.value,
+                    origin: placed.origin.clone(),
+                    source: placed.source.clone(),
+                },
+                (None, Some(value)) => {
+                    let origin = match &value.origin {
+                        Origin::Based(set) => Origin::Based(set.clone()),
+                        Origin::Assumed => Origin::Assumed,
+                        Origin::Given | Origin::Handbook => {
+                            Origin::Based(base.as_ref().map_or(String::new(), |base| base.name.clone()))
+                        }
+                    };
+                    ParameterValue { origin, ..value.clone() }
+                }
+                (None, None) if group.assumed.contains(&field.name) => ParameterValue {
+                    group: group.name,
+                    field,
+                    value: field.start,
+                    origin: Origin::Assumed,
+                    source: "default".to_owned(),
+                },
+                (None, None) => {
+                    missing.push(field.name);
+                    continue;
+                }
+            };
+            all.push(value);
+        }
+        if !missing.is_empty() && walk.problems.is_empty() {
+            walk.fault(root.span_of("parameters"), SetFault::Missing { group: group.name, names: missing.join(", ") });
+        }
+    }
+    let inherited_prior = base.as_ref().map_or_else(BTreeMap::new, |base| base.prior.clone());
+    let mut prior = inherited_prior;
+    prior.extend(converted.prior);
+    prior.extend(priors(walk, root, catalogue));
+    let scatter = scatter(walk, root).or(converted.scatter).or(base.as_ref().and_then(|base| base.scatter));
+    let mut notes = converted.notes;
+    notes.extend(base.iter().flat_map(|base| base.notes.clone()));
+    Some(ParameterSet {
+        name: root.text("name")?.to_owned(),
+        title: root.text("title")?.to_owned(),
+        process: catalogue.process,
+        law,
+        values: all,
+        prior,
+        scatter,
+        notes,
+        files: base.map_or_else(Vec::new, |base| base.files),
+    })
+}
+
+/// The catalogue of the process: as stated, or the one that has all groups of the file.
+fn catalogue(walk: &mut Walk, root: &Section<'_>, catalogues: &[&'static Catalogue]) -> Option<&'static Catalogue> {
+    if let Some(process) = root.text("process") {
+        let found = catalogues.iter().find(|catalogue| catalogue.process == process);
+        if found.is_none() {
+            let due = catalogues.first().map_or("", |catalogue| catalogue.process);
+            walk.fault(root.span_of("process"), SetFault::Process { read: process.to_owned(), due });
+        }
+        return found.copied();
+    }
+    let groups: Vec<String> = match root.got("parameters").map(|got| &got.value) {
+        Some(Value::Raw(DeValue::Table(table))) => table.keys().map(|key| key.get_ref().to_string()).collect(),
+        _ => Vec::new(),
+    };
+    let fits = |catalogue: &&&Catalogue| groups.iter().all(|group| catalogue.group(group).is_some());
+    catalogues.iter().find(fits).or(catalogues.first()).copied()
+}
+
+fn base(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    reference: &str,
+    catalogue: &'static Catalogue,
+    chain: &[PathBuf],
+) -> Option<ParameterSet> {
+    let span = root.span_of("based_on");
+    if super::is_path(reference) {
+        let path = walk.folder.join(reference);
+        let own = std::fs::canonicalize(&path).unwrap_or(path);
+        if chain.contains(&own) {
+            walk.fault(span, SetFault::Cycle(reference.to_owned()));
+            return None;
+        }
+    }
+    if chain.len() > LONGEST_CHAIN {
+        walk.fault(span, SetFault::Chain);
+        return None;
+    }
+    match ParameterSet::load_after(reference, &walk.folder, catalogue, chain) {
+        Ok(base) => Some(base),
+        Err(reason) => {
+            walk.fault(span, SetFault::Base(reason.to_string()));
+            None
+        }
+    }
+}
+
+/// The values of `[parameters.*]`.
+fn given(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Catalogue) -> Values {
+    let mut values = Values::new();
+    let Some(Value::Raw(raw)) = root.got("parameters").map(|got| &got.value) else { return values };
+    let example = "[parameters.limits]";
+    let DeValue::Table(groups) = raw else {
+        walk.wrong_type("parameters", raw, "a table of groups", root.span_of("parameters"), example.to_owned());
+        return values;
+    };
+    for (name, entries) in groups {
+        let Some(group) = catalogue.group(name.get_ref()) else {
+            let known = || catalogue.groups.iter().map(|group| group.name);
+            let fault = Fault::UnknownKey {
+                section: "[parameters]".to_owned(),
+                key: name.get_ref().to_string(),
+                nearest: nearest(name.get_ref(), known()),
+                known: known().collect::<Vec<_>>().join(", "),
+            };
+            walk.fault(name.span(), fault);
+            continue;
+        };
+        let DeValue::Table(entries) = entries.get_ref() else {
+            walk.wrong_type(
+                name.get_ref(),
+                entries.get_ref(),
+                "a table of parameters",
+                entries.span(),
+                example.to_owned(),
+            );
+            continue;
+        };
+        for (name, entry) in entries {
+            let known = || group.fields.iter().chain(legacy(group.name));
+            let Some(field) = known().find(|field| field.name == &**name.get_ref()) else {
+                let fault = Fault::UnknownKey {
+                    section: format!("[parameters.{}]", group.name),
+                    key: name.get_ref().to_string(),
+                    nearest: nearest(name.get_ref(), known().map(|field| field.name)),
+                    known: known().map(|field| field.name).collect::<Vec<_>>().join(", "),
+                };
+                walk.fault(name.span(), fault);
+                continue;
+            };
+            let DeValue::Table(table) = entry.get_ref() else {
+                let example = "{ value = \"…\", source = \"…\" }".to_owned();
+                walk.wrong_type(field.name, entry.get_ref(), "a value with its source", entry.span(), example);
+                continue;
+            };
+            if let Some((value, source)) = valued(walk, field, table, entry.span()) {
+                let placed = Placed { value, source, origin: Origin::Given, span: entry.span() };
+                values.insert((group.name, field.name), placed);
+            }
+        }
+    }
+    values
+}
+
+/// `{ value, source }` of a parameter.
+fn valued(walk: &mut Walk, field: &'static Field, table: &DeTable<'_>, span: Range<usize>) -> Option<(f64, String)> {
+    let section = || format!("`{}`", field.name);
+    for (key, _) in table.iter().filter(|(key, _)| !["value", "source"].contains(&&**key.get_ref())) {
+        let fault = Fault::UnknownKey {
+            section: section(),
+            key: key.get_ref().to_string(),
+            nearest: nearest(key.get_ref(), ["value", "source"]),
+            known: "value, source".to_owned(),
+        };
+        walk.fault(key.span(), fault);
+    }
+    let mut due = |key: &'static str, example: &str| {
+        let got = table.get(key);
+        if got.is_none() {
+            let fault = Fault::MissingKey { section: section(), key, example: example.to_owned() };
+            walk.fault(span.clone(), fault);
+        }
+        got
+    };
+    let (value, source) = (due("value", "\"1.5 mm\""), due("source", "\"assumption\""));
+    let (value, source) = (value?, source?);
+    let Some(text) = source.get_ref().as_str() else {
+        walk.wrong_type("source", source.get_ref(), "a line for people", source.span(), "\"assumption\"".to_owned());
+        return None;
+    };
+    let Field { unit, display, min, max, .. } = *field;
+    let quantity = Quantity { unit, display, min, max, above: false, example: "" };
+    match walk.quantity(field.name, &quantity, value) {
+        Value::Si(value) => Some((value, text.to_owned())),
+        _ => None,
+    }
+}
+
+toolroom_process::record! {
+    /// The coefficient of diffusion as classic files of Takeyama and Murata's law state it.
+    pub struct ClassicDiffusion {
+        /// Diffusion wear rate at infinite temperature, D.
+        diffusion_wear: Real["m/s" => "um/min"] = 100.0, 0.0..=1e15;
+    }
+}
+
+/// Parameters that a file may give in place of present ones.
+fn legacy(group: &str) -> &'static [Field] {
+    if group == "takeyama_murata" { ClassicDiffusion::<f64>::FIELDS } else { &[] }
+}
+
+/// Brings diffusion stated at infinite temperature to the reference temperature.
+fn diffusion_at_infinity(
+    walk: &mut Walk,
+    law: &'static str,
+    root: &Section<'_>,
+    values: &mut Values,
+    base: Option<&ParameterSet>,
+) {
+    let group = "takeyama_murata";
+    let Some(classic) = values.remove(&(group, "diffusion_wear")) else { return };
+    if law != group {
+        return;
+    }
+    let key = (group, "diffusion_wear_at_reference");
+    if values.contains_key(&key) {
+        let rule = "one of the two states the diffusion";
+        let fault = Fault::Beside { key: "diffusion_wear", beside: "diffusion_wear_at_reference", rule };
+        walk.fault(classic.span, fault);
+        return;
+    }
+    let defaults = crate::TakeyamaMurata::default();
+    let value = |name: &'static str, default: f64| {
+        let inherited = base.and_then(|base| base.value(group, name)).map(|value| value.value);
+        values.get(&(group, name)).map(|placed| placed.value).or(inherited).unwrap_or(default)
+    };
+    let temperature = value("reference_temperature", defaults.reference_temperature);
+    let energy = value("activation_energy", f64::NAN);
+    let gas = value("gas_constant", defaults.gas_constant);
+    let at_reference = classic.value * (-energy / (gas * temperature)).exp();
+    let field = crate::TakeyamaMurata::<f64>::FIELDS.iter().find(|field| field.name == key.1);
+    if let Some(Err(reason)) = field.filter(|_| energy.is_finite()).map(|field| field.check(at_reference)) {
+        walk.fault(classic.span, Fault::Model { subject: root.path.clone(), reason });
+        return;
+    }
+    let source = format!("{}; brought to {temperature} K", classic.source);
+    values.insert(key, Placed { value: at_reference, source, ..classic.clone() });
+    values.entry((group, "reference_temperature")).or_insert(Placed {
+        value: temperature,
+        source: "assumption: where the classic coefficient is stated again".to_owned(),
+        origin: Origin::Assumed,
+        span: classic.span,
+    });
+}
+
+/// The wear law of the set; `None` inside where sets of the process choose none.
+fn law(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    catalogue: &'static Catalogue,
+    named: &[&'static str],
+    converted: &sources::Converted,
+    base: Option<&ParameterSet>,
+) -> Option<Option<&'static str>> {
+    if catalogue.laws().next().is_none() {
+        if root.given("law") {
+            let applicable = "based_on, parameters, prior, scatter".to_owned();
+            let case = format!("process = \"{}\"", catalogue.process);
+            walk.fault(root.span_of("law"), Fault::NotApplicable { key: "law", case, applicable });
+        }
+        return Some(None);
+    }
+    let base_law = base.and_then(|base| base.law);
+    let of_handbook = converted.law.filter(|_| named.is_empty() || named == ["extended_taylor"]);
+    if let Some(word) = root.text("law") {
+        let law = catalogue.laws().find(|law| *law == word)?;
+        if !named.contains(&law) && base_law != Some(law) && converted.law != Some(law) {
+            walk.fault(root.span_of("law"), SetFault::LawWithoutGroup { law });
+            return None;
+        }
+        return Some(Some(law));
+    }
+    match (named, of_handbook, base_law) {
+        ([law], ..) => Some(Some(*law)),
+        ([], Some(law), _) | ([], None, Some(law)) => Some(Some(law)),
+        ([], None, None) => {
+            let groups = catalogue.laws().map(|law| format!("[parameters.{law}]")).collect::<Vec<_>>().join(", ");
+            if walk.problems.is_empty() {
+                walk.fault(
+                    root.span.clone(),
+                    SetFault::NoLaw(format!("one of {groups} is due, or [handbook], or `based_on`")),
+                );
+            }
+            None
+        }
+        (several, ..) => {
+            let (given, laws) = (several.len(), several.join(", "));
+            walk.fault(root.span_of("parameters"), SetFault::Laws { given, laws });
+            None
+        }
+    }
+}
+
+/// A stated wear limit must be the one for which the handbook's lives hold.
+fn wear_limits(
+    walk: &mut Walk,
+    values: &Values,
+    converted: &sources::Converted,
+    line: &dyn Fn(&Range<usize>) -> usize,
+) {
+    let key = ("limits", "wear_limit");
+    let (Some(stated), Some(tested)) = (values.get(&key), converted.values.get(&key)) else { return };
+    if (stated.value / tested.value - 1.0).abs() > 1e-9 {
+        let shown = |value: f64| format!("{} mm", toolroom_form::significant(value * 1e3));
+        let fault = SetFault::WearLimits {
+            first: "limits.wear_limit".to_owned(),
+            first_value: shown(stated.value),
+            first_line: line(&stated.span),
+            second: "the wear limit of the handbook's lives".to_owned(),
+            second_value: shown(tested.value),
+            second_line: line(&tested.span),
+        };
+        walk.fault(stated.span.clone(), fault);
+    }
+}
+
+fn priors(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Catalogue) -> BTreeMap<String, Spread> {
+    let mut priors = BTreeMap::new();
+    let Some(Value::Raw(raw)) = root.got("prior").map(|got| &got.value) else { return priors };
+    let example = "[prior]";
+    let DeValue::Table(table) = raw else {
+        walk.wrong_type("prior", raw, "a table", root.span_of("prior"), example.to_owned());
+        return priors;
+    };
+    for (name, entry) in table {
+        let key = name.get_ref().to_string();
+        let known = key.split_once('.').and_then(|(group, name)| catalogue.field(group, name));
+        if known.is_none() && !PRIORS_BESIDE.contains(&key.as_str()) {
+            let every = catalogue
+                .groups
+                .iter()
+                .flat_map(|group| group.fields.iter().map(|field| format!("{}.{}", group.name, field.name)));
+            let every: Vec<String> = every.collect();
+            let fault = Fault::UnknownName {
+                kind: "parameter",
+                nearest: nearest(&key, every.iter().map(String::as_str)).map(str::to_owned),
+                name: key,
+                known: "group.name of every parameter of the set".to_owned(),
+            };
+            walk.fault(name.span(), fault);
+            continue;
+        }
+        let mut refuse = |reason| walk.fault(entry.span(), SetFault::Prior { key: key.clone(), reason });
+        let number = |value: &DeValue<'_>| match value {
+            DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
+            DeValue::Integer(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
+            _ => None,
+        };
+        let one = match entry.get_ref() {
+            DeValue::Table(table) if table.len() == 1 => table.iter().next(),
+            _ => None,
+        };
+        let spread = one.map(|(word, value)| (word.get_ref().to_string(), number(value.get_ref())));
+        match spread.as_ref().map(|(word, value)| (word.as_str(), *value)) {
+            Some(("factor", Some(factor))) if factor > 1.0 && factor.is_finite() => {
+                priors.insert(key, Spread::Factor(factor));
+            }
+            Some(("deviation", Some(deviation))) if deviation > 0.0 && deviation.is_finite() => {
+                priors.insert(key, Spread::Deviation(deviation));
+            }
+            Some(("factor", _)) => refuse("a factor is a number above 1"),
+            Some(("deviation", _)) => refuse("a deviation is a number above 0"),
+            _ => refuse("a table with `factor` or `deviation` is due"),
+        }
+    }
+    priors
+}
+
+/// Quantities of a calibration that are no parameters of a group.
+const PRIORS_BESIDE: [&str; 2] = ["edge_scatter", "reading_noise"];
+
+fn scatter(walk: &mut Walk, root: &Section<'_>) -> Option<Scatter> {
+    let mut scatter = match root.text("scatter") {
+        Some("none") => Scatter::none(),
+        Some("lab") => Scatter::lab(),
+        _ => Scatter::shop(),
+    };
+    if let Some(Value::Raw(DeValue::Table(table))) = root.got("scatter").map(|got| &got.value) {
+        set_record(walk, "[scatter]", table, &mut scatter);
+    }
+    root.given("scatter").then_some(scatter)
+}

@@ -1,0 +1,37 @@
+//! Arguments of `toolroom calibrate`.
+
+use clap::Args;
+use clap::builder::PossibleValuesParser as Words;
+use std::path::PathBuf;
+use toolroom_wear::{ISO_513, ToolMaterial};
+
+#[derive(Args, Debug)]
+pub struct CalibrateArgs {
+    /// Process
+    #[arg(value_parser = Words::new(["turning"]))]
+    pub process: String,
+    /// About how long an edge lasts, such as "15 min"
+    #[arg(long, value_name = "TIME")]
+    pub life: String,
+    /// Cutting speed at which it lasts that long
+    #[arg(long, value_name = "SPEED")]
+    pub at: String,
+    /// Feed per revolution there
+    #[arg(long, value_name = "LENGTH", default_value = "0.25 mm/rev")]
+    pub feed: String,
+    /// Depth of cut there
+    #[arg(long, value_name = "LENGTH", default_value = "1.5 mm")]
+    pub depth: String,
+    /// Tool material, which decides how steeply life falls with speed
+    #[arg(long, value_name = "WORD", default_value = "carbide", value_parser = Words::new(ToolMaterial::WORDS))]
+    pub tool_material: String,
+    /// ISO 513 letter of the work material
+    #[arg(long, value_name = "LETTER", default_value = "P", value_parser = Words::new(ISO_513))]
+    pub material: String,
+    /// Flank wear at which an edge is spent
+    #[arg(long, value_name = "LENGTH", default_value = "0.3 mm")]
+    pub limit: String,
+    /// Parameter set to write
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}

@@ -1,0 +1,33 @@
+//! `toolroom calibrate`: a parameter set from what a shop knows.
+
+use crate::args::CalibrateArgs;
+use crate::failure::Failure;
+use crate::output::Files;
+use crate::speak::Voice;
+use toolroom_wear::{FirstSet, KnownLife};
+
+pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
+    let first = FirstSet::read(&KnownLife {
+        life: &args.life,
+        cutting_speed: &args.at,
+        feed: &args.feed,
+        depth_of_cut: &args.depth,
+        wear_limit: &args.limit,
+        tool_material: &args.tool_material,
+        iso513: &args.material,
+    })
+    .map_err(|error| Failure::argument(&error, "write a number with its unit, such as \"15 min\""))?;
+    let name = args.out.file_stem().map_or_else(|| "first".into(), |stem| stem.to_string_lossy().into_owned());
+    let files = Files::new([], voice.force);
+    files.check(&args.out)?;
+    if let Some(folder) = args.out.parent() {
+        std::fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+    }
+    files.put(&args.out, first.to_toml(&name).as_bytes())?;
+    if voice.json {
+        return voice.json(&first.json(&args.out));
+    }
+    voice.data(first.text())?;
+    voice.say(format_args!("next: toolroom check {}", args.out.display()));
+    Ok(())
+}
