@@ -129,6 +129,16 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     Ok(binaries)
 }
 
+/// The library inside this program.
+#[cfg(feature = "embedded-units")]
+fn own_library(_platform: Platform) -> Result<Vec<u8>, Failure> {
+    const PACKED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib"));
+    let mut library = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)
+        .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })?;
+    Ok(library)
+}
+
 fn not_compiled(error: &CrossError) -> Failure {
     match error.fix() {
         Some(fix) => Failure::argument(error, fix),
@@ -137,6 +147,7 @@ fn not_compiled(error: &CrossError) -> Failure {
 }
 
 /// The library that was built with this program, beside it.
+#[cfg(not(feature = "embedded-units"))]
 fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
     let name = platform.library_name();
     let folder =
@@ -150,6 +161,10 @@ fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
     ];
     places.iter().find_map(|place| std::fs::read(place).ok()).ok_or_else(|| {
         let message = format!("the library {name} is not beside the program in {}", folder.display());
-        Failure::argument(message, "build it with `cargo build -p toolroom-fmu` and copy it there")
+        Failure::argument(
+            message,
+            "build the program with `--features embedded-units`, which puts the library into it, or copy the library \
+             that `cargo build -p toolroom-fmu` makes there",
+        )
     })
 }
