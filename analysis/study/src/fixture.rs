@@ -23,6 +23,7 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         speed_range: (0.1, 5.0),
         idle_power: 100.0,
         coolant_change: None,
+        rules: None,
         calendar: None,
     }
 }
@@ -103,7 +104,7 @@ pub(crate) fn scenario() -> Scenario {
             ],
         }],
         arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]) }],
-        dispatch: DispatchRule::Fifo,
+        dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![

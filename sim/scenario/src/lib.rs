@@ -23,6 +23,7 @@ mod calendar;
 mod calibration;
 mod contour;
 mod deviation;
+mod dispatch;
 mod distribution;
 pub mod effects;
 pub mod file;
@@ -42,6 +43,7 @@ pub use calendar::{Boundary, Shift, ShiftCalendar};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
+pub use dispatch::{DispatchRule, MOST_RULES};
 pub use distribution::{Distribution, Empirical};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
@@ -49,7 +51,7 @@ pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Wor
 pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
-pub use station::{DispatchRule, FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
+pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
 
@@ -78,8 +80,9 @@ pub struct Scenario {
     pub parts: Vec<Part>,
     /// Where jobs come from.
     pub arrivals: Vec<Arrival>,
-    /// Which waiting job a free machine takes.
-    pub dispatch: DispatchRule,
+    /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
+    /// The first [`MOST_RULES`] count.
+    pub dispatch: Vec<DispatchRule>,
     /// Working time; a machine without calendar always works.
     pub calendars: Vec<ShiftCalendar>,
     /// Breakdowns.
@@ -92,4 +95,11 @@ pub struct Scenario {
     pub calibrations: Vec<Calibration>,
     /// Currency code of all costs.
     pub currency: String,
+}
+
+impl Scenario {
+    /// Rules of the queue of a machine.
+    pub fn rules(&self, machine: usize) -> &[DispatchRule] {
+        self.machines[machine].rules.as_deref().unwrap_or(&self.dispatch)
+    }
 }

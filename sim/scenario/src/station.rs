@@ -1,6 +1,6 @@
-//! Machines, tools, working time, breakdowns, dispatching.
+//! Machines, tools, working time, breakdowns.
 
-use super::{Distribution, StructureScatter, Variants};
+use super::{DispatchRule, Distribution, StructureScatter, Variants};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
@@ -40,6 +40,8 @@ pub struct MachineType {
     pub coolant_change: Option<f64>,
     /// Index into [`Scenario::calendars`](super::Scenario::calendars).
     pub calendar: Option<usize>,
+    /// Rules of its queue; `None`: those of the shop.
+    pub rules: Option<Vec<DispatchRule>>,
 }
 
 impl MachineType {
@@ -196,22 +198,5 @@ vocabulary! {
         Busy = "busy",
         /// All time counts.
         Calendar = "calendar",
-    }
-}
-
-vocabulary! {
-    /// Which waiting job a free machine takes; ties by arrival at the queue, then job number.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum DispatchRule {
-        /// First in, first out.
-        Fifo = "fifo",
-        /// Shortest (nominal) processing time of the operation.
-        ShortestProcessingTime = "shortest_processing_time",
-        /// Earliest due date.
-        EarliestDueDate = "earliest_due_date",
-        /// Least ratio of time left to work left.
-        CriticalRatio = "critical_ratio",
-        /// Same setup group first, then first in, first out.
-        LeastSetup = "least_setup",
     }
 }

@@ -26,6 +26,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         speed_range: (0.1, 10.0),
         idle_power: 500.0,
         coolant_change: None,
+        rules: None,
         calendar: None,
     }
 }
@@ -83,7 +84,7 @@ fn scenario() -> Scenario {
         tools: Vec::new(),
         parts: Vec::new(),
         arrivals: Vec::new(),
-        dispatch: DispatchRule::Fifo,
+        dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy(SpeedRule::Programmed)],
@@ -123,7 +124,7 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
         arrivals: (0..60)
             .map(|part| Arrival { part, pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 } })
             .collect(),
-        dispatch,
+        dispatch: vec![dispatch],
         ..scenario()
     }
 }

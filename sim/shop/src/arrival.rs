@@ -2,13 +2,12 @@
 
 use super::event::Event;
 use super::job::Job;
-use super::queue::Waiting;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow};
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose, SimTime};
-use toolroom_scenario::ArrivalPattern;
+use toolroom_scenario::{ArrivalPattern, Work};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Schedules the first release of every source; constant work enters at once.
@@ -98,7 +97,9 @@ impl<R: Recorder> Shop<'_, R> {
         let job = Job { number, entity, source, row, operation: 0, waiting: false, queued: now, origin, lot, handling };
         let slot = self.world.jobs.insert(job);
         for (operation, stream) in &mut self.world.sources[source as usize].ranks {
-            *self.world.jobs.rank_mut(slot, *operation) = stream.random();
+            if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
+                *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
+            }
         }
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);
@@ -110,16 +111,12 @@ impl<R: Recorder> Shop<'_, R> {
         let now = self.now();
         let job = self.world.jobs.at_mut(slot);
         let (part, operation) = (job.row.part as usize, job.operation as usize);
-        let Some(next) = self.scenario.parts[part].operations.get(operation) else {
+        if operation >= self.scenario.parts[part].operations.len() {
             return self.leave(slot, JobOutcome::Good);
-        };
+        }
         job.waiting = true;
         job.queued = now;
-        let waiting = Waiting { since: now, number: job.number, slot, operation: job.operation };
-        for &machine in &next.machines {
-            self.world.machines[machine].queue.join(waiting);
-            self.may_choose(machine);
-        }
+        self.wait(slot);
         Ok(())
     }
 

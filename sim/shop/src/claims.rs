@@ -68,6 +68,34 @@ const CASES: &[Case] = &[
         stay: 1.745_541,
         tolerance: 0.025,
     },
+    Case {
+        claim: "mean stay in M/M/1 at 80 % load, shortest time first, min",
+        source: "Phipps, Operations Research 4 (1956) 76",
+        changes: &["dispatch.rule=\"spt\""],
+        stay: 2.882_219,
+        tolerance: 0.02,
+    },
+    Case {
+        claim: "mean stay in M/E2/1 at 80 % load, shortest time first, min",
+        source: "Phipps, Operations Research 4 (1956) 76",
+        changes: &[
+            "part.job.operation.serve.work={ distribution = \"erlang\", mean = \"1 min\", k = 2 }",
+            "dispatch.rule=\"spt\"",
+        ],
+        stay: 2.699_907,
+        tolerance: 0.02,
+    },
+    Case {
+        claim: "mean stay of jobs of 5 min (70 %) and 30 min, 3.6 an hour, shortest time first, min",
+        source: "Phipps, Operations Research 4 (1956) 76",
+        changes: &[
+            "part.job.operation.serve.work={ distribution = \"empirical\", values = [\"5 min\", \"30 min\"], weights = [7, 3] }",
+            "arrivals.1.rate=\"3.6 1/h\"",
+            "dispatch.rule=\"spt\"",
+        ],
+        stay: 33.243_671,
+        tolerance: 0.03,
+    },
 ];
 
 /// Time that jobs stay in the shop.

@@ -4,9 +4,7 @@ use super::Shop;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_scenario::{
-    Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, Work, calibrated, lot_name,
-};
+use toolroom_scenario::{Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, calibrated, lot_name};
 
 /// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
@@ -155,11 +153,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// Time of a job's plain work, s: what was drawn when it entered the shop, as calibration has moved it.
-    pub(super) fn plain_time(&self, asked: &Asked, slot: u32, part: usize, operation: usize) -> f64 {
-        let Work::Plain(time) = &self.scenario.parts[part].operations[operation].work else {
-            unreachable!("the operation is plain");
-        };
-        let drawn = time.quantile(self.world.jobs.rank(slot, operation));
+    pub(super) fn plain_time(&self, asked: &Asked, slot: u32, operation: usize) -> f64 {
+        let drawn = self.world.jobs.drawn(slot, operation);
         asked.calibrated(self.scenario, "programmed_time", drawn).max(0.0)
     }
 

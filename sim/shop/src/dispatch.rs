@@ -1,11 +1,129 @@
 //! Which waiting job a free machine takes.
 
+use super::job::Jobs;
 use super::layout::Layout;
-use super::queue::Waiting;
+use super::queue::{Facts, Keys, QueueKind, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
-use crate::job::Job;
-use toolroom_scenario::DispatchRule;
+use rand::RngExt;
+use std::ops::Range;
+use toolroom_kernel::{Purpose, Streams};
+use toolroom_scenario::{DispatchRule, MOST_RULES, Scenario};
+
+/// Look-ahead of [`DispatchRule::Atc`], in mean processing times.
+///
+/// # Source
+/// A. P. J. Vepsalainen, T. E. Morton, Management Science 33 (1987) 1035.
+const ATC_LOOK_AHEAD: f64 = 3.0;
+/// Expected waiting time of [`DispatchRule::Covert`] over the work left.
+///
+/// # Source
+/// The same.
+const COVERT_WAIT: f64 = 2.0;
+/// Share of the slack over that time in which the cost of [`DispatchRule::Covert`] falls to nothing.
+///
+/// # Source
+/// The same.
+const COVERT_LOOK_AHEAD: f64 = 2.0;
+
+/// How the queue of rules has to be kept.
+pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
+    match rules {
+        [] | [DispatchRule::Fifo] => QueueKind::Line,
+        rules if rules.iter().all(|rule| rule.stands()) => QueueKind::Heap,
+        _ => QueueKind::Scan,
+    }
+}
+
+/// What changes while jobs wait.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moment {
+    /// Time, s.
+    now: f64,
+    /// Mean time of the operations that wait in the queue, s.
+    mean_time: f64,
+    /// Time of the operations that wait at the next station, s.
+    next_work: f64,
+    /// Setup that the machine would need, s.
+    setup: f64,
+}
+
+/// Key of a job under a rule: the job with the least key goes first.
+fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
+    let &Facts { time, work_left, operations_left, due, .. } = facts;
+    let slack = due - moment.now - work_left;
+    let late_in = |look_ahead: f64| slack.max(0.0) / look_ahead.max(f64::MIN_POSITIVE);
+    let key = match rule {
+        DispatchRule::Fifo => since,
+        DispatchRule::Lifo => -since,
+        DispatchRule::Random => facts.rank,
+        DispatchRule::FirstReleased => facts.release,
+        DispatchRule::ShortestProcessingTime => time,
+        DispatchRule::LongestProcessingTime => -time,
+        DispatchRule::ShortestRemaining => work_left,
+        DispatchRule::LongestRemaining => -work_left,
+        DispatchRule::EarliestDueDate => due,
+        DispatchRule::EarliestOperationDue => facts.operation_due,
+        DispatchRule::Slack => due - work_left,
+        DispatchRule::FewestOperations => operations_left,
+        DispatchRule::MostOperations => -operations_left,
+        DispatchRule::SlackPerOperation => slack / operations_left,
+        DispatchRule::CriticalRatio => (due - moment.now) / work_left.max(f64::MIN_POSITIVE),
+        DispatchRule::ModifiedDueDate => (moment.now + work_left).max(due),
+        DispatchRule::ModifiedOperationDue => (moment.now + time).max(facts.operation_due),
+        DispatchRule::WorkInNextQueue => moment.next_work,
+        DispatchRule::TimeAndNextQueue => time + moment.next_work,
+        DispatchRule::TimesAndNextQueue => 2.0 * time + moment.next_work + facts.next_time,
+        DispatchRule::TimeNextQueueAndSlack => time + moment.next_work + slack.min(0.0),
+        DispatchRule::Atc => -(-late_in(ATC_LOOK_AHEAD * moment.mean_time)).exp() / time.max(f64::MIN_POSITIVE),
+        DispatchRule::Covert => {
+            let cost = 1.0 - late_in(COVERT_LOOK_AHEAD * COVERT_WAIT * work_left);
+            -cost.max(0.0) / time.max(f64::MIN_POSITIVE)
+        }
+        DispatchRule::LeastSetup => moment.setup,
+    };
+    key + 0.0 // one zero for both signs: keys are compared with them
+}
+
+fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment) -> Keys {
+    let mut keys = [0.0; MOST_RULES];
+    keys.iter_mut().zip(rules).for_each(|(each, rule)| *each = key(*rule, since, facts, moment));
+    keys
+}
+
+/// Whether a job still waits for what a place in a queue says.
+fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
+    let job = jobs.get(waiting.slot);
+    job.is_some_and(|job| job.waiting && job.number == waiting.number && job.operation == waiting.operation)
+}
+
+/// What the rules of a machine look at of a job that comes to its queue.
+fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, slot: u32, machine: usize) -> Facts {
+    let job = jobs.at(slot);
+    let (part, index) = (job.row.part as usize, job.operation as usize);
+    let plans = &layout.operations[part];
+    let work = |operations: Range<usize>| operations.map(|each| layout.time(jobs, slot, part, each)).sum::<f64>();
+    let (count, release, due) = (plans.len(), job.row.arrival, job.row.due);
+    let total = work(0..count);
+    let share = if total > 0.0 { work(0..index + 1) / total } else { 1.0 };
+    let setup = scenario.parts[part].operations[index].setup_time.unwrap_or(scenario.machines[machine].setup_time);
+    let draws = scenario.rules(machine).contains(&DispatchRule::Random);
+    let rank = || streams.open(job.entity.part(index as u64), Purpose::Policy).random();
+    let next = plans.get(index + 1);
+    Facts {
+        release,
+        due,
+        operation_due: release + (due - release) * share,
+        time: layout.time(jobs, slot, part, index),
+        work_left: work(index..count),
+        operations_left: (count - index) as f64,
+        next_time: next.map_or(0.0, |_| layout.time(jobs, slot, part, index + 1)),
+        next_station: next.map(|plan| plan.station),
+        setup_group: plans[index].setup_group,
+        setup_time: setup,
+        rank: if draws { rank() } else { 0.0 },
+    }
+}
 
 impl<R: Recorder> Shop<'_, R> {
     /// Puts a machine on the list of those that may choose when the instant is settled.
@@ -32,6 +150,7 @@ impl<R: Recorder> Shop<'_, R> {
                 && let Some(waiting) = self.choose(machine)
             {
                 self.world.jobs.at_mut(waiting.slot).waiting = false;
+                self.weigh(waiting.slot, Weighing::Leaves);
                 self.begin(machine, waiting.slot)?;
             }
         }
@@ -39,38 +158,73 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
-    fn choose(&mut self, machine: usize) -> Option<Waiting> {
-        let now = self.now().seconds();
-        let (jobs, layout) = (&self.world.jobs, &self.layout);
-        let here = |waiting: &Waiting| {
-            jobs.get(waiting.slot)
-                .filter(|job| job.waiting && job.number == waiting.number && job.operation == waiting.operation)
-        };
-        let state = &mut self.world.machines[machine];
-        match self.scenario.dispatch {
-            DispatchRule::Fifo => state.queue.take_first(|waiting| here(waiting).is_some()),
-            rule @ (DispatchRule::ShortestProcessingTime
-            | DispatchRule::EarliestDueDate
-            | DispatchRule::CriticalRatio
-            | DispatchRule::LeastSetup) => {
-                let group = state.setup_group;
-                state.queue.take_least(|waiting| here(waiting).map(|job| key(rule, job, layout, group, now)))
+    /// A job joins the queues of its operation.
+    pub(super) fn wait(&mut self, slot: u32) {
+        let (scenario, layout, streams) = (self.scenario, &self.layout, &self.streams);
+        let job = self.world.jobs.at(slot);
+        let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
+        let machines = &scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
+        for &machine in machines {
+            let (jobs, rules) = (&self.world.jobs, scenario.rules(machine));
+            self.world.machines[machine].queue.join(
+                waiting,
+                || facts(scenario, layout, streams, jobs, slot, machine),
+                |facts| keys(rules, waiting.since.seconds(), facts, &Moment::default()),
+                |waiting| is_here(jobs, waiting),
+            );
+        }
+        self.weigh(slot, Weighing::Comes);
+        machines.iter().for_each(|&machine| self.may_choose(machine));
+    }
+
+    /// Keeps the work that waits at the station of a job's operation, where a rule looks at it.
+    fn weigh(&mut self, slot: u32, weighing: Weighing) {
+        if !self.layout.looks_ahead {
+            return;
+        }
+        let job = self.world.jobs.at(slot);
+        let (part, operation) = (job.row.part as usize, job.operation as usize);
+        let time = self.layout.time(&self.world.jobs, slot, part, operation);
+        let (count, work) = &mut self.world.waiting_work[self.layout.operations[part][operation].station as usize];
+        match weighing {
+            Weighing::Comes => {
+                *count += 1;
+                *work += time;
+            }
+            Weighing::Leaves => {
+                *count -= 1;
+                // No rounding stays where nobody waits.
+                *work = if *count == 0 { 0.0 } else { *work - time };
             }
         }
     }
+
+    fn choose(&mut self, machine: usize) -> Option<Waiting> {
+        let now = self.now().seconds();
+        let (rules, layout, world) = (self.scenario.rules(machine), &self.layout, &mut self.world);
+        let (jobs, waiting_work) = (&world.jobs, &world.waiting_work);
+        let state = &mut world.machines[machine];
+        let group = state.setup_group;
+        let work_at = |station: u32| {
+            let together = &layout.overlapping[station as usize];
+            together.iter().map(|station| waiting_work[*station as usize].1).sum::<f64>()
+        };
+        let moment = |facts: &Facts, mean_time: f64| Moment {
+            now,
+            mean_time,
+            next_work: facts.next_station.filter(|_| layout.looks_ahead).map_or(0.0, work_at),
+            setup: if group.is_some_and(|group| group != facts.setup_group) { facts.setup_time } else { 0.0 },
+        };
+        state.queue.take(
+            |waiting| is_here(jobs, waiting),
+            |waiting, facts, mean| keys(rules, waiting.since.seconds(), facts, &moment(facts, mean)),
+        )
+    }
 }
 
-/// Key of a job under a rule: the job with the least key goes first.
-fn key(rule: DispatchRule, job: &Job, layout: &Layout, setup_group: Option<u32>, now: f64) -> f64 {
-    let operation = &layout.operations[job.row.part as usize][job.operation as usize];
-    match rule {
-        DispatchRule::Fifo => 0.0,
-        DispatchRule::ShortestProcessingTime => operation.nominal_time,
-        DispatchRule::EarliestDueDate => job.row.due,
-        DispatchRule::CriticalRatio => (job.row.due - now) / operation.work_left.max(f64::MIN_POSITIVE),
-        DispatchRule::LeastSetup => {
-            let change = setup_group.is_some_and(|group| group != operation.setup_group);
-            f64::from(u8::from(change))
-        }
-    }
+/// Whether a job begins to wait or waits no longer.
+#[derive(Clone, Copy, Debug)]
+enum Weighing {
+    Comes,
+    Leaves,
 }

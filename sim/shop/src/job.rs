@@ -32,8 +32,8 @@ pub struct Job {
 #[derive(Clone, Debug, Default)]
 pub struct Jobs {
     slots: Vec<Option<Job>>,
-    /// Ranks of the jobs at every place, `stride` each.
-    ranks: Vec<f64>,
+    /// Times of plain work of the jobs at every place, s, `stride` each.
+    drawn: Vec<f64>,
     /// Most operations of any part with plain work.
     stride: usize,
     free: Vec<u32>,
@@ -42,8 +42,8 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// A shop without jobs, of which each has at most `operations` with plain work.
-    pub(super) fn with_ranks(operations: usize) -> Self {
+    /// A shop without jobs, in which those with plain work have at most `operations`.
+    pub(super) fn with_plain_work(operations: usize) -> Self {
         Self { stride: operations, ..Self::default() }
     }
 
@@ -57,22 +57,21 @@ impl Jobs {
             }
             None => {
                 self.slots.push(Some(job));
-                self.ranks.resize(self.slots.len() * self.stride, 0.0);
+                self.drawn.resize(self.slots.len() * self.stride, 0.0);
                 (self.slots.len() - 1) as u32
             }
         }
     }
 
-    /// Rank of the time of an operation of a job, 0 to below 1: the share of all times of the operation
-    /// that are shorter. It is drawn when the job enters the shop, so that it is the same whatever
-    /// machine does the work and whenever.
-    pub fn rank(&self, slot: u32, operation: usize) -> f64 {
-        self.ranks[slot as usize * self.stride + operation]
+    /// Time of the plain work of an operation of a job, s. It is drawn when the job enters the shop, so
+    /// that it is the same whatever machine does the work and whenever.
+    pub fn drawn(&self, slot: u32, operation: usize) -> f64 {
+        self.drawn[slot as usize * self.stride + operation]
     }
 
     /// The same to draw it.
-    pub(super) fn rank_mut(&mut self, slot: u32, operation: usize) -> &mut f64 {
-        &mut self.ranks[slot as usize * self.stride + operation]
+    pub(super) fn drawn_mut(&mut self, slot: u32, operation: usize) -> &mut f64 {
+        &mut self.drawn[slot as usize * self.stride + operation]
     }
 
     /// Lets a job out.

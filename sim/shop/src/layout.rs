@@ -1,6 +1,7 @@
 //! What the engine looks up again and again, resolved once for a scenario.
 
 use super::error::ShopError;
+use super::job::Jobs;
 use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
@@ -17,12 +18,16 @@ pub(super) struct Layout {
     pub operations: Vec<Vec<OperationPlan>>,
     /// Time of every pass as programmed, s, by part, by operation.
     pub pass_times: Vec<Vec<Vec<f64>>>,
+    /// Stations that share a machine with a station, itself included, by station.
+    pub overlapping: Vec<Vec<u32>>,
+    /// Whether any queue looks at the work that waits for the next operation.
+    pub looks_ahead: bool,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
     /// Most operations of a part that has plain work.
-    pub ranks: usize,
+    pub plain_operations: usize,
     /// Whether any machine's time of loading or unloading is random.
     pub random_handling: bool,
     /// Rows of the schedule of every source in the order of time.
@@ -42,10 +47,11 @@ pub(super) struct ToolPlan {
 pub(super) struct OperationPlan {
     pub content: ContentPlan,
     pub setup_group: u32,
-    /// Expected time on its first machine, s: loading, passes as programmed or plain work, unloading.
-    pub nominal_time: f64,
-    /// The same for this and all later operations, s.
-    pub work_left: f64,
+    /// The machines that may do it, together.
+    pub station: u32,
+    /// Expected time on its first machine, s: loading, passes as programmed, unloading; plain work is not
+    /// in it.
+    pub known_time: f64,
 }
 
 /// What an operation does, as the engine sees it.
@@ -78,6 +84,7 @@ impl Layout {
         let pass_times = programmed_pass_times(scenario, &tools);
         let programmed = totals(&pass_times);
         let mut groups: Vec<&str> = Vec::new();
+        let mut stations: Vec<Vec<usize>> = Vec::new();
         let mut first_pass = 0;
         let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
         for part in &scenario.parts {
@@ -95,21 +102,28 @@ impl Layout {
                     first_pass += passes.passes;
                     ContentPlan::Machining { tool: tool as u32, passes, cutting_time }
                 });
-                let work = cutting_time + operation.work.plain_time();
+                let mut machines = operation.machines.clone();
+                machines.sort_unstable();
+                let station = stations.iter().position(|each| *each == machines).unwrap_or_else(|| {
+                    stations.push(machines);
+                    stations.len() - 1
+                });
                 plans.push(OperationPlan {
                     content,
                     setup_group: setup_group as u32,
-                    nominal_time: machine.load_time.mean() + work + machine.unload_time.mean(),
-                    work_left: 0.0,
+                    station: station as u32,
+                    known_time: machine.load_time.mean() + cutting_time + machine.unload_time.mean(),
                 });
-            }
-            let mut left = 0.0;
-            for plan in plans.iter_mut().rev() {
-                left += plan.nominal_time;
-                plan.work_left = left;
             }
             operations.push(plans);
         }
+        let shared = |own: &Vec<usize>| {
+            let shares = |(_, other): &(u32, &Vec<usize>)| own.iter().any(|machine| other.contains(machine));
+            (0..).zip(&stations).filter(shares).map(|(station, _)| station).collect()
+        };
+        let overlapping = stations.iter().map(shared).collect();
+        let mut rules = (0..scenario.machines.len()).flat_map(|machine| scenario.rules(machine));
+        let looks_ahead = rules.any(|rule| rule.looks_ahead());
         let mut modes_of = vec![Vec::new(); scenario.machines.len()];
         for (mode, failure) in scenario.failures.iter().enumerate() {
             modes_of[failure.machine].push(mode as u32);
@@ -119,12 +133,33 @@ impl Layout {
         let random_handling = scenario.machines.iter().any(random);
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
         let plain = |part: &&Part| part.operations.iter().any(|each| matches!(each.work, Work::Plain(_)));
-        let ranks = scenario.parts.iter().filter(plain).map(|part| part.operations.len()).max().unwrap_or(0);
-        Ok(Self { tools, operations, pass_times, modes_of, machines, ranks, random_handling, schedules })
+        let plain_operations = scenario.parts.iter().filter(plain).map(|part| part.operations.len()).max().unwrap_or(0);
+        Ok(Self {
+            tools,
+            operations,
+            pass_times,
+            overlapping,
+            looks_ahead,
+            modes_of,
+            machines,
+            plain_operations,
+            random_handling,
+            schedules,
+        })
     }
 }
 
 impl Layout {
+    /// Time of an operation of a job as rules see it, s: mean handling on its first machine with the
+    /// programmed passes, or with the plain work that was drawn for the job.
+    pub fn time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
+        let plan = &self.operations[part][operation];
+        match plan.content {
+            ContentPlan::Plain => plan.known_time + jobs.drawn(slot, operation),
+            ContentPlan::Machining { .. } => plan.known_time,
+        }
+    }
+
     /// Passes of an operation.
     ///
     /// # Panics

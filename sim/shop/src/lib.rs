@@ -149,7 +149,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     ) -> Result<Self, ShopError> {
         let layout = Arc::new(Layout::of(scenario)?);
         let streams = Streams::new(scenario.seed, u64::from(replication));
-        let machines = scenario.machines.iter().map(|each| Machine::new(scenario.tools.len(), each.magazine)).collect();
+        let machine = |(index, kind)| Machine::new(scenario.tools.len(), kind, scenario.rules(index));
+        let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
             let ranks = draws::ranks(scenario, &streams, index);
@@ -157,11 +158,12 @@ impl<'a, R: Recorder> Shop<'a, R> {
         };
         let failure = FailureState { count: 0, failed: false, left: 0.0, since: SimTime::ZERO, due: None };
         let world = World {
-            jobs: Jobs::with_ranks(layout.ranks),
+            jobs: Jobs::with_plain_work(layout.plain_operations),
             machines,
             modes: vec![failure; scenario.failures.len()],
             sources: (0..scenario.arrivals.len()).map(source).collect(),
             edges_mounted: 0,
+            waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();

@@ -3,12 +3,14 @@
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
 use super::deviation::Moved;
+use super::dispatch::queue_kind;
 use super::draws::Blank;
 use super::edge::Edge;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
 use toolroom_scenario::policies::ForceReading;
+use toolroom_scenario::{DispatchRule, MachineType};
 
 /// A machine of the shop.
 #[derive(Clone, Debug)]
@@ -259,13 +261,13 @@ impl Step {
 
 impl Machine {
     /// A machine with a full magazine, ready at time zero.
-    pub(super) fn new(tools: usize, magazine: u32) -> Self {
+    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule]) -> Self {
         Self {
-            queue: Queue::default(),
+            queue: Queue::of(queue_kind(rules)),
             task: None,
             edges: vec![None; tools],
             mounted: vec![0; tools],
-            magazine,
+            magazine: kind.magazine,
             setup_group: None,
             failures: 0,
             off_shift: false,

@@ -46,7 +46,7 @@ impl<R: Recorder> Shop<'_, R> {
         let asked = self.asked(machine, slot);
         let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
         let content = match plan.content {
-            ContentPlan::Plain => Content::Plain(self.plain_time(&asked, slot, part, index)),
+            ContentPlan::Plain => Content::Plain(self.plain_time(&asked, slot, index)),
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);
                 Content::Machining(Machining {

@@ -1,7 +1,9 @@
-//! Jobs that wait at a machine.
+//! Jobs that wait at a machine, kept in the way that its rules ask for.
 
-use std::collections::VecDeque;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BinaryHeap, VecDeque};
 use toolroom_kernel::SimTime;
+use toolroom_scenario::MOST_RULES;
 
 /// A place in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,90 +19,220 @@ pub struct Waiting {
     pub operation: u32,
 }
 
-/// Jobs in the order of (arrival at the queue, job number).
-#[derive(Clone, Debug, Default)]
-pub struct Queue(VecDeque<Waiting>);
+/// Keys under the rules of a queue, the first one deciding; rules that it does not have are 0.
+pub(super) type Keys = [f64; MOST_RULES];
+
+/// What the rules look at beside the clock and the queues.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Facts {
+    /// When the job entered the shop, s.
+    pub release: f64,
+    /// When it is due, s.
+    pub due: f64,
+    /// When this operation is due: the allowance of the job divided in proportion to work, s.
+    pub operation_due: f64,
+    /// Time of this operation, s.
+    pub time: f64,
+    /// Time of this and all later operations, s.
+    pub work_left: f64,
+    /// Number of this and all later operations.
+    pub operations_left: f64,
+    /// Time of the next operation, s; 0 if there is none.
+    pub next_time: f64,
+    /// Station of the next operation.
+    pub next_station: Option<u32>,
+    /// Setup group of this operation.
+    pub setup_group: u32,
+    /// Its setup time where the group changes, s.
+    pub setup_time: f64,
+    /// A random number of the job at this operation, 0 to below 1.
+    pub rank: f64,
+}
+
+/// A job with its keys: the least goes first, ties by arrival at the queue, then job number.
+#[derive(Clone, Copy, Debug)]
+struct Ranked {
+    keys: Keys,
+    waiting: Waiting,
+}
+
+impl Ord for Ranked {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let keys = self.keys.iter().zip(&other.keys).map(|(a, b)| a.total_cmp(b));
+        let arrival = |waiting: &Waiting| (waiting.since, waiting.number);
+        keys.fold(Ordering::Equal, Ordering::then).then(arrival(&self.waiting).cmp(&arrival(&other.waiting)))
+    }
+}
+
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Ranked {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ranked {}
+
+/// Jobs that wait at a machine. A job that another machine took stays in its place until it is met.
+#[derive(Clone, Debug)]
+pub struct Queue(Order);
+
+/// How they are kept.
+#[derive(Clone, Debug)]
+enum Order {
+    /// First come, first served: by arrival at the queue, then job number.
+    Line(VecDeque<Waiting>),
+    /// By keys that stand while a job waits: a decision costs the logarithm of the length.
+    Heap {
+        jobs: BinaryHeap<Reverse<Ranked>>,
+        /// Length at which places of jobs that are gone are looked for.
+        full: usize,
+    },
+    /// By keys that change with the clock, other queues or the machine: a decision looks at all once.
+    Scan(Vec<(Waiting, Facts)>),
+}
+
+/// How a queue has to be kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum QueueKind {
+    /// In the order of arrival.
+    Line,
+    /// By keys that stand while a job waits.
+    Heap,
+    /// By keys that change.
+    Scan,
+}
+
+/// Length from which a heap is looked through for jobs that are gone.
+const FULL: usize = 64;
 
 impl Queue {
-    /// Puts a job in its place.
-    pub fn join(&mut self, waiting: Waiting) {
-        let after = |other: &Waiting| (other.since, other.number) > (waiting.since, waiting.number);
-        let behind = self.0.iter().rev().take_while(|other| after(other)).count();
-        if behind == 0 {
-            self.0.push_back(waiting);
-        } else {
-            self.0.insert(self.0.len() - behind, waiting);
+    pub(super) fn of(kind: QueueKind) -> Self {
+        Self(match kind {
+            QueueKind::Line => Order::Line(VecDeque::new()),
+            QueueKind::Heap => Order::Heap { jobs: BinaryHeap::new(), full: FULL },
+            QueueKind::Scan => Order::Scan(Vec::new()),
+        })
+    }
+
+    /// Puts a job in its place. `facts` gives what its rules look at, `keys` its keys where they stand;
+    /// `here` tells whether a job still waits for what its place says.
+    pub(super) fn join(
+        &mut self,
+        waiting: Waiting,
+        facts: impl FnOnce() -> Facts,
+        keys: impl FnOnce(&Facts) -> Keys,
+        here: impl Fn(&Waiting) -> bool,
+    ) {
+        match &mut self.0 {
+            Order::Line(jobs) => {
+                let after = |other: &Waiting| (other.since, other.number) > (waiting.since, waiting.number);
+                let behind = jobs.iter().rev().take_while(|other| after(other)).count();
+                jobs.insert(jobs.len() - behind, waiting);
+            }
+            Order::Heap { jobs, full } => {
+                if jobs.len() >= *full {
+                    jobs.retain(|Reverse(ranked)| here(&ranked.waiting));
+                    *full = (2 * jobs.len()).max(FULL);
+                }
+                jobs.push(Reverse(Ranked { keys: keys(&facts()), waiting }));
+            }
+            Order::Scan(jobs) => jobs.push((waiting, facts())),
         }
     }
 
-    /// Takes out the first of the waiting jobs with the least `key`; `None` for the key means
-    /// that the job is gone.
-    pub fn take_least(&mut self, key: impl Fn(&Waiting) -> Option<f64>) -> Option<Waiting> {
-        let mut best: Option<(usize, f64)> = None;
-        let mut gone = false;
-        for (i, waiting) in self.0.iter().enumerate() {
-            match key(waiting) {
-                None => gone = true,
-                Some(value) if best.is_none_or(|(_, least)| value < least) => best = Some((i, value)),
-                Some(_) => {}
+    /// Takes out the job that goes first. `here` tells whether a job is still to be had; `keys` gives its
+    /// keys at this moment, from the mean time of all that are. Only a queue whose keys change asks for
+    /// them.
+    pub(super) fn take(
+        &mut self,
+        here: impl Fn(&Waiting) -> bool,
+        keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
+    ) -> Option<Waiting> {
+        match &mut self.0 {
+            Order::Line(jobs) => std::iter::from_fn(|| jobs.pop_front()).find(here),
+            Order::Heap { jobs, .. } => {
+                std::iter::from_fn(|| jobs.pop()).map(|Reverse(ranked)| ranked.waiting).find(here)
+            }
+            Order::Scan(jobs) => {
+                jobs.retain(|(waiting, _)| here(waiting));
+                let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
+                let ranked = |(waiting, facts): &(Waiting, Facts)| Ranked {
+                    keys: keys(waiting, facts, mean),
+                    waiting: *waiting,
+                };
+                let first = jobs.iter().map(ranked).enumerate().min_by_key(|(_, ranked)| *ranked);
+                first.map(|(place, _)| jobs.swap_remove(place).0)
             }
         }
-        let taken = best.and_then(|(i, _)| self.0.remove(i));
-        if gone {
-            self.0.retain(|waiting| key(waiting).is_some());
-        }
-        taken
-    }
-
-    /// Takes out the first of the waiting jobs; `here` tells whether it is still to be had.
-    pub fn take_first(&mut self, here: impl Fn(&Waiting) -> bool) -> Option<Waiting> {
-        while let Some(waiting) = self.0.pop_front() {
-            if here(&waiting) {
-                return Some(waiting);
-            }
-        }
-        None
     }
 
     /// Number of places, those of jobs that are gone included.
     pub fn len(&self) -> usize {
-        self.0.len()
+        match &self.0 {
+            Order::Line(jobs) => jobs.len(),
+            Order::Heap { jobs, .. } => jobs.len(),
+            Order::Scan(jobs) => jobs.len(),
+        }
     }
 
-    /// Whether nobody ever came or everybody is known to be gone.
+    /// Whether there is no place at all.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.len() == 0
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
-    fn waiting(since: f64, number: u32) -> Waiting {
-        Waiting { since: SimTime::from_seconds(since).unwrap(), number, slot: number, operation: 0 }
+    fn key(time: f64) -> Keys {
+        let mut keys = [0.0; MOST_RULES];
+        keys[0] = time;
+        keys
+    }
+
+    /// The order in which a queue gives jobs (arrival, number, key), one after the other.
+    fn order(kind: QueueKind, jobs: &[(f64, u32, f64)], gone: u32) -> Vec<u32> {
+        let mut queue = Queue::of(kind);
+        let here = |waiting: &Waiting| waiting.number != gone;
+        for &(since, number, time) in jobs {
+            let since = SimTime::from_seconds(since).unwrap();
+            let waiting = Waiting { since, number, slot: number, operation: 0 };
+            queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
+        }
+        std::iter::from_fn(|| queue.take(here, |_, facts, _| key(facts.time))).map(|taken| taken.number).collect()
     }
 
     #[test]
-    fn a_queue_is_ordered_by_arrival_then_job() {
-        let mut queue = Queue::default();
-        for (since, number) in [(1.0, 5), (2.0, 3), (2.0, 1), (2.0, 2)] {
-            queue.join(waiting(since, number));
-        }
-        let order: Vec<u32> = std::iter::from_fn(|| queue.take_first(|_| true)).map(|w| w.number).collect();
-        assert_eq!(order, [5, 1, 2, 3]);
+    fn a_line_is_ordered_by_arrival_then_job() {
+        let jobs = [(1.0, 5, 9.0), (2.0, 3, 1.0), (2.0, 1, 2.0), (2.0, 2, 3.0)];
+        assert_eq!(order(QueueKind::Line, &jobs, 9), [5, 1, 2, 3]);
+        assert_eq!(order(QueueKind::Line, &jobs, 1), [5, 2, 3]);
     }
 
     #[test]
-    fn the_least_key_wins_and_ties_go_to_the_first() {
-        let mut queue = Queue::default();
-        for number in 0..6 {
-            queue.join(waiting(f64::from(number), number));
+    fn the_least_key_goes_first_and_ties_go_to_the_first() {
+        let jobs = [(0.0, 0, 0.0), (1.0, 1, 1.0), (2.0, 2, 2.0), (3.0, 3, 0.0), (4.0, 4, 1.0)];
+        for kind in [QueueKind::Heap, QueueKind::Scan] {
+            assert_eq!(order(kind, &jobs, 1), [0, 3, 4, 2]);
         }
-        let key = |w: &Waiting| (w.number != 1).then(|| f64::from(w.number % 3));
-        assert_eq!(queue.take_least(key).map(|w| w.number), Some(0));
-        assert_eq!(queue.len(), 4);
-        assert_eq!(queue.take_least(key).map(|w| w.number), Some(3));
-        assert_eq!(queue.take_least(key).map(|w| w.number), Some(4));
+    }
+
+    proptest! {
+        #[test]
+        fn a_heap_and_a_scan_give_the_same_order(
+            times in prop::collection::vec(0u32..5, 1..300), gone in 0u32..300
+        ) {
+            let job = |(number, time): (u32, &u32)| (f64::from(number / 3), number, f64::from(*time));
+            let jobs: Vec<_> = (0..).zip(&times).map(job).collect();
+            prop_assert_eq!(order(QueueKind::Heap, &jobs, gone), order(QueueKind::Scan, &jobs, gone));
+        }
     }
 }

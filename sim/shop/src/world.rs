@@ -18,6 +18,8 @@ pub struct World {
     pub sources: Vec<SourceState>,
     /// Edges mounted so far.
     pub edges_mounted: u32,
+    /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.
+    pub(super) waiting_work: Vec<(u32, f64)>,
     /// Machines that may choose a job now.
     pub(super) candidates: Vec<u32>,
 }

@@ -180,6 +180,7 @@ static MACHINE: Form = Form {
             "When another coolant is filled in: fresh from then on, and the effect `coolant_change` acts",
         ),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
+        Key::optional("rule", Kind::List(&DISPATCH_RULE), "Rule of its queue, or up to three; left out: the shop's"),
     ],
 };
 
@@ -417,14 +418,16 @@ static LOT: Form = Form {
     ],
 };
 
+const DISPATCH_RULE: Kind = Kind::Choice(DispatchRule::NAMES);
+
 static DISPATCH: Form = Form {
     title: "[dispatch]",
     doc: "Which waiting job a free machine takes",
     keys: &[Key::default(
         "rule",
-        Kind::Choice(DispatchRule::WORDS),
+        Kind::List(&DISPATCH_RULE),
         DispatchRule::Fifo.word(),
-        "Rule; ties by arrival at the queue, then job number",
+        "Rule, or up to three, each deciding where the ones before are equal; then arrival at the queue, then job number",
     )],
 };
 

@@ -231,6 +231,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
         let load_time = distribution(walk, &section, "load_time");
         let unload_time = distribution(walk, &section, "unload_time");
         let speed_range = speed_range(walk, &section);
+        let own_rules = rules::queue_rules(walk, &section);
         let count = section.count("count");
         let mut indices = Vec::new();
         for i in 1..=count.unwrap_or(1) {
@@ -258,6 +259,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 idle_power: section.required("idle_power"),
                 coolant_change: section.si("coolant_change"),
                 calendar,
+                rules: own_rules.clone(),
             });
         }
         names.machines.push((name, indices));

@@ -10,11 +10,11 @@ use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::stability;
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MachineType, PolicyRule, SensorErrors, SensorSheet,
-    ToolChangeRule,
+    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MOST_RULES, MachineType, PolicyRule, SensorErrors,
+    SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
-use toolroom_form::{Fault, Section, Span, Value, Walk};
+use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_wear::{Pair, TURNING_SETS};
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
@@ -47,10 +47,26 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     arrivals
 }
 
-pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> DispatchRule {
+pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Vec<DispatchRule> {
     let section = walk.table(root, "dispatch");
     // Left out with the whole section, the rule is the default of its key.
-    section.and_then(|section| section.chosen("rule", DispatchRule::from_word)).unwrap_or(DispatchRule::Fifo)
+    section.and_then(|section| queue_rules(walk, &section)).unwrap_or(vec![DispatchRule::Fifo])
+}
+
+/// Rules under the key `rule`; `None` where there are none.
+pub(super) fn queue_rules(walk: &mut Walk, section: &Section<'_>) -> Option<Vec<DispatchRule>> {
+    let rule = |got: &Got<'_>| if let Value::Text(word) = &got.value { DispatchRule::named(word) } else { None };
+    let rules: Vec<DispatchRule> = section.list("rule").iter().filter_map(rule).collect();
+    if rules.len() > MOST_RULES {
+        let fault = Fault::WrongType {
+            key: "rule".to_owned(),
+            read: format!("{} rules", rules.len()),
+            expected: format!("at most {MOST_RULES} rules"),
+            example: "[\"edd\", \"spt\"]".to_owned(),
+        };
+        walk.fault(section.span_of("rule"), fault);
+    }
+    (!rules.is_empty()).then_some(rules)
 }
 
 pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {

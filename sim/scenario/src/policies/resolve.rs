@@ -262,6 +262,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         speed_range,
         idle_power: 0.0,
         coolant_change: None,
+        rules: None,
         calendar: None,
     };
     controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")

@@ -34,7 +34,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
             Arrival { part: 1, pattern: ArrivalPattern::ConstantWork { jobs: 1 } },
             jobs_at(&[(7000.0, 3), (10.0, 2)]),
         ],
-        dispatch,
+        dispatch: vec![dispatch],
         calendars: vec![ShiftCalendar {
             name: "two shifts".to_owned(),
             period: 1000.0,

@@ -124,6 +124,7 @@ pub fn machine(name: &str) -> MachineType {
         speed_range: (0.1, 5.0),
         idle_power: 0.0,
         coolant_change: None,
+        rules: None,
         calendar: None,
     }
 }
@@ -186,7 +187,7 @@ pub fn scenario() -> Scenario {
         tools: vec![tool(eternal())],
         parts: vec![part("shaft", vec![operation(&[0], &[10.0])])],
         arrivals: vec![jobs_at(&[(0.0, 1)])],
-        dispatch: DispatchRule::Fifo,
+        dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy("programmed", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: u32::MAX })],
