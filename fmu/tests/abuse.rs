@@ -80,10 +80,13 @@ fn null_freed_and_foreign_instances_are_refused() {
 /// and `free`, what is no instance: NULL and the addresses beside it.
 fn undisturbed(live: impl Fn(), reset: unsafe extern "C" fn(Handle) -> i32, free: unsafe extern "C" fn(Handle)) {
     let done = AtomicBool::new(false);
+    // Instances are made in microseconds: none is before the other thread is at work.
+    let both = std::sync::Barrier::new(2);
     std::thread::scope(|scope| {
         let resets = scope.spawn(|| {
             let mut answers = [0u32; 2];
-            while !done.load(Ordering::Relaxed) {
+            both.wait();
+            loop {
                 for handle in 0..8 {
                     // SAFETY: the handle is not followed, which is what is being tested.
                     let status = unsafe { reset(handle as Handle) };
@@ -91,9 +94,12 @@ fn undisturbed(live: impl Fn(), reset: unsafe extern "C" fn(Handle) -> i32, free
                     // SAFETY: as above.
                     unsafe { free(handle as Handle) };
                 }
+                if done.load(Ordering::Relaxed) {
+                    break answers;
+                }
             }
-            answers
         });
+        both.wait();
         let lives = catch_unwind(AssertUnwindSafe(|| (0..2000).for_each(|_| live())));
         done.store(true, Ordering::Relaxed);
         let [others, errors] = resets.join().expect("no panic");
