@@ -33,7 +33,7 @@ enum Effort {
 /// Least logarithm of a spectral radius that is told apart: less decays in a period beyond rounding.
 const LEAST_EXCESS: f64 = -50.0;
 
-/// Logarithm of the spectral radius that a sample may have to count as an end of a stable interval.
+/// Logarithm of the spectral radius that an end of a stable interval may have.
 const NEUTRAL: f64 = 1e-6;
 
 /// Greatest dimension whose eigenvalues are all worked out where the iteration stalls: a quarter of a
@@ -421,7 +421,7 @@ impl<'a> AtSpeed<'a> {
         positive("greatest depth", greatest)?;
         let uncut = self.uncut().0.value.norm().ln().max(LEAST_EXCESS);
         let mut brackets = Vec::new();
-        for found in SignChanges::new(|depth| self.excess(depth), uncut, greatest) {
+        for found in SignChanges::new(|depth| self.excess(depth, effort), uncut, greatest) {
             brackets.extend(found?);
             if first_only && !brackets.is_empty() {
                 brackets.truncate(1);
@@ -434,25 +434,17 @@ impl<'a> AtSpeed<'a> {
     /// The end of a stable interval between two depths on different sides of the boundary.
     fn end(&mut self, [before, after]: [(f64, f64); 2], effort: Effort) -> Result<Crossing, ChatterError> {
         let becomes_unstable = after.1 > 0.0;
-        let depth = match effort {
-            Effort::Screening => root(|depth| self.excess(depth), before, after, 1e-3 / STEPS as f64)?,
-            Effort::Verdict | Effort::Boundary => {
-                let mut excess = |depth: f64| Ok(self.dominant(depth, effort)?.0.value.norm().ln());
-                let start = if before.0 == 0.0 { before.1 } else { excess(before.0)? };
-                let end = excess(after.0)?;
-                if (start > 0.0) != (end > 0.0) {
-                    root(&mut excess, (before.0, start), (after.0, end), 1e-10)?
-                } else {
-                    // A sample on the boundary can change its side; anywhere else no end is told.
-                    let (depth, excess) = if start.abs() < end.abs() { (before.0, start) } else { (after.0, end) };
-                    if excess.abs() > NEUTRAL {
-                        return Err(ChatterError::NotConverged { residual: excess.abs() });
-                    }
-                    depth
-                }
-            }
+        let tolerance = match effort {
+            Effort::Screening => 1e-3 / STEPS as f64,
+            Effort::Verdict | Effort::Boundary => 1e-10,
         };
+        let depth = root(|depth| self.excess(depth, effort), before, after, tolerance)?;
         let (dominant, period) = self.dominant(depth, effort)?;
+        let excess = dominant.value.norm().ln().abs();
+        // Where rounding decides about the multiplier its modulus jumps, and no end is told.
+        if matches!(effort, Effort::Boundary) && excess > NEUTRAL {
+            return Err(ChatterError::NotConverged { residual: excess });
+        }
         Ok(Crossing { limit: StabilityLimit::new(depth, &self.cut.modes, dominant, period), becomes_unstable })
     }
 
@@ -473,9 +465,13 @@ impl<'a> AtSpeed<'a> {
         Ok(StabilityLimit::new(depth, &self.cut.modes, dominant, period))
     }
 
-    /// Logarithm of the spectral radius at `depth` (m): to some three digits, of the right sign.
-    fn excess(&mut self, depth: f64) -> Result<f64, ChatterError> {
-        Ok(self.refined(depth, Effort::Screening)?.0.value.norm().ln().max(LEAST_EXCESS))
+    /// Logarithm of the spectral radius at `depth` (m): for screening to some three digits, of the right sign.
+    fn excess(&mut self, depth: f64, effort: Effort) -> Result<f64, ChatterError> {
+        let (dominant, _) = match effort {
+            Effort::Screening => self.refined(depth, effort)?,
+            Effort::Verdict | Effort::Boundary => self.dominant(depth, effort)?,
+        };
+        Ok(dominant.value.norm().ln().max(LEAST_EXCESS))
     }
 
     /// Verdict at `depth` (m) with its margin against the limit below `greatest` (m).
