@@ -32,6 +32,7 @@ pub use toolroom_blind as blind;
 pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;
+pub use toolroom_program as program;
 pub use toolroom_cutting as cutting;
 pub use toolroom_effects as effects;
 pub use toolroom_fmu as fmu;
