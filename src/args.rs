@@ -232,6 +232,7 @@ pub enum FmuCommand {
     #[command(before_help = "Examples:
   toolroom fmu sim turning.fmu --stop \"60 s\"
   toolroom fmu sim turning.fmu --input cut.csv --output result.csv --step \"0.1 s\"
+  toolroom fmu sim turning.fmu --interface model-exchange --stop \"60 s\"
   toolroom fmu sim trusted.fmu --isolation none
   toolroom fmu sim turning.fmu --start process.feed_per_rev=0.0002 --start tool.set=c45_t15k6")]
     Sim(FmuSimArgs),
@@ -248,10 +249,21 @@ pub enum FmuIsolation {
     None,
 }
 
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmuInterface {
+    /// Co-Simulation: the unit steps by itself
+    CoSimulation,
+    /// Model Exchange: toolroom integrates the unit's equations
+    ModelExchange,
+}
+
 #[derive(Args, Debug)]
 pub struct FmuSimArgs {
-    /// Unit of FMI 2.0 or 3.0 with Co-Simulation
+    /// Unit of FMI 2.0 or 3.0
     pub file: PathBuf,
+    /// Interface to drive it by; Co-Simulation where the unit has it, if left out
+    #[arg(long, value_name = "INTERFACE", value_enum)]
+    pub interface: Option<FmuInterface>,
     /// CSV of inputs: time [s] first, then one column an input
     #[arg(long, value_name = "CSV")]
     pub input: Option<PathBuf>,

@@ -2,11 +2,11 @@
 
 use crate::args::CheckArgs;
 use crate::failure::Failure;
-use crate::kinds::FileKind;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_form::Echo;
+use toolroom_kinds::FileKind;
 
 pub fn run(args: &CheckArgs, voice: &Voice) -> Result<(), Failure> {
     let path = &args.file;

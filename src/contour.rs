@@ -1,40 +1,23 @@
 //! `toolroom contour FILE`: plans of least time and least cost along a contour.
 
-mod input;
-
 use crate::args::ContourArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
-use input::Task;
-use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_contour::{ContourFile, EdgeLife};
-use toolroom_form::Echo;
-use toolroom_planning::contour::{NAMES, StudyOptions, files, studies, summary, text};
+use toolroom_contour::EdgeLife;
+use toolroom_planning::contour::{NAMES, StudyOptions, Task, files, studies, summary, text};
 use toolroom_process::unit;
 use toolroom_shards::fingerprint;
 
-/// A contour file that can be planned: its name, its passes, its values.
-pub fn check(file: &Path, set: &[String]) -> Result<(String, usize, Vec<Echo>), Failure> {
-    let task = input::read(file, None, set, &[])?;
-    // What the verb would refuse for want of a plan; draws are never refused.
-    let options = StudyOptions { draws: 0, ..StudyOptions::default() };
-    studies(&task.file, &options, &|_| ()).map_err(|refused| task.refused(&refused))?;
-    Ok((task.file.name, task.file.passes.len(), task.echo))
-}
-
-/// A setup file that can be read: number of its passes, its values.
-pub fn check_setup(file: &Path, set: &[String]) -> Result<(usize, Vec<Echo>), Failure> {
-    let setup = input::open(file)?;
-    let read = ContourFile::parse_setup(&setup.name, &setup.text, set)?;
-    Ok((read.content, read.echo))
-}
-
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
-    let task = input::read(&args.file, args.gcode.as_deref(), &args.set, &args.pass)?;
+    let task = Task::read(&args.file, args.gcode.as_deref(), &args.set)?;
+    for name in &args.pass {
+        let known = task.file.pass(name);
+        known.map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
+    }
     let target = args.out.clone().unwrap_or_else(|| default_out(&task.file.name));
     let inputs = std::iter::once(args.file.as_path()).chain(args.gcode.as_deref());
     let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;

@@ -1,6 +1,5 @@
 //! Faults of files as people and programs read them: message, place, the text around it.
 
-use crate::faulty::FaultyFile;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use serde_json::{Value, json};
 use std::fmt;
@@ -21,8 +20,8 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// The faults of a scenario.
-    pub fn of_scenario(list: &FaultList) -> Vec<Self> {
+    /// Every fault of a file.
+    pub fn all(list: &FaultList) -> Vec<Self> {
         let excerpt = |problem: &toolroom_form::Problem| {
             let place = list.place(problem);
             let (file, text) = list.source(place.origin);
@@ -38,21 +37,6 @@ impl Excerpt {
             }
         };
         list.problems.iter().map(excerpt).collect()
-    }
-
-    /// The faults of a file that a model reads.
-    pub fn of_file(faulty: &FaultyFile) -> Vec<Self> {
-        let excerpt = |fault: &crate::faulty::Placed| Self {
-            code: fault.code,
-            message: fault.message.clone(),
-            fix: fault.fix.clone(),
-            file: faulty.file.clone(),
-            line: fault.line,
-            column: fault.column,
-            source: NamedSource::new(&faulty.file, faulty.text.clone()),
-            label: label(&faulty.text, faulty.span(fault)),
-        };
-        faulty.faults.iter().map(excerpt).collect()
     }
 
     pub fn json(&self) -> Value {

@@ -1,7 +1,6 @@
 //! `toolroom explain CODE`.
 
 use crate::args::ExplainArgs;
-use crate::codes::PLANNING;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
@@ -10,7 +9,12 @@ use toolroom_gap::program;
 use toolroom_scenario::file;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
-    let all = || [CODES, file::CODES, program::CODES, PLANNING].into_iter().flatten().copied();
+    let all = || {
+        [CODES, file::CODES, program::CODES, toolroom_planning::CODES, toolroom_watch::CODES]
+            .into_iter()
+            .flatten()
+            .copied()
+    };
     let wanted: Vec<(&str, &str)> = match &args.code {
         None => all().collect(),
         Some(code) => {

@@ -1,7 +1,6 @@
 //! What can go wrong, in words, with the exit code.
 
 use crate::excerpt::Excerpt;
-use crate::faulty::FaultyFile;
 use crate::speak::Voice;
 use crate::stop;
 use std::fmt;
@@ -9,16 +8,15 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use toolroom_form::ReadError;
+use toolroom_kinds::KindError;
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
 
 /// Why a command did not do its work.
 #[derive(Debug)]
 pub enum Failure {
-    /// The scenario was not read.
-    Scenario(ReadError),
-    /// A file that a model reads was refused.
-    Faulty(Box<FaultyFile>),
+    /// A file was not read.
+    File(ReadError),
     /// An argument that cannot be used.
     Argument {
         /// What is wrong.
@@ -79,7 +77,7 @@ impl Failure {
             Self::Unwritable { path, source } => {
                 Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
             }
-            other @ (Self::Scenario(_) | Self::Faulty(_) | Self::Json(_)) => other,
+            other @ (Self::File(_) | Self::Json(_)) => other,
         }
     }
 
@@ -94,9 +92,8 @@ impl Failure {
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {
-            Self::Scenario(ReadError::Faults(list)) => refuse(voice, &list.file, Excerpt::of_scenario(list)),
-            Self::Faulty(file) => refuse(voice, &file.file, Excerpt::of_file(file)),
-            Self::Scenario(error) => self.plain(voice, error, None, 2),
+            Self::File(ReadError::Faults(list)) => refuse(voice, &list.file, Excerpt::all(list)),
+            Self::File(error) => self.plain(voice, error, None, 2),
             Self::Argument { message, help } => self.plain(voice, message, help.as_deref(), 2),
             Self::Work { message } => self.plain(voice, message, None, 1),
             Self::Stopped { message, help } => self.plain(voice, message, Some(help), 1),
@@ -130,7 +127,7 @@ impl Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        Self::Scenario(error)
+        Self::File(error)
     }
 }
 
@@ -152,9 +149,12 @@ impl From<FinishedRunError> for Failure {
     }
 }
 
-impl From<FaultyFile> for Failure {
-    fn from(file: FaultyFile) -> Self {
-        Self::Faulty(Box::new(file))
+impl From<KindError> for Failure {
+    fn from(error: KindError) -> Self {
+        match error {
+            KindError::Read(error) => error.into(),
+            other => Self::argument(&other, other.fix()),
+        }
     }
 }
 

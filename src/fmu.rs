@@ -1,11 +1,8 @@
 //! `toolroom fmu`: FMI units.
 
 mod check;
-mod cross;
 mod export;
 mod info;
-#[cfg(feature = "fmu-import")]
-pub mod machine;
 #[cfg(feature = "fmu-import")]
 mod sim;
 

@@ -2,7 +2,6 @@
 
 use crate::args::{IdentifyArgs, IdentifyBasis};
 use crate::failure::Failure;
-use crate::faulty::{FaultyFile, Placed};
 use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
@@ -10,16 +9,10 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_form::nearest;
-use toolroom_infeed::{Basis, IdentifyError, IdentifyOptions, TableError, read_force_traces, read_trials};
-use toolroom_planning::identification::{IdentificationStudy, NAMES};
+use toolroom_infeed::{Basis, IdentifyOptions};
+use toolroom_planning::identification::{IdentificationStudy, NAMES, Table, TrialsError};
 use toolroom_process::{AnyRecord, unit};
 use toolroom_shards::fingerprint;
-
-/// An input file as read.
-struct Input {
-    name: String,
-    bytes: Vec<u8>,
-}
 
 pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
@@ -48,7 +41,7 @@ fn title(args: &IdentifyArgs) -> String {
 }
 
 /// Command and input files of an identification.
-fn origin(args: &IdentifyArgs, inputs: &[Input]) -> Provenance {
+fn origin(args: &IdentifyArgs, inputs: &[Table]) -> Provenance {
     let mut arguments: Vec<String> = Vec::new();
     if let Some(force) = &args.forces {
         arguments.extend(["--forces".to_owned(), force.display().to_string()]);
@@ -62,27 +55,20 @@ fn origin(args: &IdentifyArgs, inputs: &[Input]) -> Provenance {
 }
 
 /// The input files, and the study of the trials in them.
-fn study(args: &IdentifyArgs, voice: &Voice) -> Result<(Vec<Input>, IdentificationStudy), Failure> {
+fn study(args: &IdentifyArgs, voice: &Voice) -> Result<(Vec<Table>, IdentificationStudy), Failure> {
     let options = options(args)?;
-    let data = read(&args.data)?;
-    let table = read_trials(&data.name, &data.bytes).map_err(|error| refused_table(error, &data))?;
-    let mut trials = table.trials;
-    let mut notes: Vec<(String, String)> =
-        table.notes.iter().map(|note| (data.name.clone(), note.to_string())).collect();
-    let mut inputs = vec![data];
-    if let Some(path) = &args.forces {
-        let force = read(path)?;
-        let more =
-            read_force_traces(&force.name, &force.bytes, &mut trials).map_err(|error| refused_table(error, &force))?;
-        notes.extend(more.iter().map(|note| (force.name.clone(), note.to_string())));
-        inputs.push(force);
+    let trials = read(&args.data)?;
+    let forces = args.forces.as_deref().map(read).transpose()?;
+    let (study, notes) = IdentificationStudy::read(title(args), &trials, forces.as_ref(), options).map_err(refused)?;
+    notes.iter().for_each(|note| voice.say(note));
+    Ok((std::iter::once(trials).chain(forces).collect(), study))
+}
+
+fn refused(error: TrialsError) -> Failure {
+    match error {
+        TrialsError::Tables(error) => error.into(),
+        other => Failure::argument(&other, "see the header of scenarios/data/zb153u_trials.csv"),
     }
-    for (file, note) in &notes {
-        voice.say(format_args!("{file}: {note}"));
-    }
-    let study = IdentificationStudy::new(title(args), trials, options);
-    let study = study.map_err(|error| impossible(error, &inputs[0]))?;
-    Ok((inputs, study))
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
@@ -114,7 +100,7 @@ fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
     Ok(options)
 }
 
-fn read(path: &Path) -> Result<Input, Failure> {
+fn read(path: &Path) -> Result<Table, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| {
         Failure::argument(
@@ -122,30 +108,5 @@ fn read(path: &Path) -> Result<Input, Failure> {
             "give a table of trials, such as scenarios/data/zb153u_trials.csv",
         )
     })?;
-    Ok(Input { name, bytes })
-}
-
-/// A table that is none.
-fn refused_table(error: TableError, input: &Input) -> Failure {
-    let text = String::from_utf8_lossy(&input.bytes);
-    // Columns of a table are cells: the line is what an editor finds.
-    let placed = |fault: &toolroom_infeed::TableFault| {
-        Placed::new(fault.reason.code(), (fault.line, 1), format_args!("{} (cell {})", fault.reason, fault.column))
-    };
-    FaultyFile::new(&input.name, &text, error.faults.iter().map(placed).collect()).into()
-}
-
-/// Trials that cannot be, each by its name and line.
-fn impossible(error: IdentifyError, input: &Input) -> Failure {
-    match error {
-        IdentifyError::Impossible { trials } => {
-            let text = String::from_utf8_lossy(&input.bytes);
-            let placed = |trial: &toolroom_infeed::ImpossibleTrial| {
-                let message = format!("trial `{}`: {}", trial.trial_id, trial.fault);
-                Placed::new(trial.fault.code(), (trial.line.unwrap_or(1), 1), message)
-            };
-            FaultyFile::new(&input.name, &text, trials.iter().map(placed).collect()).into()
-        }
-        other => Failure::argument(&other, "see the header of scenarios/data/zb153u_trials.csv"),
-    }
+    Ok(Table { name, bytes })
 }

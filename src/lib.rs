@@ -19,6 +19,7 @@
 //! | a process at one point | [`planning::point::Point`] | `toolroom point` |
 //! | the cycle time of a part program | [`planning::program::CycleTime`] | `toolroom program` |
 //! | what differs between two runs | [`study::difference::RunDifference`] | `toolroom diff` |
+//! | what is wrong in a file of any kind | [`kinds::FileKind`] | `toolroom check` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
 //!
 //! Quantities are SI numbers (rad, K) unless a name says otherwise. The folder `examples` has an example of scenarios,
@@ -40,6 +41,7 @@ pub use toolroom_form as form;
 pub use toolroom_gap as gap;
 pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
+pub use toolroom_kinds as kinds;
 pub use toolroom_life as life;
 pub use toolroom_planning as planning;
 pub use toolroom_process as process;

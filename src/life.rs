@@ -10,7 +10,7 @@ use crate::speak::Voice;
 use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
-pub use study::{merge, read, shard};
+pub use study::{merge, shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     match (&args.fit, &args.file) {

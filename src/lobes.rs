@@ -8,13 +8,10 @@ use crate::output::{OutputDir, provenance};
 use crate::shard::{perform, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
-use serde_json::{Value, json};
-use std::fmt::Write;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
-use toolroom_form::{FormFile, significant};
-use toolroom_planning::lobes::{ChartStudy, Cut, LobesFile, NAMES, read};
-use toolroom_process::unit;
+use toolroom_form::FormFile;
+use toolroom_planning::lobes::{ChartStudy, LobesFile, NAMES, PointVerdict, read};
 
 pub use shards::{merge, shard};
 
@@ -102,69 +99,7 @@ fn refused(error: ChatterError) -> Failure {
 
 /// `--at SPEED DEPTH`.
 fn verdict(file: &LobesFile, speed: &str, depth: &str, voice: &Voice) -> Result<(), Failure> {
-    let LobesFile { cut, chart, .. } = file;
-    let (speed, depth) = (speed_at(cut, speed)?, depth_at(cut, depth)?);
-    let judgement = cut.judge(speed, depth, chart).map_err(refused)?;
-    let values = judgement.json(cut);
-    if voice.json {
-        let mut object =
-            serde_json::Map::from_iter([("schema".to_owned(), json!(1)), ("name".to_owned(), json!(file.name))]);
-        object.extend(values);
-        return voice.json(&object);
-    }
-    let mut text = format!("{}\n", file.title);
-    for (name, value) in &values {
-        let value = match value {
-            Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), significant),
-            Value::String(text) => text.clone(),
-            Value::Null => "none".to_owned(),
-            // The lines are many; the strongest has a row of its own.
-            Value::Array(lines) => format!("{} lines, with --json", lines.len()),
-            other => other.to_string(),
-        };
-        let _ = writeln!(text, "  {name:28} {value:>24}");
-    }
-    voice.data(text.trim_end())
-}
-
-/// A spindle speed, rad/s; for a chuck a speed ratio, or the spindle speed that gives it.
-fn speed_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
-    let example = example(cut);
-    let speed = match cut {
-        Cut::Chuck(chuck) => ratio(text, 3.0 / chuck.natural_frequency(), example)?,
-        Cut::Lathe(lathe) => ratio(text, 1.0 / lathe.reference_frequency(), example)?,
-        _ => unit::quantity(text, cut.axes().speed.si).map_err(|error| Failure::argument(error, example))?,
-    };
-    // A cut may come without lag.
-    let least = if matches!(cut, Cut::ChipLag(_)) { 0.0 } else { f64::MIN_POSITIVE };
-    if speed.is_finite() && speed >= least {
-        return Ok(speed);
-    }
-    Err(Failure::argument(format_args!("the speed must be positive, is {text}"), example))
-}
-
-/// A ratio, or a spindle speed over that of ratio one.
-fn ratio(text: &str, per_speed: f64, example: &str) -> Result<f64, Failure> {
-    match unit::quantity(text, "rad/s") {
-        Ok(spindle) => Ok(per_speed * spindle),
-        Err(_) => unit::quantity(text, "1").map_err(|error| Failure::argument(error, example)),
-    }
-}
-
-fn example(cut: &Cut) -> &'static str {
-    match cut {
-        Cut::Chuck(_) | Cut::Lathe(_) => "write for example --at 1 0.3",
-        Cut::ChipLag(_) => "write for example --at \"40 us\" \"1.9 N/um\"",
-        _ => "write for example --at \"5000 rpm\" \"0.5 mm\"",
-    }
-}
-
-/// A depth of cut, m, or what stands for it on the second axis.
-fn depth_at(cut: &Cut, text: &str) -> Result<f64, Failure> {
-    let example = example(cut);
-    let depth = unit::quantity(text, cut.axes().depth.si).map_err(|error| Failure::argument(error, example))?;
-    if depth.is_finite() && depth >= 0.0 {
-        return Ok(depth);
-    }
-    Err(Failure::argument(format_args!("the depth must not be negative, is {text}"), example))
+    let place = file.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
+    let verdict = PointVerdict::new(file, place).map_err(refused)?;
+    if voice.json { voice.json(&verdict.json()) } else { voice.data(verdict.text()) }
 }

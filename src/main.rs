@@ -6,7 +6,6 @@
 
 mod args;
 mod check;
-mod codes;
 mod compare;
 mod completions;
 mod contour;
@@ -16,13 +15,11 @@ mod effects;
 mod excerpt;
 mod explain;
 mod failure;
-mod faulty;
 mod fmu;
 mod gap;
 mod grind;
 mod identify;
 mod import;
-mod kinds;
 mod life;
 mod lobes;
 mod merge;
@@ -51,7 +48,7 @@ fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
     let voice = Voice::new(&common);
     #[cfg(feature = "fmu-import")]
-    fmu::machine::register();
+    toolroom_fmu_import::register();
     // A worker ends when its program says so, and not by signals of the terminal.
     let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) { Ok(()) } else { stop::watch() };
     match watched.and_then(|()| perform(command, &voice)) {

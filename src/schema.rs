@@ -5,5 +5,5 @@ use crate::failure::Failure;
 use crate::speak::Voice;
 
 pub fn run(args: &SchemaArgs, voice: &Voice) -> Result<(), Failure> {
-    voice.json(&args.kind.schema()?)
+    voice.json(&args.kind.schema())
 }

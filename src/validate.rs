@@ -18,6 +18,8 @@ pub fn run(voice: &Voice) -> Result<(), Failure> {
     claims.extend(contour.into_iter().map(|claim| ("contour", claim)));
     let life = toolroom_life::claims().map_err(|error| Failure::Work { message: format!("life: {error}") })?;
     claims.extend(life.into_iter().map(|claim| ("life", claim)));
+    let shop = toolroom_shop::claims().map_err(|error| Failure::Work { message: format!("shop: {error}") })?;
+    claims.extend(shop.into_iter().map(|claim| ("shop", claim)));
     let failed = claims.iter().filter(|(_, claim)| !claim.pass()).count();
     if voice.json {
         let rows: Vec<_> = claims

@@ -304,6 +304,43 @@ fn a_unit_that_hangs_crashes_or_ends_its_process_is_a_replication_that_failed() 
 }
 
 #[test]
+fn a_crash_in_the_37th_replication_keeps_36() {
+    let folder = folder();
+    let steps = folder.path().join("steps");
+    // How many late steps so many replications take: a byte each, by one thread.
+    let late_steps = |replications: &str| {
+        let count = format!("BEFORE=FILE *f=fopen(\"{}\",\"a\");fputc(1,f);fclose(f)", steps.display());
+        let scenario = with_unit(folder.path(), &fixture::unit(folder.path(), &[&count], ("", "")));
+        let out = folder.path().join(format!("of-{replications}")).display().to_string();
+        let study = ["run", &scenario, "--policy", "constant", "--replications", replications, "--threads", "1"];
+        expect(0, &[&study[..], &["--out", &out]].concat());
+        let length = fs::metadata(&steps).expect("late steps").len();
+        fs::remove_file(&steps).expect("a file");
+        length
+    };
+    let (before, after) = (late_steps("36"), late_steps("37"));
+    assert!(after > before + 1, "{before} and {after} late steps");
+    let fault = format!("BEFORE=static int steps; if (++steps > {}) abort()", (before + after) / 2);
+    let (scenario, out) = (failing(folder.path(), &fault), folder.path().join("out"));
+    let temporary = folder.path().join("temporary");
+    fs::create_dir(&temporary).expect("writable");
+    let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(["run", &scenario, "--policy", "constant", "--replications", "100", "--threads", "1"])
+        .args(["--out", &out.display().to_string()])
+        .env("TMPDIR", &temporary)
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the binary runs");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    for expected in ["replication 36", "signal 6 (abort)", "36 replications are complete"] {
+        assert!(words(&output).contains(&words_of(expected)), "{expected} in {}", stderr(&output));
+    }
+    let run = json(&out.join("run.json"));
+    assert_eq!((&run["replications"], &run["stopped"]["replication"]), (&Value::from(36), &Value::from(36)), "{run}");
+    assert_eq!(unpacked(&temporary), [""; 0]);
+}
+
+#[test]
 fn a_unit_by_itself_may_crash_too_and_the_rows_before_stand() {
     let folder = folder();
     let unit = fixture::unit(folder.path(), &["BEFORE=exit(0)"], ("", "")).display().to_string();

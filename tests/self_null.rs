@@ -60,3 +60,71 @@ fn noise_that_is_not_that_of_the_sheet_is_a_gap() {
     assert_eq!(found["verdict"], "unknown", "{}", found["fit"]);
     assert_eq!(found["fit"]["parts"][0]["what"], "cutting_force", "{}", found["fit"]);
 }
+
+/// The tool of the turning shop with `wear_force` of this size hidden in it.
+fn wearing(text: &str, size: f64) -> String {
+    let effect = format!("scatter = \"lab\"\neffects = [{{ id = \"wear_force\", size = {size} }}]");
+    let hidden = text.replacen("scatter = \"lab\"", &effect, 1);
+    assert_ne!(hidden, text, "the shipped tool says how it scatters");
+    hidden
+}
+
+/// Forces that grow with wear look like a flank stress that is three times its value, fifteen prior standard deviations
+/// away. Where a cause explains as much without such a constant, the cause is named, and the constant stays.
+#[test]
+fn a_cause_is_named_where_a_constant_would_have_to_leave_its_prior_for_it() {
+    let text = lasting(&shipped("turning"), 20);
+    for (size, seed) in [(0.4, 3), (0.4, 1), (0.3, 2)] {
+        let found = diagnosis(&wearing(&text, size), &text, "operations", seed);
+        assert_eq!(found["verdict"], "effect", "seed {seed}: {}", found["notes"]);
+        assert_eq!(found["effects"][0]["id"], "wear_force", "seed {seed}: {}", found["effects"]);
+        let found_size = found["effects"][0]["size"]["value"].as_f64().expect("a size");
+        assert!((found_size / size - 1.0).abs() < 0.15, "seed {seed}: {found_size} instead of {size}");
+        for constant in found["applied"]["calibration"].as_array().expect("a list") {
+            let moved = constant["moved_sd"].as_f64().expect("a number");
+            assert!(moved.abs() < 3.0, "seed {seed}: {constant}");
+        }
+    }
+}
+
+/// What was found goes into the scenario, and that scenario has no gap to further records of the same shop.
+#[test]
+fn what_was_applied_has_no_gap_to_fresh_records_of_the_same_shop() {
+    let text = lasting(&shipped("turning"), 20);
+    let mut passed = 0;
+    for seed in [1, 2, 4] {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| Path::join(dir.path(), name).display().to_string();
+        fs::write(at("shop.toml"), wearing(&text, 0.4)).expect("a writable folder");
+        fs::write(at("model.toml"), &text).expect("a writable folder");
+        for (records, seed) in [("first", seed), ("second", seed + 100)] {
+            let (seed, out) = (seed.to_string(), at(&format!("o{records}")));
+            toolroom(&["run", &at("shop.toml"), "--seed", &seed, "--records", &at(records), "--out", &out]);
+        }
+        let diagnosed = |model: &str, records: &str, out: &str| -> Value {
+            let data = at(&format!("{records}/operations.csv"));
+            toolroom(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
+            let text = fs::read_to_string(at(&format!("{out}/diagnosis.json"))).expect("a diagnosis");
+            serde_json::from_str(&text).expect("JSON")
+        };
+        let first = diagnosed("model.toml", "first", "d1");
+        assert_eq!(first["effects"][0]["id"], "wear_force", "seed {seed}: {}", first["notes"]);
+        let diagnosis = at("d1/diagnosis.json");
+        toolroom(&[
+            "gap",
+            "apply",
+            "--model",
+            &at("model.toml"),
+            "--diagnosis",
+            &diagnosis,
+            "--out",
+            &at("applied.toml"),
+        ]);
+        let second = diagnosed("applied.toml", "second", "d2");
+        assert_eq!(second["effects"], Value::Array(Vec::new()), "seed {seed}: {}", second["notes"]);
+        assert!(second["fit"]["p"].is_number(), "seed {seed}: a calibrated model is tested as any other");
+        passed += usize::from(second["verdict"] == "no_gap");
+    }
+    // At a level of 1 % two of three are rejected three times in ten thousand such tests.
+    assert!(passed >= 2, "{passed} of 3");
+}

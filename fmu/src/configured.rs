@@ -1,9 +1,11 @@
 //! A process with its parameter set, effects and policy, as the importer has configured it.
 
+use crate::abi::at_unload;
 use crate::fault::{Fault, Outcome};
 use crate::unit::{AdaptivePolicy, Unit};
+use std::any::{Any, TypeId};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use toolroom_cutting::Regeneration;
 use toolroom_effects::Effects;
 use toolroom_process::{AnyRecord, Field, Record};
@@ -32,7 +34,40 @@ pub(crate) struct Configured<U: Unit> {
     chosen: Vec<(usize, f64)>,
 }
 
+/// Default sets that were read, by unit. Emptied when the library is unloaded, which would leave them behind.
+struct Shipped {
+    sets: Vec<(TypeId, Arc<dyn Any + Send + Sync>)>,
+    /// Whether the emptying is arranged.
+    ends: bool,
+}
+
+static SHIPPED: Mutex<Shipped> = Mutex::new(Shipped { sets: Vec::new(), ends: false });
+
+fn shipped() -> MutexGuard<'static, Shipped> {
+    SHIPPED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+extern "C" fn forget() {
+    let sets = std::mem::take(&mut shipped().sets);
+    drop(sets);
+}
+
 impl<U: Unit> Configured<U> {
+    /// The default set, read once a process: reading costs more than all else of an instance.
+    pub fn shared() -> Arc<Self> {
+        let mut kept = shipped();
+        let known = kept.sets.iter().find(|(unit, _)| *unit == TypeId::of::<Self>());
+        if let Some(Ok(known)) = known.map(|(_, set)| Arc::downcast(Arc::clone(set))) {
+            return known;
+        }
+        let set = Arc::new(Self::shipped());
+        kept.ends = kept.ends || at_unload(forget);
+        if kept.ends {
+            kept.sets.push((TypeId::of::<Self>(), Arc::clone(&set) as Arc<dyn Any + Send + Sync>));
+        }
+        set
+    }
+
     /// The default set.
     pub fn shipped() -> Self {
         let (name, text) = U::SETS[0];
@@ -173,7 +208,7 @@ impl<U: Unit> Configured<U> {
 
     /// The parameters of a saved state.
     pub fn restored(set: &str, values: Vec<f64>, resources: Option<&Path>) -> Outcome<Self> {
-        let mut configured = Self::shipped();
+        let mut configured = Self::clone(&Self::shared());
         if configured.set != set {
             configured.choose_set(set, resources)?;
         }

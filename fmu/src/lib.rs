@@ -25,6 +25,7 @@
 //! | [`Variable`], [`Slot`], [`Role`], [`ValueType`] | the variables and their value references |
 //! | [`Description`], [`Dependencies`] | what the package says |
 //! | [`package()`], [`Platform`], [`Binary`] | the file that importers open |
+//! | [`Compiler`] | the shared library for other platforms |
 //!
 //! ```
 //! use toolroom_fmu::{Interface, Log, Slot, ValueType, units};
@@ -51,6 +52,7 @@ mod abi;
 mod catalogue;
 mod component;
 mod configured;
+mod cross;
 mod description;
 mod fault;
 mod instance;
@@ -63,6 +65,7 @@ mod variable;
 
 pub use catalogue::{Entry, units};
 pub use component::{Component, Interface, Stepped, Update};
+pub use cross::{Compiler, CrossError};
 pub use description::{Dependencies, Description};
 pub use fault::{Fault, Outcome};
 pub use instance::Instance;

@@ -1,10 +1,10 @@
 //! Arguments of the verbs that write, check and describe files.
 
 use super::Changes;
-use crate::kinds::{FileKind, KINDS};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
+use toolroom_kinds::{FileKind, KINDS};
 
 #[derive(Args, Debug)]
 pub struct NewArgs {

@@ -4,9 +4,8 @@ use super::open;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
-use std::fmt::Write;
 use std::path::Path;
-use toolroom_fmu_import::check::{Report, Rule, Severity, check};
+use toolroom_fmu_import::check::{Severity, check};
 
 pub fn run(path: &Path, voice: &Voice) -> Result<(), Failure> {
     let report = check(&mut open(path)?);
@@ -22,7 +21,7 @@ pub fn run(path: &Path, voice: &Voice) -> Result<(), Failure> {
             "findings": report.findings,
         }))?;
     } else {
-        voice.data(table(&report))?;
+        voice.data(report.text())?;
     }
     if errors == 0 {
         voice.say(format_args!("valid: no error in {}", path.display()));
@@ -33,29 +32,4 @@ pub fn run(path: &Path, voice: &Voice) -> Result<(), Failure> {
         format_args!("{errors} error{plural} in {}", path.display()),
         "importers refuse such a unit or misread it; ask its exporter",
     ))
-}
-
-/// Every rule with its verdict, then what was found.
-fn table(report: &Report) -> String {
-    let mut text = String::new();
-    for rule in Rule::ALL {
-        let found = || report.findings.iter().filter(|finding| finding.rule == rule);
-        let verdict = match (found().map(|finding| finding.severity).min(), report.description.is_some()) {
-            (Some(Severity::Error), _) => "error",
-            (Some(Severity::Warning), _) => "warning",
-            (_, false) if rule > Rule::Description => "not checked",
-            (_, _) => "ok",
-        };
-        let _ = writeln!(text, "{:12} {verdict}", rule.name());
-        for finding in found() {
-            let severity = match finding.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-                Severity::Note => "note",
-            };
-            let _ = writeln!(text, "    {severity}: {}: {}", finding.place, finding.message);
-        }
-    }
-    text.truncate(text.trim_end().len());
-    text
 }

@@ -1,13 +1,12 @@
 //! `toolroom fmu export MODEL`.
 
-use super::cross;
 use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{Binary, Entry, Platform, Version, file_name, package, units};
+use toolroom_fmu::{Binary, Compiler, CrossError, Entry, Platform, Version, file_name, package, units};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = unit(args.model)?;
@@ -105,15 +104,18 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     platforms.sort_unstable();
     platforms.dedup();
     let every = wanted.contains(&FmuPlatform::All);
-    let cross = cross::Compiler::find();
+    let cross = Compiler::find();
+    let began = |target: &str| voice.say(format_args!("compiling for {target} …"));
     let mut binaries = Vec::new();
     for platform in platforms {
         // With the cross compiler at hand this machine's library is made for old C libraries too.
         let library = match &cross {
-            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => compiler.library(platform, voice),
+            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => {
+                compiler.library(platform, &began).map_err(|error| not_compiled(&error))
+            }
             _ if Some(platform) == host => own_library(platform),
-            Ok(compiler) => compiler.library(platform, voice),
-            Err(missing) => Err(missing.failure()),
+            Ok(compiler) => compiler.library(platform, &began).map_err(|error| not_compiled(&error)),
+            Err(missing) => Err(not_compiled(missing)),
         };
         match library {
             Ok(library) => binaries.push(Binary { platform, library }),
@@ -127,7 +129,25 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     Ok(binaries)
 }
 
+/// The library inside this program.
+#[cfg(feature = "embedded-units")]
+fn own_library(_platform: Platform) -> Result<Vec<u8>, Failure> {
+    const PACKED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib"));
+    let mut library = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)
+        .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })?;
+    Ok(library)
+}
+
+fn not_compiled(error: &CrossError) -> Failure {
+    match error.fix() {
+        Some(fix) => Failure::argument(error, fix),
+        None => Failure::Work { message: error.to_string() },
+    }
+}
+
 /// The library that was built with this program, beside it.
+#[cfg(not(feature = "embedded-units"))]
 fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
     let name = platform.library_name();
     let folder =
@@ -141,6 +161,10 @@ fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
     ];
     places.iter().find_map(|place| std::fs::read(place).ok()).ok_or_else(|| {
         let message = format!("the library {name} is not beside the program in {}", folder.display());
-        Failure::argument(message, "build it with `cargo build -p toolroom-fmu` and copy it there")
+        Failure::argument(
+            message,
+            "build the program with `--features embedded-units`, which puts the library into it, or copy the library \
+             that `cargo build -p toolroom-fmu` makes there",
+        )
     })
 }

@@ -1,8 +1,7 @@
 //! `toolroom fmu sim F.fmu`.
 
-use super::machine::isolation as isolation_of;
 use super::refused;
-use crate::args::{FmuIsolation, FmuSimArgs};
+use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs};
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
@@ -12,8 +11,8 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
-use toolroom_fmu_import::{LoadError, Unit};
+use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, simulate};
+use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
@@ -29,7 +28,12 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let limit = seconds("--call-limit", Some(&args.call_limit))?.filter(|limit| *limit > 0.0);
     let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
-    let unit = Unit::load(&args.file, &isolation_of(isolation, Some(limit))).map_err(not_loaded)?;
+    let driven = match args.interface {
+        None => Driven::Either,
+        Some(FmuInterface::CoSimulation) => Driven::CoSimulation,
+        Some(FmuInterface::ModelExchange) => Driven::ModelExchange,
+    };
+    let unit = Unit::load_driven(&args.file, &Isolation::of(isolation, Some(limit)), driven).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
@@ -37,7 +41,11 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
         step: seconds("--step", args.step.as_deref())?,
         start_values: start_values(&args.start)?,
     };
-    let inputs = args.input.as_deref().map(|path| inputs(&unit, path)).transpose()?;
+    let inputs = args.input.as_deref().map(|path| inputs(&unit, &experiment.start_values, path)).transpose()?;
+    let left_out = left_out(unit.description(), &experiment.start_values);
+    if !left_out.is_empty() {
+        voice.say(format_args!("left out, since no table can hold it: {}", left_out.join(", ")));
+    }
     let done = match &args.output {
         Some(path) => {
             let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
@@ -80,11 +88,11 @@ fn report(args: &FmuSimArgs, unit: &Unit, done: Done, voice: &Voice) -> Result<(
     Ok(())
 }
 
-fn inputs(unit: &Unit, path: &Path) -> Result<Inputs, Failure> {
+fn inputs(unit: &Unit, start: &BTreeMap<String, String>, path: &Path) -> Result<Inputs, Failure> {
     let file = File::open(path).map_err(|error| {
         Failure::argument(format_args!("{} cannot be read: {error}", path.display()), "check --input")
     })?;
-    Inputs::read(unit.description(), BufReader::new(file)).map_err(|error| {
+    Inputs::read(unit.description(), start, BufReader::new(file)).map_err(|error| {
         Failure::argument(
             format_args!("{}: {error}", path.display()),
             "`toolroom fmu info` lists the inputs of the unit",

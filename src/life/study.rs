@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use toolroom_form::FormFile;
-use toolroom_life::file::{StudyFile, parse};
+use toolroom_life::file::{StudyFile, StudyText, parse};
 use toolroom_life::study::report::{Inputs, NAMES, results};
 use toolroom_life::study::run::enough;
 use toolroom_life::study::shard;
@@ -25,31 +25,12 @@ use toolroom_study::study::Progress;
 /// Lives of a shard when nobody says how many shards there are.
 const SHARD: u64 = 500_000;
 
-/// Reads a study file with the values of `--set`.
-pub fn read(path: &Path, set: &[String]) -> Result<FormFile<StudyFile>, Failure> {
-    let (file, text, directory) = open(path)?;
-    Ok(parse(&file, &text, &directory, set)?)
-}
-
-/// Name, text and folder of a study file.
-fn open(path: &Path) -> Result<(String, String, PathBuf), Failure> {
-    let file = path.display().to_string();
-    let bytes = fs::read(path)
-        .map_err(|error| Failure::argument(format_args!("{file} cannot be read: {error}"), "give a study file"))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| Failure::argument(format_args!("{file} is not UTF-8"), "save it as UTF-8"))?;
-    let directory =
-        fs::canonicalize(path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")))
-            .map_err(|source| Failure::Unwritable { path: path.to_owned(), source })?;
-    Ok((file, text, directory))
-}
-
 pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
-    let (file, text, directory) = open(path)?;
+    let text = StudyText::open(path)?;
     let mut overrides = args.shards.set.clone();
     overrides.extend(args.statistics.seed.map(|seed| format!("seed={seed}")));
     overrides.extend(args.shards.lives.map(|lives| format!("lives={lives}")));
-    let mut parsed = parse(&file, &text, &directory, &overrides)?;
+    let mut parsed = text.parse(&overrides)?;
     let request = request(&args.statistics, parsed.content.costs)?;
     let threads = pool(args.shards.threads)?;
     if let Some(relative) = parsed.content.until {
@@ -59,7 +40,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
             100.0 * relative
         ));
         overrides.push(format!("lives={lives}"));
-        parsed = parse(&file, &text, &directory, &overrides)?;
+        parsed = text.parse(&overrides)?;
     }
     let study = &parsed.content.study;
     let all = study.lives.saturating_mul(study.cells.len() as u64);
@@ -69,9 +50,9 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         kind: "life".to_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         name: study.name.clone(),
-        file,
-        directory: directory.display().to_string(),
-        text,
+        file: text.file,
+        directory: text.directory.display().to_string(),
+        text: text.text,
         files: Plan::fingerprints(&parsed.files).map_err(refused)?,
         overrides,
         policies: Vec::new(),

@@ -59,19 +59,46 @@ pub fn evidence(gram: &Gram, at: &[usize], nuisance: usize, two_sided: &dyn Fn(u
     Evidence { profile, folds, admissible }
 }
 
-/// Solution of everything that was fitted.
-pub fn solution(gram: &Gram, at: &[usize], nuisance: usize) -> DVector<f64> {
+/// Solution of everything that was fitted, column `i` of `at` within ± `reach[i]`; columns beyond the end of `reach` are
+/// free.
+pub fn solution(gram: &Gram, at: &[usize], nuisance: usize, reach: &[f64]) -> DVector<f64> {
     let (all, right) = with_priors(gram, at, nuisance);
-    factor(all).solve(&right)
+    within(&all, &right, reach)
 }
 
-/// Solutions with each fold left out.
-pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize) -> Vec<DVector<f64>> {
+/// Solutions with each fold left out; `reach` as in [`solution`].
+pub fn left_out_solutions(gram: &Gram, at: &[usize], nuisance: usize, reach: &[f64]) -> Vec<DVector<f64>> {
     let (all, right) = with_priors(gram, at, nuisance);
     let solve = |matrix: &DMatrix<f64>| {
-        factor(&all - part(matrix, at, at)).solve(&(&right - part_column(matrix, at, gram.last())))
+        within(&(&all - part(matrix, at, at)), &(&right - part_column(matrix, at, gram.last())), reach)
     };
     gram.folds.par_iter().map(solve).collect()
+}
+
+/// Solution of the normal equations `matrix · x = right` with |xᵢ| at most `reach[i]`; unknowns beyond the end of
+/// `reach` are free. An unknown that would leave its range is held at its end, the farthest first, until all keep theirs.
+pub fn within(matrix: &DMatrix<f64>, right: &DVector<f64>, reach: &[f64]) -> DVector<f64> {
+    let mut held: Vec<(usize, f64)> = Vec::new();
+    loop {
+        let free: Vec<usize> = (0..right.len()).filter(|i| held.iter().all(|(own, _)| own != i)).collect();
+        let mut solution = if held.is_empty() {
+            factor(matrix.clone()).solve(right)
+        } else {
+            let mut right = DVector::from_fn(free.len(), |i, _| right[free[i]]);
+            for (own, value) in &held {
+                right -= part_column(matrix, &free, *own) * *value;
+            }
+            let inside = factor(part(matrix, &free, &free)).solve(&right);
+            let mut all = DVector::zeros(matrix.nrows());
+            free.iter().zip(inside.iter()).for_each(|(i, x)| all[*i] = *x);
+            all
+        };
+        held.iter().for_each(|(own, value)| solution[*own] = *value);
+        let beyond = |i: &usize| solution[*i].abs() - reach.get(*i).copied().unwrap_or(f64::INFINITY);
+        let farthest = free.into_iter().filter(|i| beyond(i) > 0.0).max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+        let Some(farthest) = farthest else { return solution };
+        held.push((farthest, reach[farthest].copysign(solution[farthest])));
+    }
 }
 
 /// Log marginal likelihood of everything that was fitted, over all columns.
@@ -99,4 +126,27 @@ pub fn predictive_gain(model: &Evidence, base: &Evidence) -> (f64, f64) {
     let mean = differences.iter().sum::<f64>() / count;
     let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     (mean * count, (variance * count).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_held_at_the_end_of_its_range_leaves_its_part_to_the_others() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[2.0, 1.0, 1.0, 3.0]);
+        let right = DVector::from_column_slice(&[9.0, 7.0]);
+        // Free: 2x + y = 9, x + 3y = 7.
+        let free = within(&matrix, &right, &[]);
+        assert!((free[0] - 4.0).abs() < 1e-12 && (free[1] - 1.0).abs() < 1e-12, "{free}");
+        assert_eq!(within(&matrix, &right, &[4.5, 1.5]), free);
+        // With x at 1 the second equation gives y = 2; an end on the other side is as good.
+        let held = within(&matrix, &right, &[1.0]);
+        assert!((held[0] - 1.0).abs() < 1e-12 && (held[1] - 2.0).abs() < 1e-12, "{held}");
+        let other = within(&matrix, &-right.clone(), &[1.0]);
+        assert!((other + held).amax() < 1e-12);
+        // With y held as well nothing is left to solve.
+        let both = within(&matrix, &right, &[1.0, 0.5]);
+        assert_eq!(both.as_slice(), [1.0, 0.5]);
+    }
 }

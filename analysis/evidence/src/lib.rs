@@ -16,7 +16,9 @@ mod kernel;
 mod matrix;
 
 pub use amplitude::amplitudes;
-pub use evidence::{EFFECT_PRIOR, Evidence, evidence, gain, left_out_solutions, marginal, predictive_gain, solution};
+pub use evidence::{
+    EFFECT_PRIOR, Evidence, evidence, gain, left_out_solutions, marginal, predictive_gain, solution, within,
+};
 pub use gram::{Batch, Gram};
 pub use kernel::matern_columns;
 pub use matrix::{Factor, crossed, factor, inverse_diagonal, log_determinant, part, part_column, squared};

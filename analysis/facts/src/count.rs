@@ -3,6 +3,7 @@
 use statrs::distribution::{Binomial, Discrete};
 use statrs::function::beta::beta_reg;
 use statrs::function::gamma::{gamma_lr, gamma_ur, ln_gamma};
+use toolroom_numerics::gamma_quantile;
 
 /// Level of the tests of all facts together, as a probability (1). Assumption: one in a hundred logs of a
 /// shop that is as its file says shows a fact by chance.
@@ -37,24 +38,6 @@ pub(crate) fn poisson_tails(count: u64, mean: f64) -> [f64; 3] {
 pub fn poisson_mid_p(count: u64, mean: f64) -> f64 {
     let [below, equal, above] = poisson_tails(count, mean);
     mid_p(below, equal, above)
-}
-
-/// The mean of which a Poisson count is below or at `count` with probability `tail` (0 to 1, exclusive):
-/// the gamma quantile of shape `shape` (above 0) at the share `share`, by bisection.
-pub(crate) fn gamma_quantile(shape: f64, share: f64) -> f64 {
-    let (mut low, mut high) = (0.0, shape + 10.0 * shape.sqrt() + 20.0);
-    while gamma_lr(shape, high) < share {
-        high *= 2.0;
-    }
-    // Halved until two neighbours are left.
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if gamma_lr(shape, middle) < share { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// Exact ends of the interval of a Poisson mean of which `count` events were seen, at the two-sided

@@ -69,9 +69,15 @@ pub fn shape(history: &History, law: &Distribution, seed: u64) -> Option<Fact> {
         Distribution::Exponential { .. } => 1.0,
         Distribution::Weibull { shape, .. } => *shape,
         Distribution::Constant(_)
+        | Distribution::Erlang { .. }
+        | Distribution::Gamma { .. }
         | Distribution::Lognormal { .. }
         | Distribution::Triangular { .. }
-        | Distribution::Uniform { .. } => return None,
+        | Distribution::Beta { .. }
+        | Distribution::Normal { .. }
+        | Distribution::Uniform { .. }
+        | Distribution::DiscreteUniform { .. }
+        | Distribution::Empirical(_) => return None,
     };
     let count = history.intervals.len();
     if count < SHAPED {

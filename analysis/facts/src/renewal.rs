@@ -1,8 +1,9 @@
 //! Counts of events whose intervals have any distribution.
 
-use crate::count::{LEVEL, POWER, gamma_quantile, mid_p, poisson_tails};
+use crate::count::{LEVEL, POWER, mid_p, poisson_tails};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use toolroom_numerics::gamma_quantile;
 use toolroom_scenario::Distribution;
 
 /// Replicated histories of a law that is not exponential.

@@ -4,7 +4,7 @@ use crate::count::{LEVEL, POWER};
 use crate::fact::{Fact, Quantity};
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::erf::{erf, erfc};
-use statrs::function::gamma::{gamma, gamma_lr, gamma_ur};
+use statrs::function::gamma::{gamma_lr, gamma_ur};
 use toolroom_scenario::Distribution;
 use toolroom_statistics::{Moments, student};
 
@@ -70,18 +70,16 @@ pub fn score(law: &Distribution, time: f64) -> f64 {
             let variance = (cv * cv).ln_1p();
             ((time / mean).ln() + 0.5 * variance) / variance.sqrt()
         }
-        Distribution::Exponential { mean } => of(-(-time / mean).exp_m1()),
-        Distribution::Weibull { mean, shape } => of(-(-(time / mean * gamma(1.0 + 1.0 / shape)).powf(shape)).exp_m1()),
-        Distribution::Uniform { low, high } => of((time - low) / (high - low)),
-        Distribution::Triangular { low, mode, high } => of(if time <= low {
-            0.0
-        } else if time < mode {
-            (time - low).powi(2) / ((high - low) * (mode - low))
-        } else if time < high {
-            1.0 - (high - time).powi(2) / ((high - low) * (high - mode))
-        } else {
-            1.0
-        }),
+        Distribution::Exponential { .. }
+        | Distribution::Erlang { .. }
+        | Distribution::Gamma { .. }
+        | Distribution::Weibull { .. }
+        | Distribution::Triangular { .. }
+        | Distribution::Beta { .. }
+        | Distribution::Normal { .. }
+        | Distribution::Uniform { .. }
+        | Distribution::DiscreteUniform { .. }
+        | Distribution::Empirical(_) => of(law.share_below(time)),
         Distribution::Constant(value) => (time - value) / value.max(f64::MIN_POSITIVE),
     }
 }

@@ -1,5 +1,7 @@
 //! One probability for many statistics.
 
+use toolroom_numerics::order_quantile;
+
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
@@ -34,7 +36,7 @@ pub fn judge(observed: &[f64], draws: &[Vec<f64>]) -> Judged {
         let varies = own.iter().any(|draw| *draw != own[0]);
         own.push(if varies { *value } else { own.first().copied().unwrap_or(*value) });
         own.sort_by(f64::total_cmp);
-        scales.push([quantile(&own, 0.5), quantile(&own, 0.95)]);
+        scales.push([order_quantile(&own, 0.5), order_quantile(&own, 0.95)]);
     }
     let standardised: Vec<f64> = observed.iter().zip(&scales).map(|(value, scale)| distance(*value, *scale)).collect();
     let greatest_of = |values: &[f64]| {
@@ -50,7 +52,7 @@ pub fn judge(observed: &[f64], draws: &[Vec<f64>]) -> Judged {
 impl Judged {
     /// Standardised statistic above which the greatest one is at the level `level`.
     pub fn critical(&self, level: f64) -> f64 {
-        quantile(&self.greatest, 1.0 - level)
+        order_quantile(&self.greatest, 1.0 - level)
     }
 }
 
@@ -58,15 +60,6 @@ impl Judged {
 fn distance(value: f64, [middle, high]: [f64; 2]) -> f64 {
     let spread = high - middle;
     if spread > 1e-12 * (1.0 + middle.abs()) { (value - middle) / spread } else { f64::NEG_INFINITY }
-}
-
-/// Quantile of ascending values, between neighbours in proportion.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let place = share * last as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(last);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// Size at which the power reaches `wanted`, between the neighbours of `points` (size and power, by rising size) in

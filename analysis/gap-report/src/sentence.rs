@@ -12,7 +12,10 @@ use toolroom_scenario::effects::SHOP_EFFECTS;
 pub fn sentence(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>) -> String {
     let mut parts = match diagnosis.verdict {
         GapVerdict::Effect => effects(diagnosis, readings, minutes),
-        GapVerdict::Constant => vec!["The file has another constant than the shop.".to_owned()],
+        GapVerdict::Constant => {
+            let own = diagnosis.constant().map(|words| format!(" {}.", capital(&words)));
+            vec![format!("The file has another constant than the shop.{}", own.unwrap_or_default())]
+        }
         GapVerdict::Unknown => vec![unknown(diagnosis, minutes)],
         GapVerdict::Masked => vec![masked(diagnosis)],
         GapVerdict::Small => vec!["Shop and model differ, but by nothing that matters in practice.".to_owned()],

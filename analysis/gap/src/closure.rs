@@ -1,5 +1,6 @@
 //! How far the gap shrinks on groups that the fit did not see.
 
+use super::belief::held_against;
 use super::catalogue::entry;
 use super::constants::{NINETY, TOO_FEW};
 use super::diagnosing::Diagnosing;
@@ -154,7 +155,7 @@ pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<&'static 
 /// the others; what is kept out of the fit altogether has no part in a decision.
 pub(super) fn crossed(context: Diagnosing<'_>, base: &Trial, trial: &Trial) -> Closure {
     let Diagnosing { model, basis, seed, .. } = context;
-    let (before, after) = rayon::join(|| context.left_out(base), || context.left_out(trial));
+    let (before, after) = held_against(context, base, trial, Diagnosing::left_out);
     let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
     closures(model, basis, &before, &after, &groups, &touched(model, trial), seed).0
 }

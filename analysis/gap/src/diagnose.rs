@@ -1,5 +1,6 @@
 //! The whole way from a nominal model and records to a diagnosis.
 
+use super::belief::{closed_by_constants, held_against, spares};
 use super::catalogue::{entry, report_units};
 use super::closure::{closures, scored, touched};
 use super::constants::{NINETY, PROBABLE, PROBABLE_THOUGH_OFF};
@@ -85,15 +86,14 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     }
     let left_out =
         if decision.verdict == GapVerdict::Effect { Diagnosing::left_out_with_moves } else { Diagnosing::left_out };
-    let (base_left, chosen_left) =
-        rayon::join(|| left_out(context, &decision.base), || left_out(context, decision.model()));
+    let (base_left, chosen_left) = held_against(context, &decision.base, decision.model(), left_out);
     let measured = &model.frame().measured;
     let scored = scored(measured);
     let touched = touched(model, decision.model());
     let ((total, channels), (named, (hidden, tried))) = rayon::join(
         || closures(model, &basis, &base_left, &chosen_left, &scored, &touched, seed),
         || {
-            let rest = || tried(context, &decision, &base_left, &scored);
+            let rest = || tried(context, &decision, &scored);
             rayon::join(|| named(context, &decision), || rayon::join(|| hidden(model, &basis, &decision.base), rest))
         },
     );
@@ -133,7 +133,8 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
         if decision.verdict == GapVerdict::Effect {
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
         }
-        backed(&mut diagnosis, pushed);
+        let spared = diagnosis.verdict == GapVerdict::Effect && spares(context, &decision.base, decision.model());
+        backed(&mut diagnosis, pushed, spared, || closed_by_constants(context, &decision.base));
     } else if diagnosis.verdict == GapVerdict::NoGap
         && let Some(why) = pushed()
     {
@@ -145,7 +146,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
 }
 
 /// What every fitted model would close, by falling gain.
-fn tried(context: Diagnosing<'_>, decision: &Decision, base_left: &LeftOut, scored: &[usize]) -> Vec<Tried> {
+fn tried(context: Diagnosing<'_>, decision: &Decision, scored: &[usize]) -> Vec<Tried> {
     let Diagnosing { model, basis, seed, .. } = context;
     let candidates = &model.frame().candidates;
     let word = |index: &usize| match candidates[*index].shape.as_str() {
@@ -153,11 +154,11 @@ fn tried(context: Diagnosing<'_>, decision: &Decision, base_left: &LeftOut, scor
         shape => format!("{} ({shape})", candidates[*index].id),
     };
     let one = |trial: &Trial| {
-        let left = context.left_out(trial);
+        let (before, after) = held_against(context, &decision.base, trial, Diagnosing::left_out);
         Tried {
             effects: trial.fit.active.iter().map(word).collect(),
             gain: decision.gain_of(trial, candidates.len()),
-            closure: closures(model, basis, base_left, &left, scored, &[], seed).0,
+            closure: closures(model, basis, &before, &after, scored, &[], seed).0,
         }
     };
     let admissible = decision.trials.par_iter().filter(|trial| trial.evidence.admissible);
@@ -319,19 +320,23 @@ fn cells(model: &dyn Forward, decision: &Decision) -> Vec<Cell> {
 
 fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     let point = &decision.model().fit.linear.point;
-    let parameters = model.frame().parameters.iter().zip(&point.parameters);
-    let parameters = parameters.map(|(each, x)| (&each.name, each.allowance, (each.deviation * x).exp(), *x));
-    let surfaces = model.frame().surfaces.iter().zip(&point.surfaces);
-    let surfaces = surfaces.map(|(each, x)| {
-        let moved = each.deviation * x;
-        (&each.name, each.allowance, if each.absolute { moved } else { moved.exp() }, *x)
-    });
+    let moved = point.parameters.iter().chain(&point.surfaces).copied();
+    let parameters = model.frame().parameters.iter().map(|own| (&own.name, own.allowance, own.deviation, false));
+    let surfaces = model.frame().surfaces.iter().map(|own| (&own.name, own.allowance, own.deviation, own.absolute));
     let mut list: Vec<Calibrated> = parameters
         .chain(surfaces)
-        .filter(|(_, allowance, _, x)| !allowance || x.abs() > FAR)
-        .map(|(name, allowance, value, x)| {
-            let constant = !allowance && !name.starts_with("gain of ");
-            Calibrated { parameter: name.clone(), value, prior_sd_moved: x, constant }
+        .zip(moved)
+        .zip(decision.model().uncertainties())
+        .filter(|(((_, allowance, ..), x), _)| !allowance || x.abs() > FAR)
+        .map(|(((name, allowance, deviation, summand), x), uncertainty)| {
+            let value = |x: f64| if summand { deviation * x } else { (deviation * x).exp() };
+            Calibrated {
+                parameter: name.clone(),
+                value: value(x),
+                ci90: [-NINETY, NINETY].map(|end| value(x + end * uncertainty)),
+                prior_sd_moved: x,
+                constant: !allowance && !name.starts_with("gain of "),
+            }
         })
         .collect();
     list.sort_by(|a, b| b.prior_sd_moved.abs().total_cmp(&a.prior_sd_moved.abs()));
@@ -362,12 +367,11 @@ fn next(diagnosis: &Diagnosis) -> NextExperiment {
 /// stage has more freedom than the one before, so that no share is negative or more than the whole.
 fn budget(model: &dyn Forward, decision: &Decision) -> Budget {
     let (frame, gram) = (model.frame(), &decision.base.gram);
-    let parameters = frame.parameters.iter().map(|each| each.allowance);
-    let allowance: Vec<bool> = parameters.chain(frame.surfaces.iter().map(|each| each.allowance)).collect();
+    let allowance = frame.allowances();
     let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
     let within = |at: &[usize]| {
         let right = super::gram::part_column(&gram.total, at, gram.last());
-        let solution = super::evidence::solution(gram, at, allowance.len());
+        let solution = super::evidence::solution(gram, at, allowance.len(), &[]);
         gram.total[(gram.last(), gram.last())] - right.dot(&solution)
     };
     let nominal = gram.total[(gram.last(), gram.last())];

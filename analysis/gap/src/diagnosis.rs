@@ -139,6 +139,8 @@ pub struct Calibrated {
     pub parameter: String,
     /// Fitted factor on the nominal value; of what is added rather than multiplied, the summand, SI.
     pub value: f64,
+    /// 90 % interval of that, beside the allowance and the effects.
+    pub ci90: [f64; 2],
     /// Distance from nominal in prior standard deviations.
     pub prior_sd_moved: f64,
     /// Whether it is a constant of the model: no form allowance, no gain of a sensor.
@@ -351,7 +353,7 @@ impl Diagnosis {
                 "design": self.next.design, "minutes": number(self.next.minutes), "separates": self.next.separates,
             },
             "calibration": self.calibration.iter().map(|each| json!({
-                "parameter": each.parameter, "value": number(each.value),
+                "parameter": each.parameter, "value": number(each.value), "ci90": each.ci90.map(number),
                 "prior_sd_moved": number(each.prior_sd_moved),
             })).collect::<Vec<_>>(),
             "ranking": self.ranking.iter().map(ranked).collect::<Vec<_>>(),

@@ -1,6 +1,6 @@
 //! Maximum a posteriori fit of calibration, allowance, local factors and chosen effects.
 
-use super::evidence::EFFECT_PRIOR;
+use super::evidence::{EFFECT_PRIOR, within};
 use super::gram::{factor, part, part_column};
 use super::linear::{predict, residual};
 use super::{Forward, Gram, Linear, Noise, Point};
@@ -84,6 +84,19 @@ pub(crate) fn offset_residual(model: &dyn Forward, linear: &Linear, active: &[us
 /// [`normal_equations`](crate::normal_equations). Its derivatives are those of its point once it is `settled`, by what is
 /// active, or `complete`.
 pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], local_scale: &[f64]) -> Fit {
+    fit_within(model, noise, start, active, local_scale, &[])
+}
+
+/// [`fit`] with calibration and allowance no farther from nominal than `reach`, in prior standard deviations:
+/// parameters, then surfaces; those beyond its end are free.
+pub(super) fn fit_within(
+    model: &dyn Forward,
+    noise: &Noise,
+    start: Linear,
+    active: &[usize],
+    local_scale: &[f64],
+    reach: &[f64],
+) -> Fit {
     let mut linear = start;
     if active.iter().any(|index| linear.effects[*index].is_empty()) {
         linear = Linear::with(model, linear.point, active);
@@ -95,7 +108,7 @@ pub fn fit(model: &dyn Forward, noise: &Noise, start: Linear, active: &[usize], 
         let accepted = {
             let normal = Normal::new(model, noise, &linear, active, local_scale);
             DAMPING.iter().find_map(|damping| {
-                let target = normal.step(*damping);
+                let target = normal.step(*damping, reach);
                 let moved = distance(model, &linear.point, &target);
                 let (prediction, raw) = predict(model, &target);
                 let residual = residual(model, &prediction);
@@ -181,8 +194,8 @@ impl<'a> Normal<'a> {
     }
 
     /// The point that minimises the linearised objective, shared numbers held back by `damping`;
-    /// sizes stay within their range.
-    fn step(&self, damping: f64) -> Point {
+    /// sizes stay within their range, nuisance within its `reach`.
+    fn step(&self, damping: f64, reach: &[f64]) -> Point {
         let candidates = &self.model.frame().candidates;
         let nuisance = self.linear.nuisance.len();
         let mut point = self.linear.point.clone();
@@ -197,7 +210,7 @@ impl<'a> Normal<'a> {
                 matrix[(i, i)] += prior + damping;
                 right[i] += damping * here[*column];
             }
-            let solution = factor(matrix).solve(&right);
+            let solution = within(&matrix, &right, reach);
             let two_sided = |i: usize| candidates[self.active[at[i] - nuisance]].two_sided();
             match (nuisance..at.len()).find(|i| solution[*i] < 0.0 && !two_sided(*i)) {
                 Some(negative) => at.remove(negative),

@@ -52,6 +52,14 @@ impl LeftOut {
     }
 }
 
+/// Columns of the Gram of `trial` that predict groups left out: calibration and effects, no form allowance.
+pub(super) fn scoring(model: &dyn Forward, trial: &Trial) -> Vec<usize> {
+    let allowance = model.frame().allowances();
+    let mut at: Vec<usize> = columns(trial.shared, &trial.fit.active);
+    at.retain(|i| *i >= trial.shared || allowance.get(*i).is_some_and(|allowance| !allowance));
+    at
+}
+
 /// The part of a trial that is scored on groups left out.
 struct Scored<'a> {
     model: &'a dyn Forward,
@@ -60,20 +68,19 @@ struct Scored<'a> {
     folds: &'a [Vec<usize>],
     /// Columns of the Gram that predict: no form allowance.
     at: Vec<usize>,
+    /// How far those may go that come first.
+    reach: Vec<f64>,
     /// Solution without each fold.
     solutions: Vec<DVector<f64>>,
 }
 
 impl<'a> Scored<'a> {
     fn new(model: &'a dyn Forward, basis: &'a Basis, trial: &'a Trial, folds: &'a [Vec<usize>]) -> Self {
-        let parameters = model.frame().parameters.iter().map(|parameter| parameter.allowance);
-        let allowance: Vec<bool> =
-            parameters.chain(model.frame().surfaces.iter().map(|surface| surface.allowance)).collect();
-        let (shared, nuisance) = (trial.shared, trial.fit.linear.nuisance.len());
-        let mut at: Vec<usize> = columns(shared, &trial.fit.active);
-        at.retain(|i| *i >= shared || (*i < nuisance && !allowance[*i]));
-        let solutions = left_out_solutions(&trial.gram, &at, shared);
-        Self { model, basis, trial, folds, at, solutions }
+        let (shared, at) = (trial.shared, scoring(model, trial));
+        // No allowance has a reach.
+        let reach: Vec<f64> = at.iter().map_while(|i| trial.reach.get(*i).copied()).collect();
+        let solutions = left_out_solutions(&trial.gram, &at, shared, &reach);
+        Self { model, basis, trial, folds, at, reach, solutions }
     }
 
     fn linear(&self) -> &Linear {
@@ -90,7 +97,7 @@ impl<'a> Scored<'a> {
         let measured = &self.model.frame().measured;
         let mut left = offset_residual(self.model, self.linear(), &self.trial.fit.active);
         // Groups outside the fit are predicted by the fit to all that is inside.
-        let whole = solution(&self.trial.gram, &self.at, self.trial.shared);
+        let whole = solution(&self.trial.gram, &self.at, self.trial.shared, &self.reach);
         let mut fold_of = vec![None; measured.groups.len()];
         for (index, fold) in self.folds.iter().enumerate() {
             fold.iter().for_each(|group| fold_of[*group] = Some(index));

@@ -31,6 +31,7 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod basis;
+mod belief;
 mod catalogue;
 mod channels;
 mod closure;

@@ -4,6 +4,7 @@
 //! the rules that stood against the best model, so that a reader sees why nothing was named, and the blind benchmark
 //! counts for each rule the cases in which it alone decided.
 
+use super::belief::held_against;
 use super::closure::closures;
 use super::constants::{
     AGREED, CONVINCING, FEWEST_GROUPS, FORM, GATE, IMITATED, LEAST_CLOSED, LEAST_OF_CLOSABLE, LEAST_SIZE, PAIR_GATE,
@@ -210,8 +211,7 @@ impl<'a> Judged<'a> {
     pub fn own(&self) -> &Closure {
         self.own.get_or_init(|| {
             let Diagnosing { model, basis, seed, .. } = self.context;
-            let (before, after) =
-                rayon::join(|| self.context.left_out(self.beside), || self.context.left_out(self.trial));
+            let (before, after) = held_against(self.context, self.beside, self.trial, Diagnosing::left_out);
             let groups: Vec<usize> = model.frame().measured.fitted_groups().collect();
             let touched = super::closure::touched_by(model, &self.added());
             closures(model, basis, &before, &after, &groups, &touched, seed).0

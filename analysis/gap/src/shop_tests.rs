@@ -235,7 +235,7 @@ fn failures_at_half_or_three_times_the_rate_are_a_constant() {
 fn repairs_that_take_three_times_as_long_are_a_constant() {
     let change = |scenario: &mut Scenario| {
         let slow = Distribution::Lognormal { mean: 75.0 * 60.0, cv: 0.4 };
-        scenario.failures.iter_mut().for_each(|mode| mode.time_to_repair = slow);
+        scenario.failures.iter_mut().for_each(|mode| mode.time_to_repair = slow.clone());
     };
     let diagnosis = with_facts(&of_shop(33, &change));
     assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{}", diagnosis.terminal());

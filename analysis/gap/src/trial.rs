@@ -4,7 +4,7 @@ use super::basis::warm;
 use super::evidence::{Evidence, evidence};
 use super::fit::{Fit, fit, offset_residual};
 use super::generic::{self, Signature};
-use super::gram::{factor, part, part_column};
+use super::gram::{factor, inverse_diagonal, part, part_column};
 use super::score::{Scores, scores};
 use super::{Basis, Forward, Gram, Linear, tolerance};
 
@@ -24,6 +24,9 @@ pub struct Trial {
     pub shared: usize,
     /// Evidence.
     pub evidence: Evidence,
+    /// How far calibration may go where groups are predicted that the fit has not seen, in prior standard deviations:
+    /// parameters, then surfaces; what is beyond its end is free.
+    pub reach: Vec<f64>,
     /// Whether the size of each candidate may have either sign.
     two_sided: Vec<bool>,
 }
@@ -76,7 +79,13 @@ impl Trial {
         let at = columns(shared, &fit.active);
         let two_sided: Vec<bool> = model.frame().candidates.iter().map(super::Candidate::two_sided).collect();
         let evidence = evidence(&gram, &at, shared, &|column| two_sided[column - shared]);
-        Self { fit, gram, shared, evidence, two_sided }
+        Self { fit, gram, shared, evidence, reach: Vec::new(), two_sided }
+    }
+
+    /// The same with calibration no farther than `reach` where groups left out are predicted.
+    #[must_use]
+    pub fn within(self, reach: Vec<f64>) -> Self {
+        Self { reach, ..self }
     }
 
     /// Evidence of the same model with one more candidate, without a new fit.
@@ -110,9 +119,7 @@ impl Trial {
 
     /// Share of what calibration leaves of the signature of `candidate` that the form allowance takes.
     pub fn imitated(&self, model: &dyn Forward, candidate: usize) -> f64 {
-        let frame = model.frame();
-        let of_parameters = frame.parameters.iter().map(|parameter| parameter.allowance);
-        let allowance: Vec<bool> = of_parameters.chain(frame.surfaces.iter().map(|own| own.allowance)).collect();
+        let allowance = model.frame().allowances();
         let calibration: Vec<usize> = (0..allowance.len()).filter(|i| !allowance[*i]).collect();
         let both: Vec<usize> = (0..allowance.len()).collect();
         let own = self.shared + candidate;
@@ -131,7 +138,7 @@ impl Trial {
     pub fn jackknife(&self) -> Vec<f64> {
         let nuisance = self.shared;
         let at = columns(nuisance, &self.fit.active);
-        let solutions = super::evidence::left_out_solutions(&self.gram, &at, nuisance);
+        let solutions = super::evidence::left_out_solutions(&self.gram, &at, nuisance, &[]);
         let count = solutions.len() as f64;
         let error = |i: usize| {
             let mean = solutions.iter().map(|solution| solution[i]).sum::<f64>() / count;
@@ -149,14 +156,25 @@ impl Trial {
 
     /// Posterior standard deviation of each active size, in ordinary sizes.
     pub fn deviations(&self) -> Vec<f64> {
+        self.posterior().split_off(self.shared)
+    }
+
+    /// Posterior standard deviation of each parameter, then of each surface, in prior standard deviations.
+    pub fn uncertainties(&self) -> Vec<f64> {
+        let mut all = self.posterior();
+        all.truncate(self.fit.linear.nuisance.len());
+        all
+    }
+
+    /// Posterior standard deviations of nuisance, form tolerance and active sizes.
+    fn posterior(&self) -> Vec<f64> {
         let nuisance = self.shared;
         let at = columns(nuisance, &self.fit.active);
         let mut matrix = part(&self.gram.total, &at, &at);
         for i in 0..at.len() {
             matrix[(i, i)] += if i < nuisance { 1.0 } else { super::evidence::EFFECT_PRIOR.powi(-2) };
         }
-        let inverse = factor(matrix).inverse();
-        (nuisance..at.len()).map(|i| inverse[(i, i)].sqrt()).collect()
+        inverse_diagonal(&factor(matrix)).iter().map(|variance| variance.sqrt()).collect()
     }
 }
 

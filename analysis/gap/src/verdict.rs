@@ -2,12 +2,14 @@
 //!
 //! | the test | what the search found | verdict |
 //! |---|---|---|
-//! | passes | – | `no_gap`; `masked` or `constant` where calibration went far for it |
+//! | passes | an effect that spares the model a constant beyond belief | `effect` |
+//! | passes | else | `no_gap`; `masked` or `constant` where calibration went far for it |
 //! | rejects | an effect | `effect`; what is left beside it is said |
+//! | rejects | a constant beyond belief that closes like a cause | `constant`; what is left beside it is said |
 //! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
 
-use super::constants::FAR_CONSTANT;
-use super::{Diagnosis, Fitness, GapVerdict, Structure};
+use super::constants::{FAR_CONSTANT, LEAST_CLOSED};
+use super::{Closure, Diagnosis, Fitness, GapVerdict, Structure};
 
 /// Share of a channel's value below which structure does not matter (1). Assumption:
 /// nobody acts on one per cent.
@@ -22,10 +24,18 @@ impl Structure {
     }
 }
 
-/// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up.
-pub(super) fn backed(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
+/// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up,
+/// `spared` whether the named effects do without a constant beyond belief that the model needs without them, and
+/// `by_constants` what such constants close on groups left out.
+pub(super) fn backed(
+    diagnosis: &mut Diagnosis,
+    pushed: impl Fn() -> Option<String>,
+    spared: bool,
+    by_constants: impl Fn() -> Option<Closure>,
+) {
     let Some(fit) = diagnosis.fit.clone() else { return };
-    if fit.passed() {
+    // A model that fits with a constant that nobody believes competes with the effect by evidence, which is named.
+    if fit.passed() && !(diagnosis.verdict == GapVerdict::Effect && spared) {
         if diagnosis.verdict == GapVerdict::Effect {
             let ids: Vec<&str> = diagnosis.effects.drain(..).map(|effect| effect.id).collect();
             let why = format!("{}: the model fits without it (p = {:.3})", ids.join(" with "), fit.p);
@@ -36,7 +46,7 @@ pub(super) fn backed(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<Stri
         if let Some(why) = pushed() {
             diagnosis.verdict = GapVerdict::Masked;
             diagnosis.notes.push(why);
-        } else if let Some(constant) = constant(diagnosis) {
+        } else if let Some(constant) = diagnosis.constant() {
             diagnosis.verdict = GapVerdict::Constant;
             diagnosis.notes.insert(0, constant);
         }
@@ -54,21 +64,13 @@ pub(super) fn backed(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<Stri
     if let Some(why) = pushed() {
         diagnosis.verdict = GapVerdict::Masked;
         diagnosis.notes.push(why);
+    } else if !small
+        && let Some(constant) = diagnosis.constant()
+        && by_constants().is_some_and(|closed| closed.closed > LEAST_CLOSED && closed.ci90[0] > 0.0)
+    {
+        diagnosis.verdict = GapVerdict::Constant;
+        diagnosis.notes.insert(0, constant);
     }
-}
-
-/// The constant that calibration moved furthest, if that is further than is believed.
-fn constant(diagnosis: &Diagnosis) -> Option<String> {
-    let own = diagnosis.calibration.iter().filter(|each| each.constant);
-    let furthest = own.max_by(|a, b| a.prior_sd_moved.abs().total_cmp(&b.prior_sd_moved.abs()))?;
-    (furthest.prior_sd_moved.abs() > FAR_CONSTANT).then(|| {
-        format!(
-            "the constant `{}` is off: calibrated {:.4}, {:.1} prior standard deviations from nominal",
-            furthest.parameter,
-            furthest.value,
-            furthest.prior_sd_moved.abs()
-        )
-    })
 }
 
 /// Where a rejected model is off, and by how much.
@@ -86,8 +88,26 @@ fn rejected(fit: Option<&Fitness>) -> String {
 }
 
 impl Diagnosis {
-    /// `unknown` where the model does not fit with the named effects either.
+    /// What to say of the constant that calibration moved furthest, if that is further than is believed.
+    pub fn constant(&self) -> Option<String> {
+        let own = self.calibration.iter().filter(|each| each.constant);
+        let furthest = own.max_by(|a, b| a.prior_sd_moved.abs().total_cmp(&b.prior_sd_moved.abs()))?;
+        (furthest.prior_sd_moved.abs() > FAR_CONSTANT).then(|| {
+            format!(
+                "the constant `{}` is off: calibrated {:.4} ({:.4} … {:.4}), {:.1} prior standard deviations from nominal",
+                furthest.parameter,
+                furthest.value,
+                furthest.ci90[0],
+                furthest.ci90[1],
+                furthest.prior_sd_moved.abs()
+            )
+        })
+    }
+
+    /// `unknown` where the model does not fit with the named effects, or with the constant that is off, either.
     pub fn remaining(&self) -> Option<&'static str> {
-        self.fit_with_effects.as_ref().filter(|fit| !fit.passed()).map(|_| GapVerdict::Unknown.name())
+        let constant = self.fit.as_ref().filter(|_| self.verdict == GapVerdict::Constant);
+        let named = self.fit_with_effects.as_ref().or(constant);
+        named.filter(|fit| !fit.passed()).map(|_| GapVerdict::Unknown.name())
     }
 }

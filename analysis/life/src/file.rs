@@ -12,7 +12,7 @@ use crate::study::points::Sampling;
 use crate::study::policy::{Knows, Reading, Rule};
 use crate::study::spread::{Copula, Spread};
 use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::{scatter, sensors};
@@ -35,6 +35,48 @@ pub struct StudyFile {
     pub sensitivity: Option<(u64, u64)>,
     /// Whether every life is written, or their statistics alone.
     pub write_lives: bool,
+}
+
+/// A study file before it is understood.
+#[derive(Clone, Debug)]
+pub struct StudyText {
+    /// Its name in messages.
+    pub file: String,
+    /// What it holds.
+    pub text: String,
+    /// Where its paths start.
+    pub directory: PathBuf,
+}
+
+impl StudyText {
+    /// Opens a study file.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the file cannot be opened or decoded.
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let file = path.display().to_string();
+        let text = toolroom_form::text(path)?;
+        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let directory = std::fs::canonicalize(folder);
+        let directory = directory.map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+        Ok(Self { file, text, directory })
+    }
+
+    /// The study with values of `--set`.
+    ///
+    /// # Errors
+    /// [`ReadError::Faults`] with every fault found.
+    pub fn parse(&self, overrides: &[String]) -> Result<FormFile<StudyFile>, ReadError> {
+        parse(&self.file, &self.text, &self.directory, overrides)
+    }
+}
+
+/// Reads a study file with values of `--set`.
+///
+/// # Errors
+/// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it.
+pub fn read(path: &Path, overrides: &[String]) -> Result<FormFile<StudyFile>, ReadError> {
+    StudyText::open(path)?.parse(overrides)
 }
 
 /// Reads the text of a study; `file` is its name in messages, `directory` where its paths start.

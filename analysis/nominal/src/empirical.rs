@@ -8,7 +8,8 @@ use super::empirical_effects::{self, Action};
 use super::features::{self, standardised};
 use super::search;
 use super::settings::Settings;
-use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform};
+use super::{Channel, Covariate, Forward, Frame, Local, Measured, Parameter, Point, Transform, WrittenEffect};
+use toolroom_innovations::Chain;
 use toolroom_records::{ColumnKind, RecordColumn, Records};
 use toolroom_statistics::median;
 
@@ -201,6 +202,18 @@ fn course(age: &[f64], groups: &[usize]) -> Vec<f64> {
 impl Forward for Empirical {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn written(&self, _candidate: usize) -> WrittenEffect {
+        WrittenEffect::default()
+    }
+
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
+    }
+
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
     }
 
     fn simulate(&self, at: &Point) -> Vec<f64> {

@@ -179,6 +179,12 @@ impl Frame {
             discrepancy: None,
         }
     }
+
+    /// Whether each parameter, then each surface, is part of the form allowance rather than of the calibration.
+    pub fn allowances(&self) -> Vec<bool> {
+        let parameters = self.parameters.iter().map(|own| own.allowance);
+        parameters.chain(self.surfaces.iter().map(|own| own.allowance)).collect()
+    }
 }
 
 /// How a scenario says that a candidate is there.
@@ -208,19 +214,13 @@ pub trait Forward: Sync {
     fn frame(&self) -> &Frame;
     /// Raw values (SI) of every observation, without surfaces.
     fn simulate(&self, at: &Point) -> Vec<f64>;
-    /// How a scenario says the candidate; by its id alone, if nothing else is said.
-    fn written(&self, _candidate: usize) -> WrittenEffect {
-        WrittenEffect::default()
-    }
+    /// How a scenario says the candidate; the default of a record is its id alone.
+    fn written(&self, candidate: usize) -> WrittenEffect;
     /// Whether all that the values of a channel scatter by is known beforehand, from the scenario and its sensor sheet.
-    fn scatter_is_known(&self, _channel: usize) -> bool {
-        false
-    }
+    fn scatter_is_known(&self, channel: usize) -> bool;
     /// How the transformed values of each group scatter from row to row about a point, beside the errors of the
     /// sensors; empty where the model does not say.
-    fn chains(&self, _at: &Point) -> Vec<Chain> {
-        Vec::new()
-    }
+    fn chains(&self, at: &Point) -> Vec<Chain>;
     /// Derivatives of the raw values by each of `along`; `raw` is [`Forward::simulate`] at the same point.
     fn slopes(&self, at: &Point, raw: &[f64], along: &[Direction]) -> Vec<Vec<f64>> {
         let slope = |direction: &Direction| {

@@ -1,6 +1,7 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
-use super::{Direction, Forward, Frame, Point, WrittenEffect};
+use super::{Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use toolroom_innovations::Chain;
 use toolroom_records::Records;
 use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect, Target};
 
@@ -238,6 +239,33 @@ impl Forward for Given {
             slope.iter_mut().zip(&surfaces).for_each(|(slope, (factor, _))| *slope *= factor);
         }
         slopes
+    }
+
+    fn scatter_is_known(&self, channel: usize) -> bool {
+        self.model.scatter_is_known(channel)
+    }
+
+    fn chains(&self, at: &Point) -> Vec<Chain> {
+        let from = self.from(at);
+        let mut chains = self.model.chains(&from);
+        if chains.is_empty() || self.base.surfaces.iter().all(|x| *x == 0.0) {
+            return chains;
+        }
+        // What a stated surface does to a value it does to its scatter.
+        let (raw, surfaces) = (self.model.simulate(&from), self.surfaces());
+        let measured = &self.frame.measured;
+        let readings = chains.iter_mut().flat_map(|chain| &mut chain.rows).flat_map(|row| &mut row.readings);
+        for reading in readings {
+            let (factor, summand) = surfaces[reading.place];
+            let value = raw[reading.place] * factor;
+            let scale = match measured.channels[measured.observations[reading.place].channel].transform {
+                Transform::Linear => factor,
+                Transform::Log if value + summand > 0.0 => value / (value + summand),
+                Transform::Log => 0.0,
+            };
+            reading.by = reading.by.map(|slope| slope * scale);
+        }
+        chains
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {

@@ -12,6 +12,7 @@
 //! A study hands out text for a terminal, JSON for programs, and its files: tables, pictures and the report. It
 //! writes nothing by itself.
 
+mod codes;
 pub mod contour;
 pub mod cycle;
 pub mod identification;
@@ -19,3 +20,5 @@ pub mod lobes;
 pub mod point;
 pub mod program;
 mod tables;
+
+pub use codes::CODES;

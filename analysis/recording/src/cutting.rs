@@ -126,7 +126,7 @@ fn times(run: &Run<'_>, rows: &[usize], records: &mut Records) {
 fn programmed(run: &Run<'_>, pass: &PassRow) -> Option<Cut> {
     match &run.scenario.parts[pass.part as usize].operations[pass.operation as usize].work {
         Work::Cutting(cuts) => cuts.get(pass.pass as usize).copied(),
-        Work::Contour(_) | Work::Grinding { .. } | Work::Cycle(_) => None,
+        Work::Plain(_) | Work::Contour(_) | Work::Grinding { .. } | Work::Cycle(_) => None,
     }
 }
 

@@ -74,8 +74,9 @@ pub fn trials(run: &Run<'_>) -> Records {
 fn trial<'a>(run: &Run<'a>, index: usize) -> Option<Trial<'a>> {
     let visit = &run.visits.list[index];
     let operation = &run.scenario.parts[visit.part as usize].operations[visit.operation as usize];
+    let tool = &run.scenario.tools[operation.tool?];
     let (ProcessModel::Infeed(wheel), Work::Grinding { work_rotation_speed, phases }) =
-        (&run.scenario.tools[operation.tool].process, &operation.work)
+        (&tool.process, &operation.work)
     else {
         return None;
     };

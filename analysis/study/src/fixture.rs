@@ -62,7 +62,7 @@ pub(crate) fn scenario() -> Scenario {
     let operation = |name: &str, machines: Vec<usize>, tool, work| Operation {
         name: name.to_owned(),
         machines,
-        tool,
+        tool: Some(tool),
         setup_group: name.to_owned(),
         setup_time: None,
         work,

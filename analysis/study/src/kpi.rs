@@ -6,12 +6,12 @@
 //! | time element | here | states |
 //! |---|---|---|
 //! | planned busy time PBT | working time of the calendar, and overtime that was worked; paid | all in shift |
-//! | actual production time APT | a part is cut or handled | cutting, handling |
+//! | actual production time APT | a part is cut, worked on or handled | cutting, working, handling |
 //! | actual unit setup time AUST | change of the setup group | setup |
 //! | actual unit delay time ADET | tool change, dressing, broken down | tool_change, dressing, down |
 //! | ADOT | available, no order | idle |
 //! | actual unit busy time AUBT | APT + AUST + ADET | |
-//! | planned run time per item PRI | programmed cutting time + mean load + mean unload | – |
+//! | planned run time per item PRI | programmed cutting time or mean time of plain work, + mean load + mean unload | – |
 //!
 //! PBT = AUBT + ADOT. It follows from the calendar alone, whatever the machine does: a repair that
 //! goes on after the shift is no planned time, is not paid and counts in no figure but the mean time
@@ -65,7 +65,8 @@ pub fn cell(scenario: &Scenario) -> Vec<usize> {
     let set = |machine: &usize| {
         operations().any(|operation| {
             let takes_commands = |tool: &ToolType| tool.process.takes_speed_commands();
-            operation.machines.contains(machine) && scenario.tools.get(operation.tool).is_some_and(takes_commands)
+            let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
+            operation.machines.contains(machine) && tool.is_some_and(takes_commands)
         })
     };
     let cell: Vec<usize> = (0..scenario.machines.len()).filter(set).collect();

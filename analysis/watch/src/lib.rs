@@ -35,3 +35,9 @@ pub use conformal::conformal_score;
 pub use detector::{Detector, RareDetector};
 pub use look::Look;
 pub use watch::{Alarm, Block, FEWEST_BLOCKS, Reading, StateError, Watch};
+
+/// Every code of the faults of a watch, with its explanation.
+pub const CODES: &[(&str, &str)] = &[(
+    "watch-state",
+    "`toolroom gap watch --state FILE` goes on where the last look stopped. The file belongs to one model with one set of values: with another one the ranks in it would mean something else. Give another file to begin anew, or the model that the state was begun with.",
+)];

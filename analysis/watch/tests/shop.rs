@@ -34,7 +34,7 @@ fn handling_that_takes_longer_is_seen_with_its_date_and_nothing_before() {
     assert!(calm.alarms.is_empty(), "{}", calm.text());
     let slower = |scenario: &mut Scenario| {
         let load = Distribution::Lognormal { mean: 52.0, cv: 0.2 };
-        scenario.machines.iter_mut().for_each(|machine| machine.load_time = load);
+        scenario.machines.iter_mut().for_each(|machine| machine.load_time = load.clone());
     };
     // Behind the first log by whole weeks: from day 63 on.
     let later = after(shop, &before, recorded(6, 28.0, &slower));

@@ -23,6 +23,7 @@ mod variables;
 use crate::archive::{Archive, ArchiveError, MODEL_DESCRIPTION};
 use crate::description::ModelDescription;
 use serde::Serialize;
+use std::fmt::Write;
 
 /// The failure that a finding leads to; see the table of this module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -120,6 +121,31 @@ impl Report {
     /// Number of findings of this severity.
     pub fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|finding| finding.severity == severity).count()
+    }
+
+    /// Every rule with its verdict, then what was found.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for rule in Rule::ALL {
+            let found = || self.findings.iter().filter(|finding| finding.rule == rule);
+            let verdict = match (found().map(|finding| finding.severity).min(), self.description.is_some()) {
+                (Some(Severity::Error), _) => "error",
+                (Some(Severity::Warning), _) => "warning",
+                (_, false) if rule > Rule::Description => "not checked",
+                (_, _) => "ok",
+            };
+            let _ = writeln!(text, "{:12} {verdict}", rule.name());
+            for finding in found() {
+                let severity = match finding.severity {
+                    Severity::Error => "error",
+                    Severity::Warning => "warning",
+                    Severity::Note => "note",
+                };
+                let _ = writeln!(text, "    {severity}: {}: {}", finding.place, finding.message);
+            }
+        }
+        text.truncate(text.trim_end().len());
+        text
     }
 }
 

@@ -190,13 +190,25 @@ pub struct Variable {
     pub derivative_of: Option<usize>,
     /// Whether it belongs to clocks, and has a value only where one of them ticks (FMI 3.0).
     pub clocked: bool,
-    /// Number of array dimensions.
-    pub dimensions: usize,
+    /// Dimensions of an array; none for a scalar.
+    pub dimensions: Vec<Dimension>,
     /// Meaning.
     pub description: String,
     /// Line of the file.
     pub line: u32,
 }
+
+/// Size of an array in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// So many elements.
+    Fixed(u64),
+    /// As many as the structural parameter or constant with this value reference says.
+    Of(u32),
+}
+
+/// Most elements of an array that are read (assumption: no table has more columns).
+const MOST_ELEMENTS: u64 = 1 << 20;
 
 /// `ModelStructure`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -262,6 +274,28 @@ impl ModelDescription {
     /// The variable called `name`.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|variable| variable.name == name)
+    }
+
+    /// The length of step, s, that a unit of Co-Simulation takes which cannot vary it: `fixedInternalStepSize` of
+    /// FMI 3.0, or else the step of the default experiment.
+    pub fn fixed_step(&self, interface: &Interface) -> Option<f64> {
+        let own = interface.attributes.get("fixedInternalStepSize").and_then(|step| step.trim().parse().ok());
+        own.or(self.experiment.step).filter(|step: &f64| step.is_finite() && *step > 0.0)
+    }
+
+    /// Sizes of `variable` in each direction, with `start` values by name in place of those of the description;
+    /// `None` where they cannot be known or the array has no element or too many.
+    pub fn extents(&self, variable: &Variable, start: &BTreeMap<String, String>) -> Option<Vec<u64>> {
+        let size = |dimension: &Dimension| match *dimension {
+            Dimension::Fixed(size) => Some(size),
+            Dimension::Of(reference) => {
+                let of = self.variables.iter().find(|each| each.reference == reference)?;
+                start.get(&of.name).or(of.start.as_ref())?.trim().parse().ok()
+            }
+        };
+        let extents: Vec<u64> = variable.dimensions.iter().map(size).collect::<Option<_>>()?;
+        let elements = extents.iter().try_fold(1u64, |product, extent| product.checked_mul(*extent))?;
+        (1..=MOST_ELEMENTS).contains(&elements).then_some(extents)
     }
 
     /// Interfaces with their names.

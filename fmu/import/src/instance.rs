@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code)] // text from a C library
 
+mod exchange;
 mod three;
 mod two;
 
@@ -17,12 +18,14 @@ pub struct Port {
     pub value_type: ValueType,
     /// Value reference.
     pub reference: u32,
+    /// Number of elements; 1 for a scalar.
+    pub count: u32,
 }
 
 impl Port {
-    /// The port of a variable.
+    /// The port of a scalar variable.
     pub fn of(variable: &Variable) -> Self {
-        Self { value_type: variable.value_type, reference: variable.reference }
+        Self { value_type: variable.value_type, reference: variable.reference, count: 1 }
     }
 }
 
@@ -62,8 +65,13 @@ pub type Place = u32;
 pub enum Action<'a> {
     /// Sets a variable; a Boolean is false at 0.
     Set(Port, f64),
-    /// Reads a variable.
+    /// Sets every element of an array, the last index fastest: eight little-endian bytes each, as they go over to a
+    /// worker ([`bytes_of`]).
+    SetArray(Port, &'a [u8]),
+    /// Reads a variable: as many values as it has elements.
     Get(Port),
+    /// Reads a string: as many texts as it has elements.
+    GetText(Port),
     /// A communication step from `time` over `duration` (s). What follows is left out where it was not whole.
     Step {
         /// Start, s.
@@ -83,11 +91,18 @@ pub enum Action<'a> {
     Deserialize(&'a [u8]),
 }
 
+/// Elements of an array as [`Action::SetArray`] takes them.
+pub fn bytes_of(elements: &[f64]) -> Vec<u8> {
+    elements.iter().flat_map(|element| element.to_le_bytes()).collect()
+}
+
 /// What came of some actions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// Values read, in order.
     pub values: Vec<f64>,
+    /// Texts read, in order.
+    pub texts: Vec<String>,
     /// How the last step ended.
     pub stepped: Stepped,
     /// The last serialised state.
@@ -96,11 +111,11 @@ pub struct Answer {
 
 impl Default for Answer {
     fn default() -> Self {
-        Self { values: Vec::new(), stepped: Stepped::Whole, bytes: Vec::new() }
+        Self { values: Vec::new(), texts: Vec::new(), stepped: Stepped::Whole, bytes: Vec::new() }
     }
 }
 
-/// An instance in step mode, in this process or in a worker's.
+/// An instance between two steps, in this process or in a worker's.
 #[derive(Debug)]
 pub struct Instance {
     // Freed before the library that it points into.
@@ -119,9 +134,15 @@ pub(crate) trait Body: std::fmt::Debug + Send {
 /// What both versions of FMI can do, each in its own words.
 trait Calls: std::fmt::Debug + Send {
     fn initialize(&mut self, start: f64) -> Result<(), CallError>;
-    fn set(&mut self, port: Port, value: f64) -> Result<(), CallError>;
+    /// Begins or ends the setting of structural parameters.
+    fn configure(&mut self, begin: bool) -> Result<(), CallError>;
+    /// Sets as many elements as there are values.
+    fn set(&mut self, port: Port, values: &[f64]) -> Result<(), CallError>;
     fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError>;
-    fn get(&mut self, port: Port) -> Result<f64, CallError>;
+    /// Appends the value of each element.
+    fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError>;
+    /// Appends the text of each element.
+    fn get_text(&mut self, port: Port, texts: &mut Vec<String>) -> Result<(), CallError>;
     fn step(&mut self, time: f64, duration: f64) -> Result<Stepped, CallError>;
     fn save(&mut self, place: Place) -> Result<(), CallError>;
     fn restore(&mut self, place: Place) -> Result<(), CallError>;
@@ -145,16 +166,29 @@ impl Local {
         begin: &dyn Fn(usize),
     ) -> Result<Self, CallError> {
         begin(0);
-        let mut calls: Box<dyn Calls> = match &library.functions {
-            Functions::Two(_) => Box::new(two::Two::new(library)?),
-            Functions::Three(_) => Box::new(three::Three::new(library)?),
+        let mut calls: Box<dyn Calls> = match (&library.functions, library.equations.is_some()) {
+            (Functions::Two(_), false) => Box::new(two::Two::new(library)?),
+            (Functions::Two(_), true) => Box::new(exchange::Exchange::new(two::Two::new(library)?)),
+            (Functions::Three(_), false) => Box::new(three::Three::new(library)?),
+            (Functions::Three(_), true) => Box::new(exchange::Exchange::new(three::Three::new(library)?)),
         };
+        let mut configuring = false;
         for (call, (port, value)) in (1..).zip(start_values) {
             begin(call);
+            // Structural parameters come first.
+            let structural = matches!(value, StartValue::Structure(_));
+            if structural != configuring {
+                calls.configure(structural)?;
+                configuring = structural;
+            }
             match value {
-                StartValue::Number(number) => calls.set(*port, *number)?,
+                StartValue::Structure(number) => calls.set(*port, &[*number])?,
+                StartValue::Numbers(numbers) => calls.set(*port, numbers)?,
                 StartValue::Text(text) => calls.set_text(port.reference, text)?,
             }
+        }
+        if configuring {
+            calls.configure(false)?;
         }
         begin(start_values.len() + 1);
         calls.initialize(start)?;
@@ -169,12 +203,18 @@ impl Local {
         begin: &dyn Fn(usize),
     ) -> Result<(), CallError> {
         answer.values.clear();
+        answer.texts.clear();
         answer.stepped = Stepped::Whole;
         for (number, action) in actions.iter().enumerate() {
             begin(number);
             match *action {
-                Action::Set(port, value) => self.0.set(port, value)?,
-                Action::Get(port) => answer.values.push(self.0.get(port)?),
+                Action::Set(port, value) => self.0.set(port, &[value])?,
+                Action::SetArray(port, bytes) => {
+                    let numbers = bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number));
+                    self.0.set(port, &numbers.collect::<Vec<_>>())?;
+                }
+                Action::Get(port) => self.0.get(port, &mut answer.values)?,
+                Action::GetText(port) => self.0.get_text(port, &mut answer.texts)?,
                 Action::Step { time, duration } => {
                     answer.stepped = self.0.step(time, duration)?;
                     if answer.stepped != Stepped::Whole {
@@ -262,8 +302,10 @@ impl Instance {
 /// A value set before initialisation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StartValue {
-    /// A number or a Boolean.
-    Number(f64),
+    /// A structural parameter, set in Configuration Mode, before all others.
+    Structure(f64),
+    /// A number or Boolean, or those of an array.
+    Numbers(Vec<f64>),
     /// A string.
     Text(std::ffi::CString),
 }
@@ -320,6 +362,18 @@ impl Messages {
             other => Err(self.error(function, format!("status {other}"))),
         }
     }
+}
+
+/// A text of a unit, empty where it gave none.
+///
+/// # Safety
+/// `text` is null or ends with a zero byte.
+unsafe fn owned(text: *const c_char) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: not null, and the caller vouches for the rest.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
 /// The status after which an instance may not even be freed.

@@ -17,9 +17,10 @@
 //! | [`ModelDescription`], [`Variable`] | what a unit says about itself, FMI 2.0 and 3.0 |
 //! | [`Platform`], [`Binary`] | for which platforms it has a library, and what that library hands out |
 //! | [`check::check`], [`check::Finding`] | the rules behind failures that users of FMI report |
-//! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, one instance, one variable of it |
+//! | `Unit`, `Instance`, `Port` | with the feature `fmi`: a loaded unit, of Co-Simulation or Model Exchange, one instance, one variable of it |
 //! | `UnitProcess`, `wire::Wires` | with the feature `fmi`: a unit in the place of a native process, in SI |
 //! | `Isolation`, `worker::serve` | with the feature `fmi`: where the code of a unit runs |
+//! | `register` | with the feature `fmi`: lets scenarios name units in the place of processes |
 //! | `simulate::simulate` | with the feature `fmi`: a unit by itself |
 //!
 //! ```
@@ -29,16 +30,19 @@
 //! ```
 //!
 //! # What is not modelled
-//! FMI 1.0, Scheduled Execution, clocks, binary variables and arrays as ports of a machine,
-//! source-code units, layered standards.
+//! FMI 1.0, Scheduled Execution, clocks, binary variables, arrays as ports of a machine, stiff equations
+//! of Model Exchange (the integrator is explicit), source-code units, layered standards.
 
 pub mod archive;
 pub mod check;
 pub mod description;
 #[cfg(feature = "fmi")]
+mod importer;
+#[cfg(feature = "fmi")]
 pub mod instance;
 #[cfg(feature = "fmi")]
 mod keeping;
+mod listing;
 #[cfg(feature = "fmi")]
 pub mod machine;
 pub mod platform;
@@ -54,12 +58,13 @@ pub mod wire;
 pub mod worker;
 
 pub use archive::{Archive, ArchiveError, Entry};
-pub use description::{Interface, ModelDescription, Reading, ValueType, Variable};
+pub use description::{Dimension, Interface, ModelDescription, Reading, ValueType, Variable};
 pub use platform::{Binary, PLATFORMS, Platform};
 #[cfg(feature = "fmi")]
 pub use {
+    importer::register,
     instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped},
     machine::UnitProcess,
-    unit::{CALL_LIMIT, Isolation, LoadError, Unit, WorkerProgram},
+    unit::{CALL_LIMIT, Driven, Isolation, LoadError, Steps, Unit, WorkerProgram},
     wire::WiringError,
 };

@@ -2,7 +2,7 @@
 
 use crate::instance::{Action, Answer, Place, Port, StartValue, Stepped};
 use crate::keeping::{Keeping, KeepingError, Maker, Turn};
-use crate::unit::Unit;
+use crate::unit::{Steps, Unit};
 use crate::watch::Watch;
 use crate::wire::{Wire, Wires, WiringError, events, inner, start_values};
 use std::sync::Arc;
@@ -42,7 +42,8 @@ const RETRIES: usize = 30;
 /// Its state is what the unit writes with `fmi2SerializeFMUstate` or `fmi3SerializeFMUState`, as
 /// numbers, or a state saved in memory, and events are located by going back and halving the step.
 /// Without saved states it goes forward only ([`MachineProcess::goes_back`]), and an event happens at the
-/// end of its step.
+/// end of its step. So it does in a unit that takes steps of one length only. Such a unit is never more than half a
+/// step away from the clock of the shop: what a pass leaves over is carried to the next one.
 ///
 /// What the unit says is not believed: every output is read before and after a step and compared with its
 /// description, the range of the quantity that it feeds, and what came before.
@@ -56,11 +57,14 @@ pub struct UnitProcess {
     watch: Watch,
     events: Vec<(ProcessEvent, Port)>,
     step: Option<f64>,
+    /// The only step that the unit takes, s.
+    grid: Option<f64>,
     keeping: Keeping,
     /// The unit's state, and the energy where the unit counts it.
     states: Vec<Field>,
     energy: Option<Wire>,
-    /// State of a new edge: kept numbers, wear, flags of the events.
+    /// State of a new edge: kept numbers, wear, flags of the events, and in a unit of fixed steps by how much the
+    /// shop's clock is ahead of the unit's, s.
     fresh: Vec<f64>,
     /// Input elements of speed and its change in time.
     speed: usize,
@@ -88,9 +92,11 @@ impl UnitProcess {
         wiring: &Wiring,
     ) -> Result<Self, WiringError> {
         let description = unit.description();
-        if !unit.interface().can("canHandleVariableCommunicationStepSize") {
-            return Err(WiringError::FixedStep);
-        }
+        let grid = match unit.steps() {
+            Steps::Any => None,
+            Steps::Every(step) => Some(step),
+            Steps::Unknown => Some(wiring.step.ok_or(WiringError::FixedStep)?),
+        };
         let mut wires = Wires::of(description, inputs, "input", &wiring.inputs)?;
         let speed = wires.index("cutting_speed").ok_or(WiringError::NoSpeed)?;
         // A unit without ramps is given the speed in small parts.
@@ -113,6 +119,7 @@ impl UnitProcess {
         let (wear, flags) = seen.split_at(usize::from(watch.wear().is_some()));
         fresh.push(wear.first().copied().map_or(0.0, |wear| watch.inward(wear)));
         fresh.extend(flags);
+        fresh.extend(grid.map(|_| 0.0));
         let mut states = vec![Field { len: fresh.len(), ..UNIT_STATE }];
         states.extend(energy.map(|_| ENERGY));
         Ok(Self {
@@ -124,6 +131,7 @@ impl UnitProcess {
             watch,
             events,
             step: wiring.step,
+            grid,
             keeping,
             states,
             energy,
@@ -176,13 +184,16 @@ impl UnitProcess {
         let start_speed = u[self.speed];
         let parts = (dt / self.longest_step(acceleration, dt)).ceil().max(1.0);
         let native_ramp = self.acceleration.is_some_and(|i| self.inputs.wires[i].is_some());
-        let before: Vec<bool> = seen[1..].iter().map(|flag| *flag != 0.0).collect();
+        let before: Vec<bool> = seen[1..=self.events.len()].iter().map(|flag| *flag != 0.0).collect();
         // A lost edge cuts no more; flags that were up before a step would not rise in it.
         let lost = self.events.iter().zip(&before).find(|((event, _), up)| **up && event.ends_cut());
         let in_cut = self.inputs.fields.iter().position(|field| field.name == "engaged").is_none_or(|i| u[i] > 0.0);
         if let (true, Some(((event, _), _))) = (in_cut, lost) {
             turn.act(&[], true, answer)?;
             return Ok(Way { advance: Advance { elapsed: 0.0, event: Some(*event) }, time });
+        }
+        if let Some(grid) = self.grid {
+            return self.grid_steps(turn, answer, u, dt, seen, grid);
         }
         let mut elapsed = 0.0;
         for part in 1..=parts as u64 {
@@ -201,6 +212,50 @@ impl UnitProcess {
         Ok(Way { advance: Advance { elapsed: dt, event: None }, time: time + dt })
     }
 
+    /// [`UnitProcess::steps`] of a unit that takes steps of `grid` seconds only.
+    fn grid_steps(
+        &self,
+        turn: &mut Turn<'_>,
+        answer: &mut Answer,
+        u: &mut [f64],
+        dt: f64,
+        seen: &mut [f64],
+        grid: f64,
+    ) -> Result<Way, KeepingError> {
+        let (acceleration, start_speed) = (self.acceleration.map_or(0.0, |i| u[i]), u[self.speed]);
+        let (seen, ahead) = seen.split_at_mut(1 + self.events.len());
+        let ahead = &mut ahead[0];
+        let before: Vec<bool> = seen[1..].iter().map(|flag| *flag != 0.0).collect();
+        let steps = ((*ahead + dt) / grid).round();
+        let (mut time, mut elapsed, mut event) = (turn.time, 0.0, None);
+        for number in 1..=steps as u64 {
+            let middle = ((number as f64 - 0.5) * grid - *ahead).clamp(0.0, dt);
+            u[self.speed] = start_speed + acceleration * middle;
+            let step = Step { from: time, length: grid, before: &before, first: number == 1 };
+            event = self.step(turn, answer, u, &step, seen)?.1;
+            time += grid;
+            if event.is_some() {
+                elapsed = (number as f64 * grid - *ahead).clamp(0.0, dt);
+                *ahead += elapsed - number as f64 * grid;
+                break;
+            }
+        }
+        if steps == 0.0 {
+            turn.act(&[], true, answer)?; // the unit stays where it is
+        }
+        if event.is_none() {
+            elapsed = dt;
+            *ahead += dt - steps * grid;
+        }
+        u[self.speed] = start_speed + acceleration * elapsed;
+        Ok(Way { advance: Advance { elapsed, event }, time })
+    }
+
+    /// Whether a step can be taken again in parts.
+    fn halves(&self) -> bool {
+        self.goes_back() && self.grid.is_none()
+    }
+
     /// One communication step, up to the first event in it; how long it took.
     fn step(
         &self,
@@ -215,10 +270,10 @@ impl UnitProcess {
         let mut retries = 0;
         while done < step.length {
             let from = step.from + done;
-            let try_from = Try { from, length: part, save: self.goes_back(), check: step.first && done == 0.0 };
+            let try_from = Try { from, length: part, save: self.halves(), check: step.first && done == 0.0 };
             let (stepped, event) = self.attempt(turn, answer, u, &try_from, step.before, seen)?;
             match stepped {
-                Stepped::Whole if event.is_some() && self.goes_back() => {
+                Stepped::Whole if event.is_some() && self.halves() => {
                     let (length, event) = self.locate(turn, answer, u, from, part, step.before, seen)?;
                     return Ok((done + length, event));
                 }
@@ -229,14 +284,14 @@ impl UnitProcess {
                         return Ok((done, event));
                     }
                 }
-                Stepped::Part(reached) if self.goes_back() && retries < RETRIES => {
+                Stepped::Part(reached) if self.halves() && retries < RETRIES => {
                     retries += 1;
                     turn.act(&[Action::Restore(START)], false, answer)?;
                     // As far as it came, or else half the way.
                     part = if reached > from && reached < from + part { reached - from } else { 0.5 * part };
                 }
                 Stepped::Part(reached) => {
-                    let way = if self.goes_back() { "" } else { ", and cannot go back for a shorter one" };
+                    let way = if self.halves() { "" } else { ", and cannot go back for a shorter one" };
                     return Err(KeepingError::Impossible(format!(
                         "at {from} s it discarded a step of {part} s, came to {reached} s{way}"
                     )));
@@ -448,7 +503,7 @@ impl MachineProcess for UnitProcess {
         }
         let mut input = u.to_vec();
         let (kept, rest) = x.split_at_mut(self.keeping.length());
-        let (watched, counted) = rest.split_at_mut(1 + self.events.len());
+        let (watched, counted) = rest.split_at_mut(1 + self.events.len() + usize::from(self.grid.is_some()));
         let (mut state, mut seen, mut answer) = (kept.to_vec(), watched.to_vec(), Answer::default());
         let work = |turn: &mut Turn<'_>, answer: &mut Answer| {
             let way = self.steps(turn, answer, &mut input, dt, &mut seen)?;

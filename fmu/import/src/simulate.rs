@@ -1,9 +1,10 @@
 //! A unit on its own: inputs from a table, outputs to a table.
 
 use crate::description::{ModelDescription, ValueType, Variable};
-use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped};
-use crate::unit::Unit;
+use crate::instance::{Action, Answer, CallError, Instance, Port, StartValue, Stepped, bytes_of};
+use crate::unit::{Steps, Unit};
 use crate::wire::{WiringError, start_values};
+use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::sync::Arc;
 use toolroom_process::Wiring;
@@ -19,7 +20,7 @@ pub struct Experiment {
     /// Communication step, s; the unit's own, or a five-hundredth of the time.
     pub step: Option<f64>,
     /// Start values by name, as text.
-    pub start_values: std::collections::BTreeMap<String, String>,
+    pub start_values: BTreeMap<String, String>,
 }
 
 /// What came of it.
@@ -58,6 +59,16 @@ pub enum SimulateError {
         stop: f64,
         /// Step, s.
         step: f64,
+    },
+    /// Steps that a unit of fixed steps cannot take.
+    #[error("the unit takes steps of {own} s only: {what} = {value} s is no multiple of it")]
+    FixedStep {
+        /// Its step, s.
+        own: f64,
+        /// What is none.
+        what: &'static str,
+        /// Its value, s.
+        value: f64,
     },
     /// A start value.
     #[error(transparent)]
@@ -101,23 +112,31 @@ pub enum SimulateError {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inputs {
     times: Vec<f64>,
-    columns: Vec<Column>,
+    signals: Vec<Signal>,
+    /// Values of each column after the time.
+    columns: Vec<Vec<f64>>,
 }
 
+/// A variable and its columns, one for each element.
 #[derive(Clone, Debug, PartialEq)]
-struct Column {
+struct Signal {
     port: Port,
     interpolated: bool,
-    values: Vec<f64>,
+    columns: Vec<usize>,
 }
 
 impl Inputs {
     /// Reads a CSV table with a column `time` (s) and one for each input, headed by its name,
-    /// with or without unit in brackets; the numbers are in the unit's own units.
+    /// with or without unit in brackets; the numbers are in the unit's own units. Arrays have a column for each
+    /// element, `name[1]` or `name[2,1]`; their sizes may depend on `start` values.
     ///
     /// # Errors
     /// [`SimulateError::Input`] with the line.
-    pub fn read(description: &ModelDescription, mut table: impl Read) -> Result<Self, SimulateError> {
+    pub fn read(
+        description: &ModelDescription,
+        start: &BTreeMap<String, String>,
+        mut table: impl Read,
+    ) -> Result<Self, SimulateError> {
         let refused = |line, message: String| SimulateError::Input { line, message };
         let mut text = String::new();
         table.read_to_string(&mut text).map_err(|error| refused(1, error.to_string()))?;
@@ -138,18 +157,34 @@ impl Inputs {
             return Err(refused(1, "the first column is \"time\", in seconds".to_owned()));
         }
         let mut inputs = Self::default();
-        for name in header.iter().skip(1).map(bare) {
-            let variable = description.variable(&name).filter(|variable| settable(variable)).ok_or_else(|| {
-                let known = description.variables.iter().filter(|variable| settable(variable));
-                let known = known.map(|variable| variable.name.as_str()).collect::<Vec<_>>().join(", ");
-                refused(1, format!("the unit has no input \"{name}\"; it has: {known}"))
-            })?;
-            inputs.columns.push(Column {
-                port: Port::of(variable),
+        let heads: Vec<String> = header.iter().skip(1).map(bare).collect();
+        let settable: Vec<(&Variable, Vec<String>)> = description
+            .variables
+            .iter()
+            .filter(|variable| variable.causality == "input" && is_number(variable))
+            .filter_map(|variable| Some((variable, elements(description, variable, start)?)))
+            .collect();
+        let known = || settable.iter().flat_map(|(_, names)| names);
+        if let Some(name) = heads.iter().find(|name| known().all(|known| known != *name)) {
+            let known = known().map(String::as_str).take(40).collect::<Vec<_>>().join(", ");
+            return Err(refused(1, format!("the unit has no input \"{name}\"; it has: {known}")));
+        }
+        for (variable, names) in &settable {
+            let columns: Vec<Option<usize>> =
+                names.iter().map(|name| heads.iter().position(|head| head == name)).collect();
+            if columns.iter().all(Option::is_none) {
+                continue;
+            }
+            if let Some(i) = columns.iter().position(Option::is_none) {
+                return Err(refused(1, format!("a column \"{}\" is missing: an array is set as a whole", names[i])));
+            }
+            inputs.signals.push(Signal {
+                port: Port { count: names.len() as u32, ..Port::of(variable) },
                 interpolated: variable.variability == "continuous",
-                values: Vec::new(),
+                columns: columns.into_iter().flatten().collect(),
             });
         }
+        inputs.columns = vec![Vec::new(); heads.len()];
         for record in reader.records() {
             let record = record.map_err(broken)?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -168,7 +203,7 @@ impl Inputs {
             }
             inputs.times.push(time);
             for (i, column) in inputs.columns.iter_mut().enumerate() {
-                column.values.push(number(i + 1)?);
+                column.push(number(i + 1)?);
             }
         }
         if inputs.times.is_empty() {
@@ -177,32 +212,98 @@ impl Inputs {
         Ok(inputs)
     }
 
-    /// Sets every input to its value at `time` (s).
-    fn set(&self, time: f64, actions: &mut Vec<Action<'_>>) {
+    /// Values of every input at `time` (s).
+    fn values(&self, time: f64) -> Vec<(Port, Vec<u8>)> {
         // Of two rows at one time the later one holds from then on.
         let after = self.times.partition_point(|each| *each <= time);
-        for column in &self.columns {
-            let row = after.saturating_sub(1);
-            let mut value = column.values[row];
-            if column.interpolated && after > 0 && after < self.times.len() {
+        let row = after.saturating_sub(1);
+        let value = |signal: &Signal, column: &usize| {
+            let values = &self.columns[*column];
+            if signal.interpolated && after > 0 && after < self.times.len() {
                 let share = (time - self.times[row]) / (self.times[after] - self.times[row]);
-                value += share * (column.values[after] - value);
+                return values[row] + share * (values[after] - values[row]);
             }
-            actions.push(Action::Set(column.port, value));
-        }
+            values[row]
+        };
+        let of = |signal: &Signal| {
+            let values: Vec<f64> = signal.columns.iter().map(|column| value(signal, column)).collect();
+            (signal.port, bytes_of(&values))
+        };
+        self.signals.iter().map(of).collect()
     }
 }
 
-fn settable(variable: &Variable) -> bool {
-    variable.causality == "input" && variable.dimensions == 0 && is_number(variable)
+/// Names of the elements of `variable`: its own name for a scalar, `name[i,j]` from 1 for an array.
+fn elements(
+    description: &ModelDescription,
+    variable: &Variable,
+    start: &BTreeMap<String, String>,
+) -> Option<Vec<String>> {
+    let extents = description.extents(variable, start)?;
+    if extents.is_empty() {
+        return Some(vec![variable.name.clone()]);
+    }
+    let name = |element: u64| {
+        let mut rest = element;
+        let mut index: Vec<String> = Vec::new();
+        for extent in extents.iter().rev() {
+            index.push((rest % extent + 1).to_string());
+            rest /= extent;
+        }
+        index.reverse();
+        format!("{}[{}]", variable.name, index.join(","))
+    };
+    Some((0..extents.iter().product()).map(name).collect())
+}
+
+/// An output of a unit and its columns.
+struct Output<'a> {
+    variable: &'a Variable,
+    action: Action<'static>,
+    names: Vec<String>,
+}
+
+/// Outputs that a table can hold; those that it cannot are binary, clocks, or arrays of unknown size.
+fn outputs<'a>(description: &'a ModelDescription, start: &BTreeMap<String, String>) -> Vec<Output<'a>> {
+    let wanted = |variable: &&Variable| {
+        variable.causality == "output" && !matches!(variable.value_type, ValueType::Binary | ValueType::Clock)
+    };
+    let output = |variable: &'a Variable| {
+        let names = elements(description, variable, start)?;
+        let port = Port { count: names.len() as u32, ..Port::of(variable) };
+        let action = if is_number(variable) { Action::Get(port) } else { Action::GetText(port) };
+        Some(Output { variable, action, names })
+    };
+    description.variables.iter().filter(wanted).filter_map(output).collect()
+}
+
+/// Names of the outputs of `description` that [`simulate`] leaves out: binary ones, clocks, and arrays whose size cannot
+/// be known.
+pub fn left_out(description: &ModelDescription, start: &BTreeMap<String, String>) -> Vec<String> {
+    let held: Vec<&str> = outputs(description, start).iter().map(|output| output.variable.name.as_str()).collect();
+    let all = description.variables.iter().filter(|variable| variable.causality == "output");
+    all.filter(|variable| !held.contains(&variable.name.as_str())).map(|variable| variable.name.clone()).collect()
+}
+
+/// How many of the unit's own steps make one of `step`: 1 where it takes any.
+fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, SimulateError> {
+    let Steps::Every(own) = unit.steps() else { return Ok(1) };
+    let whole = |value: f64| (value / own - (value / own).round()).abs() < 1e-9 * (value / own);
+    for (what, length, value) in [("--step", step, step), ("--stop", stop - start, stop)] {
+        if !whole(length) {
+            return Err(SimulateError::FixedStep { own, what, value });
+        }
+    }
+    Ok((step / own).round() as u64)
 }
 
 fn is_number(variable: &Variable) -> bool {
     !matches!(variable.value_type, ValueType::String | ValueType::Binary | ValueType::Clock)
 }
 
-/// Simulates `unit` and writes time and every scalar output to `table`, one row for each
-/// communication point, in the unit's own units.
+/// Simulates `unit` and writes time and every output to `table`, one row for each communication point and one column for
+/// each element, in the unit's own units; Booleans as 0 and 1, enumerations as numbers. What [`left_out`] names is left
+/// out. A unit of fixed steps takes as many of its own as a communication step holds.
 ///
 /// # Errors
 /// [`SimulateError`]; rows written before stay.
@@ -217,37 +318,38 @@ pub fn simulate(
     let start = experiment.start.or(own.start).unwrap_or(0.0);
     let last_input = inputs.and_then(|inputs| inputs.times.last().copied());
     let stop = experiment.stop.or(last_input).or(own.stop).unwrap_or(start + 1.0);
-    let step = experiment.step.or(own.step).unwrap_or((stop - start) / 500.0);
+    let fixed = if let Steps::Every(step) = unit.steps() { Some(step) } else { None };
+    let step = experiment.step.or(own.step).or(fixed).unwrap_or((stop - start) / 500.0);
     let steps = ((stop - start) / step - 1e-9).ceil();
     if !(start.is_finite() && stop > start && step > 0.0 && steps < 1e9) {
         return Err(SimulateError::Experiment { start, stop, step });
     }
     let wiring = Wiring { start: experiment.start_values.clone(), ..Wiring::default() };
     let start_values: Vec<(Port, StartValue)> = start_values(description, &wiring)?;
-    let outputs: Vec<&Variable> = description
-        .variables
-        .iter()
-        .filter(|variable| variable.causality == "output" && variable.dimensions == 0 && is_number(variable))
-        .collect();
-    let header = |variable: &&Variable| match &variable.unit {
-        Some(unit) if unit != "1" => format!("{} [{unit}]", variable.name),
-        _ => variable.name.clone(),
+    let parts = own_steps(unit, start, stop, step)?;
+    let outputs = outputs(description, &experiment.start_values);
+    let header = |output: &Output<'_>| {
+        let unit = output.variable.unit.as_ref().filter(|unit| *unit != "1");
+        let unit = unit.map_or(String::new(), |unit| format!(" [{unit}]"));
+        output.names.iter().map(|name| format!("{name}{unit}")).collect::<Vec<_>>()
     };
-    let mut table = CsvWriter::new(table, std::iter::once("time [s]".to_owned()).chain(outputs.iter().map(header)))?;
+    let heads = std::iter::once("time [s]".to_owned()).chain(outputs.iter().flat_map(header));
+    let mut table = CsvWriter::new(table, heads)?;
     let failed = |time| move |source| SimulateError::Call { time, source };
     let mut instance = Instance::new(unit, &start_values, start).map_err(failed(start))?;
     let (mut time, mut done) = (start, Done { start, stop, step, steps: steps as u64, ended: false });
     let mut answer = Answer::default();
-    let gets: Vec<Action<'_>> = outputs.iter().map(|variable| Action::Get(Port::of(variable))).collect();
+    let gets: Vec<Action<'_>> = outputs.iter().map(|output| output.action).collect();
     for number in 0..=steps as u64 {
         // The last step ends at the stop time, however the steps round.
         let mut goal = if number as f64 == steps { stop } else { start + number as f64 * step };
         // Step, inputs and outputs at once: a unit in a worker process is asked once.
         let mut actions = Vec::new();
-        actions.extend((number > 0).then_some(Action::Step { time, duration: goal - time }));
-        if let Some(inputs) = inputs {
-            inputs.set(goal, &mut actions);
-        }
+        let part = (goal - time) / parts as f64;
+        let own = (0..parts).filter(|_| number > 0);
+        actions.extend(own.map(|i| Action::Step { time: time + i as f64 * part, duration: part }));
+        let set = inputs.map_or_else(Vec::new, |inputs| inputs.values(goal));
+        actions.extend(set.iter().map(|(port, elements)| Action::SetArray(*port, elements)));
         actions.extend(gets.iter().copied());
         if let Err(source) = instance.act(&actions, &mut answer) {
             table.flush()?;
@@ -266,17 +368,37 @@ pub fn simulate(
             }
         }
         time = goal;
-        if let Err(refused) = outputs.iter().zip(&answer.values).try_for_each(|(of, value)| check(of, *value, time)) {
-            table.flush()?;
-            return Err(refused);
+        match cells(&outputs, &answer, time) {
+            Ok(cells) => table.row(cells)?,
+            Err(refused) => {
+                table.flush()?;
+                return Err(refused);
+            }
         }
-        table.row(std::iter::once(time).chain(answer.values.iter().copied()).map(Cell::from).collect::<Vec<_>>())?;
         if done.ended {
             break;
         }
     }
     table.flush()?;
     Ok(done)
+}
+
+/// A row of the table.
+fn cells<'a>(outputs: &[Output<'_>], answer: &'a Answer, time: f64) -> Result<Vec<Cell<'a>>, SimulateError> {
+    let (mut values, mut texts) = (answer.values.iter(), answer.texts.iter());
+    let mut row = vec![Cell::from(time)];
+    for output in outputs {
+        let count = output.names.len();
+        if let Action::GetText(_) = output.action {
+            row.extend(texts.by_ref().take(count).map(Cell::from));
+            continue;
+        }
+        for value in values.by_ref().take(count) {
+            check(output.variable, *value, time)?;
+            row.push(Cell::from(*value));
+        }
+    }
+    Ok(row)
 }
 
 /// That a value is finite and within the bounds of its description.

@@ -34,11 +34,15 @@ pub enum LoadError {
         /// What is wrong.
         message: String,
     },
-    /// Model Exchange only.
-    #[error("{path} has no Co-Simulation interface, which a driver of steps needs", path = .path.display())]
-    NoCoSimulation {
+    /// No interface that can be driven, or not the one that was asked for.
+    #[error("{path} has no interface for {wanted}; it has: {there}", path = .path.display())]
+    Interface {
         /// The file.
         path: PathBuf,
+        /// What was looked for.
+        wanted: String,
+        /// Interfaces that there are.
+        there: String,
     },
     /// Nothing for this computer.
     #[error("{path} has no library for this computer: {wanted} is missing; there are: {there}", path = .path.display())]
@@ -85,6 +89,32 @@ pub(crate) struct Plan {
     pub token: String,
     /// What is handed to the unit as its resources: a URI in FMI 2.0, a path in FMI 3.0.
     pub resources: Option<String>,
+    /// What there is to integrate, where the unit is driven by Model Exchange.
+    pub equations: Option<Equations>,
+}
+
+/// What a description says of the equations of Model Exchange.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Equations {
+    /// Continuous states; FMI 3.0 has a function for the number.
+    pub states: u32,
+    /// Event indicators; FMI 3.0 has a function for the number.
+    pub indicators: u32,
+    /// Whether the unit wants to hear of each step of the integrator.
+    pub completed: bool,
+}
+
+impl Equations {
+    fn of(description: &ModelDescription, interface: &Interface) -> Self {
+        Self {
+            states: description.structure.derivatives.len() as u32,
+            indicators: description.structure.event_indicators as u32,
+            completed: match description.major {
+                2 => !interface.can("completedIntegratorStepNotNeeded"),
+                _ => interface.can("needsCompletedIntegratorStep"),
+            },
+        }
+    }
 }
 
 /// The functions of a library.
@@ -99,6 +129,7 @@ pub(crate) struct Library {
     pub name: CString,
     pub token: CString,
     pub resources: Option<CString>,
+    pub equations: Option<Equations>,
 }
 
 impl std::fmt::Debug for Library {
@@ -124,6 +155,7 @@ impl Library {
             name: text(&plan.name)?,
             token: text(&plan.token)?,
             resources: plan.resources.as_deref().map(text).transpose()?,
+            equations: plan.equations,
         }))
     }
 }
@@ -162,7 +194,30 @@ pub struct WorkerProgram {
 /// of use in a study of thousands of passes takes far less).
 pub const CALL_LIMIT: f64 = 10.0;
 
-/// A unit of FMI 2.0 or 3.0 for Co-Simulation, ready to be instantiated.
+/// Which communication steps a unit takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Steps {
+    /// Any.
+    Any,
+    /// Steps of this length only, s.
+    Every(f64),
+    /// Steps of one length only, of which its description does not speak.
+    Unknown,
+}
+
+/// By which interface a unit is driven.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Driven {
+    /// Co-Simulation where the unit has it, else Model Exchange.
+    #[default]
+    Either,
+    /// Co-Simulation.
+    CoSimulation,
+    /// Model Exchange: its equations are integrated here, by the pair of Dormand and Prince.
+    ModelExchange,
+}
+
+/// A unit of FMI 2.0 or 3.0 for Co-Simulation or Model Exchange, ready to be instantiated.
 ///
 /// The archive is unpacked by [`Archive::unpack`] and read by [`ModelDescription::read`]; of the
 /// `fmi` crate only the bindings are used. Its own reader refuses sound units of FMI 3.0 (a
@@ -172,6 +227,7 @@ pub struct Unit {
     path: PathBuf,
     description: ModelDescription,
     interface: Interface,
+    exchange: bool,
     /// Deleted last.
     _folder: TempDir,
 }
@@ -195,6 +251,14 @@ impl Unit {
     /// # Errors
     /// [`LoadError`]. Without isolation a library that crashes while it is loaded takes the program with it.
     pub fn load(path: &Path, isolation: &Isolation) -> Result<Self, LoadError> {
+        Self::load_driven(path, isolation, Driven::Either)
+    }
+
+    /// [`Unit::load`] for one interface.
+    ///
+    /// # Errors
+    /// [`LoadError`].
+    pub fn load_driven(path: &Path, isolation: &Isolation, driven: Driven) -> Result<Self, LoadError> {
         let mut archive = Archive::open(path)?;
         let reading = ModelDescription::read(&archive.description()?);
         let Some(description) = reading.description else {
@@ -202,8 +266,7 @@ impl Unit {
             let (line, message) = fault.map_or((1, String::new()), |fault| (fault.line, fault.message));
             return Err(LoadError::Description { path: path.to_owned(), line, message });
         };
-        let no_interface = || LoadError::NoCoSimulation { path: path.to_owned() };
-        let interface = description.co_simulation.clone().ok_or_else(no_interface)?;
+        let (interface, equations) = interface(path, &description, driven)?;
         let library = library_entry(&archive, &description, &interface)?;
         let missing = missing_functions(&mut archive, &description, &library)?;
         if !missing.is_empty() {
@@ -225,6 +288,7 @@ impl Unit {
                 // NULL without resources; the path of a folder ends with a separator.
                 _ => resources.is_dir().then(|| format!("{}{}", resources.display(), std::path::MAIN_SEPARATOR)),
             },
+            equations,
         };
         let home = match isolation {
             Isolation::None => Home::Here(Library::load(&plan).map_err(refused)?),
@@ -237,7 +301,8 @@ impl Unit {
                 return Err(refused("worker processes are for Linux and macOS: set isolation to none".to_owned()));
             }
         };
-        Ok(Self { home, path: path.to_owned(), description, interface, _folder: folder })
+        let exchange = equations.is_some();
+        Ok(Self { home, path: path.to_owned(), description, interface, exchange, _folder: folder })
     }
 
     /// A new instance, initialised at `start` (s).
@@ -274,9 +339,47 @@ impl Unit {
         &self.description
     }
 
-    /// Its interface for Co-Simulation.
+    /// The interface by which it is driven.
     pub fn interface(&self) -> &Interface {
         &self.interface
+    }
+
+    /// Which communication steps it takes: what `canHandleVariableCommunicationStepSize` says, with the length from
+    /// `fixedInternalStepSize`, or else from the step of the default experiment.
+    pub fn steps(&self) -> Steps {
+        if self.exchange || self.interface.can("canHandleVariableCommunicationStepSize") {
+            return Steps::Any;
+        }
+        self.description.fixed_step(&self.interface).map_or(Steps::Unknown, Steps::Every)
+    }
+
+    /// Whether that is Model Exchange.
+    pub fn is_model_exchange(&self) -> bool {
+        self.exchange
+    }
+}
+
+/// The interface to drive a unit by, with what there is to integrate in Model Exchange.
+fn interface(
+    path: &Path,
+    description: &ModelDescription,
+    driven: Driven,
+) -> Result<(Interface, Option<Equations>), LoadError> {
+    let steps = description.co_simulation.as_ref().filter(|_| driven != Driven::ModelExchange);
+    let exchange = description.model_exchange.as_ref().filter(|_| driven != Driven::CoSimulation);
+    match (steps, exchange) {
+        (Some(interface), _) => Ok((interface.clone(), None)),
+        (None, Some(interface)) => Ok((interface.clone(), Some(Equations::of(description, interface)))),
+        (None, None) => Err(LoadError::Interface {
+            path: path.to_owned(),
+            wanted: match driven {
+                Driven::Either => "Co-Simulation or Model Exchange",
+                Driven::CoSimulation => "Co-Simulation",
+                Driven::ModelExchange => "Model Exchange",
+            }
+            .to_owned(),
+            there: description.interfaces().map(|(name, _)| name).collect::<Vec<_>>().join(", "),
+        }),
     }
 }
 

@@ -66,9 +66,10 @@ pub enum WiringError {
     /// Nothing by which the shop could command the unit.
     #[error("the unit has no input for cutting_speed: wire one with inputs = {{ cutting_speed = \"…\" }}")]
     NoSpeed,
-    /// A unit that cannot take steps of any length.
+    /// A unit of fixed steps that does not say how long they are.
     #[error(
-        "the unit cannot vary its communication step (canHandleVariableCommunicationStepSize); passes have any duration"
+        "the unit cannot vary its communication step (canHandleVariableCommunicationStepSize) and does not say how long \
+         it is: give it as step = \"…\""
     )]
     FixedStep,
     /// A call that failed while the unit was tried out.
@@ -175,7 +176,7 @@ fn named<'d>(
 ) -> Result<&'d Variable, WiringError> {
     let fits = |variable: &&Variable| {
         let same = variable.causality == causality || (causality == "output" && variable.causality == "local");
-        same && variable.dimensions == 0
+        same && variable.dimensions.is_empty()
     };
     description.variables.iter().filter(fits).find(|variable| variable.name == name).ok_or_else(|| {
         let known = description.variables.iter().filter(fits).map(|variable| variable.name.as_str()).take(40);
@@ -190,7 +191,7 @@ fn named<'d>(
 
 /// The variable called `name`, or the only one of this causality whose last part it is.
 fn found<'d>(description: &'d ModelDescription, name: &str, causality: &str) -> Option<&'d Variable> {
-    let fits = |variable: &&Variable| variable.causality == causality && variable.dimensions == 0;
+    let fits = |variable: &&Variable| variable.causality == causality && variable.dimensions.is_empty();
     let exact = description.variables.iter().filter(fits).find(|variable| variable.name == name);
     exact.or_else(|| {
         let last = |variable: &&Variable| variable.name.rsplit_once('.').is_some_and(|(_, last)| last == name);
@@ -276,7 +277,7 @@ pub(crate) fn start_values(
         matches!(variable.causality.as_str(), "parameter" | "structuralParameter" | "input")
             || matches!(variable.initial.as_deref(), Some("exact" | "approx"))
     };
-    let mut values = Vec::new();
+    let mut values: Vec<(Port, StartValue)> = Vec::new();
     for (name, text) in &wiring.start {
         let variable = description.variables.iter().filter(settable).find(|variable| variable.name == *name);
         let unknown = || WiringError::UnknownVariable {
@@ -293,22 +294,31 @@ pub(crate) fn start_values(
                 .join(", "),
         };
         let variable = variable.ok_or_else(unknown)?;
-        let port = Port::of(variable);
-        let number = match text.trim() {
+        let refused =
+            || WiringError::StartValue { variable: name.clone(), value: text.clone(), value_type: variable.value_type };
+        let extents = description.extents(variable, &wiring.start).ok_or_else(refused)?;
+        let count = extents.iter().product::<u64>() as u32;
+        let port = Port { count, ..Port::of(variable) };
+        let number = |text: &str| match text {
             "true" => Some(1.0),
             "false" => Some(0.0),
             text => text.parse::<f64>().ok().filter(|value| value.is_finite()),
         };
-        let value = match (variable.value_type, number) {
-            (ValueType::String, _) => CString::new(text.as_str()).ok().map(StartValue::Text),
-            (ValueType::Binary | ValueType::Clock, _) => None,
-            (_, number) => number.map(StartValue::Number),
+        let numbers = || text.split_whitespace().map(number).collect::<Option<Vec<f64>>>();
+        let value = match variable.value_type {
+            ValueType::String if count == 1 => CString::new(text.as_str()).ok().map(StartValue::Text),
+            ValueType::String | ValueType::Binary | ValueType::Clock => None,
+            _ if variable.causality == "structuralParameter" => number(text.trim()).map(StartValue::Structure),
+            _ => numbers().filter(|numbers| numbers.len() == count as usize).map(StartValue::Numbers),
         };
-        let refused =
-            || WiringError::StartValue { variable: name.clone(), value: text.clone(), value_type: variable.value_type };
         values.push((port, value.ok_or_else(refused)?));
     }
-    // A string such as the name of a parameter set may set other parameters: it goes first.
-    values.sort_by_key(|(_, value)| !matches!(value, StartValue::Text(_)));
+    // Structural parameters have a mode of their own, before all others. A string such as the name of a parameter set
+    // may set other parameters: it goes before them.
+    values.sort_by_key(|(_, value)| match value {
+        StartValue::Structure(_) => 0,
+        StartValue::Text(_) => 1,
+        StartValue::Numbers(_) => 2,
+    });
     Ok(values)
 }

@@ -12,6 +12,7 @@ mod handles;
 mod pointer;
 mod sync;
 mod table;
+mod unload;
 
 use crate::catalogue;
 use crate::component::{Component, Interface};
@@ -22,6 +23,7 @@ use std::any::Any;
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+pub(crate) use unload::at_unload;
 
 /// Carries out one call on an instance.
 #[inline]

@@ -2,7 +2,7 @@
 
 use super::quantity::{quantity, type_name, types, units};
 use super::xml::Xml;
-use super::{Description, LICENCE, TOOL, VERSION};
+use super::{AUTHOR, COPYRIGHT, Description, LICENCE, TOOL, VERSION};
 use crate::instance::nominal_of;
 use crate::log::Category;
 use crate::variable::{Role, Slot, ValueType, Variable};
@@ -20,17 +20,20 @@ pub(super) fn write(description: &Description) -> String {
         variables.iter().enumerate().map(|(i, variable)| (variable.slot.reference(), i + 1)).collect();
     let indicators = variables.iter().filter(|variable| matches!(variable.slot, Slot::Indicator(_))).count();
     let mut xml = Xml::new();
-    let head = [
+    let mut head = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", description.identifier.to_owned()),
         ("guid", description.token.clone()),
         ("description", description.title.to_owned()),
+        ("author", AUTHOR.to_owned()),
         ("version", VERSION.to_owned()),
+        ("copyright", COPYRIGHT.to_owned()),
         ("license", LICENCE.to_owned()),
         ("generationTool", TOOL.to_owned()),
         ("variableNamingConvention", "structured".to_owned()),
         ("numberOfEventIndicators", if description.continuous { indicators } else { 0 }.to_string()),
     ];
+    head.extend(description.generated.clone().map(|date| ("generationDateAndTime", date)));
     xml.element("fmiModelDescription", &head, |xml| {
         interfaces(xml, description);
         xml.element("UnitDefinitions", &[], |xml| definitions(xml, description));
@@ -168,6 +171,11 @@ pub(super) fn value(variable: &Variable) -> Vec<(&'static str, String)> {
     attributes
 }
 
+/// How an unknown depends on each of its knowns: in no way of which a solver could make use.
+pub(super) fn kinds(count: usize) -> String {
+    vec!["dependent"; count].join(" ")
+}
+
 fn scalar(xml: &mut Xml, variable: &Variable, description: &Description, index: &BTreeMap<u32, usize>) {
     let mut attributes = vec![
         ("name", variable.name.clone()),
@@ -207,7 +215,9 @@ fn structure(xml: &mut Xml, description: &Description, variables: &[&Variable], 
                 let knowns = description.dependencies.of_unknown(reference).filter(|_| dependencies);
                 if let Some(knowns) = knowns {
                     let known = knowns.iter().filter_map(|known| index.get(known)).map(ToString::to_string);
-                    attributes.push(("dependencies", known.collect::<Vec<_>>().join(" ")));
+                    let known: Vec<String> = known.collect();
+                    attributes.push(("dependencies", known.join(" ")));
+                    attributes.push(("dependenciesKind", kinds(known.len())));
                 }
                 xml.leaf("Unknown", &attributes);
             }

@@ -1,23 +1,26 @@
 //! `modelDescription.xml` of FMI 3.0.
 
-use super::fmi2::{categories, definitions, experiment, role, value};
+use super::fmi2::{categories, definitions, experiment, kinds, role, value};
 use super::quantity::{quantity, type_name, types};
 use super::xml::Xml;
-use super::{Description, LICENCE, TOOL, VERSION};
+use super::{AUTHOR, COPYRIGHT, Description, LICENCE, TOOL, VERSION};
 use crate::variable::{Role, Slot, ValueType, Variable};
 
 pub(super) fn write(description: &Description) -> String {
     let mut xml = Xml::new();
-    let head = [
+    let mut head = vec![
         ("fmiVersion", "3.0".to_owned()),
         ("modelName", description.identifier.to_owned()),
         ("instantiationToken", description.token.clone()),
         ("description", description.title.to_owned()),
+        ("author", AUTHOR.to_owned()),
         ("version", VERSION.to_owned()),
+        ("copyright", COPYRIGHT.to_owned()),
         ("license", LICENCE.to_owned()),
         ("generationTool", TOOL.to_owned()),
         ("variableNamingConvention", "structured".to_owned()),
     ];
+    head.extend(description.generated.clone().map(|date| ("generationDateAndTime", date)));
     xml.element("fmiModelDescription", &head, |xml| {
         interfaces(xml, description);
         xml.element("UnitDefinitions", &[], |xml| definitions(xml, description));
@@ -118,8 +121,9 @@ fn structure(xml: &mut Xml, description: &Description) {
             let mut attributes = vec![("valueReference", reference.to_string())];
             let knowns = description.dependencies.of_unknown(reference).filter(|_| dependencies);
             if let Some(knowns) = knowns {
-                let known = knowns.iter().map(ToString::to_string);
-                attributes.push(("dependencies", known.collect::<Vec<_>>().join(" ")));
+                let known: Vec<String> = knowns.iter().map(ToString::to_string).collect();
+                attributes.push(("dependencies", known.join(" ")));
+                attributes.push(("dependenciesKind", kinds(known.len())));
             }
             xml.leaf(name, &attributes);
         }

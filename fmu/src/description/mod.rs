@@ -1,5 +1,6 @@
 //! What a package says about its unit: model descriptions of both versions.
 
+mod date;
 mod fmi2;
 mod fmi3;
 mod quantity;
@@ -19,6 +20,11 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(crate) const TOOL: &str = concat!("toolroom ", env!("CARGO_PKG_VERSION"));
 /// Licence of code and parameters, an SPDX expression.
 pub(crate) const LICENCE: &str = env!("CARGO_PKG_LICENSE");
+
+/// Who wrote it, as in the licence texts.
+pub(crate) const AUTHOR: &str = "The toolroom authors";
+/// Whose it is, as in the licence texts.
+pub(crate) const COPYRIGHT: &str = "Copyright (c) 2026 The toolroom authors";
 
 /// Everything that a package says about its unit, without its types.
 #[derive(Clone, Debug)]
@@ -41,6 +47,8 @@ pub struct Description {
     pub experiment: (f64, f64),
     /// Instantiation token.
     pub token: String,
+    /// When it was made, from `SOURCE_DATE_EPOCH`; nothing where that is not set.
+    pub generated: Option<String>,
     /// Every variable.
     pub variables: Vec<Variable>,
     /// Which variable depends on which.
@@ -61,6 +69,7 @@ impl Description {
             continuous: U::CONTINUOUS,
             experiment: U::EXPERIMENT,
             token: token_text(token::<U>()),
+            generated: date::generated(),
             dependencies: Dependencies::of::<U>(),
             variables,
         }

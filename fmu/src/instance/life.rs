@@ -149,6 +149,7 @@ impl<U: Unit> Instance<U> {
     /// The edge cuts no more.
     pub(super) fn lose(&mut self, event: ProcessEvent) {
         self.core.discrete.lost = true;
+        self.core.discrete.lost_at = self.core.time;
         self.changed();
         let time = self.core.time;
         self.say(Category::Events, || format!("the edge is lost to {} at {time} s", event.name()));

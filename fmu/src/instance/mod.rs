@@ -41,6 +41,8 @@ struct Discrete {
     events: [bool; MOST],
     /// The edge cannot cut any more.
     lost: bool,
+    /// Since when, s.
+    lost_at: f64,
     /// Speed of the built-in policy, m/s.
     speed: f64,
     /// When it commands next, s.
@@ -55,6 +57,7 @@ impl Default for Discrete {
             counts: [1; MOST],
             events: [false; MOST],
             lost: false,
+            lost_at: 0.0,
             speed: 0.0,
             next_sample: 0.0,
         }
@@ -135,7 +138,7 @@ impl<U: Unit> Instance<U> {
     /// An instance, not initialised. `resources` is the folder of the unit's resources.
     pub fn new(interface: Interface, resources: Option<PathBuf>, log: Log) -> Self {
         const { assert!(U::EVENTS.len() <= MOST && U::RENEWALS.len() <= MOST) };
-        let fresh = Arc::new(Configured::shipped());
+        let fresh = Configured::shared();
         Self {
             core: Core::fresh(fresh.clone()),
             memory: U::Memory::default(),
@@ -166,10 +169,16 @@ impl<U: Unit> Instance<U> {
     /// The input that the process meets: commanded by the policy, out of cut where the edge is
     /// lost.
     fn effective_input(&self) -> U::Input {
-        let mut input = self.core.input;
+        let mut input = self.commanded_input();
         if let Some(i) = self.engaged.filter(|_| self.core.discrete.lost) {
             input.set(i, 0.0);
         }
+        input
+    }
+
+    /// The input as commanded by the policy.
+    fn commanded_input(&self) -> U::Input {
+        let mut input = self.core.input;
         if let Some(i) = self.speed.filter(|_| self.is_adaptive()) {
             input.set(i, self.core.discrete.speed);
             if let Some(ramp) = U::Input::index_of("cutting_acceleration") {
@@ -179,10 +188,15 @@ impl<U: Unit> Instance<U> {
         input
     }
 
-    /// Outputs at the present state and input.
+    /// Outputs at the present state and input. At the instant at which the edge is lost they are those of its last cut,
+    /// as in the process itself.
     fn outputs(&mut self) -> &[f64] {
         if !self.outputs_valid {
-            let output = self.core.model.process.output(&self.core.state, &self.effective_input());
+            let Discrete { lost, lost_at, .. } = self.core.discrete;
+            // An importer that looks for the instant ends its step a hair after it.
+            let cuts = lost && self.core.time - lost_at <= step::ROUNDING * lost_at.abs().max(1.0);
+            let input = if cuts { self.commanded_input() } else { self.effective_input() };
+            let output = self.core.model.process.output(&self.core.state, &input);
             output.write_to(&mut self.outputs);
             self.outputs_valid = true;
         }

@@ -3,7 +3,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 4 | `TRFU` |
-//! | 4 | version of this form, 1 |
+//! | 4 | version of this form, 2 |
 //! | 16 | instantiation token of the unit |
 //! | 4 | length of what follows without the checksum |
 //! | … | mode, time, discrete state, input, state, parameters, name of the set |
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use toolroom_process::Record;
 
 const MAGIC: &[u8; 4] = b"TRFU";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes before the length.
 const HEAD: usize = 4 + 4 + 16;
 
@@ -40,7 +40,7 @@ pub(super) fn write<U: Unit>(core: &Core<U>) -> Vec<u8> {
     bytes.push(u8::from(discrete.lost));
     bytes.extend(discrete.counts.iter().flat_map(|count| count.to_le_bytes()));
     let mut number = |value: f64| bytes.extend(value.to_le_bytes());
-    [core.time, discrete.speed, discrete.next_sample].into_iter().for_each(&mut number);
+    [core.time, discrete.speed, discrete.next_sample, discrete.lost_at].into_iter().for_each(&mut number);
     (0..U::Input::LEN).filter_map(|i| core.input.get(i)).for_each(&mut number);
     (0..U::State::LEN).filter_map(|i| core.state.get(i)).for_each(&mut number);
     bytes.extend((core.model.values.len() as u32).to_le_bytes());
@@ -115,7 +115,8 @@ pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>, present: &Ar
     for count in &mut counts {
         *count = body.word()?;
     }
-    let (time, speed, next_sample) = (body.number()?, body.number()?, body.number()?);
+    let (time, speed) = (body.number()?, body.number()?);
+    let (next_sample, lost_at) = (body.number()?, body.number()?);
     let input = U::Input::from_slice(&body.numbers(U::Input::LEN)?);
     let state = U::State::from_slice(&body.numbers(U::State::LEN)?);
     let count = body.word()? as usize;
@@ -130,6 +131,6 @@ pub(super) fn read<U: Unit>(bytes: &[u8], resources: Option<&Path>, present: &Ar
         time,
         state,
         input,
-        discrete: Discrete { renewals, acted, counts, events, lost, speed, next_sample },
+        discrete: Discrete { renewals, acted, counts, events, lost, lost_at, speed, next_sample },
     })
 }

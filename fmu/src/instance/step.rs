@@ -8,7 +8,7 @@ use crate::unit::Unit;
 use toolroom_process::{Advance, ProcessEvent, Record};
 
 /// Relative difference of communication points that is taken as rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Most commands of the built-in policy in one step, so that they end within a second (assumption: each takes a few
 /// microseconds).

@@ -5,6 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, LogNormal, Normal};
 use rayon::prelude::*;
+use toolroom_numerics::order_quantile;
 use toolroom_process::{Record, record};
 
 record! {
@@ -133,9 +134,7 @@ impl ConditionScatter {
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
-    let at = share.clamp(0.0, 1.0) * (sorted.len().checked_sub(1)? as f64);
-    let (low, high) = (sorted[at.floor() as usize], sorted[at.ceil() as usize]);
-    Some(low + (high - low) * at.fract())
+    (!sorted.is_empty()).then(|| order_quantile(&sorted, share.clamp(0.0, 1.0)))
 }
 
 #[cfg(test)]

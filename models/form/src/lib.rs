@@ -17,6 +17,7 @@
 //! | `walk`, `section` | sections read by their form |
 //! | `record` | tables of which a record says keys, units and ranges |
 //! | `fault`, `error`, `codes` | what can be wrong, where, how to mend it, longer texts |
+//! | `refusal` | what a model refuses of a file whose form is right |
 //! | `overrides` | single values replaced before the file is read |
 //! | `vocabulary` | lists of words, each with the variant that it becomes |
 //!
@@ -30,6 +31,7 @@ mod form;
 mod outline;
 mod overrides;
 mod record;
+mod refusal;
 mod schema;
 mod section;
 mod text;
@@ -43,6 +45,7 @@ pub use fault::{ContentFault, Fault, nearest};
 pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined, record_keys};
 pub use outline::Outline;
 pub use record::{fill_record, set_parameters, set_record};
+pub use refusal::{Refusal, key_place};
 pub use schema::{field, schema};
 pub use section::{Got, RuleTable, Section, Span, Value};
 pub use walk::{Echo, Problem, Walk};

@@ -26,7 +26,18 @@ pub fn schema(of: &'static Form, title: &str) -> Value {
 }
 
 fn form(form: &'static Form) -> Value {
-    let properties: Map<String, Value> = form.keys.iter().map(|key| (key.name.to_owned(), property(key))).collect();
+    let mut properties: Map<String, Value> = Map::new();
+    for key in form.keys {
+        let body = property(key);
+        match properties.get_mut(key.name) {
+            // The same key in another case.
+            Some(first) => {
+                let docs = [&*first, &body].map(|body| body["description"].as_str().unwrap_or_default().to_owned());
+                first["description"] = json!(docs.join(". "));
+            }
+            None => drop(properties.insert(key.name.to_owned(), body)),
+        }
+    }
     let always = |key: &&Key| matches!(key.need, Need::Required) && key.when.is_none();
     let required: Vec<&str> = form.keys.iter().filter(always).map(|key| key.name).collect();
     let mut body = json!({

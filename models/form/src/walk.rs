@@ -108,10 +108,19 @@ impl Walk {
         for key in form.keys {
             let raw = table.get(key.name);
             // Selectors stand before the keys that they decide.
-            let applies = key.when.map_or(Some(true), |when| {
-                let chosen = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);
-                chosen.or_else(|| section.text(when.key)).map(|chosen| when.values.contains(&chosen))
-            });
+            let applies = |key: &Key| {
+                key.when.map_or(Some(true), |when| {
+                    let chosen = case.filter(|(name, _)| *name == when.key).map(|(_, value)| value);
+                    chosen.or_else(|| section.text(when.key)).map(|chosen| when.values.contains(&chosen))
+                })
+            };
+            // A key may be due in one case and free in another: one of its entries decides.
+            let alike = || form.keys.iter().filter(|other| other.name == key.name);
+            let decides = alike().find(|other| applies(other) != Some(false)).or_else(|| alike().next());
+            if !decides.is_some_and(|other| std::ptr::eq(other, key)) {
+                continue;
+            }
+            let applies = applies(key);
             match (raw, key.need) {
                 (Some(raw), _) if applies == Some(false) => self.not_applicable(&section, key, raw.span(), case),
                 (Some(raw), _) => {

@@ -155,6 +155,21 @@ impl ParameterFile {
     /// # Errors
     /// A missing or unknown parameter, a unit that does not fit, a value out of range.
     pub fn fill(&self, text: &str, group: &str, record: &mut dyn AnyRecord) -> Result<(), ParameterError> {
+        self.fill_beside(text, group, record, &[])
+    }
+
+    /// [`ParameterFile::fill`] where the parameters named in `optional` may be left out: they keep
+    /// the value that `record` has.
+    ///
+    /// # Errors
+    /// As [`ParameterFile::fill`].
+    pub fn fill_beside(
+        &self,
+        text: &str,
+        group: &str,
+        record: &mut dyn AnyRecord,
+        optional: &[&str],
+    ) -> Result<(), ParameterError> {
         let none = BTreeMap::new();
         let entries = self.groups.get(group).unwrap_or(&none);
         let fields = record.fields();
@@ -164,9 +179,12 @@ impl ParameterFile {
             return Err(ParameterError::Unknown { line, group: group.to_owned(), name: name.clone(), known });
         }
         for (i, field) in fields.iter().enumerate() {
-            let entry = entries
-                .get(field.name)
-                .ok_or_else(|| ParameterError::Missing { group: group.to_owned(), name: field.name })?;
+            let Some(entry) = entries.get(field.name) else {
+                if optional.contains(&field.name) {
+                    continue;
+                }
+                return Err(ParameterError::Missing { group: group.to_owned(), name: field.name });
+            };
             let value = &entry.get_ref().value;
             let span = value.span().start;
             let si = match value.get_ref() {

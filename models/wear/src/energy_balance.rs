@@ -1,7 +1,7 @@
 //! The evolutionary wear law: mechanical wear by path, thermal wear by time at temperature.
 
 use crate::temperature::power;
-use crate::{Cut, law::Wear};
+use crate::{Cut, law::Wear, run_in};
 use toolroom_process::{Number, record};
 
 record! {
@@ -74,7 +74,7 @@ impl<N: Number> EnergyBalance<N> {
     /// `level` brought to land, temperature and damage.
     #[inline]
     pub(crate) fn wear(&self, level: Wear<N>, flank_wear: N, temperature: N, damage: N, damage_gain: N) -> Wear<N> {
-        let run_in = (flank_wear + self.run_in_offset).recip() * self.run_in_land + 1.0;
+        let run_in = run_in(flank_wear, self.run_in_land, self.run_in_offset);
         let layer = flank_wear / self.heated_layer_land;
         let hot = self.arrhenius(self.mechanical_activation_energy, temperature);
         // Several sets have one energy for both: an exponential less, the same to the bit.

@@ -1,7 +1,7 @@
 //! The choice of wear law.
 
-use crate::{Cut, EnergyBalance, ExtendedTaylor, TakeyamaMurata};
-use toolroom_process::{AnyRecord, Number};
+use crate::{Cut, EnergyBalance, ExtendedTaylor, TakeyamaMurata, Usui, wear_curve};
+use toolroom_process::{AnyRecord, ModelError, Number};
 
 /// Wear of one instant, split by what drives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +32,10 @@ pub enum WearLaw<N: Copy = f64> {
     EnergyBalance(EnergyBalance<N>),
     /// Taylor's law with a separable wear curve.
     ExtendedTaylor(ExtendedTaylor<N>),
-    /// Abrasion by path plus diffusion by time, no dependence on the land but by temperature.
+    /// Abrasion by path plus diffusion by time at temperature.
     TakeyamaMurata(TakeyamaMurata<N>),
+    /// Adhesion by path, pressure and temperature.
+    Usui(Usui<N>),
 }
 
 impl Default for WearLaw {
@@ -43,12 +45,48 @@ impl Default for WearLaw {
 }
 
 impl<N: Number> WearLaw<N> {
+    /// Rate of flank wear dh/dt at constant conditions, m/s: an edge in cut with the land
+    /// `flank_wear` (m) at the contact temperature `temperature` (K), without thermal damage.
+    ///
+    /// The number type may be a dual number, so that the slopes by the parameters of the law, by
+    /// the land, the temperature or the cut are exact. The temperature that belongs to a cut and a
+    /// land is [`Contact::steady_temperature`](crate::Contact::steady_temperature).
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_process::num_dual::{Dual64, first_derivative};
+    /// use toolroom_wear::{Cut, ExtendedTaylor, WearLaw};
+    /// let cut = Cut::nominal(222.0 / 60.0, 0.3e-3, 1.5e-3);
+    /// let rate = |life: Dual64| {
+    ///     let law = ExtendedTaylor { reference_life: life, ..ExtendedTaylor::default().map(Dual64::from) };
+    ///     WearLaw::ExtendedTaylor(law).rate(&cut.map(Dual64::from), 0.1e-3.into(), 1140.8.into())
+    /// };
+    /// let (rate, slope) = first_derivative(rate, 3600.0);
+    /// assert!((slope + rate / 3600.0).abs() < 1e-12 * rate);
+    /// ```
+    pub fn rate(&self, cut: &Cut<N>, flank_wear: N, temperature: N) -> N {
+        let none = N::from(0.0);
+        self.wear(self.level(cut), flank_wear, temperature, none, none).rate(cut.cutting_speed)
+    }
+
+    /// Width of the run-in over wear, m, where the law has one.
+    pub fn run_in_width(&self) -> Option<N> {
+        let (land, offset) = match self {
+            Self::EnergyBalance(law) => (law.run_in_land, law.run_in_offset),
+            Self::TakeyamaMurata(law) => (law.run_in_land, law.run_in_offset),
+            Self::Usui(law) => (law.run_in_land, law.run_in_offset),
+            Self::ExtendedTaylor(_) => return None,
+        };
+        (land.re() > 0.0).then_some(offset)
+    }
+
     /// The part of wear that only the cut decides.
     pub(crate) fn level(&self, cut: &Cut<N>) -> Wear<N> {
         match self {
             Self::EnergyBalance(law) => law.level(cut),
             Self::ExtendedTaylor(law) => law.level(cut),
             Self::TakeyamaMurata(law) => law.level(cut),
+            Self::Usui(law) => law.level(cut),
         }
     }
 
@@ -57,7 +95,7 @@ impl<N: Number> WearLaw<N> {
     pub(crate) fn level_at_speed(&self, level: Wear<N>, cut: &Cut<N>) -> Wear<N> {
         match self {
             Self::ExtendedTaylor(law) => law.level(cut),
-            Self::EnergyBalance(_) | Self::TakeyamaMurata(_) => level,
+            Self::EnergyBalance(_) | Self::TakeyamaMurata(_) | Self::Usui(_) => level,
         }
     }
 
@@ -67,7 +105,8 @@ impl<N: Number> WearLaw<N> {
         match self {
             Self::EnergyBalance(law) => law.wear(level, flank_wear, temperature, damage, damage_gain),
             Self::ExtendedTaylor(law) => law.wear(level, flank_wear),
-            Self::TakeyamaMurata(law) => law.wear(level, temperature),
+            Self::TakeyamaMurata(law) => law.wear(level, flank_wear, temperature),
+            Self::Usui(law) => law.wear(level, flank_wear, temperature),
         }
     }
 
@@ -78,6 +117,7 @@ impl<N: Number> WearLaw<N> {
             Self::EnergyBalance(law) => law.weights(temperature, speed_sensitivity),
             Self::ExtendedTaylor(law) => law.weights(),
             Self::TakeyamaMurata(law) => law.weights(temperature, speed_sensitivity),
+            Self::Usui(law) => law.weights(temperature, speed_sensitivity),
         }
     }
 
@@ -87,6 +127,7 @@ impl<N: Number> WearLaw<N> {
             Self::EnergyBalance(law) => WearLaw::EnergyBalance(law.map(convert)),
             Self::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(law.map(convert)),
             Self::TakeyamaMurata(law) => WearLaw::TakeyamaMurata(law.map(convert)),
+            Self::Usui(law) => WearLaw::Usui(law.map(convert)),
         }
     }
 }
@@ -98,6 +139,7 @@ impl WearLaw {
             Self::EnergyBalance(_) => "energy_balance",
             Self::ExtendedTaylor(_) => "extended_taylor",
             Self::TakeyamaMurata(_) => "takeyama_murata",
+            Self::Usui(_) => "usui",
         }
     }
 
@@ -107,7 +149,28 @@ impl WearLaw {
             "energy_balance" => Some(Self::default()),
             "extended_taylor" => Some(Self::ExtendedTaylor(ExtendedTaylor::default())),
             "takeyama_murata" => Some(Self::TakeyamaMurata(TakeyamaMurata::default())),
+            "usui" => Some(Self::Usui(Usui::default())),
             _ => None,
+        }
+    }
+
+    /// Parameters that a file may leave out: their defaults switch a term off.
+    pub(crate) fn optional(&self) -> &'static [&'static str] {
+        match self {
+            Self::ExtendedTaylor(_) => &["stage_tilt"],
+            Self::TakeyamaMurata(_) => &["run_in_land", "run_in_offset"],
+            Self::EnergyBalance(_) | Self::Usui(_) => &[],
+        }
+    }
+
+    /// Whether its parameters, each in its range, fit together.
+    ///
+    /// # Errors
+    /// [`ModelError::Contradiction`] where the stage tilt is too large for the stage contrast.
+    pub fn check(&self) -> Result<(), ModelError> {
+        match self {
+            Self::ExtendedTaylor(law) => wear_curve::check_tilt(law.stage_contrast, law.stage_tilt),
+            Self::EnergyBalance(_) | Self::TakeyamaMurata(_) | Self::Usui(_) => Ok(()),
         }
     }
 
@@ -117,6 +180,7 @@ impl WearLaw {
             Self::EnergyBalance(law) => law,
             Self::ExtendedTaylor(law) => law,
             Self::TakeyamaMurata(law) => law,
+            Self::Usui(law) => law,
         }
     }
 }

@@ -20,7 +20,8 @@
 //! | [`Pair`], [`PARAMETER_SETS`] | everything known of one tool in one work material; shipped sets |
 //! | [`Cut`] | what the edge meets, with neutral multipliers |
 //! | [`Temperature`], [`Force`], [`Emf`], [`Chipping`], [`Limits`] | the parts of a pair |
-//! | [`WearLaw`]: [`EnergyBalance`], [`ExtendedTaylor`], [`TakeyamaMurata`] | how fast the flank wears |
+//! | [`WearLaw`]: [`EnergyBalance`], [`ExtendedTaylor`], [`TakeyamaMurata`], [`Usui`] | how fast the flank wears; [`WearLaw::rate`] is dh/dt at constant conditions |
+//! | [`run_in`], [`wear_stage`] | factors that shape the wear curve, shared by the laws and by milling |
 //! | [`Contact`], [`Coefficients`], [`Point`] | algebra at one instant |
 //! | [`WearState`], [`EdgeRun`] | what changes: [`Pair::derivative`], [`Pair::run`] |
 //! | [`Life`], [`Objective`] | life by quadrature, best constant speed |
@@ -79,6 +80,8 @@ mod state;
 mod takeyama_murata;
 mod taylor;
 mod temperature;
+mod usui;
+mod wear_curve;
 
 pub use calibrate::WearTarget;
 pub use chipping::Chipping;
@@ -102,3 +105,5 @@ pub use state::{EdgeRun, WEAR_EVENTS, WearState};
 pub use takeyama_murata::TakeyamaMurata;
 pub use taylor::ExtendedTaylor;
 pub use temperature::{Heating, Temperature};
+pub use usui::Usui;
+pub use wear_curve::{LARGEST_TILT, check_tilt, run_in, wear_stage};

@@ -1,6 +1,6 @@
 //! Tool life by quadrature over flank wear.
 
-use crate::{Contact, Cut, Pair, WearLaw, quadrature};
+use crate::{Contact, Cut, Pair, quadrature};
 
 /// Distance of the two quadrature rules, relative, at which an integral at constant speed is
 /// accepted. Its integrand is analytic, so that the better rule is by far more accurate: below
@@ -136,12 +136,15 @@ impl Pair {
         Life { cutting_time, path, mechanical_wear, thermal_wear }
     }
 
+    /// Land over which the wear curve bends, m: quadratures over wear run in ln(1 + h/scale). A
+    /// thirtieth of the wear limit (an assumption) where the law has no run-in.
+    pub fn curve_scale(&self) -> f64 {
+        self.law.run_in_width().unwrap_or(self.limits.wear_limit / 30.0)
+    }
+
     /// ∫ f dh in the variable ln(1 + h/scale), in which the run-in is as wide as the rest.
     fn over_wear<const D: usize>(&self, from: f64, to: f64, accuracy: f64, f: impl Fn(f64) -> [f64; D]) -> [f64; D] {
-        let scale = match &self.law {
-            WearLaw::EnergyBalance(law) => law.run_in_offset,
-            _ => self.limits.wear_limit / 30.0,
-        };
+        let scale = self.curve_scale();
         let integrand = |x: f64| {
             let stretch = x.exp();
             f(scale * (stretch - 1.0)).map(|value| value * scale * stretch)

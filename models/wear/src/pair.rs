@@ -2,7 +2,7 @@
 
 use crate::{Chipping, Cut, Emf, Force, Limits, Temperature, WearLaw};
 use toolroom_process::parameters::{ParameterError, ParameterFile};
-use toolroom_process::{AnyRecord, Number};
+use toolroom_process::{AnyRecord, ModelError, Number};
 
 /// Shipped parameter sets: name and file.
 pub const PARAMETER_SETS: &[(&str, &str)] = &[
@@ -50,7 +50,7 @@ pub enum PairError {
     },
     /// The file does not name exactly one wear law.
     #[error(
-        "{laws} wear laws given; one of [parameters.energy_balance], [parameters.extended_taylor], [parameters.takeyama_murata] is due"
+        "{laws} wear laws given; one of [parameters.energy_balance], [parameters.extended_taylor], [parameters.takeyama_murata], [parameters.usui] is due"
     )]
     WearLaw {
         /// How many there are.
@@ -67,11 +67,14 @@ pub enum PairError {
     /// A faulty entry.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// Values that contradict each other.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 /// Groups that every pair has, besides its wear law.
 const GROUPS: [&str; 5] = ["temperature", "force", "emf", "chipping", "limits"];
-const LAWS: [&str; 3] = ["energy_balance", "extended_taylor", "takeyama_murata"];
+const LAWS: [&str; 4] = ["energy_balance", "extended_taylor", "takeyama_murata", "usui"];
 
 impl Default for Pair {
     /// The record defaults, which are the set `ni_vk6om`.
@@ -129,8 +132,10 @@ impl Pair {
         };
         let mut pair = Self { name: file.name.clone(), title: file.title.clone(), law, ..Self::default() };
         for (group, record) in pair.parameters_mut() {
-            file.fill(text, group, record)?;
+            let optional = if group == law.group() { law.optional() } else { &[] };
+            file.fill_beside(text, group, record, optional)?;
         }
+        pair.law.check()?;
         Ok(pair)
     }
 
@@ -172,7 +177,7 @@ impl<N: Number> Pair<N> {
     pub(crate) fn damage_terms(&self, cut: &Cut<N>) -> (N, N) {
         match &self.law {
             WearLaw::EnergyBalance(law) => (law.damage_rate + cut.damage_rate, law.damage_gain + cut.damage_gain),
-            _ => (N::from(0.0), N::from(0.0)),
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => (N::from(0.0), N::from(0.0)),
         }
     }
 }

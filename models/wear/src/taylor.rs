@@ -1,7 +1,7 @@
 //! Taylor's tool-life law with a flank-wear curve.
 
 use crate::temperature::power;
-use crate::{Cut, law::Wear};
+use crate::{Cut, law::Wear, wear_stage};
 use toolroom_process::{Number, record};
 
 record! {
@@ -11,8 +11,8 @@ record! {
     ///
     /// `tool_life = reference_life · (v/v_r)^-p · (f/f_r)^-q · (a_p/a_r)^-r / (wear_factor · hardness^n)`,
     /// `d flank_wear / d time = wear_limit / (tool_life · s(x))` with `x = flank_wear/wear_limit` and
-    /// `s(x) = 1 + stage_contrast·(6·x·(1 - x) - 1)`, whose integral over the life is 1. The
-    /// whole of it counts as mechanical wear.
+    /// `s(x) = 1 + stage_contrast·(6·x·(1 - x) - 1) + stage_tilt·(2·x - 1)`, whose integral over
+    /// the life is 1 ([`wear_stage`](crate::wear_stage)). The whole of it counts as mechanical wear.
     ///
     /// # Validity
     /// p ≥ 1; the speed range in which the exponents were measured.
@@ -34,6 +34,9 @@ record! {
         hardness_exponent: Real = 1.0, 0.0..=5.0;
         /// Contrast of the three wear stages: 0 is a straight line, near 1 a sharp S.
         stage_contrast: Real = 0.6, 0.0..=0.95;
+        /// Tilt of the wear curve: positive where a new edge wears faster than a spent one. At most
+        /// 0.95·(1 - stage_contrast) in absolute value.
+        stage_tilt: Real = 0.0, -0.95..=0.95;
         /// Flank wear at the end of the life.
         wear_limit: Real["m" => "mm"] = 0.3e-3, 1e-6..=5e-3;
         /// Reference speed.
@@ -72,9 +75,7 @@ impl<N: Number> ExtendedTaylor<N> {
     }
 
     pub(crate) fn wear(&self, level: Wear<N>, flank_wear: N) -> Wear<N> {
-        let x = flank_wear / self.wear_limit;
-        let x = if x.re() > 1.0 { N::from(1.0) } else { x };
-        let stage = self.stage_contrast * (x * (-x + 1.0) * 6.0 - 1.0) + 1.0;
+        let stage = wear_stage(flank_wear / self.wear_limit, self.stage_contrast, self.stage_tilt);
         Wear { mechanical_per_path: level.mechanical_per_path / stage, ..level }
     }
 

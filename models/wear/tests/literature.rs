@@ -3,6 +3,7 @@
 mod literature {
     mod control;
     mod gains;
+    mod laws;
     mod life;
     mod static_algebra;
 }

@@ -4,15 +4,20 @@ use proptest::prelude::*;
 use toolroom_process::num_dual::{Dual64, DualNum, first_derivative};
 use toolroom_process::{AnyRecord, Record, unit};
 use toolroom_wear::{
-    Cut, ExtendedTaylor, Objective, PARAMETER_SETS, Pair, RampLimits, SpeedMode, TakeyamaMurata, WearLaw, WearState,
+    Cut, ExtendedTaylor, Objective, PARAMETER_SETS, Pair, RampLimits, SpeedMode, TakeyamaMurata, Usui, WearLaw,
+    WearState,
 };
 
 fn pairs() -> impl Strategy<Value = Pair> {
-    (0..PARAMETER_SETS.len(), 0..3).prop_map(|(set, law)| {
+    (0..PARAMETER_SETS.len(), 0..4).prop_map(|(set, law)| {
         let mut pair = Pair::named(PARAMETER_SETS[set].0).unwrap();
         match law {
-            1 => pair.law = WearLaw::ExtendedTaylor(ExtendedTaylor::default()),
-            2 => pair.law = WearLaw::TakeyamaMurata(TakeyamaMurata::default()),
+            1 => pair.law = WearLaw::ExtendedTaylor(ExtendedTaylor { stage_tilt: 0.3, ..ExtendedTaylor::default() }),
+            2 => {
+                pair.law =
+                    WearLaw::TakeyamaMurata(TakeyamaMurata { run_in_land: 0.08e-3, ..TakeyamaMurata::default() });
+            }
+            3 => pair.law = WearLaw::Usui(Usui::default()),
             _ => {}
         }
         pair
@@ -97,6 +102,7 @@ proptest! {
             WearLaw::EnergyBalance(balance) => balance.weights(theta, chi),
             WearLaw::TakeyamaMurata(diffusion) => (0.0, diffusion.activation_energy / (diffusion.gas_constant * theta) * chi - 1.0),
             WearLaw::ExtendedTaylor(taylor) => (1.0 - taylor.speed_exponent, 0.0),
+            WearLaw::Usui(adhesion) => (-adhesion.activation_temperature / theta * chi, 0.0),
         };
         let first = mechanical * point.mechanical_wear_per_path;
         let second = thermal * point.thermal_wear_rate / cut.cutting_speed;
@@ -243,6 +249,19 @@ fn a_taylor_edge_lasts_its_taylor_life() {
     let pair = Pair { law: WearLaw::ExtendedTaylor(taylor), ..Pair::default() };
     let cut = Cut::nominal(3.0, 0.3e-3, 1.5e-3);
     assert!((pair.life(&cut).cutting_time / taylor.tool_life(&cut) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_tilt_of_the_wear_curve_leaves_the_life_and_is_bounded() {
+    let cut = Cut::nominal(3.0, 0.3e-3, 1.5e-3);
+    for (stage_contrast, stage_tilt) in [(0.6, 0.38), (0.6, -0.38), (0.0, 0.95), (0.95, 0.0475)] {
+        let law = ExtendedTaylor { wear_limit: 0.6e-3, stage_contrast, stage_tilt, ..ExtendedTaylor::default() };
+        let pair = Pair { law: WearLaw::ExtendedTaylor(law), ..Pair::default() };
+        pair.law.check().unwrap();
+        assert!((pair.life(&cut).cutting_time / law.tool_life(&cut) - 1.0).abs() < 1e-7);
+        let steeper = ExtendedTaylor { stage_tilt: stage_tilt * 1.01 + 1e-3, ..law };
+        assert!(stage_tilt < 0.0 || WearLaw::ExtendedTaylor(steeper).check().is_err());
+    }
 }
 
 #[test]

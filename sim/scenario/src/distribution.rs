@@ -1,12 +1,16 @@
 //! Distributions of times.
 
 use rand::RngExt;
-use statrs::function::erf::erf_inv;
-use statrs::function::gamma::gamma;
+use statrs::function::beta::beta_reg;
+use statrs::function::erf::{erf_inv, erfc, erfc_inv};
+use statrs::function::gamma::{gamma, gamma_lr};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
+use std::sync::Arc;
 use toolroom_kernel::Stream;
+use toolroom_numerics::{beta_quantile, gamma_quantile};
 
-/// A positive random time, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A random time, s, 0 or longer.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Distribution {
     /// Always the same.
     Constant(f64),
@@ -14,6 +18,20 @@ pub enum Distribution {
     Exponential {
         /// Mean, s.
         mean: f64,
+    },
+    /// Erlang: the sum of `phases` equal exponential times.
+    Erlang {
+        /// Mean of the sum, s.
+        mean: f64,
+        /// Number of phases.
+        phases: u32,
+    },
+    /// Gamma by mean and coefficient of variation.
+    Gamma {
+        /// Mean, s.
+        mean: f64,
+        /// Standard deviation over mean.
+        cv: f64,
     },
     /// Lognormal by mean and coefficient of variation.
     Lognormal {
@@ -38,6 +56,26 @@ pub enum Distribution {
         /// Greatest, s.
         high: f64,
     },
+    /// Beta by three points, as estimated in PERT: its mean is (low + 4 mode + high)/6.
+    Beta {
+        /// Least, s.
+        low: f64,
+        /// Most likely, s.
+        mode: f64,
+        /// Greatest, s.
+        high: f64,
+    },
+    /// Normal, of which only what lies between two ends is drawn. Its mean is not `mean`.
+    Normal {
+        /// Mean of the whole normal distribution, s.
+        mean: f64,
+        /// Standard deviation of the whole normal distribution, s.
+        sd: f64,
+        /// Least, s.
+        low: f64,
+        /// Greatest, s; infinite where nothing is cut off.
+        high: f64,
+    },
     /// Uniform.
     Uniform {
         /// Least, s.
@@ -45,6 +83,80 @@ pub enum Distribution {
         /// Greatest, s.
         high: f64,
     },
+    /// Equally likely times at equal distances.
+    DiscreteUniform {
+        /// Least, s.
+        low: f64,
+        /// Distance of neighbours, s.
+        step: f64,
+        /// Number of times.
+        count: u32,
+    },
+    /// Observed times, each with its share.
+    Empirical(Arc<Empirical>),
+}
+
+/// Times and how often they occur.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Empirical {
+    /// Times in ascending order, s, each with the share of all that are at most as long.
+    steps: Vec<(f64, f64)>,
+    mean: f64,
+}
+
+impl Empirical {
+    /// Times (s) with weights (0 or more, not all 0), in any order.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_scenario::{Distribution, Empirical};
+    /// let times = Empirical::new(&[(30.0, 0.3), (5.0, 0.7)]);
+    /// assert_eq!(times.mean(), 12.5);
+    /// assert_eq!(Distribution::Empirical(times.into()).quantile(0.69), 5.0);
+    /// ```
+    pub fn new(weighted: &[(f64, f64)]) -> Self {
+        let mut sorted = weighted.to_vec();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = sorted.iter().map(|(_, weight)| weight).sum();
+        let mean = sorted.iter().map(|(time, weight)| time * weight).sum::<f64>() / total;
+        let mut below = 0.0;
+        let cumulated = |(time, weight): (f64, f64)| {
+            below += weight / total;
+            (time, below)
+        };
+        Self { steps: sorted.into_iter().filter(|(_, weight)| *weight > 0.0).map(cumulated).collect(), mean }
+    }
+
+    /// Mean, s.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    fn share_below(&self, time: f64) -> f64 {
+        let share = |at: usize| at.checked_sub(1).map_or(0.0, |last| self.steps[last].1);
+        let shorter = self.steps.partition_point(|(each, _)| *each < time);
+        let equal = self.steps.partition_point(|(each, _)| *each <= time);
+        0.5 * (share(shorter) + share(equal))
+    }
+
+    fn quantile(&self, u: f64) -> f64 {
+        let at = self.steps.partition_point(|(_, below)| *below <= u);
+        // Rounding may leave the last share a little below 1.
+        self.steps.get(at).or(self.steps.last()).map_or(f64::NAN, |(time, _)| *time)
+    }
+}
+
+/// Exponents of the beta distribution of three points.
+///
+/// # Source
+/// D. G. Malcolm et al., Operations Research 7 (1959) 646, with the weight 4 of the mode.
+fn beta_exponents(low: f64, mode: f64, high: f64) -> (f64, f64) {
+    (1.0 + 4.0 * (mode - low) / (high - low), 1.0 + 4.0 * (high - mode) / (high - low))
+}
+
+/// Probability above `z` in a standard normal distribution.
+fn normal_above(z: f64) -> f64 {
+    0.5 * erfc(z * FRAC_1_SQRT_2)
 }
 
 impl Distribution {
@@ -52,9 +164,21 @@ impl Distribution {
     pub fn mean(&self) -> f64 {
         match *self {
             Self::Constant(value) => value,
-            Self::Exponential { mean } | Self::Lognormal { mean, .. } | Self::Weibull { mean, .. } => mean,
+            Self::Exponential { mean }
+            | Self::Erlang { mean, .. }
+            | Self::Gamma { mean, .. }
+            | Self::Lognormal { mean, .. }
+            | Self::Weibull { mean, .. } => mean,
             Self::Triangular { low, mode, high } => (low + mode + high) / 3.0,
+            Self::Beta { low, mode, high } => (low + 4.0 * mode + high) / 6.0,
+            Self::Normal { mean, sd, low, high } => {
+                let (from, to) = ((low - mean) / sd, (high - mean) / sd);
+                let density = |z: f64| (-0.5 * z * z).exp() / (2.0 * PI).sqrt();
+                mean + sd * (density(from) - density(to)) / (normal_above(from) - normal_above(to))
+            }
             Self::Uniform { low, high } => 0.5 * (low + high),
+            Self::DiscreteUniform { low, step, count } => low + 0.5 * step * f64::from(count - 1),
+            Self::Empirical(ref times) => times.mean(),
         }
     }
 
@@ -76,10 +200,13 @@ impl Distribution {
         match *self {
             Self::Constant(value) => value,
             Self::Exponential { mean } => mean * exponential(),
+            Self::Erlang { mean, phases: 1 } => mean * exponential(),
+            Self::Erlang { mean, phases } => mean / f64::from(phases) * gamma_quantile(f64::from(phases), u),
+            Self::Gamma { mean, cv } => mean * cv * cv * gamma_quantile((cv * cv).recip(), u),
             Self::Lognormal { mean, cv } => {
                 let variance = (cv * cv).ln_1p();
                 // Half a step of the generator above zero, whose quantile is finite.
-                let z = std::f64::consts::SQRT_2 * erf_inv(2.0 * u.max(HALF_STEP) - 1.0);
+                let z = SQRT_2 * erf_inv(2.0 * u.max(HALF_STEP) - 1.0);
                 mean * (variance.sqrt() * z - 0.5 * variance).exp()
             }
             Self::Weibull { mean, shape } => mean / gamma(1.0 + 1.0 / shape) * exponential().powf(1.0 / shape),
@@ -91,7 +218,70 @@ impl Distribution {
                     high - ((1.0 - u) * width * above).sqrt()
                 }
             }
+            Self::Beta { low, mode, high } => {
+                let (a, b) = beta_exponents(low, mode, high);
+                low + (high - low) * beta_quantile(a, b, u)
+            }
+            Self::Normal { mean, sd, low, high } => {
+                let (from, to) = (normal_above((low - mean) / sd), normal_above((high - mean) / sd));
+                let z = SQRT_2 * erfc_inv(2.0 * (from - u * (from - to)));
+                (mean + sd * z).clamp(low, high)
+            }
             Self::Uniform { low, high } => low + u * (high - low),
+            Self::DiscreteUniform { low, step, count } => {
+                low + step * (u * f64::from(count)).floor().min(f64::from(count - 1))
+            }
+            Self::Empirical(ref times) => times.quantile(u),
+        }
+    }
+
+    /// Share of all times that are shorter than `time` (s), those of exactly this length counted half.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_scenario::Distribution;
+    /// let repair = Distribution::Uniform { low: 10.0, high: 20.0 };
+    /// assert_eq!(repair.share_below(12.5), 0.25);
+    /// ```
+    pub fn share_below(&self, time: f64) -> f64 {
+        let half = |equal: bool| if equal { 0.5 } else { 0.0 };
+        let gamma_below = |shape: f64, mean: f64| gamma_lr(shape, (time * shape / mean).max(f64::MIN_POSITIVE));
+        match *self {
+            Self::Constant(value) => f64::from(u8::from(time > value)) + half(time == value),
+            Self::Exponential { mean } => -(-time / mean).exp_m1(),
+            Self::Erlang { mean, phases } => gamma_below(f64::from(phases), mean),
+            Self::Gamma { mean, cv } => gamma_below((cv * cv).recip(), mean),
+            Self::Lognormal { mean, cv } => {
+                let variance = (cv * cv).ln_1p();
+                normal_above(-((time / mean).ln() + 0.5 * variance) / variance.sqrt())
+            }
+            Self::Weibull { mean, shape } => -(-(time / mean * gamma(1.0 + 1.0 / shape)).powf(shape)).exp_m1(),
+            Self::Triangular { low, mode, high } => {
+                if time <= low {
+                    0.0
+                } else if time < mode {
+                    (time - low).powi(2) / ((high - low) * (mode - low))
+                } else if time < high {
+                    1.0 - (high - time).powi(2) / ((high - low) * (high - mode))
+                } else {
+                    1.0
+                }
+            }
+            Self::Beta { low, mode, high } => {
+                let (a, b) = beta_exponents(low, mode, high);
+                beta_reg(a, b, ((time - low) / (high - low)).clamp(0.0, 1.0))
+            }
+            Self::Normal { mean, sd, low, high } => {
+                let above = |time: f64| normal_above((time - mean) / sd);
+                (above(low) - above(time.clamp(low, high))) / (above(low) - above(high))
+            }
+            Self::Uniform { low, high } => (time - low) / (high - low),
+            Self::DiscreteUniform { low, step, count } => {
+                let at = (time - low) / step;
+                let below = (at.ceil().max(0.0) + half(at >= 0.0 && at.fract() == 0.0)) / f64::from(count);
+                below.min(1.0)
+            }
+            Self::Empirical(ref times) => times.share_below(time),
         }
     }
 
@@ -124,10 +314,19 @@ mod tests {
             (Distribution::Exponential { mean: 3.0 }, 3.0),
             (Distribution::Lognormal { mean: 3.0, cv: 0.5 }, 1.5),
             // Weibull of shape 2: cv = sqrt(4/pi - 1).
-            (Distribution::Weibull { mean: 3.0, shape: 2.0 }, 3.0 * (4.0 / std::f64::consts::PI - 1.0).sqrt()),
+            (Distribution::Weibull { mean: 3.0, shape: 2.0 }, 3.0 * (4.0 / PI - 1.0).sqrt()),
             // Triangular variance (a² + b² + c² - ab - ac - bc)/18.
             (Distribution::Triangular { low: 1.0, mode: 2.0, high: 6.0 }, (21.0f64 / 18.0).sqrt()),
             (Distribution::Uniform { low: 2.0, high: 4.0 }, (4.0f64 / 12.0).sqrt()),
+            (Distribution::Erlang { mean: 3.0, phases: 4 }, 1.5),
+            (Distribution::Gamma { mean: 3.0, cv: 1.5 }, 4.5),
+            // PERT: alpha 1.8, beta 4.2; variance width² alpha beta/((alpha + beta)² (alpha + beta + 1)).
+            (Distribution::Beta { low: 1.0, mode: 2.0, high: 6.0 }, (25.0 * 1.8 * 4.2 / (36.0f64 * 7.0)).sqrt()),
+            // Half a normal distribution: deviation sd sqrt(1 - 2/pi).
+            (Distribution::Normal { mean: 5.0, sd: 2.0, low: 5.0, high: f64::INFINITY }, 2.0 * (1.0 - 2.0 / PI).sqrt()),
+            // Whole numbers 1 to 49: variance (49² - 1)/12.
+            (Distribution::DiscreteUniform { low: 1.0, step: 1.0, count: 49 }, 200.0f64.sqrt()),
+            (Distribution::Empirical(Arc::new(Empirical::new(&[(30.0, 3.0), (5.0, 7.0)]))), 25.0 * 0.21f64.sqrt()),
         ];
         for (distribution, deviation) in cases {
             let mut stream = Streams::new(5, 0).open(Entity::named("test"), Purpose::Processing);
@@ -143,6 +342,75 @@ mod tests {
             let spread = (squares / f64::from(n) - mean * mean).sqrt();
             assert!((mean / distribution.mean() - 1.0).abs() < 0.01, "{distribution:?}: mean {mean}");
             assert!((spread / deviation - 1.0).abs() < 0.02, "{distribution:?}: deviation {spread}");
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_computed_independently() {
+        // scipy.stats: erlang of mean 12 in three phases, gamma of mean 10 and cv 0.5, normal of 10 and 4
+        // cut off below 0, whose mean is 10.0705513.
+        let normal = Distribution::Normal { mean: 10.0, sd: 4.0, low: 0.0, high: f64::INFINITY };
+        assert!((normal.mean() / 10.070_551_3 - 1.0).abs() < 1e-8);
+        let cases = [
+            (
+                Distribution::Erlang { mean: 12.0, phases: 3 },
+                [1.744_180_66, 4.408_261_313, 10.696_241_25, 21.289_281_35, 33.623_787_66],
+            ),
+            (
+                Distribution::Gamma { mean: 10.0, cv: 0.5 },
+                [2.058_121_716, 4.361_923_907, 9.180_151_872, 16.701_957_67, 25.112_793_79],
+            ),
+            (normal, [1.437_046_269, 4.998_662_186, 10.031_130_96, 15.140_391_7, 19.314_736_43]),
+        ];
+        for (distribution, expected) in cases {
+            for (u, expected) in [0.01, 0.1, 0.5, 0.9, 0.99].into_iter().zip(expected) {
+                let value = distribution.quantile(u);
+                assert!((value / expected - 1.0).abs() < 2e-9, "{distribution:?} at {u}: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn shares_and_quantiles_undo_each_other() {
+        let cases = [
+            Distribution::Exponential { mean: 3.0 },
+            Distribution::Erlang { mean: 3.0, phases: 2 },
+            Distribution::Gamma { mean: 3.0, cv: 0.7 },
+            Distribution::Lognormal { mean: 3.0, cv: 0.7 },
+            Distribution::Weibull { mean: 3.0, shape: 1.7 },
+            Distribution::Triangular { low: 1.0, mode: 2.0, high: 6.0 },
+            Distribution::Beta { low: 1.0, mode: 2.0, high: 6.0 },
+            Distribution::Normal { mean: 3.0, sd: 2.0, low: 1.0, high: 9.0 },
+            Distribution::Uniform { low: 2.0, high: 4.0 },
+        ];
+        for distribution in cases {
+            for share in [0.001, 0.2, 0.5, 0.8, 0.999] {
+                let back = distribution.share_below(distribution.quantile(share));
+                assert!((back - share).abs() < 1e-10, "{distribution:?} at {share}: {back}");
+            }
+        }
+        let two = Distribution::Empirical(Arc::new(Empirical::new(&[(30.0, 0.25), (5.0, 0.75)])));
+        assert_eq!([4.0, 5.0, 6.0, 30.0, 31.0].map(|time| two.share_below(time)), [0.0, 0.375, 0.75, 0.875, 1.0]);
+        let four = Distribution::DiscreteUniform { low: 1.0, step: 1.0, count: 4 };
+        assert_eq!([0.5, 1.0, 1.5, 4.0, 4.5].map(|time| four.share_below(time)), [0.0, 0.125, 0.25, 0.875, 1.0]);
+    }
+
+    #[test]
+    fn quantiles_rise_and_stay_between_the_ends() {
+        let cases = [
+            (Distribution::Beta { low: 2.0, mode: 2.0, high: 3.0 }, 2.0, 3.0),
+            (Distribution::Normal { mean: 10.0, sd: 1.0, low: 9.0, high: 10.5 }, 9.0, 10.5),
+            (Distribution::Gamma { mean: 1.0, cv: 3.0 }, 0.0, f64::INFINITY),
+            (Distribution::DiscreteUniform { low: 60.0, step: 60.0, count: 49 }, 60.0, 2940.0),
+        ];
+        for (distribution, low, high) in cases {
+            let mut last = low;
+            for i in 0..1000 {
+                let value = distribution.quantile(f64::from(i) / 1000.0);
+                assert!(value >= last && value <= high, "{distribution:?} at {i}/1000: {value}");
+                last = value;
+            }
+            assert!(distribution.quantile(1.0 - HALF_STEP).is_finite());
         }
     }
 }

@@ -42,7 +42,7 @@ pub use calendar::{Boundary, Shift, ShiftCalendar};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
-pub use distribution::Distribution;
+pub use distribution::{Distribution, Empirical};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};

@@ -1,6 +1,6 @@
 //! Parts, routings, arrivals.
 
-use super::{ContourWork, CycleWork};
+use super::{ContourWork, CycleWork, Distribution};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -39,15 +39,15 @@ pub struct Operation {
     pub name: String,
     /// Machines that may do it, by index.
     pub machines: Vec<usize>,
-    /// Tool, by index.
-    pub tool: usize,
+    /// Tool, by index; `None` for plain work, which has none.
+    pub tool: Option<usize>,
     /// Name of the fixture and program family; a change of it costs a setup.
     pub setup_group: String,
     /// Setup time, s; `None`: the machine's.
     pub setup_time: Option<f64>,
-    /// What is cut.
+    /// What is done.
     pub work: Work,
-    /// Greatest size error of a good part, m.
+    /// Greatest size error of a good part, m. Infinite where it is not looked at.
     pub size_tolerance: f64,
     /// Greatest roughness Ra of a good part, m: of its surface after the last pass. Infinite where
     /// it is not looked at.
@@ -59,6 +59,8 @@ pub struct Operation {
 /// The work of an operation.
 #[derive(Clone, Debug)]
 pub enum Work {
+    /// Nothing that is cut: an operation of which no more is known than its time.
+    Plain(Distribution),
     /// Turning or milling passes.
     Cutting(Vec<Cut>),
     /// A plunge grinding cycle.
@@ -75,9 +77,18 @@ pub enum Work {
 }
 
 impl Work {
-    /// Number of passes or phases.
+    /// Expected time of plain work, s; 0 for work that is cut.
+    pub fn plain_time(&self) -> f64 {
+        match self {
+            Self::Plain(time) => time.mean(),
+            Self::Cutting(_) | Self::Grinding { .. } | Self::Cycle(_) | Self::Contour(_) => 0.0,
+        }
+    }
+
+    /// Number of passes or phases; plain work has none.
     pub fn passes(&self) -> usize {
         match self {
+            Self::Plain(_) => 0,
             Self::Cutting(cuts) => cuts.len(),
             Self::Grinding { phases, .. } => phases.len(),
             Self::Cycle(_) => CycleWork::PHASES,
@@ -130,6 +141,8 @@ pub struct Arrival {
 pub enum ArrivalPattern {
     /// At these times, s, so many each.
     Schedule(Vec<(f64, u32)>),
+    /// One after the other, the times between them drawn independently; the first comes after one of them.
+    Renewal(Distribution),
     /// Poisson process.
     Poisson {
         /// Jobs per second.

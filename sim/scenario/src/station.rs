@@ -14,7 +14,7 @@ use toolroom_wear::{Pair, Scatter};
 pub struct MachineType {
     /// Name, unique.
     pub name: String,
-    /// Process it can run, by [`ProcessModel::name`].
+    /// Process it can run beside plain work, by [`ProcessModel::name`]; [`PLAIN`](Self::PLAIN) for none.
     pub process: String,
     /// Cost of an hour of machine and operator, currency per second.
     pub rate: f64,
@@ -43,6 +43,9 @@ pub struct MachineType {
 }
 
 impl MachineType {
+    /// The word of a machine that runs no process, only plain work.
+    pub const PLAIN: &'static str = "plain";
+
     /// Age of the coolant at `time` of the run, s, and whether it is another than at first.
     pub fn coolant(&self, time: f64) -> (f64, bool) {
         let filled = self.coolant_change.filter(|filled| time >= *filled);

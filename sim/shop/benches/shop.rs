@@ -47,7 +47,7 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
     Operation {
         name: "operation".to_owned(),
         machines: machines.to_vec(),
-        tool,
+        tool: Some(tool),
         setup_group: "one".to_owned(),
         setup_time: None,
         work,
@@ -110,7 +110,7 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
         .collect();
     Scenario {
         horizon: 20_000.0,
-        machines: (0..6).map(|i| machine(&format!("machine {i}"), "turning", work)).collect(),
+        machines: (0..6).map(|i| machine(&format!("machine {i}"), "turning", work.clone())).collect(),
         tools: vec![tool("insert", ProcessModel::Turning(Arc::new(Turning::default())))],
         parts: routes
             .iter()
@@ -149,7 +149,7 @@ fn demo() -> Scenario {
     let route = vec![operation(&[0, 1, 2], 0, turning), operation(&[3, 4], 1, milling), operation(&[5], 2, grinding)];
     let machines = ["turning", "turning", "turning", "milling", "milling", "infeed"];
     Scenario {
-        machines: (0..6).map(|i| machine(&format!("machine {i}"), machines[i], load)).collect(),
+        machines: (0..6).map(|i| machine(&format!("machine {i}"), machines[i], load.clone())).collect(),
         tools: vec![
             tool("insert", ProcessModel::Turning(Arc::new(Turning::default()))),
             tool("cutter", ProcessModel::Milling(Arc::new(Milling::default()))),

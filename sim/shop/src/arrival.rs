@@ -22,7 +22,7 @@ impl<R: Recorder> Shop<'_, R> {
                         self.schedule(at, Event::Arrival { source: source as u32 })?;
                     }
                 }
-                ArrivalPattern::Poisson { .. } => self.schedule_poisson(source)?,
+                ArrivalPattern::Renewal(_) | ArrivalPattern::Poisson { .. } => self.schedule_next(source)?,
                 ArrivalPattern::Batch { .. } | ArrivalPattern::ConstantWork { .. } => {
                     self.schedule(SimTime::ZERO, Event::Arrival { source: source as u32 })?;
                 }
@@ -37,8 +37,8 @@ impl<R: Recorder> Shop<'_, R> {
         self.world.sources[source].releases += 1;
         let count = match &self.scenario.arrivals[source].pattern {
             ArrivalPattern::Schedule(rows) => rows[self.layout.schedules[source][release as usize]].1,
-            ArrivalPattern::Poisson { .. } => {
-                self.schedule_poisson(source)?;
+            ArrivalPattern::Renewal(_) | ArrivalPattern::Poisson { .. } => {
+                self.schedule_next(source)?;
                 1
             }
             &ArrivalPattern::Batch { interval, size } => {
@@ -56,13 +56,18 @@ impl<R: Recorder> Shop<'_, R> {
         Ok(())
     }
 
-    fn schedule_poisson(&mut self, source: usize) -> Result<(), ShopError> {
-        let ArrivalPattern::Poisson { rate } = self.scenario.arrivals[source].pattern else { return Ok(()) };
-        if rate <= 0.0 {
-            return Ok(());
-        }
-        let u: f64 = self.world.sources[source].stream.random();
-        let next = self.now().after(self.interval(source, -(-u).ln_1p() / rate))?;
+    /// Draws when the next job of a source comes.
+    fn schedule_next(&mut self, source: usize) -> Result<(), ShopError> {
+        let stream = &mut self.world.sources[source].stream;
+        let time = match &self.scenario.arrivals[source].pattern {
+            ArrivalPattern::Renewal(time) => time.sample(stream),
+            ArrivalPattern::Poisson { rate } if *rate > 0.0 => -(-stream.random::<f64>()).ln_1p() / rate,
+            ArrivalPattern::Poisson { .. }
+            | ArrivalPattern::Schedule(_)
+            | ArrivalPattern::Batch { .. }
+            | ArrivalPattern::ConstantWork { .. } => return Ok(()),
+        };
+        let next = self.now().after(self.interval(source, time))?;
         self.schedule(next, Event::Arrival { source: source as u32 })?;
         Ok(())
     }
@@ -92,6 +97,9 @@ impl<R: Recorder> Shop<'_, R> {
         let source = source as u32;
         let job = Job { number, entity, source, row, operation: 0, waiting: false, queued: now, origin, lot, handling };
         let slot = self.world.jobs.insert(job);
+        for (operation, stream) in &mut self.world.sources[source as usize].ranks {
+            *self.world.jobs.rank_mut(slot, *operation) = stream.random();
+        }
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);
         self.enqueue(slot)

@@ -2,7 +2,7 @@
 
 use super::cut::Segment;
 use super::draws::owner;
-use super::machine::{MOUNTED, Task};
+use super::machine::{MOUNTED, Piece};
 use super::pass::Place;
 use super::ports::{Ports, read};
 use super::recorder::Recorder;
@@ -87,13 +87,13 @@ pub(super) fn along(segment: &Segment, process: &dyn MachineProcess, ports: &Por
 
 impl Vibration {
     /// Adds the segment to the row of its pass and to the part.
-    pub(super) fn note(&self, row: &mut PassRow, task: &mut Surface) {
+    pub(super) fn note(&self, row: &mut PassRow, surface: &mut Surface) {
         row.chatter_time += self.chatter_time;
         row.stability_margin = row.stability_margin.min(self.margin);
         row.vibration_amplitude = row.vibration_amplitude.max(self.amplitude);
         row.roughness = row.roughness.max(self.roughness);
-        task.roughness = task.roughness.max(self.roughness);
-        task.chattered |= self.chatter_time > 0.0;
+        surface.roughness = surface.roughness.max(self.roughness);
+        surface.chattered |= self.chatter_time > 0.0;
     }
 }
 
@@ -131,7 +131,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The controller has heard chatter: the rest of the pass is cut at another speed, and later
     /// passes of the kind on this machine too.
     pub(super) fn react(&mut self, machine: usize, place: Place, stop: f64) -> Result<(), ShopError> {
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let pass = plan.first_pass + place.pass as u32;
         let ports = &self.layout.tools[place.tool].ports;
         let heard = {
@@ -171,7 +171,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 }
 
-impl Task {
+impl Piece {
     /// A pass begins anew on the surface.
     pub(super) fn renew_surface(&mut self) {
         if self.share_left >= 1.0 {

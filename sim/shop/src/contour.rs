@@ -2,8 +2,8 @@
 //! judged by its form.
 
 use super::draws;
-use super::machine::{Step, in_cut};
-use super::pass::Place;
+use super::machine::{InCut, in_cut};
+use super::pass::{Opened, Place};
 use super::ports::{Ports, write};
 use super::program::{Block, Program};
 use super::recorder::Recorder;
@@ -28,13 +28,13 @@ impl<R: Recorder> Shop<'_, R> {
         let tool_plan = &self.layout.tools[place.tool];
         let ports = &tool_plan.ports;
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let first = plan.sections.first().map_or((0.0, 0.0), |first| (first.cutting_speed, first.feed_per_tooth));
         let mut program = program(plan, allowance, ports);
-        program.skip(plan.time() * (1.0 - task.share_left));
-        let duration = plan.time() * task.share_left;
+        program.skip(plan.time() * (1.0 - machining.piece.share_left));
+        let duration = plan.time() * machining.piece.share_left;
         let seen = Observation {
-            path: plan.path_length * task.share_left,
+            path: plan.path_length * machining.piece.share_left,
             edge_path: edge.row.path,
             edge_time: edge.row.cutting_time,
             edge_parts: edge.row.parts,
@@ -54,14 +54,13 @@ impl<R: Recorder> Shop<'_, R> {
         write(&mut input, ports.depth_of_cut, plan.depth_of_cut);
         write(&mut input, ports.down_milling, if plan.milling == toolroom_contour::Milling::Down { 1.0 } else { 0.0 });
         edge.draw_noise(&tool.scatter, &self.streams);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], machining.piece.blank, ports, &mut input);
         program.command(0.0, &mut input);
-        task.step = Step::Pass;
-        task.left = duration;
         state.segment.program = program;
         state.segment.start_input = input;
         let depth_of_cut = plan.depth_of_cut;
-        self.open_pass(machine, place, first.1, depth_of_cut, first.0);
+        let opened = Opened { feed: first.1, depth_of_cut, speed: first.0, ..Opened::lasting(duration) };
+        self.open_pass(machine, place, opened);
         self.plan_segment(machine)
     }
 

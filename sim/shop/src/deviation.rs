@@ -4,7 +4,9 @@ use super::Shop;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_scenario::{Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, calibrated, lot_name};
+use toolroom_scenario::{
+    Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, Work, calibrated, lot_name,
+};
 
 /// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
@@ -67,7 +69,7 @@ const LEAST_PACE: f64 = 0.01;
 impl<'a, R: Recorder> Shop<'a, R> {
     /// The process of a tool in the operation that a machine does.
     pub(super) fn process(&self, machine: usize, tool: usize) -> &'a ProcessModel {
-        let acting = self.world.machines[machine].task.as_ref().map_or(0, |task| task.acting);
+        let acting = self.world.machines[machine].task.as_ref().map_or(0, |task| task.machining().acting);
         self.scenario.tools[tool].process_of(acting)
     }
 
@@ -103,9 +105,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
         occasion.set("part", part.name.clone());
         occasion.set("operation", operation.name.clone());
         occasion.set("lot", lot_name(&part.name, job.row.lot));
-        occasion.set("tool", self.scenario.tools[operation.tool].name.clone());
-        if let Some(edge) = &self.world.machines[machine].edges[operation.tool] {
-            occasion.set("tool_id", format!("E{}", edge.number));
+        if let Some(tool) = operation.tool {
+            occasion.set("tool", self.scenario.tools[tool].name.clone());
+            if let Some(edge) = &self.world.machines[machine].edges[tool] {
+                occasion.set("tool_id", format!("E{}", edge.number));
+            }
         }
         Asked { occasion }
     }
@@ -150,8 +154,18 @@ impl<'a, R: Recorder> Shop<'a, R> {
         moved.max(0.0)
     }
 
-    /// Time that the program of a job's operation takes beyond its passes, s.
-    pub(super) fn delay(&self, asked: &Asked, slot: u32, pace: f64) -> f64 {
+    /// Time of a job's plain work, s: what was drawn when it entered the shop, as calibration has moved it.
+    pub(super) fn plain_time(&self, asked: &Asked, slot: u32, part: usize, operation: usize) -> f64 {
+        let Work::Plain(time) = &self.scenario.parts[part].operations[operation].work else {
+            unreachable!("the operation is plain");
+        };
+        let drawn = time.quantile(self.world.jobs.rank(slot, operation));
+        asked.calibrated(self.scenario, "programmed_time", drawn).max(0.0)
+    }
+
+    /// Time that the program of a job's operation takes beyond its passes, s; `programmed` is that of the
+    /// passes.
+    pub(super) fn delay(&self, asked: &Asked, slot: u32, programmed: f64) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
@@ -161,7 +175,6 @@ impl<'a, R: Recorder> Shop<'a, R> {
             return 0.0;
         }
         let job = self.world.jobs.at(slot);
-        let programmed = pace * self.layout.operations[job.row.part as usize][job.operation as usize].cutting_time;
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(STOPS);
         let mut stream = self.streams.open(owner, Purpose::Processing);
         let wait = Distribution::Exponential { mean: 1.0 };

@@ -4,8 +4,8 @@ use super::edge::Edge;
 use super::job::Job;
 use super::ports::{Ports, write};
 use rand_distr::{Distribution as _, StandardNormal};
-use toolroom_kernel::{Entity, Purpose, Streams};
-use toolroom_scenario::{Part, StructureScatter};
+use toolroom_kernel::{Entity, Purpose, Stream, Streams};
+use toolroom_scenario::{Operation, Part, Scenario, StructureScatter, Work};
 use toolroom_wear::{EdgeScatter, PairScatter, Scatter};
 
 /// Owners of what an edge draws, parts of its own name.
@@ -20,6 +20,21 @@ pub(super) mod owner {
     pub const CHATTER: u64 = 3;
     /// Noise of the normal force in grinding, numbered by revolution; owned by the operation.
     pub const NORMAL_FORCE: u64 = 3;
+}
+
+/// Streams of the ranks of a source: one for every operation of its part with plain work. They belong to
+/// the names of part and operation and to the place of the source among those of the part, so that other
+/// parts and sources change nothing.
+pub(super) fn ranks(scenario: &Scenario, streams: &Streams, source: usize) -> Vec<(usize, Stream)> {
+    let part = scenario.arrivals[source].part;
+    let place = scenario.arrivals[..source].iter().filter(|other| other.part == part).count() as u64;
+    let part = &scenario.parts[part];
+    let stream = |operation: &Operation| {
+        let owner = Entity::named(&format!("{}/{}", part.name, operation.name)).part(place);
+        streams.open(owner, Purpose::Processing)
+    };
+    let plain = part.operations.iter().enumerate().filter(|(_, operation)| matches!(operation.work, Work::Plain(_)));
+    plain.map(|(index, operation)| (index, stream(operation))).collect()
 }
 
 /// An edge as it comes out of the box.

@@ -25,6 +25,14 @@ pub enum ShopError {
         /// Operation name.
         operation: String,
     },
+    /// An operation that is cut has a tool, plain work has none.
+    #[error("operation `{operation}` of part `{part}` has a tool and plain work, or neither")]
+    ToolAndWork {
+        /// Part name.
+        part: String,
+        /// Operation name.
+        operation: String,
+    },
     /// A breakdown cannot wait for the part to be finished.
     #[error("failure {mode} of machine `{machine}` would let the part be finished; use resume, repeat or scrap")]
     FailureFinishesPart {

@@ -2,8 +2,8 @@
 
 use super::draws::owner;
 use super::layout::phase_duration;
-use super::machine::{MOUNTED, Step, in_cut};
-use super::pass::Place;
+use super::machine::{InCut, MOUNTED, in_cut};
+use super::pass::{Opened, Place};
 use super::ports::write;
 use super::program::{Block, Program};
 use super::recorder::Recorder;
@@ -21,14 +21,14 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn clamp_ground_part(&mut self, machine: usize, place: Place, first_pass: u32) {
         let compensation = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cycle(cycle) => cycle.wear_compensation,
-            Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) => 0.0,
+            Work::Plain(_) | Work::Cutting(_) | Work::Grinding { .. } | Work::Contour(_) => 0.0,
         };
         let ProcessModel::Infeed(infeed) = self.process(machine, place.tool) else { return };
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let mut part = infeed.new_part(&Record::from_slice(&edge.state));
-        task.correction = compensation * part.wheel_wear;
-        part.commanded_infeed = task.correction;
+        machining.piece.correction = compensation * part.wheel_wear;
+        part.commanded_infeed = machining.piece.correction;
         part.write_to(&mut edge.state);
         if let Some(controller) = self.controllers.grinding(first_pass) {
             controller.begin_part(&mut edge.wheel);
@@ -46,7 +46,7 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &plan.ports;
         let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let mut input = plan.input.clone();
         let (programmed, work_rotation_speed) = match &scenario.parts[place.part].operations[place.operation].work {
             Work::Grinding { work_rotation_speed, phases } => (phases[place.pass], *work_rotation_speed),
@@ -55,12 +55,12 @@ impl<R: Recorder> Shop<'_, R> {
                 write(&mut input, ports.engaged, 1.0);
                 (cycle.programmed[place.pass], cycle.conditions.work_rotation_speed)
             }
-            Work::Cutting(_) | Work::Contour(_) => unreachable!("phases are those of grinding"),
+            Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) => unreachable!("phases are those of grinding"),
         };
         write(&mut input, ports.work_rotation_speed, work_rotation_speed);
         ports.write_ages(&mut input, now, &scenario.machines[machine]);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
-        task.readings.clear();
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], machining.piece.blank, ports, &mut input);
+        let mut readings = Vec::new();
         let phases = match (&tool.process, self.controllers.grinding(first_pass)) {
             (ProcessModel::Infeed(infeed), Some(controller)) => {
                 let mut part = State::from_slice(&edge.state);
@@ -72,7 +72,7 @@ impl<R: Recorder> Shop<'_, R> {
                     let owner = operation.part(owner::NORMAL_FORCE);
                     let mut noise = streams.at(owner, Purpose::Measurement, part.revolutions as u64);
                     let force = controller.measured(infeed.output(&part, &input).normal_force, &mut noise);
-                    task.readings.push(ForceReading { revolution: part.revolutions, infeed_per_rev, force });
+                    readings.push(ForceReading { revolution: part.revolutions, infeed_per_rev, force });
                     force
                 })
             }
@@ -85,11 +85,10 @@ impl<R: Recorder> Shop<'_, R> {
         let infeed_per_rev = phases.first().map_or(0.0, |phase| phase.infeed_per_rev);
         write(&mut input, ports.feed, infeed_per_rev);
         let program = Program { blocks: phases.iter().map(block).collect() };
-        task.step = Step::Pass;
-        task.left = program.duration();
+        let opened = Opened { feed: infeed_per_rev, readings, ..Opened::lasting(program.duration()) };
         state.segment.program = program;
         state.segment.start_input = input;
-        self.open_pass(machine, place, infeed_per_rev, 0.0, 0.0);
+        self.open_pass(machine, place, opened);
         self.plan_segment(machine)
     }
 
@@ -99,11 +98,12 @@ impl<R: Recorder> Shop<'_, R> {
         let ProcessModel::Infeed(infeed) = self.process(machine, place.tool) else { return };
         let controller = self.controllers.grinding(first_pass);
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { step, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let part = State::from_slice(&edge.state);
         if let Some(controller) = controller {
-            let past = task.readings.iter().take_while(|reading| reading.revolution <= part.revolutions).count();
-            for reading in task.readings.drain(..past) {
+            let readings = &mut step.pass_mut().readings;
+            let past = readings.iter().take_while(|reading| reading.revolution <= part.revolutions).count();
+            for reading in readings.drain(..past) {
                 controller.see(&mut edge.wheel, &reading);
             }
         }

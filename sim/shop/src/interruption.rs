@@ -1,7 +1,7 @@
 //! Breakdowns and repairs, and what becomes of the work in the machine.
 
 use super::event::Event;
-use super::machine::Step;
+use super::machine::{Content, Piece, Step};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, OperationResult, OperationRow};
@@ -20,14 +20,20 @@ impl<R: Recorder> Shop<'_, R> {
         let regular = self.deviation("breakdown_shape", failure.machine);
         let between = match failure.time_between {
             Distribution::Exponential { mean } if regular != 0.0 => {
-                Distribution::Weibull { mean, shape: 1.0 + regular }
+                &Distribution::Weibull { mean, shape: 1.0 + regular }
             }
-            other @ (Distribution::Constant(_)
+            Distribution::Constant(_)
             | Distribution::Exponential { .. }
+            | Distribution::Erlang { .. }
+            | Distribution::Gamma { .. }
             | Distribution::Lognormal { .. }
             | Distribution::Weibull { .. }
             | Distribution::Triangular { .. }
-            | Distribution::Uniform { .. }) => other,
+            | Distribution::Beta { .. }
+            | Distribution::Normal { .. }
+            | Distribution::Uniform { .. }
+            | Distribution::DiscreteUniform { .. }
+            | Distribution::Empirical(_) => &failure.time_between,
         };
         let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
         let time = self.moved("time_between_failures", failure.machine, time).max(0.0);
@@ -162,7 +168,7 @@ impl<R: Recorder> Shop<'_, R> {
         if task.is_some_and(|task| task.end.is_some()) {
             return Ok(()); // it never stopped: the shift came back before the part was finished
         }
-        if task.is_some_and(|task| task.step == Step::Pass) {
+        if task.is_some_and(|task| matches!(task.step, Step::Pass(_))) {
             self.plan_segment(machine)?;
         }
         self.drive(machine, false)
@@ -173,19 +179,19 @@ impl<R: Recorder> Shop<'_, R> {
         self.close_pass(machine);
         let now = self.now();
         let Some(task) = self.world.machines[machine].task.as_mut() else { return }; // an idle machine
-        if task.step == Step::Setup {
+        if matches!(task.step, Step::Setup) {
             return; // no part in the machine yet
         }
         task.begun = now;
-        task.pass = 0;
-        task.share_left = 1.0;
-        task.spoiled = false;
-        task.burnt = false;
-        self.handle(machine, Step::Load);
+        match &mut task.content {
+            Content::Plain(_) => {} // the same time again
+            Content::Machining(machining) => machining.piece = Piece::default(),
+        }
+        self.load(machine);
     }
 
     fn scrap_in_machine(&mut self, machine: usize, outcome: JobOutcome) -> Result<(), ShopError> {
-        if self.world.machines[machine].task.as_ref().is_some_and(|task| task.step == Step::Setup) {
+        if self.world.machines[machine].task.as_ref().is_some_and(|task| matches!(task.step, Step::Setup)) {
             return Ok(()); // no part in the machine yet
         }
         self.close_pass(machine);

@@ -32,12 +32,21 @@ pub struct Job {
 #[derive(Clone, Debug, Default)]
 pub struct Jobs {
     slots: Vec<Option<Job>>,
+    /// Ranks of the jobs at every place, `stride` each.
+    ranks: Vec<f64>,
+    /// Most operations of any part with plain work.
+    stride: usize,
     free: Vec<u32>,
     /// Jobs released so far.
     pub released: u32,
 }
 
 impl Jobs {
+    /// A shop without jobs, of which each has at most `operations` with plain work.
+    pub(super) fn with_ranks(operations: usize) -> Self {
+        Self { stride: operations, ..Self::default() }
+    }
+
     /// Lets a job in.
     pub fn insert(&mut self, job: Job) -> u32 {
         self.released += 1;
@@ -48,9 +57,22 @@ impl Jobs {
             }
             None => {
                 self.slots.push(Some(job));
+                self.ranks.resize(self.slots.len() * self.stride, 0.0);
                 (self.slots.len() - 1) as u32
             }
         }
+    }
+
+    /// Rank of the time of an operation of a job, 0 to below 1: the share of all times of the operation
+    /// that are shorter. It is drawn when the job enters the shop, so that it is the same whatever
+    /// machine does the work and whenever.
+    pub fn rank(&self, slot: u32, operation: usize) -> f64 {
+        self.ranks[slot as usize * self.stride + operation]
+    }
+
+    /// The same to draw it.
+    pub(super) fn rank_mut(&mut self, slot: u32, operation: usize) -> &mut f64 {
+        &mut self.ranks[slot as usize * self.stride + operation]
     }
 
     /// Lets a job out.

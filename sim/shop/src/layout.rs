@@ -5,7 +5,7 @@ use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, ProcessModel, Scenario, Work,
+    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario, Work,
 };
 
 /// Tables that follow from the scenario alone.
@@ -21,6 +21,8 @@ pub(super) struct Layout {
     pub modes_of: Vec<Vec<u32>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
+    /// Most operations of a part that has plain work.
+    pub ranks: usize,
     /// Whether any machine's time of loading or unloading is random.
     pub random_handling: bool,
     /// Rows of the schedule of every source in the order of time.
@@ -38,16 +40,34 @@ pub(super) struct ToolPlan {
 /// An operation as the engine sees it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OperationPlan {
-    pub tool: u32,
-    pub passes: u32,
+    pub content: ContentPlan,
     pub setup_group: u32,
-    /// Its passes as programmed, s.
-    pub cutting_time: f64,
-    /// Expected time on its first machine, s: loading, passes as programmed, unloading.
+    /// Expected time on its first machine, s: loading, passes as programmed or plain work, unloading.
     pub nominal_time: f64,
     /// The same for this and all later operations, s.
     pub work_left: f64,
-    /// Index of its first pass among all passes of the scenario.
+}
+
+/// What an operation does, as the engine sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ContentPlan {
+    /// Plain work.
+    Plain,
+    /// Passes of a tool.
+    Machining {
+        tool: u32,
+        passes: Passes,
+        /// Its passes as programmed, s.
+        cutting_time: f64,
+    },
+}
+
+/// Passes of an operation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passes {
+    /// How many.
+    pub passes: u32,
+    /// Index of the first among all passes of the scenario.
     pub first_pass: u32,
 }
 
@@ -69,18 +89,19 @@ impl Layout {
                     groups.len() - 1
                 });
                 let machine = &scenario.machines[operation.machines[0]];
-                let cutting = programmed[operations.len()][plans.len()];
-                let passes = operation.work.passes() as u32;
-                plans.push(OperationPlan {
-                    tool: operation.tool as u32,
-                    passes,
-                    setup_group: setup_group as u32,
-                    nominal_time: machine.load_time.mean() + cutting + machine.unload_time.mean(),
-                    cutting_time: cutting,
-                    work_left: 0.0,
-                    first_pass,
+                let cutting_time = programmed[operations.len()][plans.len()];
+                let content = operation.tool.map_or(ContentPlan::Plain, |tool| {
+                    let passes = Passes { passes: operation.work.passes() as u32, first_pass };
+                    first_pass += passes.passes;
+                    ContentPlan::Machining { tool: tool as u32, passes, cutting_time }
                 });
-                first_pass += passes;
+                let work = cutting_time + operation.work.plain_time();
+                plans.push(OperationPlan {
+                    content,
+                    setup_group: setup_group as u32,
+                    nominal_time: machine.load_time.mean() + work + machine.unload_time.mean(),
+                    work_left: 0.0,
+                });
             }
             let mut left = 0.0;
             for plan in plans.iter_mut().rev() {
@@ -97,7 +118,22 @@ impl Layout {
         let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
         let random_handling = scenario.machines.iter().any(random);
         let schedules = scenario.arrivals.iter().map(|arrival| in_order(&arrival.pattern)).collect();
-        Ok(Self { tools, operations, pass_times, modes_of, machines, random_handling, schedules })
+        let plain = |part: &&Part| part.operations.iter().any(|each| matches!(each.work, Work::Plain(_)));
+        let ranks = scenario.parts.iter().filter(plain).map(|part| part.operations.len()).max().unwrap_or(0);
+        Ok(Self { tools, operations, pass_times, modes_of, machines, ranks, random_handling, schedules })
+    }
+}
+
+impl Layout {
+    /// Passes of an operation.
+    ///
+    /// # Panics
+    /// Where its work is plain: only what belongs to passes asks.
+    pub fn passes(&self, part: usize, operation: usize) -> Passes {
+        match self.operations[part][operation].content {
+            ContentPlan::Machining { passes, .. } => passes,
+            ContentPlan::Plain => unreachable!("plain work has no passes"),
+        }
     }
 }
 
@@ -137,8 +173,8 @@ fn in_order(pattern: &ArrivalPattern) -> Vec<usize> {
 /// Time in cut of every operation as programmed, s, by part and operation.
 ///
 /// A pass takes path over feed rate where the process has a feed rate (milling), else path over
-/// cutting speed (turning); a grinding phase takes its revolutions over the work speed. An
-/// operation whose tool does not exist has none.
+/// cutting speed (turning); a grinding phase takes its revolutions over the work speed. Plain work is
+/// no time in cut. An operation whose tool does not exist has none.
 pub fn programmed_cutting_times(scenario: &Scenario) -> Vec<Vec<f64>> {
     let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
     totals(&programmed_pass_times(scenario, &tools))
@@ -152,12 +188,14 @@ fn totals(pass_times: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
 /// Time of every pass or phase as programmed, s, by part and operation.
 fn programmed_pass_times(scenario: &Scenario, tools: &[ToolPlan]) -> Vec<Vec<Vec<f64>>> {
     let times = |operation: &Operation| -> Vec<f64> {
-        let (Some(tool), Some(plan)) = (scenario.tools.get(operation.tool), tools.get(operation.tool)) else {
+        let Some(index) = operation.tool else { return Vec::new() };
+        let (Some(tool), Some(plan)) = (scenario.tools.get(index), tools.get(index)) else {
             return vec![f64::NAN];
         };
         let phases =
             |phases: &[GrindingPhase], speed: f64| phases.iter().map(|each| phase_duration(each, speed)).collect();
         match &operation.work {
+            Work::Plain(_) => Vec::new(),
             Work::Cutting(cuts) => {
                 cuts.iter().map(|cut| cut_duration(cut, &tool.process, plan, &plan.cut_input(cut))).collect()
             }
@@ -198,7 +236,13 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
     }
     for part in &scenario.parts {
         for operation in &part.operations {
-            inside("tool", operation.tool, scenario.tools.len())?;
+            if let Some(tool) = operation.tool {
+                inside("tool", tool, scenario.tools.len())?;
+            }
+            if operation.tool.is_some() == matches!(operation.work, Work::Plain(_)) {
+                let (part, operation) = (part.name.clone(), operation.name.clone());
+                return Err(ShopError::ToolAndWork { part, operation });
+            }
             for &machine in &operation.machines {
                 inside("machine", machine, scenario.machines.len())?;
             }
@@ -213,7 +257,7 @@ fn check(scenario: &Scenario) -> Result<(), ShopError> {
         breaks || shifts.is_some_and(|calendar| calendar.at_end != Interruption::Finish)
     };
     for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
-        let tool = &scenario.tools[operation.tool];
+        let Some(tool) = operation.tool.map(|tool| &scenario.tools[tool]) else { continue };
         if let Some(&machine) = operation.machines.iter().find(|machine| interrupted(**machine))
             && !tool.process.machine_process().goes_back()
         {

@@ -10,8 +10,8 @@
 //!                 Controller ──► Segment on a MachineProcess
 //! ```
 //!
-//! An operation on a machine is: setup where the setup group changes, load, passes, unload and
-//! inspection. A pass is one calendar event, its end: when it begins the engine copies the edge's
+//! An operation on a machine is: setup where the setup group changes, load, passes or plain work, unload
+//! and inspection. Plain work is a time of which nothing else is known. A pass is one calendar event, its end: when it begins the engine copies the edge's
 //! state, asks the policy for the speed, and advances the copy through the process to the end of
 //! the pass or the loss of the edge. An interruption plans the elapsed part again and takes that
 //! over. Nothing is polled.
@@ -34,6 +34,7 @@
 
 mod arrival;
 mod chatter;
+mod claims;
 mod contour;
 mod cut;
 mod deviation;
@@ -59,13 +60,14 @@ mod tooling;
 mod world;
 
 pub use chatter::{Reaction, Surface, Vibration};
+pub use claims::claims;
 pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{Refusal, ShopError};
 pub use event::Event;
 pub use job::{Job, Jobs};
 pub use layout::programmed_cutting_times;
-pub use machine::{Machine, Step, Task};
+pub use machine::{Content, Machine, Machining, Pass, Piece, Step, Task};
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
@@ -150,11 +152,12 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let machines = scenario.machines.iter().map(|each| Machine::new(scenario.tools.len(), each.magazine)).collect();
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
-            SourceState { released: 0, releases: 0, stream: streams.open(entity, Purpose::Arrival) }
+            let ranks = draws::ranks(scenario, &streams, index);
+            SourceState { released: 0, releases: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };
         let failure = FailureState { count: 0, failed: false, left: 0.0, since: SimTime::ZERO, due: None };
         let world = World {
-            jobs: Jobs::default(),
+            jobs: Jobs::with_ranks(layout.ranks),
             machines,
             modes: vec![failure; scenario.failures.len()],
             sources: (0..scenario.arrivals.len()).map(source).collect(),

@@ -52,14 +52,10 @@ pub struct Machine {
 pub struct Task {
     /// Where the job is kept.
     pub slot: u32,
-    /// Tool of the operation.
-    pub tool: u32,
     /// Since when the time of the operation counts: begun, or begun anew.
     pub begun: SimTime,
     /// What is being done.
     pub step: Step,
-    /// Pass or phase that is due or in work.
-    pub pass: u32,
     /// Time that the step still takes from `since` on, s.
     pub left: f64,
     /// When the step began or went on.
@@ -70,7 +66,52 @@ pub struct Task {
     pub load_time: f64,
     /// Time of unloading, s.
     pub unload_time: f64,
-    /// Time that the program takes beyond its passes, s.
+    /// What is done to the part.
+    pub content: Content,
+}
+
+/// What an operation does to its part.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// Plain work that takes this time, s: its one step is [`Step::Work`].
+    Plain(f64),
+    /// Passes of a tool, with all that comes between them.
+    Machining(Machining),
+}
+
+impl Task {
+    /// Its tool and workpiece.
+    ///
+    /// # Panics
+    /// Where the work is plain: only what belongs to passes asks.
+    pub(super) fn machining(&self) -> &Machining {
+        match &self.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(_) => unreachable!("{PLAIN}"),
+        }
+    }
+
+    /// The same to change it.
+    ///
+    /// # Panics
+    /// Where the work is plain.
+    pub(super) fn machining_mut(&mut self) -> &mut Machining {
+        match &mut self.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(_) => unreachable!("{PLAIN}"),
+        }
+    }
+}
+
+/// Why plain work has no passes.
+const PLAIN: &str = "plain work has neither passes nor changes of edges";
+
+/// What holds for an operation with a tool from its beginning to its end.
+#[derive(Clone, Debug)]
+pub struct Machining {
+    /// Tool of the operation.
+    pub tool: u32,
+    /// Time that the program will take beyond its passes, s.
     pub delay: f64,
     /// For how long the feed will be held, s.
     pub hold: f64,
@@ -78,18 +119,23 @@ pub struct Task {
     pub moved: Moved,
     /// What acts on it among the entries of its tool that have a scope.
     pub acting: u32,
-    /// Row of the pass in work.
-    pub row: Option<PassRow>,
-    /// Share of the pass that is still to be cut.
-    pub share_left: f64,
     /// Broken edges in this operation: index of the next draw.
     pub lost_edges: u32,
+    /// The workpiece.
+    pub piece: Piece,
+}
+
+/// A workpiece, as far as its operation has come.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Pass or phase that is due or in work.
+    pub pass: u32,
+    /// Share of the pass that is still to be cut.
+    pub share_left: f64,
     /// The work as it came.
     pub blank: Blank,
     /// Size error at the end of the last pass, m.
     pub size_error: f64,
-    /// Layers in which the pass in work is cut.
-    pub layers: u32,
     /// The surface of the last pass.
     pub surface: Surface,
     /// Whether the surface is burnt.
@@ -98,8 +144,22 @@ pub struct Task {
     pub spoiled: bool,
     /// How far the machine moved the wheel in before the part, because of its wear, m.
     pub correction: f64,
-    /// Forces of the phase in work that the machine has not come to yet.
-    pub readings: Vec<ForceReading>,
+}
+
+impl Default for Piece {
+    /// A workpiece before its first pass.
+    fn default() -> Self {
+        Self {
+            pass: 0,
+            share_left: 1.0,
+            blank: Blank { hardness: 1.0, lot_deviation: 0.0 },
+            size_error: 0.0,
+            surface: Surface::default(),
+            burnt: false,
+            spoiled: false,
+            correction: 0.0,
+        }
+    }
 }
 
 /// Why a step may count on an operation.
@@ -107,25 +167,38 @@ pub(super) const IN_WORK: &str = "a step belongs to the operation in its machine
 /// Why a pass may count on an edge.
 pub(super) const MOUNTED: &str = "a pass begins with an edge in its place, which stays until the next one is mounted";
 
+/// The operation in work, taken apart, and the edge that cuts it.
+pub(super) struct InCut<'a> {
+    pub step: &'a mut Step,
+    /// [`Task::left`].
+    pub left: &'a mut f64,
+    pub machining: &'a mut Machining,
+    pub edge: &'a mut Edge,
+}
+
 /// The operation in work and the edge that cuts it.
 ///
 /// # Panics
 /// Where there is none of them: only passes ask.
-pub(super) fn in_cut<'a>(task: &'a mut Option<Task>, edge: &'a mut Option<Edge>) -> (&'a mut Task, &'a mut Edge) {
-    (task.as_mut().expect(IN_WORK), edge.as_mut().expect(MOUNTED))
+pub(super) fn in_cut<'a>(task: &'a mut Option<Task>, edge: &'a mut Option<Edge>) -> InCut<'a> {
+    let Task { step, left, content, .. } = task.as_mut().expect(IN_WORK);
+    let Content::Machining(machining) = content else { unreachable!("{PLAIN}") };
+    InCut { step, left, machining, edge: edge.as_mut().expect(MOUNTED) }
 }
 
-/// Step of an operation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Step of an operation, with what belongs to it alone.
+#[derive(Clone, Debug)]
 pub enum Step {
     /// Changing over.
     Setup,
     /// Fastening the part.
     Load,
+    /// Plain work.
+    Work,
     /// Changing the edge.
     ToolChange,
     /// Cutting.
-    Pass,
+    Pass(Box<Pass>),
     /// The program runs longer than its passes.
     Delay,
     /// The feed is held.
@@ -136,14 +209,49 @@ pub enum Step {
     Unload,
 }
 
+/// A pass or phase in work.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// Its row in the log, as far as it has been cut.
+    pub row: PassRow,
+    /// Whether that can be known: a unit that cannot go back does not tell what it had cut when the
+    /// run ended within the pass.
+    pub known: bool,
+    /// Layers in which it is cut.
+    pub layers: u32,
+    /// Forces of a phase that the machine has not come to yet.
+    pub readings: Vec<ForceReading>,
+}
+
 impl Step {
+    /// The pass in work.
+    ///
+    /// # Panics
+    /// Where none is: only what belongs to a pass asks.
+    pub(super) fn pass_mut(&mut self) -> &mut Pass {
+        match self {
+            Self::Pass(pass) => pass,
+            Self::Setup
+            | Self::Load
+            | Self::Work
+            | Self::ToolChange
+            | Self::Delay
+            | Self::Hold
+            | Self::Dressing
+            | Self::Unload => {
+                unreachable!("only a pass is planned, interrupted and taken over")
+            }
+        }
+    }
+
     /// State of a machine that does it.
-    pub fn state(self) -> MachineState {
+    pub fn state(&self) -> MachineState {
         match self {
             Self::Setup => MachineState::Setup,
             Self::Load | Self::Unload => MachineState::Handling,
+            Self::Work => MachineState::Working,
             Self::ToolChange => MachineState::ToolChange,
-            Self::Pass | Self::Delay | Self::Hold => MachineState::Cutting,
+            Self::Pass(_) | Self::Delay | Self::Hold => MachineState::Cutting,
             Self::Dressing => MachineState::Dressing,
         }
     }

@@ -1,12 +1,29 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
-use super::chatter::Surface;
-use super::draws::Blank;
-use super::machine::{IN_WORK, Step, Task};
+use super::layout::ContentPlan;
+use super::machine::{Content, IN_WORK, Machining, Piece, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
-use toolroom_scenario::Distribution;
+use toolroom_scenario::{Distribution, Operation};
+
+impl Piece {
+    /// Why it is no good part, if it is none.
+    fn fault(&self, operation: &Operation) -> Option<JobOutcome> {
+        let rough = self.surface.roughness > operation.roughness_limit;
+        if self.spoiled {
+            Some(JobOutcome::ToolFailure)
+        } else if rough && self.surface.chattered {
+            Some(JobOutcome::Chatter)
+        } else if self.burnt {
+            Some(JobOutcome::Burnt)
+        } else if rough || self.size_error.abs() > operation.size_tolerance {
+            Some(JobOutcome::OutOfTolerance)
+        } else {
+            None
+        }
+    }
+}
 
 impl<R: Recorder> Shop<'_, R> {
     /// A machine takes a job.
@@ -28,39 +45,35 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.operations[part][index];
         let asked = self.asked(machine, slot);
         let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
-        let moved = asked.moved(self.scenario, plan.cutting_time);
-        let (delay, hold) = (self.delay(&asked, slot, moved.pace), self.hold(&asked, slot));
-        let acting = asked.acting(self.scenario, plan.tool as usize);
+        let content = match plan.content {
+            ContentPlan::Plain => Content::Plain(self.plain_time(&asked, slot, part, index)),
+            ContentPlan::Machining { tool, cutting_time, .. } => {
+                let moved = asked.moved(self.scenario, cutting_time);
+                Content::Machining(Machining {
+                    tool,
+                    delay: self.delay(&asked, slot, moved.pace * cutting_time),
+                    hold: self.hold(&asked, slot),
+                    moved,
+                    acting: asked.acting(self.scenario, tool as usize),
+                    lost_edges: 0,
+                    piece: Piece::default(),
+                })
+            }
+        };
         let state = &mut self.world.machines[machine];
         let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
         let setup = self.scenario.parts[part].operations[index].setup_time;
         let setup = asked.calibrated(self.scenario, "setup_time", setup.unwrap_or(kind.setup_time));
         state.task = Some(Task {
             slot,
-            tool: plan.tool,
             begun: now,
             step: Step::Setup,
-            pass: 0,
             left: if change { setup } else { 0.0 },
             since: now,
             end: None,
             load_time,
             unload_time,
-            delay,
-            hold,
-            moved,
-            acting,
-            row: None,
-            share_left: 1.0,
-            lost_edges: 0,
-            blank: Blank { hardness: 1.0, lot_deviation: 0.0 },
-            size_error: 0.0,
-            layers: 1,
-            surface: Surface::default(),
-            burnt: false,
-            spoiled: false,
-            correction: 0.0,
-            readings: Vec::new(),
+            content,
         });
         if change {
             self.log_event("setup", Some(machine), Some(number), None);
@@ -76,7 +89,7 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
         loop {
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) }; // the operation is over
-            if task.left > 0.0 || dispatching && task.step == Step::Unload {
+            if task.left > 0.0 || dispatching && matches!(task.step, Step::Unload) {
                 let at = self.now().after(task.left)?;
                 let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
                 let now = self.now();
@@ -108,9 +121,12 @@ impl<R: Recorder> Shop<'_, R> {
         let Some(end) = task.end.take() else { return Ok(()) };
         let elapsed = now - task.since;
         task.left = (task.left - elapsed).max(0.0);
-        let (cutting, pace) = (task.step == Step::Pass, task.moved.pace);
         self.calendar.cancel(end);
-        if cutting { self.halt_pass(machine, elapsed / pace) } else { Ok(()) }
+        if !matches!(task.step, Step::Pass(_)) {
+            return Ok(());
+        }
+        let pace = task.machining().moved.pace;
+        self.halt_pass(machine, elapsed / pace)
     }
 
     fn end_step(&mut self, machine: usize) -> Result<(), ShopError> {
@@ -121,15 +137,25 @@ impl<R: Recorder> Shop<'_, R> {
                 let job = self.world.jobs.at(slot);
                 let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
                 self.world.machines[machine].setup_group = Some(plan.setup_group);
-                self.handle(machine, Step::Load);
+                self.load(machine);
                 Ok(())
             }
-            Step::Load => self.next_pass(machine),
+            Step::Load => match task.content {
+                Content::Plain(time) => {
+                    self.work(machine, time);
+                    Ok(())
+                }
+                Content::Machining(_) => self.next_pass(machine),
+            },
+            Step::Work => {
+                self.unload(machine);
+                Ok(())
+            }
             Step::ToolChange => {
                 self.replace_edge(machine);
                 self.next_pass(machine)
             }
-            Step::Pass => self.end_pass(machine),
+            Step::Pass(_) => self.end_pass(machine),
             Step::Delay => {
                 self.finish_cutting(machine);
                 Ok(())
@@ -141,45 +167,59 @@ impl<R: Recorder> Shop<'_, R> {
             }
             Step::Dressing => {
                 self.dress(machine);
-                self.handle(machine, Step::Unload);
+                self.unload(machine);
                 Ok(())
             }
             Step::Unload => self.end_operation(machine),
         }
     }
 
-    /// Begins loading or unloading.
-    pub(super) fn handle(&mut self, machine: usize, step: Step) {
+    /// Begins loading.
+    pub(super) fn load(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        task.step = step;
-        task.left = if step == Step::Load { task.load_time } else { task.unload_time };
+        task.step = Step::Load;
+        task.left = task.load_time;
+    }
+
+    /// Begins plain work.
+    fn work(&mut self, machine: usize, time: f64) {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.step = Step::Work;
+        task.left = time;
+    }
+
+    /// Begins unloading.
+    fn unload(&mut self, machine: usize) {
+        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+        task.step = Step::Unload;
+        task.left = task.unload_time;
     }
 
     /// All passes are cut, or the part is lost: the wheel is dressed if it has to be, the part
     /// is taken off.
     pub(super) fn finish_cutting(&mut self, machine: usize) {
         let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        let delay = std::mem::take(&mut task.delay);
+        let delay = std::mem::take(&mut task.machining_mut().delay);
         if delay > 0.0 {
             task.step = Step::Delay;
             task.left = delay;
             return;
         }
-        let hold = std::mem::take(&mut task.hold);
+        let hold = std::mem::take(&mut task.machining_mut().hold);
         if hold > 0.0 {
             task.step = Step::Hold;
             task.left = hold;
             self.log_event("feed_hold", Some(machine), self.job_in(machine), None);
             return;
         }
-        let tool = task.tool as usize;
+        let tool = task.machining().tool as usize;
         let dull = self.world.machines[machine].edges[tool]
             .as_ref()
             .is_some_and(|edge| edge.spent == Some(ChangeReason::Dressing));
         if dull {
             self.begin_dressing(machine);
         } else {
-            self.handle(machine, Step::Unload);
+            self.unload(machine);
         }
     }
 
@@ -194,18 +234,9 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at_mut(task.slot);
         let (part, index) = (job.row.part as usize, job.operation as usize);
         let operation = &self.scenario.parts[part].operations[index];
-        let tolerance = operation.size_tolerance;
-        let rough = task.surface.roughness > operation.roughness_limit;
-        let bad = if task.spoiled {
-            Some(JobOutcome::ToolFailure)
-        } else if rough && task.surface.chattered {
-            Some(JobOutcome::Chatter)
-        } else if task.burnt {
-            Some(JobOutcome::Burnt)
-        } else if rough || task.size_error.abs() > tolerance {
-            Some(JobOutcome::OutOfTolerance)
-        } else {
-            None
+        let bad = match &task.content {
+            Content::Plain(_) => None,
+            Content::Machining(Machining { piece, .. }) => piece.fault(operation),
         };
         job.operation += 1;
         let result = if bad.is_some() { OperationResult::Bad } else { OperationResult::Good };
@@ -248,19 +279,33 @@ impl<R: Recorder> Shop<'_, R> {
     /// Time in cut and in handling that an operation still takes, s. What policies will make of
     /// passes to come is not known: they count as programmed.
     fn time_left(&self, task: &Task, part: usize, operation: usize) -> f64 {
+        let Machining { delay, hold, piece, .. } = match &task.content {
+            Content::Machining(machining) => machining,
+            Content::Plain(time) => {
+                return match task.step {
+                    Step::Setup => task.load_time + time + task.unload_time,
+                    Step::Load => task.left + time + task.unload_time,
+                    Step::Work => task.left + task.unload_time,
+                    Step::Unload => task.left,
+                    Step::ToolChange | Step::Pass(_) | Step::Delay | Step::Hold | Step::Dressing => {
+                        unreachable!("steps of an operation with a tool")
+                    }
+                };
+            }
+        };
         let passes = &self.layout.pass_times[part][operation];
-        let from = |first: usize| if task.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
-        let pass = task.pass as usize;
+        let from = |first: usize| if piece.spoiled { 0.0 } else { passes.iter().skip(first).sum::<f64>() };
+        let pass = piece.pass as usize;
         let due =
-            || from(pass + 1) + if task.spoiled { 0.0 } else { passes.get(pass).unwrap_or(&0.0) * task.share_left };
-        let after_cutting = task.delay + task.hold + task.unload_time;
+            || from(pass + 1) + if piece.spoiled { 0.0 } else { passes.get(pass).unwrap_or(&0.0) * piece.share_left };
+        let after_cutting = delay + hold + task.unload_time;
         match task.step {
             Step::Setup => task.load_time + due() + after_cutting,
             Step::Load => task.left + due() + after_cutting,
             Step::ToolChange => due() + after_cutting,
-            Step::Pass => task.left + from(pass + 1) + after_cutting,
+            Step::Pass(_) => task.left + from(pass + 1) + after_cutting,
             Step::Delay | Step::Hold => task.left + after_cutting,
-            Step::Dressing => task.unload_time,
+            Step::Dressing | Step::Work => task.unload_time,
             Step::Unload => task.left,
         }
     }

@@ -4,7 +4,7 @@ use super::cut::{CutFault, rest};
 use super::draws::{self, owner};
 use super::error::Refusal;
 use super::layout::cut_duration;
-use super::machine::{IN_WORK, MOUNTED, Step, in_cut};
+use super::machine::{IN_WORK, InCut, MOUNTED, Machining, Pass, Step, Task, in_cut};
 use super::ports::{read, write};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
@@ -12,7 +12,7 @@ use crate::runlog::{ChangeReason, EventRow, PassRow};
 use rand::RngExt;
 use toolroom_kernel::Purpose;
 use toolroom_process::ProcessEvent;
-use toolroom_scenario::policies::Observation;
+use toolroom_scenario::policies::{ForceReading, Observation};
 use toolroom_scenario::{Cut, Work};
 
 /// Longest pass that is told to sensors, s: the greatest `pass_time` of the processes.
@@ -29,6 +29,29 @@ pub(super) struct Place {
     pub tool: usize,
 }
 
+/// What a pass begins with.
+pub(super) struct Opened {
+    /// Time that it takes, s.
+    pub duration: f64,
+    /// Feed or infeed of its row, m.
+    pub feed: f64,
+    /// Depth of cut of its row, m.
+    pub depth_of_cut: f64,
+    /// Cutting speed at its start, m/s.
+    pub speed: f64,
+    /// Layers in which it is cut.
+    pub layers: u32,
+    /// Forces that a grinding machine will measure.
+    pub readings: Vec<ForceReading>,
+}
+
+impl Opened {
+    /// A pass of one layer, in s, without feed, depth and speed.
+    pub fn lasting(duration: f64) -> Self {
+        Self { duration, feed: 0.0, depth_of_cut: 0.0, speed: 0.0, layers: 1, readings: Vec::new() }
+    }
+}
+
 impl<R: Recorder> Shop<'_, R> {
     fn place(&self, machine: usize) -> Place {
         let task = self.world.machines[machine].task.as_ref().expect(IN_WORK);
@@ -38,8 +61,8 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: job.row.part as usize,
             operation: job.operation as usize,
-            pass: task.pass as usize,
-            tool: task.tool as usize,
+            pass: task.machining().piece.pass as usize,
+            tool: task.machining().tool as usize,
         }
     }
 
@@ -47,13 +70,13 @@ impl<R: Recorder> Shop<'_, R> {
     /// pass, or the end of cutting.
     pub(super) fn next_pass(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let edge = self.world.machines[machine].edges[place.tool].as_ref();
         if edge.is_some_and(|edge| edge.spent.is_some_and(|reason| reason != ChangeReason::Dressing)) {
             self.begin_change(machine);
             return Ok(());
         }
-        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.spoiled);
+        let spoiled = self.world.machines[machine].task.as_ref().is_some_and(|task| task.machining().piece.spoiled);
         if spoiled || place.pass >= plan.passes as usize {
             self.finish_cutting(machine);
             return Ok(());
@@ -71,6 +94,7 @@ impl<R: Recorder> Shop<'_, R> {
             Work::Cutting(cuts) => self.begin_cut(machine, place, plan.first_pass, &cuts[place.pass]),
             Work::Grinding { .. } | Work::Cycle(_) => self.begin_phase(machine, place, plan.first_pass),
             Work::Contour(_) => self.begin_contour(machine, place, plan.first_pass),
+            Work::Plain(_) => unreachable!("plain work has no passes"),
         }
     }
 
@@ -79,10 +103,10 @@ impl<R: Recorder> Shop<'_, R> {
         let tool = &self.scenario.tools[place.tool];
         let part = &self.scenario.parts[place.part];
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
-        let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
-        task.blank = blank;
-        if tool.variants.switches(task.acting, "lot_hardness") {
-            task.blank.lot_deviation = 1.0;
+        let machining = self.world.machines[machine].task.as_mut().expect(IN_WORK).machining_mut();
+        machining.piece.blank = blank;
+        if tool.variants.switches(machining.acting, "lot_hardness") {
+            machining.piece.blank.lot_deviation = 1.0;
         }
         self.clamp_ground_part(machine, place, first_pass);
     }
@@ -110,9 +134,10 @@ impl<R: Recorder> Shop<'_, R> {
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.process(machine, place.tool);
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { machining: Machining { moved, piece, .. }, edge, .. } =
+            in_cut(&mut state.task, &mut state.edges[place.tool]);
         let seen = Observation {
-            path: cut.path_length * task.share_left,
+            path: cut.path_length * piece.share_left,
             edge_path: edge.row.path,
             edge_time: edge.row.cutting_time,
             edge_parts: edge.row.parts,
@@ -127,7 +152,7 @@ impl<R: Recorder> Shop<'_, R> {
         let mut input = tool_plan.cut_input(cut);
         write(&mut input, ports.cutting_speed, conditions.start_speed);
         let duration = if ports.feed_rate.is_some() {
-            cut_duration(cut, process, tool_plan, &input) * task.share_left * f64::from(conditions.layers)
+            cut_duration(cut, process, tool_plan, &input) * piece.share_left * f64::from(conditions.layers)
         } else {
             let duration = conditions.duration(seen.path);
             let change = conditions.end_speed - conditions.start_speed;
@@ -143,12 +168,12 @@ impl<R: Recorder> Shop<'_, R> {
             observer.begin_pass(cut);
         }
         let operation = self.world.jobs.at(place.slot).entity.part(place.operation as u64);
-        let depth = draws::depth(&tool.scatter, &self.streams, operation, task.pass, cut.depth_of_cut)
+        let depth = draws::depth(&tool.scatter, &self.streams, operation, piece.pass, cut.depth_of_cut)
             / f64::from(conditions.layers);
         write(&mut input, ports.depth_of_cut, depth);
         edge.draw_noise(&tool.scatter, &self.streams);
-        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], task.blank, ports, &mut input);
-        let rate = read(&input, ports.wear_rate_factor, 1.0) * task.moved.wear_rate;
+        edge.write_scatter(&tool.scatter, &self.pairs[place.tool], piece.blank, ports, &mut input);
+        let rate = read(&input, ports.wear_rate_factor, 1.0) * moved.wear_rate;
         write(&mut input, ports.wear_rate_factor, rate);
         if ports.structure {
             let owner = self.layout.machines[machine];
@@ -160,23 +185,27 @@ impl<R: Recorder> Shop<'_, R> {
             write(&mut input, ports.speed_variation, variation.amplitude);
             write(&mut input, ports.variation_revolutions, f64::from(variation.revolutions));
         }
-        task.renew_surface();
-        task.layers = conditions.layers;
-        task.step = Step::Pass;
-        task.left = duration;
+        piece.renew_surface();
         // What lags within the pass is read at its end; after so long nothing lags any more.
         write(&mut input, ports.pass_time, duration.min(LONG));
         state.segment.start_input = input;
-        self.open_pass(machine, place, cut.feed, depth, conditions.start_speed);
+        let (feed, speed, layers) = (cut.feed, conditions.start_speed, conditions.layers);
+        self.open_pass(
+            machine,
+            place,
+            Opened { feed, depth_of_cut: depth, speed, layers, ..Opened::lasting(duration) },
+        );
         self.plan_segment(machine)
     }
 
-    pub(super) fn open_pass(&mut self, machine: usize, place: Place, feed: f64, depth_of_cut: f64, speed: f64) {
+    /// A pass begins.
+    pub(super) fn open_pass(&mut self, machine: usize, place: Place, opened: Opened) {
+        let Opened { duration, feed, depth_of_cut, speed, layers, readings } = opened;
         let now = self.now().seconds();
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.process(machine, place.tool).machine_process();
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { step, left, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.row.passes += 1;
         let worn = match ports.flank_wear_state {
             Some(i) => edge.state[i],
@@ -187,7 +216,7 @@ impl<R: Recorder> Shop<'_, R> {
                 read(output, ports.flank_wear, 0.0)
             }
         };
-        task.row = Some(PassRow {
+        let row = PassRow {
             job: place.job,
             part: place.part as u32,
             operation: place.operation as u32,
@@ -217,22 +246,24 @@ impl<R: Recorder> Shop<'_, R> {
             stability_margin: if ports.structure { f64::INFINITY } else { f64::NAN },
             vibration_amplitude: 0.0,
             roughness: 0.0,
-        });
+        };
+        *step = Step::Pass(Box::new(Pass { row, known: true, layers, readings }));
+        *left = duration;
     }
 
     /// Plans the rest of the pass in work from now on, on a copy of the edge's state.
     pub(super) fn plan_segment(&mut self, machine: usize) -> Result<(), ShopError> {
         let place = self.place(machine);
         let now = self.now();
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let ports = &self.layout.tools[place.tool].ports;
         let process = self.process(machine, place.tool).machine_process();
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { left, machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
         ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
-        if self.scenario.tools[place.tool].variants.switches(task.acting, "coolant_change") {
+        if self.scenario.tools[place.tool].variants.switches(machining.acting, "coolant_change") {
             write(&mut segment.start_input, ports.coolant_changed, 1.0);
         }
         let idle = now - edge.clock;
@@ -240,13 +271,13 @@ impl<R: Recorder> Shop<'_, R> {
             if idle > 0.0 { rest(process, ports, &mut edge.state, &segment.start_input, idle) } else { Ok(()) };
         edge.clock = now;
         let sampling = edge.observer.as_ref().map(|_| controller.sampling_period());
-        let result = result.and_then(|()| segment.plan(process, ports, &edge.state, task.left, sampling));
+        let result = result.and_then(|()| segment.plan(process, ports, &edge.state, *left, sampling));
         match result {
             Ok(()) => {
                 let kind = self.controllers.kind_of_pass(machine, plan.first_pass + place.pass as u32);
                 let known = state.reactions.iter().find(|each| each.kind == kind);
                 segment.stop = segment.stop(controller.stability(), known);
-                task.left = segment.stop.unwrap_or(segment.elapsed) * task.moved.pace;
+                *left = segment.stop.unwrap_or(segment.elapsed) * machining.moved.pace;
                 Ok(())
             }
             Err(fault) => Err(self.cut_error(machine, place, fault)),
@@ -262,16 +293,16 @@ impl<R: Recorder> Shop<'_, R> {
         let state = &mut self.world.machines[machine];
         if closing && !process.goes_back() {
             // What was cut until the horizon cannot be known: the pass is left out.
-            let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
-            task.row = None;
+            let InCut { step, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
+            step.pass_mut().known = false;
             edge.row.passes -= 1;
             return Ok(());
         }
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { left, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
         let asked = segment.asked;
         let share = segment.share(&tool.ports, elapsed);
-        task.left = (asked - elapsed).max(0.0);
+        *left = (asked - elapsed).max(0.0);
         let sampling = segment.sampling_period;
         let planned = segment.plan(process, &tool.ports, &edge.state, elapsed, sampling);
         if let Err(fault) = planned {
@@ -298,12 +329,13 @@ impl<R: Recorder> Shop<'_, R> {
         match lost {
             Some(event) => self.lose_edge(machine, place, event),
             None => {
-                let plan = self.layout.operations[place.part][place.operation];
+                let plan = self.layout.passes(place.part, place.operation);
                 let state = &mut self.world.machines[machine];
-                let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
-                task.pass += 1;
-                task.share_left = 1.0;
-                let done = task.pass == plan.passes;
+                let InCut { machining: Machining { piece, .. }, edge, .. } =
+                    in_cut(&mut state.task, &mut state.edges[place.tool]);
+                piece.pass += 1;
+                piece.share_left = 1.0;
+                let done = piece.pass == plan.passes;
                 edge.row.parts += u32::from(done);
                 if done {
                     self.judge_wheel(machine, place, plan.first_pass);
@@ -318,28 +350,29 @@ impl<R: Recorder> Shop<'_, R> {
     fn take_over(&mut self, machine: usize, place: Place, share: f64) {
         let clock = self.now();
         let now = clock.seconds();
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let ports = &self.layout.tools[place.tool].ports;
         let path = match &self.scenario.parts[place.part].operations[place.operation].work {
             Work::Cutting(cuts) => cuts[place.pass].path_length,
             Work::Contour(work) => work.programmed[place.pass].path_length,
-            Work::Grinding { .. } | Work::Cycle(_) => 0.0,
+            Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) => 0.0,
         };
         let form_error = self.form_error(machine, place, plan.first_pass);
         let process = self.process(machine, place.tool).machine_process();
         let streams = self.streams;
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { step, machining: Machining { moved, piece, .. }, edge, .. } =
+            in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &state.segment;
-        let row = task.row.as_mut().expect("a pass in work has a row");
-        let cut = share * task.share_left;
-        task.share_left -= cut;
+        let Pass { row, layers, .. } = step.pass_mut();
+        let cut = share * piece.share_left;
+        piece.share_left -= cut;
         edge.state.copy_from_slice(&segment.state);
         self.scenario.tools[place.tool].process.machine_process().settle(&edge.state);
         edge.clock = clock;
         edge.row.cutting_time += segment.elapsed;
-        let path = path * f64::from(task.layers);
+        let path = path * f64::from(*layers);
         edge.row.path += cut * path;
         edge.last_speed = ports.cutting_speed.map(|i| segment.input[i]);
         if let Some(observer) = &mut edge.observer {
@@ -365,12 +398,12 @@ impl<R: Recorder> Shop<'_, R> {
         row.spindle_power = read(output, ports.spindle_power, 0.0);
         row.temperature = read(output, ports.temperature, 0.0);
         row.energy += segment.energy;
-        row.size_error = form_error.unwrap_or(read(output, ports.size_error, 0.0) - task.correction);
+        row.size_error = form_error.unwrap_or(read(output, ports.size_error, 0.0) - piece.correction);
         edge.row.flank_wear = row.flank_wear_end;
         if let Some(vibration) = &segment.vibration {
-            vibration.note(row, &mut task.surface);
+            vibration.note(row, &mut piece.surface);
         }
-        task.size_error = row.size_error;
+        piece.size_error = row.size_error;
         // An edge that was mounted past its wear limit never crosses it.
         let worn = edge.spent.is_none()
             && !segment.has(ProcessEvent::WearLimit)
@@ -379,13 +412,13 @@ impl<R: Recorder> Shop<'_, R> {
         for (after, event) in mounted_worn.into_iter().chain(segment.passed.iter().copied()) {
             match event {
                 ProcessEvent::WearLimit => edge.spent = edge.spent.or(Some(ChangeReason::WearLimit)),
-                ProcessEvent::Burn => task.burnt = true,
+                ProcessEvent::Burn => piece.burnt = true,
                 // These end the cut or say that the wheel is due, which is seen to elsewhere.
                 ProcessEvent::ThermalCollapse | ProcessEvent::Chipping | ProcessEvent::DressingDue => {}
                 _ => unreachable!("the shop does not know the event {event:?}"),
             }
             self.recorder.event(EventRow {
-                time: now - (segment.elapsed - after) * task.moved.pace,
+                time: now - (segment.elapsed - after) * moved.pace,
                 event: event.name(),
                 machine: Some(machine as u32),
                 job: Some(place.job),
@@ -397,10 +430,13 @@ impl<R: Recorder> Shop<'_, R> {
         self.ground(machine, place, plan.first_pass);
     }
 
-    /// Writes the row of the pass in work, if there is one.
+    /// Writes the row of the pass in work, if there is one: what was cut until now. Another step
+    /// follows, or the run is over.
     pub(super) fn close_pass(&mut self, machine: usize) {
-        if let Some(row) = self.world.machines[machine].task.as_mut().and_then(|task| task.row.take()) {
-            self.recorder.pass(row);
+        if let Some(Task { step: Step::Pass(pass), .. }) = &self.world.machines[machine].task
+            && pass.known
+        {
+            self.recorder.pass(pass.row);
         }
     }
 
@@ -411,7 +447,7 @@ impl<R: Recorder> Shop<'_, R> {
         let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
         let risk = self.moved("scrap", machine, risk);
         let state = &mut self.world.machines[machine];
-        let (task, edge) = in_cut(&mut state.task, &mut state.edges[place.tool]);
+        let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.spent = Some(match event {
             ProcessEvent::ThermalCollapse => ChangeReason::ThermalCollapse,
             ProcessEvent::Chipping => ChangeReason::Chipping,
@@ -420,16 +456,16 @@ impl<R: Recorder> Shop<'_, R> {
             }
             _ => unreachable!("the shop does not know the event {event:?}"),
         });
-        let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(task.lost_edges)).random();
-        task.lost_edges += 1;
-        task.spoiled |= chance < risk;
+        let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(machining.lost_edges)).random();
+        machining.lost_edges += 1;
+        machining.piece.spoiled |= chance < risk;
         let number = edge.number;
         self.log_event(event.name(), Some(machine), Some(place.job), Some(number));
     }
 
     /// The wear limit rule reads the edge after every pass.
     fn read_wear(&mut self, machine: usize, place: Place) {
-        let plan = self.layout.operations[place.part][place.operation];
+        let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let later = self.deviation("tool_change_policy", machine);
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);

@@ -5,6 +5,8 @@
 pub enum MachineState {
     /// In cut: the productive part of the actual production time.
     Cutting,
+    /// Plain work: the productive part of an operation without a tool.
+    Working,
     /// Loading or unloading.
     Handling,
     /// Changing over to another setup group.
@@ -23,8 +25,9 @@ pub enum MachineState {
 
 impl MachineState {
     /// All states in the order of reports.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Cutting,
+        Self::Working,
         Self::Handling,
         Self::Setup,
         Self::ToolChange,
@@ -38,6 +41,7 @@ impl MachineState {
     pub fn name(self) -> &'static str {
         match self {
             Self::Cutting => "cutting",
+            Self::Working => "working",
             Self::Handling => "handling",
             Self::Setup => "setup",
             Self::ToolChange => "tool_change",

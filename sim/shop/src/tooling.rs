@@ -71,7 +71,7 @@ impl<R: Recorder> Shop<'_, R> {
         let task = state.task.as_mut().expect(IN_WORK);
         task.step = Step::ToolChange;
         task.left = change + refill;
-        let edge = state.edges[task.tool as usize].as_mut();
+        let edge = state.edges[task.machining().tool as usize].as_mut();
         let number = edge.map(|edge| {
             edge.row.removed = now;
             edge.number
@@ -82,7 +82,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// The change is done.
     pub(super) fn replace_edge(&mut self, machine: usize) {
         let state = &mut self.world.machines[machine];
-        let tool = state.task.as_ref().expect(IN_WORK).tool as usize;
+        let tool = state.task.as_ref().expect(IN_WORK).machining().tool as usize;
         if state.magazine == 0 {
             state.magazine = self.scenario.machines[machine].magazine;
         }
@@ -96,7 +96,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.job_in(machine);
         let state = &mut self.world.machines[machine];
         let task = state.task.as_mut().expect(IN_WORK);
-        let tool = task.tool as usize;
+        let tool = task.machining().tool as usize;
         task.step = Step::Dressing;
         task.left = self.scenario.tools[tool].dressing_time;
         let number = state.edges[tool].as_mut().map(|edge| {
@@ -108,7 +108,7 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// The wheel is sharp again; it counts as a new edge and keeps what it has lost.
     pub(super) fn dress(&mut self, machine: usize) {
-        let tool = self.world.machines[machine].task.as_ref().expect(IN_WORK).tool as usize;
+        let tool = self.world.machines[machine].task.as_ref().expect(IN_WORK).machining().tool as usize;
         let worn = self.world.machines[machine].edges[tool].as_ref().map(|edge| edge.state.clone());
         self.retire(machine, tool);
         let magazine = self.world.machines[machine].magazine;

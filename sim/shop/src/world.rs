@@ -46,4 +46,6 @@ pub struct SourceState {
     pub releases: u64,
     /// Times between arrivals.
     pub stream: Stream,
+    /// Ranks of the times of plain work: the operation and its stream.
+    pub(super) ranks: Vec<(usize, Stream)>,
 }

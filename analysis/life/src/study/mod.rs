@@ -39,7 +39,7 @@ use policy::{Policy, Reading, Rule};
 use spread::{Copula, Spread};
 use toolroom_process::Record;
 use toolroom_scenario::SensorSheet;
-use toolroom_wear::{Cut, Pair, Scatter, WearLaw};
+use toolroom_wear::{Cut, Pair, Scatter};
 
 /// What ends an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -271,14 +271,6 @@ impl Study {
 
     fn limit_kind(&self, pair: &Pair) -> End {
         if self.ends.rough_wear < pair.limits.wear_limit.min(self.ends.wear) { End::Roughness } else { End::WearLimit }
-    }
-
-    /// Width of the run-in over wear, m: the variable of quadrature is ln(1 + h/width).
-    fn run_in(&self, pair: &Pair) -> f64 {
-        match &pair.law {
-            WearLaw::EnergyBalance(law) => law.run_in_offset,
-            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) => pair.limits.wear_limit / 30.0,
-        }
     }
 
     /// Lives edge `index` in a cell at a point.

@@ -24,6 +24,7 @@ use plunge::{Plunge, plunge};
 use rayon::prelude::*;
 use toolroom_effects::{Effect, Effects};
 use toolroom_infeed::{Infeed, Input};
+use toolroom_innovations::Chain;
 use toolroom_process::Process;
 use toolroom_records::{ColumnKind, Records};
 
@@ -238,6 +239,12 @@ impl Forward for Grinding {
     }
     fn written(&self, candidate: usize) -> WrittenEffect {
         self.written_effect(candidate)
+    }
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
+    }
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
     }
     fn simulate(&self, at: &Point) -> Vec<f64> {
         let process = self.process_at(at);

@@ -25,6 +25,7 @@ use super::{
 };
 use rows::{Rows, rows};
 use toolroom_form::significant as rounded;
+use toolroom_innovations::Chain;
 use toolroom_program::{Drives, Program};
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
@@ -266,6 +267,14 @@ fn clock(program: &Program, drives: &Drives) -> Vec<f64> {
 impl Forward for Stretches {
     fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
+    }
+
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::gamma;
 use toolroom_effects::CatalogueEntry;
+use toolroom_innovations::Chain;
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_statistics::median;
@@ -428,6 +429,14 @@ impl Forward for ShopModel {
 
     fn simulate(&self, at: &Point) -> Vec<f64> {
         self.simulated(at, &self.shapes(self.rate(at)))
+    }
+
+    fn scatter_is_known(&self, _channel: usize) -> bool {
+        false
+    }
+
+    fn chains(&self, _at: &Point) -> Vec<Chain> {
+        Vec::new()
     }
 
     fn written(&self, candidate: usize) -> WrittenEffect {

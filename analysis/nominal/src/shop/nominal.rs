@@ -65,11 +65,13 @@ impl Shop {
             for (operation, time) in part.operations.iter().zip(times) {
                 let feed_speeds = match &operation.work {
                     Work::Cutting(cuts) => {
-                        let process = &scenario.tools[operation.tool].process;
-                        cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum()
+                        let process = operation.tool.map(|tool| &scenario.tools[tool].process);
+                        let of =
+                            |process| cuts.iter().map(|cut| feed_speed(cut, *time / cuts.len() as f64, process)).sum();
+                        process.map_or(0.0, of)
                     }
-                    // Neither a wheel nor a planned contour runs at a programmed feed.
-                    Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => 0.0,
+                    // Neither a wheel nor a planned contour runs at a programmed feed, plain work at none.
+                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => 0.0,
                 };
                 programs.insert(format!("{}/{}", part.name, operation.name), Program { time: *time, feed_speeds });
             }

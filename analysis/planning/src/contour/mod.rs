@@ -12,10 +12,12 @@ mod files;
 mod picture;
 mod report;
 mod study;
+mod task;
 mod text;
 
 pub use conditions::{Condition, Gain, OBJECTIVES, REPORTED_COST, REPORTED_PRODUCTIVITY, conditions};
 pub use files::{NAMES, files, summary};
 pub use report::report;
 pub use study::{Baseline, PassStudy, RefusedPass, Scattered, StudyOptions, studies};
+pub use task::{Task, Text, read_setup};
 pub use text::text;

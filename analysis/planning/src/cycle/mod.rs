@@ -10,6 +10,8 @@ mod files;
 mod picture;
 mod text;
 
+use std::path::Path;
+use toolroom_form::{FaultList, FormFile, ReadError, Refusal, key_place};
 use toolroom_infeed::{Cycle, CycleError, CycleFile, DressingInterval};
 
 /// The files of a cycle design; `dressing.csv` where the file describes dressing.
@@ -29,6 +31,17 @@ pub struct CycleDesign {
 }
 
 impl CycleDesign {
+    /// Reads a cycle file with the values of `--set` and works it out; the design has the name of the file.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the file cannot be opened or decoded, every fault found in it, or limits that no cycle meets.
+    pub fn read(file: &Path, set: &[String]) -> Result<FormFile<Self>, ReadError> {
+        let FormFile { content, echo, text, files } = CycleFile::read(file, set)?;
+        let content = Self::new(file.file_stem().unwrap_or_default().to_string_lossy(), content)
+            .map_err(|error| conflict(&error, &file.display().to_string(), &text))?;
+        Ok(FormFile { content, echo, text, files })
+    }
+
     /// Works out the cycle and the dressing interval of `file`.
     ///
     /// # Errors
@@ -67,4 +80,15 @@ impl CycleDesign {
             )
         })
     }
+}
+
+/// Limits that no cycle meets: their place in the file is that of the first of them.
+fn conflict(error: &CycleError, file: &str, text: &str) -> ReadError {
+    let code = if error.limits().is_empty() { "out-of-range" } else { "limits-conflict" };
+    let place = key_place(text, "limits", error.limits().first().copied().unwrap_or("limits"));
+    let mut refusal = Refusal::new(code, error);
+    if let [one, other, ..] = error.limits() {
+        refusal.fix = Some(format!("change {one} or {other}"));
+    }
+    ReadError::Faults(Box::new(FaultList::refused(file, text, [(place, refusal)])))
 }

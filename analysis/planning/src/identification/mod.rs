@@ -8,9 +8,12 @@
 
 mod files;
 mod picture;
+mod tables;
 mod text;
 
 use toolroom_infeed::{Identification, IdentifyError, IdentifyOptions, Trial, identify};
+
+pub use tables::{Table, TrialsError};
 
 /// The files of every identification.
 pub const NAMES: &[&str] = &["trials.csv", "identify.json", "report.html"];

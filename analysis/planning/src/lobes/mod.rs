@@ -15,6 +15,7 @@ mod files;
 mod judgement;
 mod part;
 mod picture;
+mod place;
 mod study;
 mod text;
 
@@ -25,4 +26,5 @@ pub use files::NAMES;
 pub use judgement::{Judged, Judgement, word};
 pub use part::Columns;
 pub use picture::picture;
+pub use place::{PlaceError, PointVerdict};
 pub use study::ChartStudy;

@@ -2,7 +2,7 @@
 
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
-use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, ToolChange};
+use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, ToolChange, Working};
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::MachineState;
@@ -482,6 +482,9 @@ pub(super) const MACHINE: &[MachineFigure] = &[
     ),
     (define("cutting_time_share", "cutting", "1", "%", Neither, "Share of all time in cut."), |t, m| {
         m.state(Cutting) / t.window
+    }),
+    (define("working_time_share", "working", "1", "%", Neither, "Share of all time in plain work."), |t, m| {
+        m.state(Working) / t.window
     }),
     (
         define("handling_time_share", "handling", "1", "%", Neither, "Share of all time loading and unloading."),

@@ -40,7 +40,7 @@ impl MachineTally {
     }
 
     pub fn production_time(&self) -> f64 {
-        self.state(MachineState::Cutting) + self.state(MachineState::Handling)
+        self.state(MachineState::Cutting) + self.state(MachineState::Working) + self.state(MachineState::Handling)
     }
 
     /// Production, setup and delay: all but idle.
@@ -236,7 +236,9 @@ impl Tally {
     fn add_operations(&mut self, scenario: &Scenario, log: &RunLog) {
         let programmed = programmed_cutting_times(scenario);
         let mut production: Vec<Vec<&StateRow>> = vec![Vec::new(); scenario.machines.len()];
-        let productive = |row: &&StateRow| matches!(row.state, MachineState::Cutting | MachineState::Handling);
+        let productive = |row: &&StateRow| {
+            matches!(row.state, MachineState::Cutting | MachineState::Working | MachineState::Handling)
+        };
         log.states.iter().filter(productive).for_each(|row| production[row.machine as usize].push(row));
         // Both are in the order of time on every machine.
         let mut first = vec![0; scenario.machines.len()];
@@ -260,9 +262,11 @@ impl Tally {
 
     fn add_operation(&mut self, scenario: &Scenario, programmed: f64, row: &OperationRow, share: f64, completed: bool) {
         let machine = &scenario.machines[row.machine as usize];
-        let planned = programmed + machine.load_time.mean() + machine.unload_time.mean();
-        let tool = scenario.parts[row.part as usize].operations[row.operation as usize].tool;
-        let ground = scenario.tools.get(tool).is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+        let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
+        let work = programmed + operation.work.plain_time();
+        let planned = work + machine.load_time.mean() + machine.unload_time.mean();
+        let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
+        let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
         let tally = &mut self.machines[row.machine as usize];
         if row.result == OperationResult::Lost {
             return;
@@ -326,7 +330,7 @@ impl Tally {
             let share = share_after(scenario.warm_up, row.start, row.end);
             inside[row.edge as usize] += row.cutting_time * share;
             let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
-            let process = scenario.tools.get(operation.tool).map(|tool| &tool.process);
+            let process = operation.tool.and_then(|tool| scenario.tools.get(tool)).map(|tool| &tool.process);
             if matches!(process, Some(ProcessModel::Infeed(_))) {
                 self.wheel_time += row.cutting_time * share;
             }
@@ -343,6 +347,10 @@ impl Tally {
                 self.cell_edge_time += row.cutting_time * share;
                 self.cell_path += row.path * share;
             }
+        }
+        if scenario.tools.is_empty() {
+            // Where nothing is cut, these are no figures.
+            (self.edges, self.failed_edges, self.dressings) = (f64::NAN, f64::NAN, f64::NAN);
         }
         let mut life = vec![(0.0, 0.0); scenario.tools.len()];
         for edge in log.edges.iter().filter(|edge| edge.reason != ChangeReason::EndOfRun) {

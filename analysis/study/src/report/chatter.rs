@@ -58,7 +58,7 @@ fn pairs(scenario: &Scenario) -> Vec<Pair<'_>> {
         for (number, operation) in (0..).zip(&description.operations) {
             let Work::Cutting(cuts) = &operation.work else { continue };
             let Some(cut) = cuts.first() else { continue };
-            let tool = operation.tool;
+            let Some(tool) = operation.tool else { continue };
             if diameter(scenario, tool, cut).is_none() {
                 continue;
             }

@@ -17,9 +17,10 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
     let mut any = false;
     for (part, description) in source.scenario.parts.iter().enumerate() {
         for (index, operation) in description.operations.iter().enumerate() {
-            if !matches!(operation.work, Work::Cutting(_)) {
+            if matches!(operation.work, Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_)) {
                 any = true;
-                let place = Place { part: part as u32, operation: index as u32, description: operation };
+                let Some(tool) = operation.tool else { continue };
+                let place = Place { part: part as u32, operation: index as u32, tool, description: operation };
                 if let Some(figure) = distribution(source, &place) {
                     section = section.figure(figure);
                 }
@@ -38,6 +39,7 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
 struct Place<'a> {
     part: u32,
     operation: u32,
+    tool: usize,
     description: &'a Operation,
 }
 
@@ -92,11 +94,8 @@ fn distribution(source: &Source<'_>, place: &Place<'_>) -> Option<Figure> {
 }
 
 fn table(source: &Source<'_>, place: &Place<'_>) -> Table {
-    let grinding = source
-        .scenario
-        .tools
-        .get(place.description.tool)
-        .is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
+    let grinding =
+        source.scenario.tools.get(place.tool).is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
     let mut head = vec!["policy", "parts", "cut, s", "mean, um", "95 %, um", "most, um"];
     head.extend(["off size, %", "burnt, %"]);
     head.push(if grinding { "parts / dressing" } else { "parts / edge" });
@@ -113,7 +112,7 @@ fn table(source: &Source<'_>, place: &Place<'_>) -> Table {
             100.0 * jobs.filter(|job| job.outcome == outcome).count() as f64 / finished.max(1) as f64
         };
         let worn = || {
-            let tool = place.description.tool as u32;
+            let tool = place.tool as u32;
             log.edges.iter().filter(move |edge| edge.tool == tool && edge.reason != ChangeReason::EndOfRun)
         };
         let parts = worn().map(|edge| f64::from(edge.parts)).sum::<f64>() / worn().count() as f64;

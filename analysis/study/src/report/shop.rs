@@ -13,6 +13,7 @@ use toolroom_shop::runlog::MachineState;
 fn style(state: MachineState) -> (&'static str, Style) {
     match state {
         MachineState::Cutting => ("cutting", Style::nth(2).hatch(Hatch::Solid)),
+        MachineState::Working => ("plain work", Style::nth(2).hatch(Hatch::Vertical)),
         MachineState::Handling => ("loading, unloading", Style::nth(5).hatch(Hatch::Horizontal)),
         MachineState::Setup => ("setup", Style::nth(3)),
         MachineState::ToolChange => ("tool change", Style::nth(4)),

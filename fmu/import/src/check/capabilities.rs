@@ -36,6 +36,13 @@ pub(super) fn check(description: &ModelDescription, findings: &mut Findings) {
                 "only one instance a process: no two machines, no parallel replications",
             );
         }
+        if name == "Co-Simulation" && !interface.can("canHandleVariableCommunicationStepSize") {
+            let message = match description.fixed_step(interface) {
+                Some(step) => format!("it takes communication steps of {step} s only"),
+                None => "it takes communication steps of one length only, and does not say of which".to_owned(),
+            };
+            add(Rule::Time, Severity::Note, &message);
+        }
         if interface.can("needsExecutionTool") {
             add(Rule::Instances, Severity::Warning, "it needs the tool that exported it");
         }

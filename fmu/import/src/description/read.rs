@@ -1,6 +1,8 @@
 //! From XML to [`ModelDescription`], fault by fault.
 
-use super::{BaseUnit, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable};
+use super::{
+    BaseUnit, Dimension, Experiment, Fault, Interface, ModelDescription, Reading, Unit, Unknown, ValueType, Variable,
+};
 use roxmltree::{Document, Node};
 use std::collections::{BTreeMap, HashMap};
 use std::str::FromStr;
@@ -267,7 +269,7 @@ impl Reader {
                 nominal: self.number(typed, "nominal"),
                 derivative_of: None,
                 clocked: description.major == 3 && element.has_attribute("clocks"),
-                dimensions: elements(element).filter(|child| child.tag_name().name() == "Dimension").count(),
+                dimensions: self.dimensions(element),
                 description: element.attribute("description").unwrap_or_default().to_owned(),
                 line,
             });
@@ -279,6 +281,22 @@ impl Reader {
                 None => self.faults.push(Fault { line, message: format!("derivative = \"{of}\" names no variable") }),
             }
         }
+    }
+
+    fn dimensions(&mut self, element: Node<'_, '_>) -> Vec<Dimension> {
+        let mut dimensions = Vec::new();
+        for child in elements(element).filter(|child| child.tag_name().name() == "Dimension") {
+            let size = match (self.number(child, "start"), self.number(child, "valueReference")) {
+                (Some(size), None) => Dimension::Fixed(size),
+                (None, Some(reference)) => Dimension::Of(reference),
+                (None, None) | (Some(_), Some(_)) => {
+                    self.fault(child, "<Dimension> has either start or valueReference");
+                    Dimension::Fixed(0)
+                }
+            };
+            dimensions.push(size);
+        }
+        dimensions
     }
 
     /// The variable that `text` names: an index from 1 in FMI 2.0, a value reference in FMI 3.0.

@@ -2,7 +2,8 @@
 
 #![allow(unsafe_code)] // calls into a C library
 
-use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped};
+use super::exchange::{Equations, Update};
+use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi3::binding::{Fmi3Binding, fmi3FMUState, fmi3Instance, fmi3InstanceEnvironment, fmi3Status, fmi3String};
@@ -39,23 +40,43 @@ unsafe extern "C" fn log(
     unsafe { Messages::take(environment, message) }
 }
 
-/// Calls a setter with one value of its C type.
+/// Calls a setter with the values as its C type.
 macro_rules! set {
-    ($self:ident, $function:ident, $reference:expr, $value:expr) => {{
-        let (reference, value) = ($reference, $value);
-        // SAFETY: the instance is alive, both pointers hold one element for the call.
-        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, &value, 1) };
+    ($self:ident, $function:ident, $port:expr, $values:expr, $type:ty, $convert:expr) => {{
+        let (reference, convert): (_, fn(f64) -> $type) = ($port.reference, $convert);
+        let (one, many): ([$type; 1], Vec<$type>);
+        let buffer: &[$type] = match $values {
+            &[value] => {
+                one = [convert(value)];
+                &one
+            }
+            values => {
+                many = values.iter().map(|value| convert(*value)).collect();
+                &many
+            }
+        };
+        let (start, count) = (buffer.as_ptr(), buffer.len());
+        // SAFETY: the instance is alive, the pointers hold as many elements as is said, for the call.
+        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, start, count) };
         $self.judge(stringify!($function), status)
     }};
 }
 
-/// Calls a getter for one value.
+/// Calls a getter for the elements of a variable.
 macro_rules! get {
-    ($self:ident, $function:ident, $reference:expr, $type:ty) => {{
-        let (reference, mut value) = ($reference, <$type>::default());
+    ($self:ident, $function:ident, $port:expr, $values:expr, $type:ty, $convert:expr) => {{
+        let (reference, convert): (_, fn($type) -> f64) = ($port.reference, $convert);
+        let (mut one, mut many) = ([<$type>::default()], Vec::new());
+        let buffer: &mut [$type] = if $port.count == 1 {
+            &mut one
+        } else {
+            many.resize($port.count as usize, <$type>::default());
+            &mut many
+        };
+        let (start, count) = (buffer.as_mut_ptr(), buffer.len());
         // SAFETY: as for setting.
-        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, &mut value, 1) };
-        $self.judge(stringify!($function), status).map(|()| value)
+        let status = unsafe { $self.binding().$function($self.instance, &reference, 1, start, count) };
+        $self.judge(stringify!($function), status).map(|()| $values.extend(buffer.iter().map(|value| convert(*value))))
     }};
 }
 
@@ -69,7 +90,25 @@ impl Three {
             exchanged: std::ptr::null_mut(),
             dead: false,
         };
-        // SAFETY: every pointer lives as long as the instance.
+        if library.equations.is_some() {
+            // SAFETY: every pointer lives as long as the instance.
+            three.instance = unsafe {
+                three.binding().fmi3InstantiateModelExchange(
+                    library.name.as_ptr(),
+                    library.token.as_ptr(),
+                    library.resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr()),
+                    false,
+                    true,
+                    three.messages.environment(),
+                    Some(log),
+                )
+            };
+            if three.instance.is_null() {
+                return Err(three.messages.error("fmi3InstantiateModelExchange", "no instance"));
+            }
+            return Ok(three);
+        }
+        // SAFETY: as above.
         three.instance = unsafe {
             three.binding().fmi3InstantiateCoSimulation(
                 library.name.as_ptr(),
@@ -131,20 +170,30 @@ impl Calls for Three {
         self.judge("fmi3ExitInitializationMode", status)
     }
 
-    fn set(&mut self, port: Port, value: f64) -> Result<(), CallError> {
-        let reference = port.reference;
+    fn configure(&mut self, begin: bool) -> Result<(), CallError> {
+        if begin {
+            let status = unsafe { self.binding().fmi3EnterConfigurationMode(self.instance) };
+            return self.judge("fmi3EnterConfigurationMode", status);
+        }
+        let status = unsafe { self.binding().fmi3ExitConfigurationMode(self.instance) };
+        self.judge("fmi3ExitConfigurationMode", status)
+    }
+
+    fn set(&mut self, port: Port, values: &[f64]) -> Result<(), CallError> {
         match port.value_type {
-            ValueType::Float64 => set!(self, fmi3SetFloat64, reference, value),
-            ValueType::Float32 => set!(self, fmi3SetFloat32, reference, value as f32),
-            ValueType::Integer(8, true) => set!(self, fmi3SetInt8, reference, value as i8),
-            ValueType::Integer(8, false) => set!(self, fmi3SetUInt8, reference, value as u8),
-            ValueType::Integer(16, true) => set!(self, fmi3SetInt16, reference, value as i16),
-            ValueType::Integer(16, false) => set!(self, fmi3SetUInt16, reference, value as u16),
-            ValueType::Integer(32, true) => set!(self, fmi3SetInt32, reference, value as i32),
-            ValueType::Integer(32, false) => set!(self, fmi3SetUInt32, reference, value as u32),
-            ValueType::Integer(_, false) => set!(self, fmi3SetUInt64, reference, value as u64),
-            ValueType::Integer(_, true) | ValueType::Enumeration => set!(self, fmi3SetInt64, reference, value as i64),
-            ValueType::Boolean => set!(self, fmi3SetBoolean, reference, value != 0.0),
+            ValueType::Float64 => set!(self, fmi3SetFloat64, port, values, f64, |value| value),
+            ValueType::Float32 => set!(self, fmi3SetFloat32, port, values, f32, |value| value as f32),
+            ValueType::Integer(8, true) => set!(self, fmi3SetInt8, port, values, i8, |value| value as i8),
+            ValueType::Integer(8, false) => set!(self, fmi3SetUInt8, port, values, u8, |value| value as u8),
+            ValueType::Integer(16, true) => set!(self, fmi3SetInt16, port, values, i16, |value| value as i16),
+            ValueType::Integer(16, false) => set!(self, fmi3SetUInt16, port, values, u16, |value| value as u16),
+            ValueType::Integer(32, true) => set!(self, fmi3SetInt32, port, values, i32, |value| value as i32),
+            ValueType::Integer(32, false) => set!(self, fmi3SetUInt32, port, values, u32, |value| value as u32),
+            ValueType::Integer(_, false) => set!(self, fmi3SetUInt64, port, values, u64, |value| value as u64),
+            ValueType::Integer(_, true) | ValueType::Enumeration => {
+                set!(self, fmi3SetInt64, port, values, i64, |value| value as i64)
+            }
+            ValueType::Boolean => set!(self, fmi3SetBoolean, port, values, bool, |value| value != 0.0),
             ValueType::String | ValueType::Binary | ValueType::Clock => {
                 Err(self.messages.error("fmi3SetFloat64", format!("a {} is no number", port.value_type)))
             }
@@ -153,25 +202,36 @@ impl Calls for Three {
 
     fn set_text(&mut self, reference: u32, text: &CStr) -> Result<(), CallError> {
         let pointer: fmi3String = text.as_ptr();
-        set!(self, fmi3SetString, reference, pointer)
+        // SAFETY: as for numbers.
+        let status = unsafe { self.binding().fmi3SetString(self.instance, &reference, 1, &pointer, 1) };
+        self.judge("fmi3SetString", status)
     }
 
-    fn get(&mut self, port: Port) -> Result<f64, CallError> {
-        let reference = port.reference;
+    fn get_text(&mut self, port: Port, texts: &mut Vec<String>) -> Result<(), CallError> {
+        let mut pointers: Vec<fmi3String> = vec![std::ptr::null(); port.count as usize];
+        let (start, count) = (pointers.as_mut_ptr(), pointers.len());
+        let status = unsafe { self.binding().fmi3GetString(self.instance, &port.reference, 1, start, count) };
+        self.judge("fmi3GetString", status)?;
+        // SAFETY: the texts are the unit's until the next call, and are copied.
+        texts.extend(pointers.into_iter().map(|text| unsafe { owned(text) }));
+        Ok(())
+    }
+
+    fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError> {
         match port.value_type {
-            ValueType::Float64 => get!(self, fmi3GetFloat64, reference, f64),
-            ValueType::Float32 => get!(self, fmi3GetFloat32, reference, f32).map(f64::from),
-            ValueType::Integer(8, true) => get!(self, fmi3GetInt8, reference, i8).map(f64::from),
-            ValueType::Integer(8, false) => get!(self, fmi3GetUInt8, reference, u8).map(f64::from),
-            ValueType::Integer(16, true) => get!(self, fmi3GetInt16, reference, i16).map(f64::from),
-            ValueType::Integer(16, false) => get!(self, fmi3GetUInt16, reference, u16).map(f64::from),
-            ValueType::Integer(32, true) => get!(self, fmi3GetInt32, reference, i32).map(f64::from),
-            ValueType::Integer(32, false) => get!(self, fmi3GetUInt32, reference, u32).map(f64::from),
-            ValueType::Integer(_, false) => get!(self, fmi3GetUInt64, reference, u64).map(|value| value as f64),
+            ValueType::Float64 => get!(self, fmi3GetFloat64, port, values, f64, |value| value),
+            ValueType::Float32 => get!(self, fmi3GetFloat32, port, values, f32, f64::from),
+            ValueType::Integer(8, true) => get!(self, fmi3GetInt8, port, values, i8, f64::from),
+            ValueType::Integer(8, false) => get!(self, fmi3GetUInt8, port, values, u8, f64::from),
+            ValueType::Integer(16, true) => get!(self, fmi3GetInt16, port, values, i16, f64::from),
+            ValueType::Integer(16, false) => get!(self, fmi3GetUInt16, port, values, u16, f64::from),
+            ValueType::Integer(32, true) => get!(self, fmi3GetInt32, port, values, i32, f64::from),
+            ValueType::Integer(32, false) => get!(self, fmi3GetUInt32, port, values, u32, f64::from),
+            ValueType::Integer(_, false) => get!(self, fmi3GetUInt64, port, values, u64, |value| value as f64),
             ValueType::Integer(_, true) | ValueType::Enumeration => {
-                get!(self, fmi3GetInt64, reference, i64).map(|value| value as f64)
+                get!(self, fmi3GetInt64, port, values, i64, |value| value as f64)
             }
-            ValueType::Boolean => get!(self, fmi3GetBoolean, reference, bool).map(|flag| f64::from(u8::from(flag))),
+            ValueType::Boolean => get!(self, fmi3GetBoolean, port, values, bool, |flag| f64::from(u8::from(flag))),
             ValueType::String | ValueType::Binary | ValueType::Clock => {
                 Err(self.messages.error("fmi3GetFloat64", format!("a {} is no number", port.value_type)))
             }
@@ -248,6 +308,98 @@ impl Calls for Three {
 
     fn alive(&self) -> bool {
         !self.dead
+    }
+}
+
+impl Equations for Three {
+    fn sizes(&mut self) -> Result<(usize, usize), CallError> {
+        let (mut states, mut indicators) = (0, 0);
+        // SAFETY (here and below): the instance is alive, slices hold as many numbers as is said, for the call.
+        let status = unsafe { self.binding().fmi3GetNumberOfContinuousStates(self.instance, &mut states) };
+        self.judge("fmi3GetNumberOfContinuousStates", status)?;
+        let status = unsafe { self.binding().fmi3GetNumberOfEventIndicators(self.instance, &mut indicators) };
+        self.judge("fmi3GetNumberOfEventIndicators", status)?;
+        Ok((states, indicators))
+    }
+
+    fn enter_event_mode(&mut self) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi3EnterEventMode(self.instance) };
+        self.judge("fmi3EnterEventMode", status)
+    }
+
+    fn enter_continuous_time_mode(&mut self) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi3EnterContinuousTimeMode(self.instance) };
+        self.judge("fmi3EnterContinuousTimeMode", status)
+    }
+
+    fn update(&mut self) -> Result<Update, CallError> {
+        let (mut again, mut terminate, mut nominals, mut values) = (false, false, false, false);
+        let (mut defined, mut next) = (false, 0.0);
+        let status = unsafe {
+            self.binding().fmi3UpdateDiscreteStates(
+                self.instance,
+                &mut again,
+                &mut terminate,
+                &mut nominals,
+                &mut values,
+                &mut defined,
+                &mut next,
+            )
+        };
+        self.judge("fmi3UpdateDiscreteStates", status)?;
+        Ok(Update { again, terminate, next: defined.then_some(next) })
+    }
+
+    fn set_point(&mut self, time: f64, states: &[f64]) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi3SetTime(self.instance, time) };
+        self.judge("fmi3SetTime", status)?;
+        if states.is_empty() {
+            return Ok(());
+        }
+        let (start, count) = (states.as_ptr(), states.len());
+        let status = unsafe { self.binding().fmi3SetContinuousStates(self.instance, start, count) };
+        self.judge("fmi3SetContinuousStates", status)
+    }
+
+    fn states(&mut self, states: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (states.as_mut_ptr(), states.len());
+        let status = unsafe { self.binding().fmi3GetContinuousStates(self.instance, start, count) };
+        self.judge("fmi3GetContinuousStates", status)
+    }
+
+    fn nominals(&mut self, nominals: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (nominals.as_mut_ptr(), nominals.len());
+        let status = unsafe { self.binding().fmi3GetNominalsOfContinuousStates(self.instance, start, count) };
+        self.judge("fmi3GetNominalsOfContinuousStates", status)
+    }
+
+    fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (derivatives.as_mut_ptr(), derivatives.len());
+        let status = unsafe { self.binding().fmi3GetContinuousStateDerivatives(self.instance, start, count) };
+        self.judge("fmi3GetContinuousStateDerivatives", status)
+    }
+
+    fn indicators(&mut self, indicators: &mut [f64]) -> Result<(), CallError> {
+        if indicators.is_empty() {
+            return Ok(());
+        }
+        let (start, count) = (indicators.as_mut_ptr(), indicators.len());
+        let status = unsafe { self.binding().fmi3GetEventIndicators(self.instance, start, count) };
+        self.judge("fmi3GetEventIndicators", status)
+    }
+
+    fn completed(&mut self) -> Result<(bool, bool), CallError> {
+        if !self.library.equations.is_some_and(|equations| equations.completed) {
+            return Ok((false, false));
+        }
+        let (mut event, mut end) = (false, false);
+        let status = unsafe { self.binding().fmi3CompletedIntegratorStep(self.instance, true, &mut event, &mut end) };
+        self.judge("fmi3CompletedIntegratorStep", status)?;
+        Ok((event, end))
+    }
+
+    fn stuck(&self, reason: String) -> CallError {
+        self.messages.error("the integration", reason)
     }
 }
 

@@ -2,11 +2,13 @@
 
 #![allow(unsafe_code)] // calls into a C library
 
-use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped};
+use super::exchange::{Equations, Update};
+use super::{CallError, Calls, FATAL, Messages, Place, Port, Stepped, owned};
 use crate::description::ValueType;
 use crate::unit::{Functions, Library};
 use fmi::fmi2::binding::{
-    Fmi2Binding, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate, fmi2String, fmi2Type_fmi2CoSimulation,
+    Fmi2Binding, fmi2CallbackFunctions, fmi2Component, fmi2EventInfo, fmi2FMUstate, fmi2String,
+    fmi2Type_fmi2CoSimulation, fmi2Type_fmi2ModelExchange,
 };
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_void};
@@ -87,7 +89,7 @@ impl Two {
         two.component = unsafe {
             two.binding().fmi2Instantiate(
                 library.name.as_ptr(),
-                fmi2Type_fmi2CoSimulation,
+                if library.equations.is_some() { fmi2Type_fmi2ModelExchange } else { fmi2Type_fmi2CoSimulation },
                 library.token.as_ptr(),
                 library.resources.as_ref().map_or(std::ptr::null(), |uri| uri.as_ptr()),
                 std::ptr::from_ref(two._callbacks.as_ref()),
@@ -156,7 +158,16 @@ impl Calls for Two {
         self.judge("fmi2ExitInitializationMode", status)
     }
 
-    fn set(&mut self, port: Port, value: f64) -> Result<(), CallError> {
+    /// FMI 2.0 has no structural parameters.
+    fn configure(&mut self, _begin: bool) -> Result<(), CallError> {
+        Err(self.messages.error("fmi3EnterConfigurationMode", "nothing: it is of FMI 3.0"))
+    }
+
+    /// Arrays are of FMI 3.0: here a variable has one value.
+    fn set(&mut self, port: Port, values: &[f64]) -> Result<(), CallError> {
+        let &[value] = values else {
+            return Err(self.messages.error("fmi2SetReal", "nothing: FMI 2.0 has no arrays"));
+        };
         let (component, reference) = (self.component, port.reference);
         let (integer, flag) = (value as i32, i32::from(value != 0.0));
         match port.value_type {
@@ -184,21 +195,30 @@ impl Calls for Two {
         self.judge("fmi2SetString", status)
     }
 
-    fn get(&mut self, port: Port) -> Result<f64, CallError> {
+    fn get_text(&mut self, port: Port, texts: &mut Vec<String>) -> Result<(), CallError> {
+        let mut text: fmi2String = std::ptr::null();
+        let status = unsafe { self.binding().fmi2GetString(self.component, &port.reference, 1, &mut text) };
+        self.judge("fmi2GetString", status)?;
+        // SAFETY: the text is the unit's until the next call, and is copied.
+        texts.push(unsafe { owned(text) });
+        Ok(())
+    }
+
+    fn get(&mut self, port: Port, values: &mut Vec<f64>) -> Result<(), CallError> {
         let (component, reference) = (self.component, port.reference);
         let (mut real, mut integer) = (0.0, 0);
         match port.value_type {
             ValueType::Float64 | ValueType::Float32 => {
                 let status = unsafe { self.binding().fmi2GetReal(component, &reference, 1, &mut real) };
-                self.judge("fmi2GetReal", status).map(|()| real)
+                self.judge("fmi2GetReal", status).map(|()| values.push(real))
             }
             ValueType::Boolean => {
                 let status = unsafe { self.binding().fmi2GetBoolean(component, &reference, 1, &mut integer) };
-                self.judge("fmi2GetBoolean", status).map(|()| f64::from(u8::from(integer != 0)))
+                self.judge("fmi2GetBoolean", status).map(|()| values.push(f64::from(u8::from(integer != 0))))
             }
             ValueType::Integer(..) | ValueType::Enumeration => {
                 let status = unsafe { self.binding().fmi2GetInteger(component, &reference, 1, &mut integer) };
-                self.judge("fmi2GetInteger", status).map(|()| f64::from(integer))
+                self.judge("fmi2GetInteger", status).map(|()| values.push(f64::from(integer)))
             }
             ValueType::String | ValueType::Binary | ValueType::Clock => {
                 Err(self.messages.error("fmi2GetReal", format!("a {} is no number", port.value_type)))
@@ -260,6 +280,93 @@ impl Calls for Two {
 
     fn alive(&self) -> bool {
         !self.dead
+    }
+}
+
+impl Equations for Two {
+    fn sizes(&mut self) -> Result<(usize, usize), CallError> {
+        Ok(self.library.equations.map_or((0, 0), |sizes| (sizes.states as usize, sizes.indicators as usize)))
+    }
+
+    fn enter_event_mode(&mut self) -> Result<(), CallError> {
+        // SAFETY (here and below): the component is alive, slices hold as many numbers as is said, for the call.
+        let status = unsafe { self.binding().fmi2EnterEventMode(self.component) };
+        self.judge("fmi2EnterEventMode", status)
+    }
+
+    fn enter_continuous_time_mode(&mut self) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi2EnterContinuousTimeMode(self.component) };
+        self.judge("fmi2EnterContinuousTimeMode", status)
+    }
+
+    fn update(&mut self) -> Result<Update, CallError> {
+        let mut info = fmi2EventInfo {
+            newDiscreteStatesNeeded: 0,
+            terminateSimulation: 0,
+            nominalsOfContinuousStatesChanged: 0,
+            valuesOfContinuousStatesChanged: 0,
+            nextEventTimeDefined: 0,
+            nextEventTime: 0.0,
+        };
+        let status = unsafe { self.binding().fmi2NewDiscreteStates(self.component, &mut info) };
+        self.judge("fmi2NewDiscreteStates", status)?;
+        Ok(Update {
+            again: info.newDiscreteStatesNeeded != 0,
+            terminate: info.terminateSimulation != 0,
+            next: (info.nextEventTimeDefined != 0).then_some(info.nextEventTime),
+        })
+    }
+
+    fn set_point(&mut self, time: f64, states: &[f64]) -> Result<(), CallError> {
+        let status = unsafe { self.binding().fmi2SetTime(self.component, time) };
+        self.judge("fmi2SetTime", status)?;
+        if states.is_empty() {
+            return Ok(());
+        }
+        let (start, count) = (states.as_ptr(), states.len());
+        let status = unsafe { self.binding().fmi2SetContinuousStates(self.component, start, count) };
+        self.judge("fmi2SetContinuousStates", status)
+    }
+
+    fn states(&mut self, states: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (states.as_mut_ptr(), states.len());
+        let status = unsafe { self.binding().fmi2GetContinuousStates(self.component, start, count) };
+        self.judge("fmi2GetContinuousStates", status)
+    }
+
+    fn nominals(&mut self, nominals: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (nominals.as_mut_ptr(), nominals.len());
+        let status = unsafe { self.binding().fmi2GetNominalsOfContinuousStates(self.component, start, count) };
+        self.judge("fmi2GetNominalsOfContinuousStates", status)
+    }
+
+    fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<(), CallError> {
+        let (start, count) = (derivatives.as_mut_ptr(), derivatives.len());
+        let status = unsafe { self.binding().fmi2GetDerivatives(self.component, start, count) };
+        self.judge("fmi2GetDerivatives", status)
+    }
+
+    fn indicators(&mut self, indicators: &mut [f64]) -> Result<(), CallError> {
+        if indicators.is_empty() {
+            return Ok(());
+        }
+        let (start, count) = (indicators.as_mut_ptr(), indicators.len());
+        let status = unsafe { self.binding().fmi2GetEventIndicators(self.component, start, count) };
+        self.judge("fmi2GetEventIndicators", status)
+    }
+
+    fn completed(&mut self) -> Result<(bool, bool), CallError> {
+        if !self.library.equations.is_some_and(|equations| equations.completed) {
+            return Ok((false, false));
+        }
+        let (mut event, mut end) = (0, 0);
+        let status = unsafe { self.binding().fmi2CompletedIntegratorStep(self.component, 1, &mut event, &mut end) };
+        self.judge("fmi2CompletedIntegratorStep", status)?;
+        Ok((event != 0, end != 0))
+    }
+
+    fn stuck(&self, reason: String) -> CallError {
+        self.messages.error("the integration", reason)
     }
 }
 

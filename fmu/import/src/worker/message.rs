@@ -4,7 +4,7 @@
 
 use crate::description::ValueType;
 use crate::instance::{Action, Answer, CallError, Port, StartValue, Stepped};
-use crate::unit::Plan;
+use crate::unit::{Equations, Plan};
 use std::ffi::CString;
 use std::io::{self, Read, Write};
 
@@ -91,6 +91,11 @@ impl Bytes {
         self.byte(kind);
         self.byte(detail);
         self.whole(port.reference);
+        self.whole(port.count);
+    }
+    fn reals(&mut self, values: &[f64]) {
+        self.whole(values.len() as u32);
+        values.iter().for_each(|value| self.real(*value));
     }
     fn action(&mut self, action: &Action<'_>) {
         match *action {
@@ -99,8 +104,17 @@ impl Bytes {
                 self.port(port);
                 self.real(value);
             }
+            Action::SetArray(port, elements) => {
+                self.byte(8);
+                self.port(port);
+                self.bytes(elements);
+            }
             Action::Get(port) => {
                 self.byte(1);
+                self.port(port);
+            }
+            Action::GetText(port) => {
+                self.byte(9);
                 self.port(port);
             }
             Action::Step { time, duration } => {
@@ -171,7 +185,7 @@ impl<'a> Content<'a> {
             8 => ValueType::Clock,
             9.. => return Err(broken()),
         };
-        Ok(Port { value_type, reference: self.whole()? })
+        Ok(Port { value_type, reference: self.whole()?, count: self.whole()? })
     }
     fn action(&mut self) -> io::Result<Action<'a>> {
         Ok(match self.byte()? {
@@ -183,13 +197,16 @@ impl<'a> Content<'a> {
             5 => Action::Forget(self.whole()?),
             6 => Action::Serialize,
             7 => Action::Deserialize(self.bytes()?),
-            8.. => return Err(broken()),
+            8 => Action::SetArray(self.port()?, self.bytes()?),
+            9 => Action::GetText(self.port()?),
+            10.. => return Err(broken()),
         })
     }
     fn start_value(&mut self) -> io::Result<(Port, StartValue)> {
         let port = self.port()?;
         let value = match self.byte()? {
-            0 => StartValue::Number(self.real()?),
+            0 => StartValue::Structure(self.real()?),
+            1 => StartValue::Numbers(self.list(Self::real)?),
             _ => StartValue::Text(CString::new(self.bytes()?).map_err(|_| broken())?),
         };
         Ok((port, value))
@@ -209,6 +226,12 @@ impl<'a> Request<'a> {
                 }
                 bytes.byte(u8::from(plan.resources.is_some()));
                 bytes.bytes(plan.resources.as_deref().unwrap_or_default().as_bytes());
+                bytes.byte(u8::from(plan.equations.is_some()));
+                let none = Equations { states: 0, indicators: 0, completed: false };
+                let Equations { states, indicators, completed } = plan.equations.unwrap_or(none);
+                bytes.whole(states);
+                bytes.whole(indicators);
+                bytes.byte(u8::from(completed));
             }
             Self::New { number, start_values, start } => {
                 bytes = Bytes::new(1);
@@ -217,12 +240,16 @@ impl<'a> Request<'a> {
                 for (port, value) in start_values {
                     bytes.port(*port);
                     match value {
-                        StartValue::Number(number) => {
+                        StartValue::Structure(number) => {
                             bytes.byte(0);
                             bytes.real(*number);
                         }
-                        StartValue::Text(text) => {
+                        StartValue::Numbers(numbers) => {
                             bytes.byte(1);
+                            bytes.reals(numbers);
+                        }
+                        StartValue::Text(text) => {
+                            bytes.byte(2);
                             bytes.bytes(text.as_bytes());
                         }
                     }
@@ -256,7 +283,11 @@ impl<'a> Request<'a> {
                 let (file, name, token) = (text()?, text()?, text()?);
                 let (folder, progress) = (text()?, text()?);
                 let (has, resources) = (content.byte()? > 0, content.text()?);
-                let plan = Plan { major, file, name, token, resources: has.then_some(resources) };
+                let resources = has.then_some(resources);
+                let exchange = content.byte()? > 0;
+                let (states, indicators, completed) = (content.whole()?, content.whole()?, content.byte()? > 0);
+                let equations = exchange.then_some(Equations { states, indicators, completed });
+                let plan = Plan { major, file, name, token, resources, equations };
                 Self::Load { plan, folder, progress }
             }
             1 => Self::New {
@@ -277,8 +308,9 @@ pub(super) fn write_reply(reply: &Reply) -> Bytes {
     match reply {
         Ok(answer) => {
             bytes = Bytes::new(0);
-            bytes.whole(answer.values.len() as u32);
-            answer.values.iter().for_each(|value| bytes.real(*value));
+            bytes.reals(&answer.values);
+            bytes.whole(answer.texts.len() as u32);
+            answer.texts.iter().for_each(|text| bytes.bytes(text.as_bytes()));
             let (kind, time) = match answer.stepped {
                 Stepped::Whole => (0, 0.0),
                 Stepped::Part(time) => (1, time),
@@ -306,13 +338,13 @@ pub(super) fn read_reply(content: &[u8]) -> io::Result<Reply> {
         let (function, status) = (content.text()?, content.text()?);
         return Ok(Err(CallError { function, status, messages: content.list(Content::text)? }));
     }
-    let values = content.list(Content::real)?;
+    let (values, texts) = (content.list(Content::real)?, content.list(Content::text)?);
     let stepped = match (content.byte()?, content.real()?) {
         (0, _) => Stepped::Whole,
         (1, time) => Stepped::Part(time),
         (2.., time) => Stepped::Ended(time),
     };
-    Ok(Ok(Answer { values, stepped, bytes: content.bytes()?.to_vec() }))
+    Ok(Ok(Answer { values, texts, stepped, bytes: content.bytes()?.to_vec() }))
 }
 
 #[cfg(test)]
@@ -330,14 +362,26 @@ mod tests {
             ValueType::Enumeration,
             ValueType::String,
         ];
-        (prop::sample::select(types.to_vec()), any::<u32>())
-            .prop_map(|(value_type, reference)| Port { value_type, reference })
+        (prop::sample::select(types.to_vec()), any::<u32>(), any::<u32>())
+            .prop_map(|(value_type, reference, count)| Port { value_type, reference, count })
     }
 
     fn content(bytes: &Bytes) -> Vec<u8> {
         let mut content = Vec::new();
         assert!(receive(&mut bytes.0.as_slice(), &mut content).expect("whole"));
         content
+    }
+
+    #[test]
+    fn a_plan_is_read_as_it_was_written() {
+        for (resources, equations) in
+            [(None, None), (Some("r/".to_owned()), Some(Equations { states: 2, indicators: 3, completed: true }))]
+        {
+            let [file, name, token] = ["a.so", "a", "{a}"].map(str::to_owned);
+            let plan = Plan { major: 3, file, name, token, resources, equations };
+            let request = Request::Load { plan, folder: "f".to_owned(), progress: "p".to_owned() };
+            assert_eq!(Request::read(&content(&request.write())).expect("sound"), request);
+        }
     }
 
     proptest! {
@@ -348,12 +392,16 @@ mod tests {
             let actions = vec![
                 Action::Deserialize(&state), Action::Set(a, value), Action::Save(place),
                 Action::Step { time: value, duration: 2.0 }, Action::Get(b), Action::Restore(place),
-                Action::Forget(place), Action::Serialize,
+                Action::Forget(place), Action::Serialize, Action::SetArray(b, &state), Action::GetText(a),
             ];
             let request = Request::Act { number, actions };
             let written = content(&request.write());
             prop_assert_eq!(Request::read(&written).expect("sound"), request);
-            let start_values = vec![(a, StartValue::Number(value)), (b, StartValue::Text(c"set".to_owned()))];
+            let start_values = vec![
+                (a, StartValue::Structure(value)),
+                (b, StartValue::Numbers(vec![value, 1.0])),
+                (b, StartValue::Text(c"set".to_owned())),
+            ];
             let request = Request::New { number, start_values, start: value };
             let written = content(&request.write());
             prop_assert_eq!(Request::read(&written).expect("sound"), request);
@@ -362,7 +410,7 @@ mod tests {
         #[test]
         fn a_reply_is_read_as_it_was_written(values: Vec<f32>, time in 0.0..1e9f64, bytes: Vec<u8>, text: String) {
             let values: Vec<f64> = values.into_iter().filter(|value| !value.is_nan()).map(f64::from).collect();
-            let reply = Ok(Answer { values, stepped: Stepped::Part(time), bytes });
+            let reply = Ok(Answer { values, texts: vec![text.clone()], stepped: Stepped::Part(time), bytes });
             prop_assert_eq!(read_reply(&content(&write_reply(&reply))).expect("sound"), reply);
             let reply = Err(CallError { function: text.clone(), status: "error".into(), messages: vec![text] });
             prop_assert_eq!(read_reply(&content(&write_reply(&reply))).expect("sound"), reply);

@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Function of FMI that an action calls, for messages.
-fn function(action: &Action<'_>, major: u32) -> String {
+fn function(action: &Action<'_>, major: u32, exchange: bool) -> String {
     let typed = |verb: &str, port: &Port| match (major, port.value_type) {
         (2, ValueType::Boolean) => format!("fmi2{verb}Boolean"),
         (2, ValueType::Integer(..) | ValueType::Enumeration) => format!("fmi2{verb}Integer"),
@@ -41,8 +41,10 @@ fn function(action: &Action<'_>, major: u32) -> String {
     };
     let state = if major == 2 { "FMUstate" } else { "FMUState" };
     match action {
-        Action::Set(port, _) => typed("Set", port),
+        Action::Set(port, _) | Action::SetArray(port, _) => typed("Set", port),
         Action::Get(port) => typed("Get", port),
+        Action::GetText(_) => format!("fmi{major}GetString"),
+        Action::Step { .. } if exchange => "the integration of its equations".to_owned(),
         Action::Step { .. } => format!("fmi{major}DoStep"),
         Action::Save(_) => format!("fmi{major}Get{state}"),
         Action::Restore(_) => format!("fmi{major}Set{state}"),
@@ -138,7 +140,7 @@ impl Workers {
                 }
             }
         };
-        let major = self.plan.major;
+        let (major, exchange) = (self.plan.major, self.plan.equations.is_some());
         let number = {
             let mut worker = locked(&worker);
             worker.instances += 1;
@@ -152,7 +154,7 @@ impl Workers {
             worker.ask(&request.write(), &named)?;
             number
         };
-        Ok(Box::new(Remote { worker, number, major }))
+        Ok(Box::new(Remote { worker, number, major, exchange }))
     }
 }
 
@@ -277,6 +279,7 @@ struct Remote {
     worker: Arc<Mutex<Worker>>,
     number: u32,
     major: u32,
+    exchange: bool,
 }
 
 impl std::fmt::Debug for Remote {
@@ -287,7 +290,9 @@ impl std::fmt::Debug for Remote {
 
 impl Body for Remote {
     fn act(&mut self, actions: &[Action<'_>], answer: &mut Answer) -> Result<(), CallError> {
-        let named = |call: usize| actions.get(call).map_or_else(String::new, |action| function(action, self.major));
+        let named = |call: usize| {
+            actions.get(call).map_or_else(String::new, |action| function(action, self.major, self.exchange))
+        };
         *answer = locked(&self.worker).ask(&Request::act(self.number, actions), &named)?;
         Ok(())
     }

@@ -29,24 +29,38 @@ const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 /// The unit as an FMU in `folder`, compiled with `switches`, its description changed from → to.
 pub fn unit(folder: &Path, switches: &[&str], change: (&str, &str)) -> PathBuf {
-    let (library, source) = (folder.join("wear.so"), folder.join("wear.c"));
-    std::fs::write(&source, include_str!("wear.c")).expect("writable");
+    let changes = [change];
+    changed(folder, switches, if change.0.is_empty() { &[] } else { &changes })
+}
+
+/// The unit, with several changes of its description.
+pub fn changed(folder: &Path, switches: &[&str], changes: &[(&str, &str)]) -> PathBuf {
+    let mut description = DESCRIPTION.to_owned();
+    for (from, to) in changes {
+        assert!(description.contains(from), "{from} is in the description");
+        description = description.replacen(from, to, 1);
+    }
+    compiled(folder, "wear", include_str!("wear.c"), &description, switches, 2)
+}
+
+/// A unit of FMI `major` from a file of C, compiled with `switches`.
+pub fn compiled(folder: &Path, name: &str, source: &str, description: &str, switches: &[&str], major: u8) -> PathBuf {
+    let (library, file) = (folder.join(format!("{name}.so")), folder.join(format!("{name}.c")));
+    std::fs::write(&file, source).expect("writable");
     let compiled = Command::new("cc")
         .args(["-shared", "-fPIC", "-O1", "-w", "-fvisibility=hidden", "-o"])
         .arg(&library)
         .args(switches.iter().map(|switch| format!("-D{switch}")))
-        .arg(&source)
+        .arg(&file)
         .status()
         .expect("a C compiler");
     assert!(compiled.success());
-    let path = folder.join("wear.fmu");
+    let path = folder.join(format!("{name}.fmu"));
     let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).expect("writable"));
     let host = Platform::host().expect("tests run on a known platform");
-    let name = format!("binaries/{}/wear{}", host.fmi2, std::env::consts::DLL_SUFFIX);
-    let description = DESCRIPTION.replacen(change.0, change.1, 1);
-    assert!(change.0.is_empty() || description != DESCRIPTION, "{} is in the description", change.0);
+    let binary = format!("binaries/{}/{name}{}", host.folder(major), std::env::consts::DLL_SUFFIX);
     let bytes = std::fs::read(&library).expect("compiled");
-    for (name, bytes) in [("modelDescription.xml", description.as_bytes()), (&name, &bytes)] {
+    for (name, bytes) in [("modelDescription.xml", description.as_bytes()), (&binary, &bytes)] {
         zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("an entry");
         zip.write_all(bytes).expect("an entry");
     }

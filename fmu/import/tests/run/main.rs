@@ -1,9 +1,12 @@
 //! Units that run, and units that do what units do wrong.
 #![cfg(feature = "fmi")]
 
+mod arrays;
+mod exchange;
 mod fixture;
 
 use fixture::unit;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
@@ -189,8 +192,6 @@ fn a_wiring_that_cannot_be_is_refused_with_what_there_is() {
         let refused = machine(&path, &wiring).expect_err(expected).to_string();
         assert!(refused.contains(expected), "{refused}");
     }
-    let fixed = unit(folder.path(), &[], ("canHandleVariableCommunicationStepSize=\"true\"", ""));
-    assert_eq!(machine(&fixed, &wiring()).expect_err("fixed step"), WiringError::FixedStep);
 }
 
 #[test]
@@ -240,8 +241,8 @@ fn a_unit_that_cannot_be_loaded_is_told_why() {
     let load = |path: &Path| Unit::load(path, &Isolation::None).map(|_| ()).expect_err("refused");
     let missing = load(&unit(folder.path(), &["NO_STEP"], ("", "")));
     assert!(matches!(&missing, LoadError::Symbols { missing, .. } if missing == "fmi2DoStep"), "{missing}");
-    let exchange = load(&unit(folder.path(), &[], ("<CoSimulation", "<ModelExchange")));
-    assert!(matches!(exchange, LoadError::NoCoSimulation { .. }), "{exchange}");
+    let scheduled = load(&unit(folder.path(), &[], ("<CoSimulation", "<ScheduledExecution")));
+    assert!(matches!(&scheduled, LoadError::Interface { there, .. } if there == "Scheduled Execution"), "{scheduled}");
     let named = load(&unit(folder.path(), &[], ("modelIdentifier=\"wear\"", "modelIdentifier=\"other\"")));
     assert!(matches!(named, LoadError::Platform { .. }), "{named}");
     let path = folder.path().join("text.fmu");
@@ -258,7 +259,7 @@ fn a_simulation_writes_a_row_for_each_communication_point() {
     let folder = TempDir::new().expect("a folder");
     let unit = Arc::new(Unit::load(&unit(folder.path(), &[], ("", "")), &Isolation::None).expect("it loads"));
     let table = "time [s],cut.cutting_speed [m/min],cut.engaged\n0,60,true\n10,60,1\n20,120,false\n";
-    let inputs = Inputs::read(unit.description(), table.as_bytes()).expect("a table");
+    let inputs = Inputs::read(unit.description(), &BTreeMap::new(), table.as_bytes()).expect("a table");
     let mut rows = Vec::new();
     let done = simulate(&unit, &Experiment::default(), Some(&inputs), &mut rows).expect("to the end");
     assert_eq!((done.stop, done.step, done.steps), (20.0, 1.0, 20));
@@ -276,7 +277,8 @@ fn a_simulation_writes_a_row_for_each_communication_point() {
         ("time,cut.engaged\n0,1,2\n", "line 2"),
         ("time,cut.engaged\n", "no rows"),
     ] {
-        let refused = Inputs::read(unit.description(), table.as_bytes()).expect_err(expected).to_string();
+        let refused =
+            Inputs::read(unit.description(), &BTreeMap::new(), table.as_bytes()).expect_err(expected).to_string();
         assert!(refused.contains(expected), "{refused}");
     }
 }

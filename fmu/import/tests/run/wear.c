@@ -7,10 +7,14 @@
    UNITS   only as many instances as it says are alive at one time
    VALUE   the wear that it tells of, mm, from 100 s on
    BEFORE  an expression that is evaluated before each step from 100 s on, such as a crash
-   DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s */
+   DISCARD longest step that it takes, s; TERMINATE  the time at which it ends the simulation, s
+   EXCHANGE  Model Exchange in place of Co-Simulation: wear is a state, its limit a state event; TICK  from this time on,
+   s, a time event, the unit wears twice as fast; CALLS  a step event after so many steps of the integrator;
+   REFUSES  no derivatives after this time, s; STIFF  equations for an implicit integrator */
 #include <math.h>
 #include <unistd.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +25,7 @@ typedef struct {
 
 typedef struct {
     double time, speed, wear, rate;
-    int engaged, worn;
+    int engaged, worn, ticked, steps;
 } State;
 
 typedef struct {
@@ -29,7 +33,7 @@ typedef struct {
     const Callbacks *callbacks;
 } Unit;
 
-static const State START = {0.0, 0.5, 0.0, 1e-6, 1, 0};
+static const State START = {0.0, 0.5, 0.0, 1e-6, 1};
 
 static int units;
 static double last, ended;
@@ -157,6 +161,68 @@ E int fmi2GetDirectionalDerivative(void *u, const unsigned *z, size_t nz, const 
                                    double *o) { return 3; }
 E int fmi2SetRealInputDerivatives(void *u, const unsigned *r, size_t n, const int *o, const double *v) { return 3; }
 E int fmi2GetRealOutputDerivatives(void *u, const unsigned *r, size_t n, const int *o, double *v) { return 3; }
+#ifdef EXCHANGE
+typedef struct { int again, terminate, nominals, values, defined; double next; } EventInfo;
+#ifndef TICK
+#define TICK 1e300
+#endif
+E int fmi2EnterEventMode(void *u) { return 0; }
+E int fmi2EnterContinuousTimeMode(void *u) { return 0; }
+E int fmi2NewDiscreteStates(void *u, EventInfo *e) {
+    State *s = &((Unit *)u)->state;
+    int due = !s->ticked && s->time >= TICK;
+    memset(e, 0, sizeof *e);
+    if (due) s->rate *= 2, s->ticked = 1;
+    s->worn = !(0.3e-3 - s->wear > 0);
+    e->again = due;
+    if ((e->defined = !s->ticked)) e->next = TICK;
+#ifdef TERMINATE
+    e->terminate = s->time >= TERMINATE;
+    if (s->time < TERMINATE && (!e->defined || TERMINATE < TICK)) e->defined = 1, e->next = TERMINATE;
+#endif
+    return 0;
+}
+E int fmi2CompletedIntegratorStep(void *u, int no, int *event, int *end) {
+    State *s = &((Unit *)u)->state;
+    *event = *end = 0;
+#ifdef CALLS
+    *event = ++s->steps % CALLS == 0;
+#endif
+    return 0;
+}
+E int fmi2SetTime(void *u, double t) {
+    ((Unit *)u)->state.time = t;
+    return 0;
+}
+E int fmi2SetContinuousStates(void *u, const double *x, size_t n) {
+    ((Unit *)u)->state.wear = x[0];
+    return 0;
+}
+E int fmi2GetContinuousStates(void *u, double *x, size_t n) {
+    x[0] = ((Unit *)u)->state.wear;
+    return 0;
+}
+E int fmi2GetNominalsOfContinuousStates(void *u, double *x, size_t n) {
+    x[0] = 1e-3;
+    return 0;
+}
+E int fmi2GetDerivatives(void *u, double *d, size_t n) {
+    State *s = &((Unit *)u)->state;
+#ifdef REFUSES
+    if (s->time > REFUSES) return 2;
+#endif
+#ifdef STIFF
+    d[0] = -1e9 * (s->wear - 1e-4 * s->time);
+    return 0;
+#endif
+    d[0] = s->engaged ? s->rate * s->speed : 0;
+    return 0;
+}
+E int fmi2GetEventIndicators(void *u, double *z, size_t n) {
+    z[0] = 0.3e-3 - ((Unit *)u)->state.wear;
+    return 0;
+}
+#endif
 #ifndef NO_STEP
 E int fmi2DoStep(void *u, double time, double step, int prior) {
     State *s = &((Unit *)u)->state;

@@ -224,8 +224,8 @@ impl<N: Number> Milling<N> {
     /// Right-hand side in a cut that is known already.
     pub(super) fn rates_in(&self, at: &Engagement<N>, x: &MillingState<N>) -> MillingState<N> {
         let u = &at.input;
-        let worn = least(x.flank_wear / self.life.wear_limit, N::from(1.0));
-        let stage = self.life.stage_contrast * (worn * (-worn + 1.0) * 6.0 - 1.0) + 1.0;
+        let worn = x.flank_wear / self.life.wear_limit;
+        let stage = toolroom_wear::wear_stage(worn, self.life.stage_contrast, self.life.stage_tilt);
         let flank_wear = self.life.wear_limit * at.damage_rate * at.terms.wear_rate / stage;
         let in_material = at.arc.angle / TAU;
         let path = u.cutting_speed * in_material * u.engaged;

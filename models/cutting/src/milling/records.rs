@@ -173,7 +173,8 @@ record! {
     /// `tool_life = reference_life · (v/v_r)^-p · (f_z/f_r)^-q · (a_p/a_r)^-r · (a_e/e_r)^-s`,
     /// divided by `hardness^n` and the wear factors;
     /// `d flank_wear / d time = wear_limit / (tool_life · s(x))`, `x = flank_wear/wear_limit`,
-    /// `s(x) = 1 + stage_contrast·(6·x·(1 − x) − 1)`, whose integral over the life is 1.
+    /// `s(x) = 1 + stage_contrast·(6·x·(1 − x) − 1) + stage_tilt·(2·x − 1)`, whose integral over the
+    /// life is 1 ([`toolroom_wear::wear_stage`]).
     ///
     /// State of wear and conditions separate, so lives of changing conditions add up by linear
     /// damage: `Σ tᵢ/Tᵢ = 1` at the wear limit, in any order.
@@ -196,6 +197,9 @@ record! {
         hardness_exponent: Real = 1.0, 0.0..=5.0;
         /// Contrast of the three wear stages: 0 is a straight line, near 1 a sharp S.
         stage_contrast: Real = 0.6, 0.0..=0.95;
+        /// Tilt of the wear curve: positive where a new cutter wears faster than a spent one. At most
+        /// 0.95·(1 − stage_contrast) in absolute value.
+        stage_tilt: Real = 0.0, -0.95..=0.95;
         /// Flank wear at the end of the life (ISO 8688-2: 0.3 mm, mean over the teeth).
         wear_limit: Real["m" => "mm"] = 0.3e-3, 1e-6..=5e-3;
         /// Reference speed.

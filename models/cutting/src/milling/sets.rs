@@ -51,7 +51,8 @@ impl Milling {
         let mut milling = Self::default();
         file.fill(text, "cutter", &mut milling.cutter)?;
         file.fill(text, "force", &mut milling.force)?;
-        file.fill(text, "life", &mut milling.life)?;
+        file.fill_beside(text, "life", &mut milling.life, &["stage_tilt"])?;
+        toolroom_wear::check_tilt(milling.life.stage_contrast, milling.life.stage_tilt)?;
         file.fill(text, "chipping", &mut milling.chipping)?;
         Ok(milling)
     }

@@ -3,6 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use toolroom_numerics::order_quantile;
 
 /// Mean and scatter of a number over trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +37,7 @@ impl Scatter {
         let mean = values.iter().sum::<f64>() / n;
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
-        let median = quantile(&sorted, 0.5);
+        let median = order_quantile(&sorted, 0.5);
         if values.len() < 2 {
             return Self { mean, median, sd: None, ci95: None, prediction95: None };
         }
@@ -46,14 +47,6 @@ impl Scatter {
         let ci95 = about_mean(t * sd / n.sqrt());
         Self { mean, median, sd: Some(sd), ci95, prediction95: about_mean(t * sd * (1.0 + 1.0 / n).sqrt()) }
     }
-}
-
-/// Quantile of sorted values, linear between them (type 7 of Hyndman & Fan).
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let at = share * (sorted.len() - 1) as f64;
-    let (below, part) = (at.floor() as usize, at.fract());
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + part * (sorted[above] - sorted[below])
 }
 
 /// Quantiles of the mean over trials drawn with replacement.
@@ -92,8 +85,8 @@ pub(super) fn bootstrap(values: &[f64], resamples: usize, seed: u64) -> Option<B
         means.extend((0..resamples).map(|_| (0..n).map(|_| values[random.random_range(0..n)]).sum::<f64>() / n as f64));
     }
     means.sort_by(f64::total_cmp);
-    let ci95 = [quantile(&means, 0.025), quantile(&means, 0.975)];
-    Some(Bootstrap { ci95, median: quantile(&means, 0.5), resamples: means.len(), exact })
+    let ci95 = [order_quantile(&means, 0.025), order_quantile(&means, 0.975)];
+    Some(Bootstrap { ci95, median: order_quantile(&means, 0.5), resamples: means.len(), exact })
 }
 
 /// Mean without each value in turn.

@@ -5,6 +5,7 @@
 //! Rules without numbers of their own, such as [`DispatchRule`](crate::DispatchRule), are such
 //! lists themselves.
 
+use crate::MachineType;
 use toolroom_form::vocabulary;
 
 vocabulary! {
@@ -21,6 +22,16 @@ vocabulary! {
 }
 
 impl ProcessKind {
+    /// Words of what a machine can run: a process, or plain work alone.
+    pub const OF_MACHINES: &'static [&'static str] = &{
+        let mut words = [MachineType::PLAIN; Self::WORDS.len() + 1];
+        let mut i = 0;
+        while i < Self::WORDS.len() {
+            words[i] = Self::WORDS[i];
+            i += 1;
+        }
+        words
+    };
     /// Words of the processes whose edges cut passes at a commanded speed.
     pub const CUTTING: &'static [&'static str] = &[Self::Turning.word(), Self::Milling.word()];
     /// Words of those whose feed is given per tooth, with a width of cut.
@@ -39,21 +50,33 @@ vocabulary! {
 }
 
 vocabulary! {
-    /// Families of positive random times.
+    /// Families of random times.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum FamilyWord {
         /// Always the mean.
         Constant = "constant",
         /// Exponential by its mean.
         Exponential = "exponential",
+        /// Sum of equal exponential times, by mean and number of phases.
+        Erlang = "erlang",
+        /// Gamma by mean and coefficient of variation.
+        Gamma = "gamma",
         /// Lognormal by mean and coefficient of variation.
         Lognormal = "lognormal",
         /// Weibull by mean and shape.
         Weibull = "weibull",
         /// Triangular by least, most likely and greatest.
         Triangular = "triangular",
+        /// Beta by least, most likely and greatest, as estimated in PERT.
+        Beta = "beta",
+        /// Normal by mean and standard deviation, cut off at least and greatest.
+        Normal = "normal",
         /// Uniform by least and greatest.
         Uniform = "uniform",
+        /// Equally likely times at equal distances.
+        DiscreteUniform = "discrete_uniform",
+        /// Given times with their weights.
+        Empirical = "empirical",
     }
 }
 
@@ -74,6 +97,8 @@ vocabulary! {
     /// When jobs come.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum PatternWord {
+        /// Independent times between arrivals of any distribution.
+        Renewal = "renewal",
         /// Poisson process.
         Poisson = "poisson",
         /// Lots at a fixed interval.

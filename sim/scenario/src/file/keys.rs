@@ -9,7 +9,7 @@ use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field, schem
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
-use crate::{ContourRule, DispatchRule, FailureClock, Interruption};
+use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
@@ -23,6 +23,9 @@ const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64,
 pub(super) const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
     Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
 }
+
+/// The case of a machine or operation without a process.
+const PLAIN: &[&str] = &[MachineType::PLAIN];
 
 /// Ten years, s: longer times are slips of the unit.
 const DECADE: f64 = 10.0 * 365.0 * 86400.0;
@@ -48,23 +51,37 @@ const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
 /// What may become of a part in a machine that breaks down: nobody can finish it first.
 const AFTER_FAILURE: &[&str] = &[Interruption::Resume.word(), Interruption::Repeat.word(), Interruption::Scrap.word()];
 
-/// A positive random time; a plain duration in its place is a constant.
+/// A random time; a plain duration in its place is a constant.
 pub(super) static DISTRIBUTION: Form = Form {
     title: "distribution",
-    doc: "A positive random time",
+    doc: "A random time, 0 or longer, drawn by inversion of one random number",
     keys: &[
         Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
-        Key::required("mean", DURATION, "Mean")
-            .when("distribution", &["constant", "exponential", "lognormal", "weibull"]),
+        Key::required("mean", DURATION, "Mean; of `normal` that of the whole distribution, before it is cut off")
+            .when("distribution", &["constant", "exponential", "erlang", "gamma", "lognormal", "weibull", "normal"]),
         Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
-            .when("distribution", &["lognormal"]),
+            .when("distribution", &["gamma", "lognormal"]),
+        Key::required("k", Kind::Count { min: 1, max: 10_000 }, "Number of phases").when("distribution", &["erlang"]),
         Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
             .when("distribution", &["weibull"]),
-        Key::required("low", TIME, "Least").when("distribution", &["triangular", "uniform"]),
-        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular"]),
-        Key::required("high", DURATION, "Greatest").when("distribution", &["triangular", "uniform"]),
+        Key::required("sd", DURATION, "Standard deviation of the whole distribution").when("distribution", &["normal"]),
+        Key::required("low", TIME, "Least")
+            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+        Key::default("low", TIME, "0 min", "Least").when("distribution", &["normal"]),
+        Key::required("mode", TIME, "Most likely").when("distribution", &["triangular", "beta"]),
+        Key::required("high", DURATION, "Greatest")
+            .when("distribution", &["triangular", "beta", "uniform", "discrete_uniform"]),
+        Key::optional("high", DURATION, "Greatest; left out: as long as it comes").when("distribution", &["normal"]),
+        Key::default("step", DURATION, "1 min", "Distance of neighbouring times")
+            .when("distribution", &["discrete_uniform"]),
+        Key::required("values", Kind::List(&TIME), "Times").when("distribution", &["empirical"]),
+        Key::optional("weights", Kind::List(&WEIGHT), "How often each of them occurs; left out: all alike")
+            .when("distribution", &["empirical"]),
     ],
 };
+
+/// How often a value occurs against others.
+const WEIGHT: Kind = quantity("1", "1", 0.0, 1e9, "0.3");
 
 const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
 
@@ -129,10 +146,17 @@ static MACHINE: Form = Form {
             Kind::Count { min: 1, max: 1000 },
             "Number of machines of this kind; left out: one, called as it is",
         ),
-        Key::required("process", Kind::Choice(ProcessKind::WORDS), "Process that it can run"),
-        Key::required("rate", RATE, "Cost of an hour of machine and operator"),
-        Key::required("load_time", RANDOM_TIME, "Fastening a part"),
-        Key::required("unload_time", RANDOM_TIME, "Taking it off"),
+        Key::required(
+            "process",
+            Kind::Choice(ProcessKind::OF_MACHINES),
+            "Process that it can run beside plain work; plain: none",
+        ),
+        Key::required("rate", RATE, "Cost of an hour of machine and operator").when("process", ProcessKind::WORDS),
+        Key::default("rate", RATE, "0 EUR/h", "Cost of an hour of machine and operator").when("process", PLAIN),
+        Key::required("load_time", RANDOM_TIME, "Fastening a part").when("process", ProcessKind::WORDS),
+        Key::default("load_time", RANDOM_TIME, "0 min", "Fastening a part").when("process", PLAIN),
+        Key::required("unload_time", RANDOM_TIME, "Taking it off").when("process", ProcessKind::WORDS),
+        Key::default("unload_time", RANDOM_TIME, "0 min", "Taking it off").when("process", PLAIN),
         Key::default("tool_change_time", TIME, "0 min", "Changing a worn edge for a new one"),
         Key::default(
             "setup_time",
@@ -251,21 +275,30 @@ static OPERATION: Form = Form {
     keys: &[
         Key::required("name", Kind::Name, "Name, unique within the part"),
         Key::required("machines", Kind::List(&Kind::Reference("machine")), "Machines that may do it"),
-        Key::required("tool", Kind::Reference("tool"), "Tool"),
+        Key::optional(
+            "work",
+            RANDOM_TIME,
+            "Time of plain work, of which nothing else is known: no tool and nothing that is cut",
+        )
+        .when("process", PLAIN),
+        Key::required("tool", Kind::Reference("tool"), "Tool; due unless `work` is given")
+            .when("process", ProcessKind::WORDS),
         Key::optional(
             "setup_group",
             Kind::Name,
             "Fixture and program family; a change of it costs a setup; left out: the part's name",
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
-        Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part"),
+        Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
+            .when("process", ProcessKind::WORDS),
         Key::optional(
             "roughness_limit",
             positive("m", "um", 1e-3, "3.2 um"),
             "Greatest roughness Ra of a good part after the last pass; left out: not looked at",
         )
         .when("process", ProcessKind::CUTTING),
-        Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils"),
+        Key::default("scrap_on_tool_failure", SHARE, "0.5", "Share of parts that a broken edge spoils")
+            .when("process", ProcessKind::WORDS),
         Key::optional("passes", Kind::Count { min: 1, max: 1000 }, "Number of equal passes; left out: one")
             .when("process", ProcessKind::CUTTING),
         Key::optional("cutting_speed", SPEED, "Programmed cutting speed").when("process", ProcessKind::CUTTING),
@@ -364,6 +397,8 @@ static ARRIVALS: Form = Form {
         Key::required("part", Kind::Reference("part"), "Part"),
         Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
         Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
+        Key::required("time_between", RANDOM_TIME, "Time between jobs, and to the first of them")
+            .when("pattern", &["renewal"]),
         Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
             .when("pattern", &["batch"]),
         Key::required("size", Kind::Count { min: 1, max: 1_000_000 }, "Jobs in a lot").when("pattern", &["batch"]),
@@ -438,7 +473,11 @@ pub static SCENARIO: Form = Form {
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
-        Key::optional("policy", Kind::Tables(&POLICY), "The comparison axis"),
+        Key::optional(
+            "policy",
+            Kind::Tables(&POLICY),
+            "The comparison axis; left out: one policy, everything as programmed",
+        ),
         Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
         Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),

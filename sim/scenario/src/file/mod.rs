@@ -19,6 +19,7 @@ mod keys;
 mod measured;
 mod planned;
 mod processes;
+mod random;
 mod resolve;
 mod routing;
 mod rules;

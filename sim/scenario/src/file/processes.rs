@@ -13,7 +13,7 @@ use toolroom_effects::Effects;
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
-use toolroom_wear::{Chipping, Pair, Scatter};
+use toolroom_wear::{Chipping, Pair, Scatter, check_tilt};
 
 /// The process of a tool; `None` where a problem was noted.
 pub(super) fn process(
@@ -42,6 +42,7 @@ pub(super) fn process(
             let mut turning = Turning { pair, effects, ..Turning::default() };
             stability::around_turning(walk, tool, &mut turning);
             set_parameters(walk, tool, turning.parameters_mut());
+            consistent(walk, tool, turning.pair.law.check());
             if chips_by_share(tool, scatter) {
                 let (pair, cut) = (&turning.pair, turning.pair.reference_cut());
                 match pair.chipping.for_share(pair, &cut, scatter.chipped_share) {
@@ -56,6 +57,7 @@ pub(super) fn process(
             let mut milling = Milling { effects, ..milling };
             let drawn = stability::around_milling(walk, tool, &mut milling);
             set_parameters(walk, tool, milling.parameters_mut());
+            consistent(walk, tool, check_tilt(milling.life.stage_contrast, milling.life.stage_tilt));
             if let Some(cutter) = drawn {
                 stability::same_cutter(walk, tool, &cutter, &milling);
             }
@@ -110,6 +112,13 @@ fn milling_chipping(milling: &Milling, share: f64) -> Result<Chipping, ModelErro
 
 fn refuse_share(walk: &mut Walk, tool: &Section<'_>, reason: ModelError) {
     walk.fault(tool.span_of("scatter"), Fault::Model { subject: format!("{}, chipped_share", tool.path), reason });
+}
+
+/// Notes a contradiction among the parameters of a tool.
+fn consistent(walk: &mut Walk, tool: &Section<'_>, checked: Result<(), ModelError>) {
+    if let Err(reason) = checked {
+        walk.fault(tool.span_of("parameters"), Fault::Model { subject: tool.path.clone(), reason });
+    }
 }
 
 /// A shipped parameter set by name.

@@ -1,11 +1,12 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
-use super::choices::{FamilyWord, ProcessKind};
+use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
+use super::random::distribution;
 use super::{Output, measured, planned, processes, routing, rules, stability};
 use crate::{
-    Calibration, Distribution, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario,
-    Shift, ShiftCalendar, Target, ToolType, Variants,
+    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
+    ShiftCalendar, Target, ToolType, Variants,
 };
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
@@ -247,8 +248,8 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 name: each,
                 process: section.text("process").unwrap_or_default().to_owned(),
                 rate: section.required("rate"),
-                load_time,
-                unload_time,
+                load_time: load_time.clone(),
+                unload_time: unload_time.clone(),
                 tool_change_time: section.required("tool_change_time"),
                 setup_time: section.required("setup_time"),
                 magazine: section.count32("magazine"),
@@ -289,57 +290,9 @@ fn speed_range(walk: &mut Walk, section: &Section<'_>) -> (f64, f64) {
     }
 }
 
-/// A duration, or a table with a family; the placeholder after a fault is a constant.
-pub(super) fn distribution(walk: &mut Walk, of: &Section<'_>, key: &str) -> Distribution {
-    if let Some(time) = of.si(key) {
-        return Distribution::Constant(time);
-    }
-    let Some(table) = walk.table(of, key) else { return Distribution::Constant(f64::NAN) };
-    let value = |key: &str| table.required(key);
-    let Some(family) = table.chosen("distribution", FamilyWord::from_word) else {
-        return Distribution::Constant(f64::NAN); // a problem was noted
-    };
-    let drawn = match family {
-        FamilyWord::Constant => Distribution::Constant(value("mean")),
-        FamilyWord::Exponential => Distribution::Exponential { mean: value("mean") },
-        FamilyWord::Lognormal => Distribution::Lognormal { mean: value("mean"), cv: value("cv") },
-        FamilyWord::Weibull => Distribution::Weibull { mean: value("mean"), shape: value("shape") },
-        FamilyWord::Triangular => {
-            Distribution::Triangular { low: value("low"), mode: value("mode"), high: value("high") }
-        }
-        FamilyWord::Uniform => Distribution::Uniform { low: value("low"), high: value("high") },
-    };
-    let minutes = |seconds: f64| format!("{} min", seconds / 60.0);
-    let disorder = match drawn {
-        Distribution::Triangular { low, mode, .. } if low > mode => Some(("low", low, "mode", mode)),
-        Distribution::Triangular { mode, high, .. } if mode > high => Some(("mode", mode, "high", high)),
-        Distribution::Triangular { low, high, .. } | Distribution::Uniform { low, high } if low >= high => {
-            Some(("low", low, "high", high))
-        }
-        Distribution::Constant(_)
-        | Distribution::Exponential { .. }
-        | Distribution::Lognormal { .. }
-        | Distribution::Weibull { .. }
-        | Distribution::Triangular { .. }
-        | Distribution::Uniform { .. } => None,
-    };
-    if let Some((first, first_value, second, second_value)) = disorder {
-        let fault = Fault::Contradiction {
-            first,
-            first_value: minutes(first_value),
-            second,
-            second_value: minutes(second_value),
-            rule: "low, mode, high are in ascending order",
-        };
-        walk.fault(table.span_of(first), fault);
-    }
-    drawn
-}
-
 fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedTool> {
     let mut tools = Vec::new();
-    let example = "[[tool]] with name, process, parameter_set, edge_cost";
-    for (name, section) in named(walk, root, "tool", Some(example)) {
+    for (name, section) in named(walk, root, "tool", None) {
         names.tools.push(name.clone());
         let scatter = processes::scatter(walk, &section);
         let kind = section.chosen("process", ProcessKind::from_word);
@@ -432,6 +385,7 @@ fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMo
         let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
         let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
         for machine in machine_indices(walk, &section, names) {
+            let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
             failures.push(FailureMode { machine, time_between, time_to_repair, clock, part });
         }
     }

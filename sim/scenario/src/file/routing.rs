@@ -3,6 +3,7 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::planned::{contour, cycle};
+use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use crate::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
 use std::f64::consts::PI;
@@ -67,21 +68,33 @@ fn operations(
         let process = tool_index.and_then(|tool| tools[tool].process);
         let unnamed = if table.contains_key("name") { String::new() } else { format!(" {}", i + 1) };
         let path = format!("{}, operation{unnamed}", part.path);
-        let case = process.map(|process| ("process", process.word()));
+        let plain = table.contains_key("work");
+        let case = if plain { Some(MachineType::PLAIN) } else { process.map(ProcessKind::word) };
+        let case = case.map(|word| ("process", word));
         let section = walk.section(form, &path, table, entry.span(), case);
         let name = section.text("name").unwrap_or_default().to_owned();
         if operations.iter().any(|other| other.name == name) {
             walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "operation", name: name.clone() });
+        }
+        if !plain && !table.contains_key("tool") {
+            let example = "\"insert\"` or `work = \"5 min\"".to_owned();
+            let section = form.title.to_owned();
+            walk.fault(entry.span(), Fault::MissingKey { section, key: "tool", example });
         }
         let tool = reference(walk, "tool", section.got("tool"), names.tools.iter().map(String::as_str));
         if let Some(tool) = tool {
             used[tool] = true;
         }
         let candidates = machine_indices(walk, &section, names);
-        let able = able_machines(walk, &section, &name, &candidates, machines, tool_name.unwrap_or_default(), process);
+        let able = if plain {
+            candidates
+        } else {
+            able_machines(walk, &section, &name, &candidates, machines, tool_name.unwrap_or_default(), process)
+        };
         let known = tool.and_then(|tool| tools[tool].tool.as_ref());
         let model = known.map(|tool| &tool.process);
         let work = match process {
+            _ if plain => Work::Plain(distribution(walk, &section, "work")),
             Some(ProcessKind::Infeed) => grinding(walk, &section, model),
             Some(ProcessKind::Milling) if section.given("contour") => {
                 let machine = able.first().map(|machine| &machines[*machine]);
@@ -95,13 +108,13 @@ fn operations(
         operations.push(Operation {
             name,
             machines: able,
-            tool: tool.unwrap_or(0),
+            tool: if plain { None } else { Some(tool.unwrap_or(0)) },
             setup_group: section.text("setup_group").unwrap_or(part_name).to_owned(),
             setup_time: section.si("setup_time"),
             work,
-            size_tolerance: section.required("size_tolerance"),
+            size_tolerance: section.si("size_tolerance").unwrap_or(f64::INFINITY),
             roughness_limit: section.si("roughness_limit").unwrap_or(f64::INFINITY),
-            scrap_on_tool_failure: section.required("scrap_on_tool_failure"),
+            scrap_on_tool_failure: section.si("scrap_on_tool_failure").unwrap_or(0.0),
         });
     }
     operations

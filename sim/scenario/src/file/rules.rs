@@ -4,6 +4,7 @@ use super::Output;
 use super::choices::{FormatWord, GrowthWord, PatternWord, ToolChangeWord};
 use super::keys::SENSORS;
 use super::planned::{dressing_rule, grinding_rule};
+use super::random::distribution;
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::stability;
@@ -35,6 +36,7 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
                 ArrivalPattern::Schedule(lots)
             }
             Some(PatternWord::ConstantWork) => ArrivalPattern::ConstantWork { jobs: section.count32("jobs") },
+            Some(PatternWord::Renewal) => ArrivalPattern::Renewal(distribution(walk, &section, "time_between")),
             Some(PatternWord::Poisson) => ArrivalPattern::Poisson { rate: section.required("rate") },
             None => ArrivalPattern::Poisson { rate: f64::NAN }, // a problem was noted
         };
@@ -50,6 +52,9 @@ pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> DispatchRule {
 }
 
 pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineType]) -> Vec<(PolicyRule, Span)> {
+    if root.got("policy").is_none() {
+        return vec![(PolicyRule::default(), 0..0)];
+    }
     let example = "[[policy]] with name and speed, such as speed = \"programmed\"";
     let mut policies = Vec::new();
     for (name, section) in named(walk, root, "policy", Some(example)) {

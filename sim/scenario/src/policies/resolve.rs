@@ -42,9 +42,11 @@ impl ResolvedPolicy {
         };
         let mut known: Vec<(Key, u32)> = Vec::new();
         for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
-            let tool = scenario.tools.get(operation.tool).ok_or(ResolveError::UnknownIndex {
+            // Plain work has no pass that a policy could choose anything for.
+            let Some(index) = operation.tool else { continue };
+            let tool = scenario.tools.get(index).ok_or(ResolveError::UnknownIndex {
                 kind: "tool",
-                index: operation.tool,
+                index,
                 count: scenario.tools.len(),
             })?;
             let refuse = |source| ResolveError::Policy {
@@ -57,24 +59,28 @@ impl ResolvedPolicy {
                 resolved.grinding.push(grinding.clone());
                 let cut = match &operation.work {
                     Work::Cutting(cuts) => Some(cuts[pass]),
-                    Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
+                    Work::Plain(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
                 };
-                for (index, machine) in scenario.machines.iter().enumerate() {
-                    let able = operation.machines.contains(&index);
+                for (place, machine) in scenario.machines.iter().enumerate() {
+                    let able = operation.machines.contains(&place);
                     let contour = match &operation.work {
                         Work::Contour(work) if able => {
                             let regime = rule.contour.unwrap_or(work.rule);
                             let plan = ContourPlan::new(work, pass, regime, tool, machine);
                             Some(Arc::new(plan.map_err(|source| refuse(source.into()))?))
                         }
-                        Work::Cutting(_) | Work::Grinding { .. } | Work::Cycle(_) | Work::Contour(_) => None,
+                        Work::Plain(_)
+                        | Work::Cutting(_)
+                        | Work::Grinding { .. }
+                        | Work::Cycle(_)
+                        | Work::Contour(_) => None,
                     };
-                    resolved.contour[index].push(contour);
+                    resolved.contour[place].push(contour);
                     if !able {
-                        resolved.of_pass[index].push(u32::MAX);
+                        resolved.of_pass[place].push(u32::MAX);
                         continue;
                     }
-                    let key = Key { tool: operation.tool, cut, machine: MachineKey::of(machine) };
+                    let key = Key { tool: index, cut, machine: MachineKey::of(machine) };
                     let same = known.iter().find(|(each, _)| *each == key).map(|(_, controller)| *controller);
                     let controller = match same {
                         Some(controller) => controller,
@@ -86,7 +92,7 @@ impl ResolvedPolicy {
                             number
                         }
                     };
-                    resolved.of_pass[index].push(controller);
+                    resolved.of_pass[place].push(controller);
                 }
             }
         }
@@ -126,7 +132,7 @@ fn grinding(
         Work::Grinding { phases, .. } => {
             Some(GrindingController::programmed(phases, wheel, rule.dressing, &rule.sensors))
         }
-        Work::Cutting(_) | Work::Contour(_) => None,
+        Work::Plain(_) | Work::Cutting(_) | Work::Contour(_) => None,
     })
 }
 

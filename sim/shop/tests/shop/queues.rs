@@ -8,7 +8,7 @@ fn queue(servers: usize, rate: f64, service: Distribution, customers: f64) -> Sc
     let mut shop = scenarios::scenario();
     let server = |index: usize| {
         let mut machine = machine(&format!("server {index}"));
-        machine.load_time = service;
+        machine.load_time = service.clone();
         machine
     };
     shop.machines = (0..servers).map(server).collect();

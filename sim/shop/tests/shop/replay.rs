@@ -155,7 +155,7 @@ fn indices_that_point_nowhere_are_refused() {
         change(&mut shop);
         run(&shop, 0, 0).unwrap_err().to_string()
     };
-    assert!(broken(|shop| shop.parts[0].operations[0].tool = 5).contains("tool 5"));
+    assert!(broken(|shop| shop.parts[0].operations[0].tool = Some(5)).contains("tool 5"));
     assert!(broken(|shop| shop.parts[0].operations[0].machines = vec![7]).contains("machine 7"));
     assert!(broken(|shop| shop.parts[0].operations[0].machines = vec![]).contains("has no machine"));
     assert!(broken(|shop| shop.arrivals[0].part = 4).contains("part 4"));

@@ -141,7 +141,7 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
     Operation {
         name: "turn".to_owned(),
         machines: machines.to_vec(),
-        tool: 0,
+        tool: Some(0),
         setup_group: "a".to_owned(),
         setup_time: None,
         work: Work::Cutting(durations.iter().map(cut).collect()),

@@ -107,7 +107,7 @@ impl<'a> Machining<'a> {
             level: 0,
             passages: [f64::INFINITY; LEVELS],
             limit,
-            offset: study.run_in(pair),
+            offset: pair.curve_scale(),
             chips: Chips { chipping: pair.chipping, added: edge.cut.chipping_rate },
             longest_step: longest_step / f64::from(parts),
             next_step: FIRST_STEP / f64::from(parts),

@@ -75,7 +75,7 @@ impl Course<'_> {
         let Self { study, pair, edge, contact, speed, limit, parts } = self;
         let (speed, limit, parts) = (*speed, *limit, *parts);
         // Levels are evenly spaced in the variable of quadrature, unless run-in is much narrower.
-        let (even, run_in) = (limit / STRETCH, study.run_in(pair));
+        let (even, run_in) = (limit / STRETCH, pair.curve_scale());
         let scale = if run_in > 0.5 * even { even } else { run_in };
         let longest = study.ends.time.min(study.ends.path / speed);
         let mut passages = [f64::INFINITY; LEVELS];

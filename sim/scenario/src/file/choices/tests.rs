@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::file::keys::SCENARIO;
-use crate::file::resolve::{Names, distribution};
+use crate::file::random::distribution;
+use crate::file::resolve::Names;
 use crate::file::speed::{SpeedWord, speed_rule};
 use crate::file::{planned, processes, rules, stability};
 use crate::{
@@ -75,15 +76,22 @@ fn word_of_family(family: Distribution) -> FamilyWord {
     match family {
         Distribution::Constant(_) => FamilyWord::Constant,
         Distribution::Exponential { .. } => FamilyWord::Exponential,
+        Distribution::Erlang { .. } => FamilyWord::Erlang,
+        Distribution::Gamma { .. } => FamilyWord::Gamma,
         Distribution::Lognormal { .. } => FamilyWord::Lognormal,
         Distribution::Weibull { .. } => FamilyWord::Weibull,
         Distribution::Triangular { .. } => FamilyWord::Triangular,
+        Distribution::Beta { .. } => FamilyWord::Beta,
+        Distribution::Normal { .. } => FamilyWord::Normal,
         Distribution::Uniform { .. } => FamilyWord::Uniform,
+        Distribution::DiscreteUniform { .. } => FamilyWord::DiscreteUniform,
+        Distribution::Empirical(_) => FamilyWord::Empirical,
     }
 }
 
 fn word_of_pattern(pattern: &ArrivalPattern) -> PatternWord {
     match pattern {
+        ArrivalPattern::Renewal(_) => PatternWord::Renewal,
         ArrivalPattern::Poisson { .. } => PatternWord::Poisson,
         ArrivalPattern::Batch { .. } => PatternWord::Batch,
         ArrivalPattern::Schedule(_) => PatternWord::Schedule,
@@ -238,7 +246,7 @@ fn keys_depend_on_words_that_exist() {
         for (key, when) in form.keys.iter().filter_map(|key| Some((key, key.when?))) {
             let words = match form.key(when.key) {
                 Some(selector) => words_of(&selector.kind),
-                None if when.key == "process" => ProcessKind::WORDS, // of the operation's tool
+                None if when.key == "process" => ProcessKind::OF_MACHINES, // of the operation's tool, or plain
                 None => &[],
             };
             for value in when.values {

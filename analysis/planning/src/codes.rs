@@ -1,12 +1,7 @@
-//! Codes of the faults of trials, cycles and contours, with their explanations.
+//! Longer texts for the codes of trials, cycles and contours.
 
-/// Every code that the readers and searches of `identify`, `grind` and `contour` add to those of
-/// scenarios.
-pub const PLANNING: &[(&str, &str)] = &[
-    (
-        "watch-state",
-        "`toolroom gap watch --state FILE` goes on where the last look stopped. The file belongs to one model with one set of values: with another one the ranks in it would mean something else. Give another file to begin anew, or the model that the state was begun with.",
-    ),
+/// Every code that trials, cycles and contours add to those of their files, with its explanation.
+pub const CODES: &[(&str, &str)] = &[
     (
         "table",
         "A measured table has a header `name [unit]` and one record a line, each with as many cells as the header. Comma, semicolon or tab separate; with decimal commas, separate by semicolons. Lines that start with # are comments.",

@@ -1,17 +1,36 @@
 //! The kinds of files that toolroom reads: what tells one, its reader, the form of its schema.
 //!
 //! Everything that knows kinds of files, which is `check` and `schema` with their arguments, follows from [`KINDS`].
+//!
+//! ```
+//! use std::path::Path;
+//! use toolroom_kinds::FileKind;
+//! # std::env::set_current_dir("../..").unwrap();
+//! let file = Path::new("scenarios/grinding/cycle.toml");
+//! let kind = FileKind::of(file).unwrap();
+//! assert_eq!(kind.word, "cycle");
+//! let found = (kind.read.unwrap())(file, &["limits.stock=\"-1 mm\"".to_owned()]);
+//! assert!(found.is_err());
+//! ```
+//!
+//! # What is not modelled
+//! Tables (CSV, Parquet): they have no keys, and what reads them says what is wrong. A file that a verb reads beside
+//! another one, such as the part program of a setup, is looked at by the verb.
 
-use crate::failure::Failure;
-use crate::{contour, gap, grind, life};
-use serde_json::{Map, Value, json};
+mod error;
+mod readers;
+
+pub use error::KindError;
+pub use readers::{Checked, Reader, checked};
+
+use serde_json::{Value, json};
 use std::path::Path;
 use toolroom_contour::{CONTOUR, SETUP};
-use toolroom_form::{Echo, Form, Outline, schema};
-use toolroom_gap::NominalModel;
+use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
-use toolroom_records::import::{MAPPING, Mapping};
-use toolroom_scenario::file::{self, SCENARIO, ScenarioFile};
+use toolroom_nominal::NominalModel;
+use toolroom_records::import::MAPPING;
+use toolroom_scenario::file::SCENARIO;
 use toolroom_scenario::lobes::LOBES;
 
 /// One kind of file.
@@ -29,9 +48,6 @@ pub struct FileKind {
     pub form: Described,
 }
 
-/// Reads a file with the values of `--set`.
-type Reader = fn(&Path, &[String]) -> Result<Checked, Failure>;
-
 /// The JSON schema of a kind.
 #[derive(Debug)]
 pub enum Described {
@@ -43,72 +59,62 @@ pub enum Described {
     Text(&'static str),
 }
 
-/// A file that its reader accepts.
-pub struct Checked {
-    /// Its values as they were understood, where the reader tells them.
-    pub echo: Vec<Echo>,
-    /// What programs are told beside file and verdict.
-    pub result: Map<String, Value>,
-    /// What people are told.
-    pub summary: String,
-}
-
 /// Every kind; of a file with signs of several, the first counts.
 pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "scenario",
         doc: "A shop under policies, for run and compare",
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
-        read: Some(scenario),
+        read: Some(readers::scenario),
         form: Described::By(&SCENARIO),
     },
     FileKind {
         word: "lobes",
         doc: "A stability chart, for lobes",
         signs: &["chart", "mode", "engagement", "chuck", "lathe", "point"],
-        read: Some(chart),
+        read: Some(readers::chart),
         form: Described::By(&LOBES),
     },
     FileKind {
         word: "life",
         doc: "A study of tool lives, for life",
         signs: &["condition", "lives", "sampling", "passes", "early", "replacement", "sensitivity"],
-        read: Some(study),
+        read: Some(readers::study),
         form: Described::By(&toolroom_life::file::STUDY),
     },
     FileKind {
         word: "cycle",
         doc: "A grinding cycle to be designed, for grind",
         signs: &["limits", "conditions", "dressing"],
-        read: Some(cycle),
+        read: Some(readers::cycle),
         form: Described::By(&CYCLE),
     },
     FileKind {
         word: "contour",
         doc: "A contour to be milled, for contour",
         signs: &["section"],
-        read: Some(planned),
+        read: Some(readers::planned),
         form: Described::By(&CONTOUR),
     },
     FileKind {
         word: "setup",
         doc: "Passes around a contour that a part program draws, for contour --gcode",
         signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
-        read: Some(setup),
+        read: Some(readers::setup),
         form: Described::By(&SETUP),
     },
     FileKind {
         word: "mapping",
         doc: "What the columns of a measured table are, for import csv",
         signs: &["column", "keep", "rows_per_operation"],
-        read: Some(mapping),
+        read: Some(readers::mapping),
         form: Described::By(&MAPPING),
     },
     FileKind {
         word: "gap",
         doc: "A nominal model of power laws or part programs, or a scenario taken as one, for gap",
         signs: &["gap", "drives", "program"],
-        read: Some(nominal),
+        read: Some(readers::nominal),
         form: Described::ByOneOf(&NominalModel::FORMS),
     },
     FileKind {
@@ -116,7 +122,7 @@ pub static KINDS: &[FileKind] = &[
         doc: "diagnosis.json of gap diagnose",
         signs: &[],
         read: None,
-        form: Described::Text(include_str!("../scenarios/schema/diagnosis.schema.json")),
+        form: Described::Text(include_str!("../../../scenarios/schema/diagnosis.schema.json")),
     },
 ];
 
@@ -130,42 +136,34 @@ impl FileKind {
     ///
     /// # Errors
     /// The file cannot be read, or has no sign of any kind.
-    pub fn of(path: &Path) -> Result<&'static Self, Failure> {
+    pub fn of(path: &Path) -> Result<&'static Self, KindError> {
         let outline = Outline::read(path)?;
         // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
         let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
         known.or(outline.is_broken().then_some(&KINDS[0])).ok_or_else(|| {
             let kinds = KINDS.iter().filter(|kind| kind.read.is_some());
             let signs: Vec<String> = kinds.map(|kind| format!("{} by {}", kind.word, kind.signs.join(", "))).collect();
-            Failure::argument(
-                format_args!(
-                    "{}: the kind of this file cannot be told; at the top of a file, each kind is told by one of its \
-                     keys or tables: {}",
-                    path.display(),
-                    signs.join("; ")
-                ),
-                "name the kind with --kind, such as --kind scenario",
-            )
+            KindError::NoSign { file: path.display().to_string(), signs: signs.join("; ") }
         })
     }
 
     /// The JSON schema.
     ///
-    /// # Errors
-    /// There is none.
-    pub fn schema(&self) -> Result<Value, Failure> {
+    /// # Panics
+    /// Never: the one schema that is a text of its own is JSON, which a test asks.
+    pub fn schema(&self) -> Value {
         match self.form {
-            Described::By(form) => Ok(schema(form, &self.title())),
+            Described::By(form) => schema(form, &self.title()),
             Described::ByOneOf(forms) => {
                 let any: Vec<Value> = forms.iter().map(|form| schema(form, form.doc)).collect();
-                Ok(json!({
+                json!({
                     "$schema": "https://json-schema.org/draft/2020-12/schema",
                     "title": self.title(),
                     "description": self.doc,
                     "anyOf": any,
-                }))
+                })
             }
-            Described::Text(text) => serde_json::from_str(text).map_err(Failure::Json),
+            Described::Text(text) => serde_json::from_str(text).expect("a schema of the repository is JSON"),
         }
     }
 
@@ -183,90 +181,14 @@ impl FileKind {
     }
 }
 
-/// What a reader found in a file of a kind: `name` is its own, if it has one.
-pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
-    let mut result = Map::new();
-    result.insert("kind".to_owned(), json!(word));
-    result.extend(name.map(|name| ("name".to_owned(), json!(name))));
-    if !echo.is_empty() {
-        result.insert("values".to_owned(), json!(echo));
-    }
-    Checked { echo, result, summary: format!("valid: {more}") }
-}
-
-fn scenario(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let ScenarioFile { scenario, echo, .. } = file::read(path, set)?;
-    // What `run` would refuse before its first event.
-    for policy in 0..scenario.policies.len() {
-        toolroom_shop::Shop::new(&scenario, policy, 0).map_err(|error| {
-            Failure::argument(
-                format_args!("policy `{}`: {error}", scenario.policies[policy].name),
-                "no run would begin",
-            )
-        })?;
-    }
-    let mut result = Map::new();
-    result.insert("name".to_owned(), json!(scenario.name));
-    let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();
-    result.insert("policies".to_owned(), json!(policies));
-    result.insert("values".to_owned(), json!(echo));
-    let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
-    let summary = format!(
-        "valid: {} machines, {} tools, {} parts with {operations} operations, {} policies, {} replications of {} h",
-        scenario.machines.len(),
-        scenario.tools.len(),
-        scenario.parts.len(),
-        scenario.policies.len(),
-        scenario.replications,
-        scenario.horizon / 3600.0,
-    );
-    Ok(Checked { echo, result, summary })
-}
-
-fn chart(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let file = toolroom_planning::lobes::read(path, set)?;
-    let points = file.content.points.len();
-    Ok(checked("lobes", Some(&file.content.name), file.echo, &format!("a chart with {points} operating points")))
-}
-
-fn study(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let file = life::read(path, set)?;
-    let study = &file.content.study;
-    let summary =
-        format!("a study of {} lives in each of {} cells of condition and policy", study.lives, study.cells.len());
-    Ok(checked("life", Some(&study.name), file.echo, &summary))
-}
-
-fn cycle(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let echo = grind::check(path, set)?;
-    Ok(checked("cycle", None, echo, "a grinding cycle that can be worked out"))
-}
-
-fn planned(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let (name, passes, echo) = contour::check(path, set)?;
-    Ok(checked("contour", Some(&name), echo, &format!("a contour with {passes} passes")))
-}
-
-fn setup(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let (passes, echo) = contour::check_setup(path, set)?;
-    let summary = format!("a setup of {passes} passes; a part program draws the contour: toolroom contour --gcode");
-    Ok(checked("setup", None, echo, &summary))
-}
-
-fn mapping(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let mapping = Mapping::read(path, set)?;
-    let summary = format!("a mapping of {} columns to {} records", mapping.columns.len(), mapping.kind.name());
-    Ok(checked("mapping", None, Vec::new(), &summary))
-}
-
-fn nominal(path: &Path, set: &[String]) -> Result<Checked, Failure> {
-    let model = gap::nominal_of(path, set)?;
-    Ok(checked("gap", None, Vec::new(), &format!("a nominal model of {} records", model.kind().name())))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_kind_has_a_schema() {
+        assert!(KINDS.iter().all(|kind| kind.schema().is_object()));
+    }
 
     #[test]
     fn a_sign_is_a_key_of_its_kind_and_of_none_further_down() {

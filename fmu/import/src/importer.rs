@@ -1,13 +1,15 @@
 //! Units as machines of the shop: the importer that scenario files call.
 
+use crate::archive::ArchiveError;
+use crate::machine::UnitProcess;
+use crate::unit::{CALL_LIMIT, Isolation, LoadError, Unit, WorkerProgram};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use toolroom_fmu_import::{ArchiveError, CALL_LIMIT, Isolation, LoadError, Unit, UnitProcess, WorkerProgram};
 use toolroom_process::{MachineProcess, UnitIsolation};
 use toolroom_scenario::{UnitRefusal, UnitRequest, set_importer};
 
-/// Makes `fmu = "…"` in scenarios work.
+/// Makes `fmu = "…"` in scenarios work, for every scenario that this process reads from then on.
 pub fn register() {
     set_importer(import);
 }
@@ -15,7 +17,7 @@ pub fn register() {
 fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefusal> {
     let path = tidy(request.path);
     let wiring = request.wiring;
-    let unit = Unit::load(&path, &isolation(wiring.isolation, wiring.call_limit))
+    let unit = Unit::load(&path, &Isolation::of(wiring.isolation, wiring.call_limit))
         .map_err(|error| UnitRefusal { reason: error.to_string(), fix: fix(&error).unwrap_or_else(|| ask(&path)) })?;
     let process = UnitProcess::new(Arc::new(unit), request.process, request.inputs, request.outputs, request.wiring);
     let process = process.map_err(|error| UnitRefusal {
@@ -25,20 +27,22 @@ fn import(request: &UnitRequest<'_>) -> Result<Arc<dyn MachineProcess>, UnitRefu
     Ok(Arc::new(process))
 }
 
-/// Workers are this program with a verb of its own. A program that only uses the library, such as Python, has the
-/// installed one beside it.
-pub fn isolation(isolation: UnitIsolation, call_limit: Option<f64>) -> Isolation {
-    match isolation {
-        UnitIsolation::None => Isolation::None,
-        UnitIsolation::Process => {
-            let own = std::env::current_exe().ok().filter(|program| {
-                program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("toolroom"))
-            });
-            Isolation::Process(WorkerProgram {
-                program: own.unwrap_or_else(|| PathBuf::from("toolroom")),
-                arguments: vec!["fmu".to_owned(), "worker".to_owned()],
-                call_limit: Duration::from_secs_f64(call_limit.unwrap_or(CALL_LIMIT)),
-            })
+impl Isolation {
+    /// Where the code of a unit runs, as a scenario says it. Workers are this program with a verb of its own; a program
+    /// that only uses the library, such as Python, has the installed `toolroom` beside it.
+    pub fn of(isolation: UnitIsolation, call_limit: Option<f64>) -> Self {
+        match isolation {
+            UnitIsolation::None => Self::None,
+            UnitIsolation::Process => {
+                let own = std::env::current_exe().ok().filter(|program| {
+                    program.file_stem().is_some_and(|name| name.to_string_lossy().starts_with("toolroom"))
+                });
+                Self::Process(WorkerProgram {
+                    program: own.unwrap_or_else(|| PathBuf::from("toolroom")),
+                    arguments: vec!["fmu".to_owned(), "worker".to_owned()],
+                    call_limit: Duration::from_secs_f64(call_limit.unwrap_or(CALL_LIMIT)),
+                })
+            }
         }
     }
 }
@@ -71,7 +75,11 @@ fn export(path: &Path) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let unit = toolroom_fmu::units().find(|unit| name.starts_with(&format!("toolroom_{}_fmi", unit.name)))?;
     let out = path.parent()?.display().to_string();
-    let out = if out.is_empty() { ".".to_owned() } else { crate::study::quoted(&out) };
+    let out = match out.as_str() {
+        "" => ".".to_owned(),
+        spaced if spaced.contains(char::is_whitespace) => format!("{spaced:?}"),
+        plain => plain.to_owned(),
+    };
     Some(format!("make it with `toolroom fmu export {} --out {out}`", unit.name))
 }
 

@@ -1,0 +1,151 @@
+//! Which wear law the data speak for, if any.
+
+use crate::law::Law;
+use crate::left_out::LeftOut;
+use crate::normal::ln_sum;
+
+/// Least margin in logarithms of predictive density that names a law: below four the normal standard error of a difference
+/// is not reliable (Sivula, Magnusson, Vehtari, arXiv 2008.10296).
+const MARGIN: f64 = 4.0;
+/// Standard errors that a margin has to exceed, the normal quantile of 95 %.
+const ERRORS: f64 = 1.645;
+/// Ratio of two cutting speeds that count as two. A law is chosen to predict at other speeds, and readings at one speed
+/// would choose it by the shape of the wear curve.
+const APART: f64 = 1.2;
+
+/// What the left-out scores say of the laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// One law predicts edges left out clearly better than every other.
+    Chosen,
+    /// Several laws are within the margin, or the design cannot tell them apart.
+    CannotTell,
+    /// A single law was considered.
+    Given,
+}
+
+impl Verdict {
+    /// Word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Chosen => "chosen",
+            Self::CannotTell => "cannot_tell",
+            Self::Given => "given",
+        }
+    }
+}
+
+/// A law with its score.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// The law.
+    pub law: Law,
+    /// Sum over edges of the log predictive density of an edge left out.
+    pub elpd: f64,
+    /// How far the law is behind the best.
+    pub margin: f64,
+    /// Standard error of that margin, √(n·variance) of the differences edge by edge.
+    pub error: f64,
+    /// Weight of the law in the best mixture of predictions (stacking).
+    pub weight: f64,
+}
+
+/// The choice between laws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The law that the parameter set carries: the best one, or the simplest of those that cannot be told apart.
+    pub law: Law,
+    /// Laws that cannot be told from the best, the best first.
+    pub class: Vec<Law>,
+    /// Scores, the best first.
+    pub scores: Vec<Score>,
+    /// Why no law is named although the scores differ.
+    pub reason: Option<String>,
+}
+
+impl Choice {
+    /// The choice by predictions of edges left out, the same edges under each law; `speeds` are the cutting speeds of
+    /// the data in any unit.
+    ///
+    /// # Panics
+    /// Without any law.
+    pub fn of(candidates: &[(Law, Vec<LeftOut>)], speeds: &[f64]) -> Self {
+        let sum = |left: &[LeftOut]| left.iter().map(|edge| edge.score).sum::<f64>();
+        let mut order: Vec<usize> = (0..candidates.len()).collect();
+        order.sort_by(|a, b| sum(&candidates[*b].1).total_cmp(&sum(&candidates[*a].1)));
+        let best = &candidates[order[0]].1;
+        let weights = stacking(candidates);
+        let score = |index: &usize| {
+            let (law, left) = &candidates[*index];
+            let differences: Vec<f64> = best.iter().zip(left).map(|(best, left)| best.score - left.score).collect();
+            let count = differences.len() as f64;
+            let margin = differences.iter().sum::<f64>();
+            let squares = differences.iter().map(|difference| (difference - margin / count).powi(2)).sum::<f64>();
+            let error = squares.sqrt();
+            Score { law: *law, elpd: sum(left), margin, error, weight: weights[*index] }
+        };
+        let scores: Vec<Score> = order.iter().map(score).collect();
+        let within = |score: &&Score| score.margin <= MARGIN.max(ERRORS * score.error);
+        let class: Vec<Law> = scores.iter().filter(within).map(|score| score.law).collect();
+        let (low, high) = speeds.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), speed| (a.min(*speed), b.max(*speed)));
+        let simplest = |class: &[Law]| Law::ALL.into_iter().find(|law| class.contains(law)).unwrap_or(class[0]);
+        if candidates.len() == 1 {
+            return Self { verdict: Verdict::Given, law: candidates[0].0, class, scores, reason: None };
+        }
+        if high < APART * low {
+            let law = simplest(&class);
+            let reason = format!(
+                "there are no two cutting speeds a factor of {APART} apart: measure edges at a second speed; until then the shape \
+                 of the wear curve would choose a law that is needed for other speeds"
+            );
+            return Self { verdict: Verdict::CannotTell, law, class, scores, reason: Some(reason) };
+        }
+        let verdict = if class.len() == 1 { Verdict::Chosen } else { Verdict::CannotTell };
+        Self { verdict, law: simplest(&class), class, scores, reason: None }
+    }
+}
+
+/// Weights of the mixture of predictions that has the best left-out score (Yao et al., Bayesian Analysis 13 (2018) 917), by
+/// the expectation-maximisation step.
+fn stacking(candidates: &[(Law, Vec<LeftOut>)]) -> Vec<f64> {
+    let laws = candidates.len();
+    let mut weights = vec![1.0 / laws as f64; laws];
+    for _ in 0..500 {
+        let mut next = vec![0.0; laws];
+        for edge in 0..candidates[0].1.len() {
+            let terms: Vec<f64> =
+                candidates.iter().zip(&weights).map(|((_, left), weight)| weight.ln() + left[edge].score).collect();
+            let sum = ln_sum(&terms);
+            next.iter_mut().zip(&terms).for_each(|(next, term)| *next += (term - sum).exp());
+        }
+        let edges: f64 = next.iter().sum();
+        weights = next.iter().map(|next| next / edges).collect();
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn left(scores: &[f64]) -> Vec<LeftOut> {
+        scores.iter().map(|score| LeftOut { score: *score, ranks: Vec::new(), bands: Vec::new() }).collect()
+    }
+
+    #[test]
+    fn a_law_is_named_only_with_a_clear_margin_and_two_speeds() {
+        let clear = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::ExtendedTaylor, left(&[4.0, 5.2, 4.4]))];
+        let choice = Choice::of(&clear, &[180.0, 320.0]);
+        assert_eq!((choice.verdict, choice.law), (Verdict::Chosen, Law::ExtendedTaylor));
+        assert!((choice.scores[1].margin - 9.1).abs() < 1e-12 && choice.scores[0].weight > 0.9);
+        let slow = Choice::of(&clear, &[200.0, 220.0]);
+        assert_eq!((slow.verdict, slow.class.len()), (Verdict::CannotTell, 1));
+        assert!(slow.reason.is_some());
+        let close = [(Law::Usui, left(&[1.0, 2.0, 1.5])), (Law::ExtendedTaylor, left(&[2.0, 3.0, 2.4]))];
+        let choice = Choice::of(&close, &[180.0, 320.0]);
+        assert_eq!((choice.verdict, choice.law), (Verdict::CannotTell, Law::Usui));
+        assert_eq!(Choice::of(&clear[..1], &[180.0]).verdict, Verdict::Given);
+    }
+}

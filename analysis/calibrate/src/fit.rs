@@ -1,0 +1,173 @@
+//! The maximum of a posterior density and its curvature there.
+
+use crate::model::Model;
+use nalgebra::{DMatrix, DVector};
+
+/// Step of the central differences, in prior standard deviations: the error of the gradient is then below 1e-6 of it.
+const STEP: f64 = 1e-4;
+/// Step of the second differences, in prior standard deviations.
+const WIDE: f64 = 3e-3;
+/// Iterations after which the search gives up; it takes 10 to 40.
+const ITERATIONS: usize = 200;
+/// Logarithms of density: a step that gains less ends the search.
+const ENOUGH: f64 = 1e-9;
+
+/// A maximum of the posterior density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maximum {
+    /// Working coordinates.
+    pub u: DVector<f64>,
+    /// Log density there.
+    pub ln_density: f64,
+    /// Covariance of the normal distribution with the same curvature.
+    pub covariance: DMatrix<f64>,
+}
+
+/// The posterior in coordinates that count prior standard deviations from prior means.
+struct Scaled<'a> {
+    model: &'a dyn Model,
+    edges: &'a [usize],
+}
+
+impl Scaled<'_> {
+    fn u(&self, x: &DVector<f64>) -> DVector<f64> {
+        let parameters = self.model.parameters();
+        DVector::from_fn(x.len(), |i, _| parameters[i].prior.mean + parameters[i].prior.deviation * x[i])
+    }
+
+    fn x(&self, u: &DVector<f64>) -> DVector<f64> {
+        let parameters = self.model.parameters();
+        DVector::from_fn(u.len(), |i, _| (u[i] - parameters[i].prior.mean) / parameters[i].prior.deviation)
+    }
+
+    fn density(&self, x: &DVector<f64>) -> f64 {
+        self.model.ln_posterior(self.u(x).as_slice(), self.edges)
+    }
+
+    fn gradient(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut at = x.clone();
+        DVector::from_fn(x.len(), |i, _| {
+            at[i] = x[i] + STEP;
+            let above = self.density(&at);
+            at[i] = x[i] - STEP;
+            let below = self.density(&at);
+            at[i] = x[i];
+            (above - below) / (2.0 * STEP)
+        })
+    }
+
+    /// Minus the matrix of second derivatives; `here` is the density at `x`.
+    fn curvature(&self, x: &DVector<f64>, here: f64) -> DMatrix<f64> {
+        let size = x.len();
+        let moved = |i: usize, a: f64, j: usize, b: f64| {
+            let mut at = x.clone();
+            at[i] += a * WIDE;
+            at[j] += b * WIDE;
+            self.density(&at)
+        };
+        let ends: Vec<[f64; 2]> = (0..size).map(|i| [moved(i, 1.0, i, 0.0), moved(i, -1.0, i, 0.0)]).collect();
+        let mut curvature = DMatrix::zeros(size, size);
+        for i in 0..size {
+            curvature[(i, i)] = (2.0 * here - ends[i][0] - ends[i][1]) / (WIDE * WIDE);
+            for j in 0..i {
+                let both = moved(i, 1.0, j, 1.0) + moved(i, -1.0, j, -1.0);
+                let mixed = both - ends[i][0] - ends[i][1] - ends[j][0] - ends[j][1] + 2.0 * here;
+                curvature[(i, j)] = -mixed / (2.0 * WIDE * WIDE);
+                curvature[(j, i)] = curvature[(i, j)];
+            }
+        }
+        curvature
+    }
+}
+
+/// The maximum of the posterior of some edges nearest to a start, by the BFGS method (Nocedal and Wright, Numerical
+/// Optimization, 2006, algorithm 6.1), polished by Newton steps. `shape` is a covariance to begin with. `None` where no
+/// density is found.
+pub fn maximise(
+    model: &dyn Model,
+    edges: &[usize],
+    start: &DVector<f64>,
+    shape: Option<&DMatrix<f64>>,
+) -> Option<Maximum> {
+    let scaled = Scaled { model, edges };
+    let size = start.len();
+    let deviation: Vec<f64> = model.parameters().iter().map(|parameter| parameter.prior.deviation).collect();
+    let mut x = scaled.x(start);
+    let mut density = scaled.density(&x);
+    if !density.is_finite() {
+        return None;
+    }
+    let mut inverse = match shape {
+        Some(shape) => DMatrix::from_fn(size, size, |i, j| shape[(i, j)] / (deviation[i] * deviation[j])),
+        None => DMatrix::identity(size, size) * 0.01,
+    };
+    let mut gradient = scaled.gradient(&x);
+    for _ in 0..ITERATIONS {
+        let mut direction = &inverse * &gradient;
+        if direction.dot(&gradient) <= 0.0 {
+            inverse = DMatrix::identity(size, size) * 0.01;
+            direction = &inverse * &gradient;
+        }
+        // A step of more than two prior deviations is a guess of a poor model.
+        let length = direction.amax();
+        if length > 2.0 {
+            direction *= 2.0 / length;
+        }
+        let slope = direction.dot(&gradient);
+        let mut share = 1.0;
+        let found = loop {
+            let next = &x + &direction * share;
+            let value = scaled.density(&next);
+            if value >= density + 1e-4 * share * slope {
+                break Some((next, value));
+            }
+            share *= 0.4;
+            if share < 1e-9 {
+                break None;
+            }
+        };
+        let Some((next, value)) = found else { break };
+        let next_gradient = scaled.gradient(&next);
+        let step = &next - &x;
+        let change = &gradient - &next_gradient;
+        let product = step.dot(&change);
+        if product > 1e-12 * step.norm() * change.norm() {
+            let rho = 1.0 / product;
+            let left = DMatrix::identity(size, size) - rho * &step * change.transpose();
+            inverse = &left * inverse * left.transpose() + rho * &step * step.transpose();
+        }
+        let gain = value - density;
+        (x, density, gradient) = (next, value, next_gradient);
+        if gain < ENOUGH {
+            break;
+        }
+    }
+    let mut curvature = scaled.curvature(&x, density);
+    for _ in 0..3 {
+        let Some(factor) = curvature.clone().cholesky() else { break };
+        let step = factor.solve(&gradient);
+        let next = &x + &step;
+        let value = scaled.density(&next);
+        if !(value > density && step.amax() < 0.5) {
+            break;
+        }
+        let far = step.amax() > 0.02;
+        (x, density, gradient) = (next.clone(), value, scaled.gradient(&next));
+        if far {
+            curvature = scaled.curvature(&x, density);
+        } else {
+            break;
+        }
+    }
+    let covariance = positive(curvature).try_inverse()?;
+    let covariance = DMatrix::from_fn(size, size, |i, j| covariance[(i, j)] * deviation[i] * deviation[j]);
+    Some(Maximum { u: scaled.u(&x), ln_density: density, covariance })
+}
+
+/// The matrix with its eigenvalues kept above one: in these coordinates the prior alone has the curvature one, and a
+/// direction that seems flatter is bent by the likelihood's tail.
+fn positive(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let mut eigen = matrix.symmetric_eigen();
+    eigen.eigenvalues.apply(|value| *value = value.max(0.5));
+    eigen.recompose()
+}

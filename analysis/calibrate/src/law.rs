@@ -1,0 +1,192 @@
+//! The wear laws with their parameters and priors.
+
+use crate::parameter::{Parameter, Prior, Scale};
+use toolroom_wear::{EnergyBalance, ExtendedTaylor, Pair, TakeyamaMurata, Usui, WearLaw};
+
+/// A wear law that can be calibrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Law {
+    /// Taylor's law with a wear curve.
+    ExtendedTaylor,
+    /// Abrasion by path and diffusion by time.
+    TakeyamaMurata,
+    /// Adhesive wear by pressure, path and temperature.
+    Usui,
+    /// Two functionals, one of force and path, one of temperature and time.
+    EnergyBalance,
+}
+
+/// Standard deviation of the logarithm of a level that comes from a handbook.
+const LEVEL: f64 = 0.7;
+/// Standard deviation of the logarithm of an activation energy.
+const ENERGY: f64 = 0.25;
+/// Standard deviation of the logarithm of Taylor's exponent of speed.
+const SPEED: f64 = 0.3;
+/// Mean and standard deviation of the exponent of feed.
+const FEED: (f64, f64) = (1.5, 0.6);
+/// Mean and standard deviation of the exponent of depth of cut.
+const DEPTH: (f64, f64) = (0.75, 0.3);
+/// Standard deviation of the coordinate of the contrast of the wear stages.
+const CONTRAST: f64 = 1.0;
+/// Standard deviation of the coordinate of the tilt of the wear stages, where it is free.
+const TILT: f64 = 1.0;
+/// Seconds of a minute.
+const MINUTE: f64 = 60.0;
+/// um of a metre.
+const MICRO: f64 = 1e6;
+/// Units of a kilo-unit.
+const KILO: f64 = 1e3;
+
+impl Law {
+    /// Every law, those of fewest parameters first.
+    pub const ALL: [Self; 4] = [Self::Usui, Self::TakeyamaMurata, Self::EnergyBalance, Self::ExtendedTaylor];
+
+    /// Name of its group in parameter files.
+    pub fn group(self) -> &'static str {
+        match self {
+            Self::ExtendedTaylor => "extended_taylor",
+            Self::TakeyamaMurata => "takeyama_murata",
+            Self::Usui => "usui",
+            Self::EnergyBalance => "energy_balance",
+        }
+    }
+
+    /// The law of a group.
+    pub fn of_group(group: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|law| law.group() == group)
+    }
+
+    /// The law with what `base` says of it: its own parameters where it is the law of the set, otherwise levels, run-in and
+    /// reference temperature of the set's energy balance, and for Taylor's law the reference cut of the set.
+    pub(crate) fn template(self, base: &Pair) -> WearLaw {
+        let balance = match base.law {
+            WearLaw::EnergyBalance(law) => law,
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => EnergyBalance::default(),
+        };
+        let EnergyBalance { run_in_land, run_in_offset, reference_temperature, gas_constant, .. } = balance;
+        match (self, base.law) {
+            (Self::ExtendedTaylor, law @ WearLaw::ExtendedTaylor(_))
+            | (Self::TakeyamaMurata, law @ WearLaw::TakeyamaMurata(_))
+            | (Self::Usui, law @ WearLaw::Usui(_))
+            | (Self::EnergyBalance, law @ WearLaw::EnergyBalance(_)) => law,
+            (Self::ExtendedTaylor, _) => {
+                let cut = base.reference_cut();
+                WearLaw::ExtendedTaylor(ExtendedTaylor {
+                    reference_speed: cut.cutting_speed,
+                    reference_feed: cut.feed_per_rev,
+                    reference_depth: cut.depth_of_cut,
+                    ..ExtendedTaylor::default()
+                })
+            }
+            (Self::TakeyamaMurata, _) => WearLaw::TakeyamaMurata(TakeyamaMurata {
+                abrasive_wear: balance.mechanical_wear_per_path,
+                diffusion_wear_at_reference: balance.thermal_wear_rate,
+                activation_energy: balance.thermal_activation_energy,
+                reference_temperature,
+                run_in_land,
+                run_in_offset,
+                gas_constant,
+                ..TakeyamaMurata::default()
+            }),
+            (Self::Usui, _) => WearLaw::Usui(Usui {
+                // All of the wear at the reference cut of an energy balance, whose parts are of one size there.
+                wear_at_reference: 1.4 * balance.mechanical_wear_per_path,
+                reference_temperature,
+                run_in_land,
+                run_in_offset,
+                ..Usui::default()
+            }),
+            (Self::EnergyBalance, _) => WearLaw::EnergyBalance(balance),
+        }
+    }
+
+    /// Its parameters with what is known of them from a handbook, around the values of a template.
+    pub(crate) fn parameters(self, template: &WearLaw) -> Vec<Parameter> {
+        let named = |key: &str| format!("{}.{key}", self.group());
+        let around = |key, unit, value: f64, deviation, lift| {
+            let prior = Prior::new(value.ln(), deviation);
+            Parameter::new(named(key), unit, Scale::Logarithm, prior, lift)
+        };
+        let level = |key, unit, value| around(key, unit, value, LEVEL, "measure the wear of any edge");
+        let energy =
+            |key, unit, value| around(key, unit, value, ENERGY, "vary cutting_speed by a factor of 1.2 or more");
+        match template {
+            WearLaw::ExtendedTaylor(law) => {
+                let exponent = |key, (mean, deviation), lift| {
+                    Parameter::new(named(key), "1", Scale::Plain, Prior::new(mean, deviation), lift)
+                };
+                let contrast = Prior::new(Scale::Contrast.coordinate(law.stage_contrast), CONTRAST);
+                let lift = "read wear early, in the middle and late in the life of edges";
+                vec![
+                    level("reference_life", "min", law.reference_life / MINUTE),
+                    around(
+                        "speed_exponent",
+                        "1",
+                        law.speed_exponent,
+                        SPEED,
+                        "vary cutting_speed by a factor of 1.2 or more",
+                    ),
+                    exponent("feed_exponent", FEED, "vary feed_per_rev"),
+                    exponent("depth_exponent", DEPTH, "vary depth_of_cut"),
+                    Parameter::new(named("stage_contrast"), "1", Scale::Contrast, contrast, lift),
+                    Parameter::new(named("stage_tilt"), "1", Scale::Tilt, Prior::new(0.0, TILT), lift),
+                ]
+            }
+            WearLaw::TakeyamaMurata(law) => vec![
+                level("abrasive_wear", "um/m", law.abrasive_wear * MICRO),
+                level("diffusion_wear_at_reference", "um/min", law.diffusion_wear_at_reference * MINUTE * MICRO),
+                energy("activation_energy", "kJ/mol", law.activation_energy / KILO),
+            ],
+            WearLaw::Usui(law) => vec![
+                level("wear_at_reference", "um/m", law.wear_at_reference * MICRO),
+                energy("activation_temperature", "K", law.activation_temperature),
+            ],
+            WearLaw::EnergyBalance(law) => vec![
+                level("mechanical_wear_per_path", "um/m", law.mechanical_wear_per_path * MICRO),
+                level("thermal_wear_rate", "um/min", law.thermal_wear_rate * MINUTE * MICRO),
+                energy("mechanical_activation_energy", "kJ/mol", law.mechanical_activation_energy / KILO),
+                energy("thermal_activation_energy", "kJ/mol", law.thermal_activation_energy / KILO),
+            ],
+        }
+    }
+}
+
+/// The law of a template with other values of its parameters, in their units and the order of [`Law::parameters`].
+pub(crate) fn with_values(template: &WearLaw, values: &[f64]) -> WearLaw {
+    match *template {
+        WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor {
+            reference_life: values[0] * MINUTE,
+            speed_exponent: values[1],
+            feed_exponent: values[2],
+            depth_exponent: values[3],
+            stage_contrast: values[4],
+            // The coordinate counts the tilt in shares of what the contrast leaves it.
+            stage_tilt: values[5] * (1.0 - values[4]),
+            ..law
+        }),
+        WearLaw::TakeyamaMurata(law) => WearLaw::TakeyamaMurata(TakeyamaMurata {
+            abrasive_wear: values[0] / MICRO,
+            diffusion_wear_at_reference: values[1] / MICRO / MINUTE,
+            activation_energy: values[2] * KILO,
+            ..law
+        }),
+        WearLaw::Usui(law) => {
+            WearLaw::Usui(Usui { wear_at_reference: values[0] / MICRO, activation_temperature: values[1], ..law })
+        }
+        WearLaw::EnergyBalance(law) => WearLaw::EnergyBalance(EnergyBalance {
+            mechanical_wear_per_path: values[0] / MICRO,
+            thermal_wear_rate: values[1] / MICRO / MINUTE,
+            mechanical_activation_energy: values[2] * KILO,
+            thermal_activation_energy: values[3] * KILO,
+            ..law
+        }),
+    }
+}
+
+/// The law with lives that end at a wear limit in mm.
+pub(crate) fn ending_at(template: WearLaw, limit: f64) -> WearLaw {
+    match template {
+        WearLaw::ExtendedTaylor(law) => WearLaw::ExtendedTaylor(ExtendedTaylor { wear_limit: limit * 1e-3, ..law }),
+        WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) | WearLaw::EnergyBalance(_) => template,
+    }
+}

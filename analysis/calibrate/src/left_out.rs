@@ -1,0 +1,104 @@
+//! Predictions of edges by the other edges.
+
+use crate::fit::{Maximum, maximise};
+use crate::model::Model;
+use crate::normal::ln_sum;
+use crate::sample::Weighted;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Proposals for an edge left out; 64 effective draws are wanted at least, and a third of the proposals is usual.
+const PROPOSALS: usize = 256;
+/// Effective draws below which the proposal is made anew from the moments of the first.
+const EFFECTIVE: f64 = 64.0;
+
+/// What the other edges say of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Log of the mean predictive density of all its data jointly.
+    pub score: f64,
+    /// Where each reading lies in its predictive distribution, from 0 to 1.
+    pub ranks: Vec<f64>,
+    /// 5 %, 50 % and 95 % points of the predictive distribution of each reading.
+    pub bands: Vec<[f64; 3]>,
+}
+
+/// Every edge predicted by a fit to all others; `full` is the fit to all, from which each search starts. Edges stand for
+/// what will be measured next, so that their own level is integrated out.
+///
+/// Single readings are not left out: readings of one edge share its level, and weights of the full fit would have to
+/// bridge its whole level (their tail shape is high by construction).
+pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<LeftOut> {
+    (0..model.edges()).into_par_iter().map(|edge| left_out(model, full, edge, seed)).collect()
+}
+
+fn left_out(model: &dyn Model, full: &Maximum, edge: usize, seed: u64) -> LeftOut {
+    let others: Vec<usize> = (0..model.edges()).filter(|other| *other != edge).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(edge as u64 + 1);
+    let fit = maximise(model, &others, &full.u, Some(&full.covariance));
+    let fit = fit.as_ref().unwrap_or(full);
+    let mut found = Weighted::draw(model, &others, &fit.u, &fit.covariance, PROPOSALS, &mut random);
+    if found.weights.effective() < EFFECTIVE {
+        let (mean, covariance) = found.moments();
+        let again = Weighted::draw(model, &others, &mean, &covariance, 2 * PROPOSALS, &mut random);
+        if again.weights.effective() > found.weights.effective() {
+            found = again;
+        }
+    }
+    let weighted = found.draws.iter().zip(&found.weights.weights);
+    let terms: Vec<f64> =
+        weighted.map(|(draw, weight)| weight.ln() + model.ln_likelihood(draw.as_slice(), &[edge])).collect();
+    let read = model.readings(edge);
+    // Equally weighted draws give quantiles by counting.
+    let simulated: Vec<Vec<f64>> = found
+        .resampled(4 * PROPOSALS, &mut random)
+        .iter()
+        .map(|draw| model.replicate(draw.as_slice(), edge, &mut random))
+        .collect();
+    let mut ranks = Vec::new();
+    let mut bands = Vec::new();
+    for (index, read) in read.iter().enumerate() {
+        let mut values: Vec<f64> = simulated.iter().map(|readings| readings[index]).collect();
+        values.sort_by(f64::total_cmp);
+        let below = values.partition_point(|value| value < read);
+        ranks.push((below as f64 + 0.5) / (values.len() + 1) as f64);
+        let at = |share: f64| values[(share * (values.len() - 1) as f64).round() as usize];
+        bands.push([at(0.05), at(0.5), at(0.95)]);
+    }
+    LeftOut { score: ln_sum(&terms), ranks, bands }
+}
+
+/// How often predictions of edges left out hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// Edges with readings.
+    pub edges: usize,
+    /// Readings.
+    pub readings: usize,
+    /// Share of readings within the 50 % band.
+    pub inside50: f64,
+    /// Share of readings within the 90 % band.
+    pub inside90: f64,
+    /// Readings by tenths of their predictive distribution.
+    pub histogram: [usize; 10],
+    /// Index of the edge whose readings lie farthest out.
+    pub worst: Option<usize>,
+}
+
+impl Coverage {
+    /// The coverage of edges left out.
+    pub fn of(left_out: &[LeftOut]) -> Self {
+        let ranks = || left_out.iter().flat_map(|edge| &edge.ranks);
+        let readings = ranks().count();
+        let within = |half: f64| ranks().filter(|rank| (**rank - 0.5).abs() <= half).count() as f64 / readings as f64;
+        let mut histogram = [0; 10];
+        ranks().for_each(|rank| histogram[((rank * 10.0) as usize).min(9)] += 1);
+        let far =
+            |edge: &LeftOut| edge.ranks.iter().map(|rank| (rank - 0.5).abs()).sum::<f64>() / edge.ranks.len() as f64;
+        let read = left_out.iter().enumerate().filter(|(_, edge)| !edge.ranks.is_empty());
+        let worst = read.clone().max_by(|a, b| far(a.1).total_cmp(&far(b.1))).map(|(index, _)| index);
+        Self { edges: read.count(), readings, inside50: within(0.25), inside90: within(0.45), histogram, worst }
+    }
+}

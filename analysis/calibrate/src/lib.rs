@@ -1,0 +1,56 @@
+//! Parameters with uncertainty from a shop's own measurements of tools.
+//!
+//! ```text
+//!  edges: wear readings, lives ─┐
+//!  law, priors ─────────────────┴─► Model: log posterior density ─► maximum ─► draws ─► intervals
+//!                                                                            └─► edges left out ─► choice of law
+//! ```
+//!
+//! One statistical model serves all data: a reading is `H(w·t; θ) + ε`, with the wear curve H of the condition, the level w
+//! of the edge (`ln w ~ N(0, τ²)`, integrated out), and priors on θ. Lives are readings of another kind.
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Edge`], [`Stretch`], [`Life`] | what was measured of an edge |
+//! | [`Law`] | the wear laws with their parameters |
+//! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
+//! | [`Curve`] | flank wear over time at one condition |
+//! | [`WearModel`] | readings and lives under a law |
+//! | [`Model`] | what the inference needs of any model |
+//! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
+//! | [`Identifiability`] | what the data determine, and what only the prior says |
+//! | [`leave_edges_out`], [`Coverage`], [`Choice`] | predictions of edges by the others, and the law that they speak for |
+//!
+//! Times are in min, wear in mm, other values in the units of parameter files.
+//!
+//! # What is not modelled
+//! - The tool body's temperature follows at once, as in lives by quadrature.
+//! - An edge's level acts on the whole rate; it is not split into a mechanical and a thermal part.
+
+mod choice;
+mod curve;
+mod edge;
+mod ensemble;
+mod fit;
+mod identify;
+mod law;
+mod left_out;
+mod model;
+mod normal;
+mod parameter;
+mod pareto;
+mod sample;
+mod wear_model;
+
+pub use choice::{Choice, Score, Verdict};
+pub use curve::Curve;
+pub use edge::{Common, Edge, InLife, Life, Stretch};
+pub use fit::{Maximum, maximise};
+pub use identify::{Identifiability, Product, Undetermined};
+pub use law::Law;
+pub use left_out::{Coverage, LeftOut, leave_edges_out};
+pub use model::Model;
+pub use parameter::{Parameter, Prior, Scale};
+pub use pareto::Weights;
+pub use sample::{Method, Posterior, quantile, sample};
+pub use wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};

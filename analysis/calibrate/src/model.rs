@@ -1,0 +1,33 @@
+//! What inference needs of a statistical model.
+
+use crate::parameter::Parameter;
+use rand_chacha::ChaCha8Rng;
+
+/// A model of readings that come edge by edge: given the parameters, edges are independent.
+pub trait Model: Sync {
+    /// The parameters, in the order of the working coordinates.
+    fn parameters(&self) -> &[Parameter];
+
+    /// Number of edges.
+    fn edges(&self) -> usize;
+
+    /// Sum of the log densities of all data of each of some edges, what is particular to an edge integrated out.
+    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64;
+
+    /// The readings of an edge, in the order of [`Model::replicate`].
+    fn readings(&self, edge: usize) -> Vec<f64>;
+
+    /// Readings of another edge that is cut and read as this one.
+    fn replicate(&self, u: &[f64], edge: usize, random: &mut ChaCha8Rng) -> Vec<f64>;
+
+    /// Logarithm of the normalised prior density.
+    fn ln_prior(&self, u: &[f64]) -> f64 {
+        self.parameters().iter().zip(u).map(|(parameter, u)| parameter.prior.ln_density(*u)).sum()
+    }
+
+    /// Logarithm of prior times likelihood of some edges; minus infinity where a law cannot be evaluated.
+    fn ln_posterior(&self, u: &[f64], edges: &[usize]) -> f64 {
+        let density = self.ln_prior(u) + self.ln_likelihood(u, edges);
+        if density.is_nan() { f64::NEG_INFINITY } else { density }
+    }
+}

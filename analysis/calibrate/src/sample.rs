@@ -1,0 +1,262 @@
+//! Draws of a posterior: importance-resampled Laplace approximation, an ensemble where that fails.
+
+use crate::ensemble;
+use crate::fit::{Maximum, maximise};
+use crate::model::Model;
+use crate::pareto::Weights;
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use statrs::function::gamma::ln_gamma;
+
+/// Degrees of freedom of the proposal, whose tails are then heavier than the posterior's.
+const FREEDOM: f64 = 7.0;
+/// Greatest tail shape at which weights are relied on (Vehtari et al.).
+const TAIL: f64 = 0.7;
+/// Least number of effective draws.
+const EFFECTIVE: f64 = 400.0;
+/// Share of effective draws below which a second proposal, of the moments of the first weighted draws, is tried although
+/// the first could be relied on (assumption): scatter that is barely known has a skewed posterior, of which the Laplace
+/// proposal reaches the far side seldom.
+const EFFICIENT: f64 = 0.3;
+/// Starts besides the prior mean.
+const STARTS: usize = 4;
+/// A second maximum within so many logarithms of the best is a mode of its own.
+const MODE: f64 = 5.0;
+/// Distance of two maxima in posterior standard deviations that makes them two.
+const APART: f64 = 1.0;
+
+/// How the draws were made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Importance-resampled Laplace approximation.
+    ResampledLaplace,
+    /// The same after the proposal took over mean and covariance of the first weighted draws.
+    MomentMatched,
+    /// Affine-invariant ensemble.
+    Ensemble,
+}
+
+impl Method {
+    /// Word in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ResampledLaplace => "resampled_laplace",
+            Self::MomentMatched => "moment_matched",
+            Self::Ensemble => "ensemble",
+        }
+    }
+}
+
+/// Equally weighted draws of a posterior.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posterior {
+    /// The greatest maximum found.
+    pub map: Maximum,
+    /// Other maxima within five logarithms of density.
+    pub modes: Vec<Maximum>,
+    /// Draws in working coordinates.
+    pub draws: Vec<DVector<f64>>,
+    /// How they were made.
+    pub method: Method,
+    /// Effective number of the draws before resampling.
+    pub effective: f64,
+    /// Tail shape of the weights; NaN for an ensemble.
+    pub pareto_k: f64,
+    /// Greatest split R-hat of an ensemble; NaN otherwise.
+    pub split_r: f64,
+    /// Weighted mean.
+    pub mean: DVector<f64>,
+    /// Weighted covariance.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Posterior {
+    /// Quantile of one working coordinate over the draws.
+    pub fn quantile(&self, parameter: usize, share: f64) -> f64 {
+        quantile(self.draws.iter().map(|draw| draw[parameter]), share)
+    }
+
+    /// Standard deviation of one working coordinate.
+    pub fn deviation(&self, parameter: usize) -> f64 {
+        self.covariance[(parameter, parameter)].sqrt()
+    }
+}
+
+/// Quantile of some values, linear between them.
+pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let at = share * (values.len() - 1) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    values[low] + (at - low as f64) * (values[high] - values[low])
+}
+
+/// The maximum from the prior mean and jittered starts, with other maxima nearby.
+pub fn maxima(model: &dyn Model, edges: &[usize], seed: u64) -> Option<(Maximum, Vec<Maximum>)> {
+    let parameters = model.parameters();
+    let mean = DVector::from_iterator(parameters.len(), parameters.iter().map(|parameter| parameter.prior.mean));
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut found: Vec<Maximum> = Vec::new();
+    for start in 0..=STARTS {
+        let jitter = |i: usize, random: &mut ChaCha8Rng| {
+            let z: f64 = StandardNormal.sample(random);
+            if start == 0 { 0.0 } else { z * parameters[i].prior.deviation }
+        };
+        let begin = DVector::from_fn(mean.len(), |i, _| mean[i] + jitter(i, &mut random));
+        // From a known maximum only the way there is left to do.
+        let shape = found.first().map(|maximum| maximum.covariance.clone());
+        found.extend(maximise(model, edges, &begin, shape.as_ref()));
+    }
+    found.sort_by(|a, b| b.ln_density.total_cmp(&a.ln_density));
+    let mut distinct: Vec<Maximum> = Vec::new();
+    for maximum in found {
+        let apart = |other: &Maximum| {
+            let scale = other.covariance.diagonal();
+            (0..mean.len()).any(|i| (maximum.u[i] - other.u[i]).abs() > APART * scale[i].sqrt())
+        };
+        if distinct.iter().all(apart) {
+            distinct.push(maximum);
+        }
+    }
+    let mut distinct = distinct.into_iter();
+    let best = distinct.next()?;
+    let modes = distinct.filter(|mode| mode.ln_density > best.ln_density - MODE).collect();
+    Some((best, modes))
+}
+
+/// Draws of the posterior of some edges, `count` of them; the same seed gives the same draws. `None` where no density is
+/// found.
+pub fn sample(model: &dyn Model, edges: &[usize], count: usize, seed: u64) -> Option<Posterior> {
+    let (map, modes) = maxima(model, edges, seed)?;
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x05ee_df0d_2a3a);
+    let proposals = (2 * count).max(1000);
+    if modes.is_empty() {
+        let reliable = |found: &Weighted| found.weights.shape <= TAIL && found.weights.effective() >= EFFECTIVE;
+        let first = Weighted::draw(model, edges, &map.u, &map.covariance, proposals, &mut random);
+        let first_count = first.weights.effective();
+        let mut best = (Method::ResampledLaplace, first);
+        if !reliable(&best.1) || first_count < EFFICIENT * proposals as f64 {
+            let (mean, covariance) = best.1.moments();
+            let second = Weighted::draw(model, edges, &mean, &covariance, proposals, &mut random);
+            if reliable(&second) && (second.weights.effective() > first_count || !reliable(&best.1)) {
+                best = (Method::MomentMatched, second);
+            }
+        }
+        let (method, found) = best;
+        if reliable(&found) {
+            let (mean, covariance) = found.moments();
+            return Some(Posterior {
+                map,
+                modes,
+                draws: found.resampled(count, &mut random),
+                method,
+                effective: found.weights.effective(),
+                pareto_k: found.weights.shape,
+                split_r: f64::NAN,
+                mean,
+                covariance,
+            });
+        }
+    }
+    let spread: Vec<&Maximum> = std::iter::once(&map).chain(&modes).collect();
+    let chain = ensemble::run(model, edges, &spread, count, &mut random);
+    let equal = vec![1.0 / chain.draws.len() as f64; chain.draws.len()];
+    let (mean, covariance) = moments(&chain.draws, &equal);
+    Some(Posterior {
+        map: map.clone(),
+        modes: modes.clone(),
+        draws: chain.draws,
+        method: Method::Ensemble,
+        effective: chain.effective,
+        pareto_k: f64::NAN,
+        split_r: chain.split_r,
+        mean,
+        covariance,
+    })
+}
+
+/// Draws with importance weights.
+pub(crate) struct Weighted {
+    /// Draws.
+    pub draws: Vec<DVector<f64>>,
+    /// Their smoothed weights.
+    pub weights: Weights,
+}
+
+impl Weighted {
+    /// Draws from a t distribution, weighted by the posterior of some edges.
+    pub fn draw(
+        model: &dyn Model,
+        edges: &[usize],
+        mean: &DVector<f64>,
+        covariance: &DMatrix<f64>,
+        count: usize,
+        random: &mut ChaCha8Rng,
+    ) -> Self {
+        let size = mean.len();
+        let root = match covariance.clone().cholesky() {
+            Some(factor) => factor.l(),
+            None => DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(1e-12).sqrt())),
+        };
+        let chi = ChiSquared::new(FREEDOM).expect("a positive number of degrees");
+        let constant = ln_gamma(0.5 * (FREEDOM + size as f64))
+            - ln_gamma(0.5 * FREEDOM)
+            - 0.5 * size as f64 * (FREEDOM * std::f64::consts::PI).ln()
+            - root.diagonal().map(f64::ln).sum();
+        let mut draws = Vec::with_capacity(count);
+        let mut ratios = Vec::with_capacity(count);
+        for _ in 0..count {
+            let z = DVector::from_fn(size, |_, _| StandardNormal.sample(&mut *random));
+            let stretch: f64 = FREEDOM / chi.sample(random);
+            let square = stretch * z.norm_squared();
+            let draw = mean + &root * z * stretch.sqrt();
+            let proposal = constant - 0.5 * (FREEDOM + size as f64) * (square / FREEDOM).ln_1p();
+            ratios.push(model.ln_posterior(draw.as_slice(), edges) - proposal);
+            draws.push(draw);
+        }
+        Self { draws, weights: Weights::smoothed(&ratios) }
+    }
+
+    /// Weighted mean and covariance.
+    pub fn moments(&self) -> (DVector<f64>, DMatrix<f64>) {
+        moments(&self.draws, &self.weights.weights)
+    }
+
+    /// Systematic resampling to equal weights, shuffled so that any first part of the draws is a sample.
+    pub fn resampled(&self, count: usize, random: &mut ChaCha8Rng) -> Vec<DVector<f64>> {
+        let offset: f64 = random.random();
+        let mut chosen = Vec::with_capacity(count);
+        let mut sum = 0.0;
+        for (draw, weight) in self.draws.iter().zip(&self.weights.weights) {
+            sum += weight * count as f64;
+            while chosen.len() < count && chosen.len() as f64 + offset < sum {
+                chosen.push(draw.clone());
+            }
+        }
+        while chosen.len() < count {
+            chosen.push(self.draws[self.draws.len() - 1].clone());
+        }
+        for i in (1..count).rev() {
+            chosen.swap(i, random.random_range(0..=i));
+        }
+        chosen
+    }
+}
+
+/// Weighted mean and covariance.
+fn moments(draws: &[DVector<f64>], weights: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    let size = draws[0].len();
+    let mut mean = DVector::zeros(size);
+    draws.iter().zip(weights).for_each(|(draw, weight)| mean.axpy(*weight, draw, 1.0));
+    let mut covariance = DMatrix::zeros(size, size);
+    for (draw, weight) in draws.iter().zip(weights) {
+        let off = draw - &mean;
+        covariance.ger(*weight, &off, &off, 1.0);
+    }
+    (mean, covariance)
+}

@@ -1,0 +1,103 @@
+//! The reader of each kind: what its verb would refuse before it begins is refused here.
+
+use crate::KindError;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use toolroom_form::Echo;
+use toolroom_nominal::NominalModel;
+use toolroom_planning::contour::{Task, read_setup};
+use toolroom_planning::cycle::CycleDesign;
+use toolroom_records::import::Mapping;
+use toolroom_scenario::file::{self, ScenarioFile};
+
+/// Reads a file with the values of `--set`.
+pub type Reader = fn(&Path, &[String]) -> Result<Checked, KindError>;
+
+/// A file that its reader accepts.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// Its values as they were understood, where the reader tells them.
+    pub echo: Vec<Echo>,
+    /// What programs are told beside file and verdict.
+    pub result: Map<String, Value>,
+    /// What people are told.
+    pub summary: String,
+}
+
+/// What a reader found in a file of a kind: `name` is its own, if it has one.
+pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> Checked {
+    let mut result = Map::new();
+    result.insert("kind".to_owned(), json!(word));
+    result.extend(name.map(|name| ("name".to_owned(), json!(name))));
+    if !echo.is_empty() {
+        result.insert("values".to_owned(), json!(echo));
+    }
+    Checked { echo, result, summary: format!("valid: {more}") }
+}
+
+pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let ScenarioFile { scenario, echo, .. } = file::read(path, set)?;
+    // What `run` would refuse before its first event.
+    for (index, policy) in scenario.policies.iter().enumerate() {
+        toolroom_shop::Shop::new(&scenario, index, 0)
+            .map_err(|error| KindError::Policy { policy: policy.name.clone(), reason: error.to_string() })?;
+    }
+    let mut result = Map::new();
+    result.insert("name".to_owned(), json!(scenario.name));
+    let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();
+    result.insert("policies".to_owned(), json!(policies));
+    result.insert("values".to_owned(), json!(echo));
+    let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
+    let summary = format!(
+        "valid: {} machines, {} tools, {} parts with {operations} operations, {} policies, {} replications of {} h",
+        scenario.machines.len(),
+        scenario.tools.len(),
+        scenario.parts.len(),
+        scenario.policies.len(),
+        scenario.replications,
+        scenario.horizon / 3600.0,
+    );
+    Ok(Checked { echo, result, summary })
+}
+
+pub fn chart(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_planning::lobes::read(path, set)?;
+    let points = file.content.points.len();
+    Ok(checked("lobes", Some(&file.content.name), file.echo, &format!("a chart with {points} operating points")))
+}
+
+pub fn study(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_life::file::read(path, set)?;
+    let study = &file.content.study;
+    let summary =
+        format!("a study of {} lives in each of {} cells of condition and policy", study.lives, study.cells.len());
+    Ok(checked("life", Some(&study.name), file.echo, &summary))
+}
+
+pub fn cycle(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let echo = CycleDesign::read(path, set)?.echo;
+    Ok(checked("cycle", None, echo, "a grinding cycle that can be worked out"))
+}
+
+pub fn planned(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let Task { file, echo, .. } = Task::checked(path, set)?;
+    Ok(checked("contour", Some(&file.name), echo, &format!("a contour with {} passes", file.passes.len())))
+}
+
+pub fn setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = read_setup(path, set)?;
+    let passes = file.content;
+    let summary = format!("a setup of {passes} passes; a part program draws the contour: toolroom contour --gcode");
+    Ok(checked("setup", None, file.echo, &summary))
+}
+
+pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let mapping = Mapping::read(path, set)?;
+    let summary = format!("a mapping of {} columns to {} records", mapping.columns.len(), mapping.kind.name());
+    Ok(checked("mapping", None, Vec::new(), &summary))
+}
+
+pub fn nominal(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let model = NominalModel::read(path, set)?;
+    Ok(checked("gap", None, Vec::new(), &format!("a nominal model of {} records", model.kind().name())))
+}

@@ -1,0 +1,85 @@
+/* A unit of FMI 3.0 with arrays and strings: y = gain * u, both with as many elements as the structural parameter n says.
+   Its text tells how many steps it took; it takes steps of one length only. */
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define E __attribute__((visibility("default")))
+#define MOST 8
+
+typedef struct {
+    uint64_t n;
+    int configuring;
+    long steps;
+    double time, gain, u[MOST];
+    char text[32];
+} Unit;
+
+E const char *fmi3GetVersion(void) { return "3.0"; }
+E void *fmi3InstantiateCoSimulation(const char *name, const char *token, const char *path, bool visible, bool logging,
+                                    bool events, bool early, const uint32_t *required, size_t n, void *environment,
+                                    void *log, void *update) {
+    Unit *unit = calloc(1, sizeof(Unit));
+    unit->n = 2;
+    unit->gain = 2;
+    return unit;
+}
+E void fmi3FreeInstance(void *u) { free(u); }
+E int fmi3EnterConfigurationMode(void *u) { return ((Unit *)u)->configuring = 1, 0; }
+E int fmi3ExitConfigurationMode(void *u) { return ((Unit *)u)->configuring = 0, 0; }
+E int fmi3EnterInitializationMode(void *u, bool t, double tolerance, double start, bool s, double stop) {
+    ((Unit *)u)->time = start;
+    return 0;
+}
+E int fmi3ExitInitializationMode(void *u) { return 0; }
+E int fmi3SetUInt64(void *u, const uint32_t *r, size_t n, const uint64_t *v, size_t nv) {
+    Unit *unit = u;
+    if (r[0] != 1 || !unit->configuring || nv != 1 || v[0] > MOST) return 3;
+    unit->n = v[0];
+    return 0;
+}
+E int fmi3SetFloat64(void *u, const uint32_t *r, size_t n, const double *v, size_t nv) {
+    Unit *unit = u;
+    if (r[0] != 2 || nv != unit->n) return 3;
+    for (size_t i = 0; i < nv; i++) unit->u[i] = v[i];
+    return 0;
+}
+E int fmi3GetFloat64(void *u, const uint32_t *r, size_t n, double *v, size_t nv) {
+    Unit *unit = u;
+    if (r[0] != 3 || nv != unit->n) return 3;
+    for (size_t i = 0; i < nv; i++) v[i] = unit->gain * unit->u[i];
+    return 0;
+}
+E int fmi3GetString(void *u, const uint32_t *r, size_t n, const char **v, size_t nv) {
+    Unit *unit = u;
+    if (r[0] != 4 || nv != 1) return 3;
+    snprintf(unit->text, sizeof unit->text, "%ld steps, \"%s\"", unit->steps, unit->n > 2 ? "many" : "few");
+    v[0] = unit->text;
+    return 0;
+}
+E int fmi3DoStep(void *u, double time, double step, bool no, bool *event, bool *end, bool *early, double *last) {
+    Unit *unit = u;
+    double off = time - unit->time;
+    *event = *end = *early = false;
+    if (off > 1e-9 || off < -1e-9 || step < 0.25 - 1e-9 || step > 0.25 + 1e-9) return 3;
+    unit->time = *last = time + step;
+    unit->steps++;
+    return 0;
+}
+
+/* What an importer looks for and this unit does not do. */
+#define NONE(name) E int name(void) { return 3; }
+NONE(fmi3SetDebugLogging) NONE(fmi3EnterEventMode) NONE(fmi3Terminate) NONE(fmi3Reset) NONE(fmi3GetFloat32)
+NONE(fmi3GetInt8) NONE(fmi3GetUInt8) NONE(fmi3GetInt16) NONE(fmi3GetUInt16) NONE(fmi3GetInt32) NONE(fmi3GetUInt32)
+NONE(fmi3GetInt64) NONE(fmi3GetUInt64) NONE(fmi3GetBoolean) NONE(fmi3GetBinary) NONE(fmi3GetClock)
+NONE(fmi3SetFloat32) NONE(fmi3SetInt8) NONE(fmi3SetUInt8) NONE(fmi3SetInt16) NONE(fmi3SetUInt16) NONE(fmi3SetInt32)
+NONE(fmi3SetUInt32) NONE(fmi3SetInt64) NONE(fmi3SetBoolean) NONE(fmi3SetString) NONE(fmi3SetBinary)
+NONE(fmi3SetClock) NONE(fmi3GetNumberOfVariableDependencies) NONE(fmi3GetVariableDependencies) NONE(fmi3GetFMUState)
+NONE(fmi3SetFMUState) NONE(fmi3FreeFMUState) NONE(fmi3SerializedFMUStateSize) NONE(fmi3SerializeFMUState)
+NONE(fmi3DeserializeFMUState) NONE(fmi3GetDirectionalDerivative) NONE(fmi3GetAdjointDerivative)
+NONE(fmi3GetIntervalDecimal) NONE(fmi3GetIntervalFraction) NONE(fmi3GetShiftDecimal) NONE(fmi3GetShiftFraction)
+NONE(fmi3SetIntervalDecimal) NONE(fmi3SetIntervalFraction) NONE(fmi3SetShiftDecimal) NONE(fmi3SetShiftFraction)
+NONE(fmi3EvaluateDiscreteStates) NONE(fmi3UpdateDiscreteStates) NONE(fmi3EnterStepMode)
+NONE(fmi3GetOutputDerivatives)

@@ -1,0 +1,119 @@
+//! Arrays, strings and steps of one length.
+
+use super::fixture::compiled;
+use super::{input, machine, wiring};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tempfile::TempDir;
+use toolroom_fmu_import::check::{Severity, check};
+use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, simulate};
+use toolroom_fmu_import::{Archive, Isolation, Unit, WiringError};
+use toolroom_process::{MachineProcess, ProcessEvent, Wiring};
+
+const DESCRIPTION: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="array" instantiationToken="{array}">
+  <CoSimulation modelIdentifier="array" fixedInternalStepSize="0.25"/>
+  <UnitDefinitions><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit></UnitDefinitions>
+  <LogCategories><Category name="logAll"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="2" stepSize="0.5"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <UInt64 name="n" valueReference="1" causality="structuralParameter" variability="fixed" start="2"/>
+    <Float64 name="u" valueReference="2" causality="input" start="0 0"><Dimension valueReference="1"/></Float64>
+    <Float64 name="y" valueReference="3" causality="output"><Dimension valueReference="1"/></Float64>
+    <String name="text" valueReference="4" causality="output"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="3"/><Output valueReference="4"/>
+    <InitialUnknown valueReference="3"/><InitialUnknown valueReference="4"/>
+  </ModelStructure>
+</fmiModelDescription>"#;
+
+fn array(folder: &Path) -> PathBuf {
+    compiled(folder, "array", include_str!("array.c"), DESCRIPTION, &[], 3)
+}
+
+fn run(path: &Path, table: Option<&str>, experiment: &Experiment) -> Result<(Done, Vec<String>), SimulateError> {
+    let unit = Arc::new(Unit::load(path, &Isolation::None).expect("it loads"));
+    let read = |table: &str| Inputs::read(unit.description(), &experiment.start_values, table.as_bytes());
+    let inputs = table.map(read).transpose()?;
+    let mut rows = Vec::new();
+    let done = simulate(&unit, experiment, inputs.as_ref(), &mut rows)?;
+    Ok((done, String::from_utf8(rows).expect("UTF-8").lines().map(str::to_owned).collect()))
+}
+
+#[test]
+fn arrays_and_strings_are_columns() {
+    let folder = TempDir::new().expect("a folder");
+    let path = array(folder.path());
+    let report = check(&mut Archive::open(&path).expect("a zip file"));
+    assert_eq!(report.count(Severity::Error), 0, "{:?}", report.findings);
+    let table = "time,u[2],u[1]\n0,3,1\n2,5,1\n";
+    let (done, rows) = run(&path, Some(table), &Experiment::default()).expect("to the end");
+    assert_eq!((done.steps, done.step), (4, 0.5));
+    assert_eq!(rows[0], "time [s],y[1],y[2],text");
+    // Two of its own steps in each; the second element is a ramp.
+    assert_eq!(rows[1], "0,2,6,\"0 steps, \"\"few\"\"\"");
+    assert_eq!(rows[5], "2,2,10,\"8 steps, \"\"few\"\"\"");
+}
+
+#[test]
+fn a_structural_parameter_sets_the_size_of_arrays() {
+    let folder = TempDir::new().expect("a folder");
+    let path = array(folder.path());
+    let start = |pairs: &[(&str, &str)]| Experiment {
+        start_values: pairs.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect(),
+        ..Experiment::default()
+    };
+    let (_, rows) = run(&path, None, &start(&[("u", "1 2 4"), ("n", "3")])).expect("to the end");
+    assert_eq!(rows[0], "time [s],y[1],y[2],y[3],text");
+    assert_eq!(rows[1], "0,2,4,8,\"0 steps, \"\"many\"\"\"");
+    let refused = run(&path, None, &start(&[("u", "1 2 4")])).expect_err("two elements").to_string();
+    assert!(refused.contains("start value \"1 2 4\" of \"u\""), "{refused}");
+    let table = |table| run(&path, Some(table), &Experiment::default()).expect_err("refused").to_string();
+    assert!(table("time,u[1]\n0,1\n").contains("a column \"u[2]\" is missing: an array is set as a whole"));
+    assert!(table("time,u\n0,1\n").contains("the unit has no input \"u\"; it has: u[1], u[2]"));
+}
+
+#[test]
+fn a_unit_of_fixed_steps_takes_them_in_a_simulation_or_says_why_not() {
+    let folder = TempDir::new().expect("a folder");
+    let path = array(folder.path());
+    let refused = |experiment: Experiment| run(&path, None, &experiment).expect_err("no multiple").to_string();
+    let step = refused(Experiment { step: Some(0.3), ..Experiment::default() });
+    assert_eq!(step, "the unit takes steps of 0.25 s only: --step = 0.3 s is no multiple of it");
+    let stop = refused(Experiment { stop: Some(1.9), ..Experiment::default() });
+    assert_eq!(stop, "the unit takes steps of 0.25 s only: --stop = 1.9 s is no multiple of it");
+}
+
+#[test]
+fn a_unit_of_fixed_steps_keeps_to_the_clock_of_the_shop_within_half_a_step() {
+    let folder = TempDir::new().expect("a folder");
+    let fixed = ("canHandleVariableCommunicationStepSize=\"true\" ", "");
+    // The default experiment says 1 s; 1 um for each metre.
+    let process = machine(&super::unit(folder.path(), &[], fixed), &wiring()).expect("it fits");
+    let (mut x, mut y) = (process.initial(), [0.0]);
+    let mut elapsed = 0.0;
+    for dt in [0.3, 0.3, 7.7, 1.4, 0.05, 20.25, 0.7] {
+        let mut u = input(&process, &[("cutting_speed", 2.0)]);
+        let advance = process.advance(&mut x, &mut u, dt).expect("a step");
+        assert_eq!((advance.elapsed, advance.event), (dt, None));
+        elapsed += dt;
+        process.output(&x, &u, &mut y);
+        assert!((y[0] - 2e-6 * elapsed).abs() <= 1e-6 + 1e-12, "{} m after {elapsed} s", y[0]);
+    }
+    // 0.3 mm after 150 s: the event is told at the end of the unit's step, which is no longer than the pass.
+    let mut u = input(&process, &[("cutting_speed", 2.0)]);
+    let advance = process.advance(&mut x, &mut u, 400.0).expect("a step");
+    assert_eq!(advance.event, Some(ProcessEvent::WearLimit));
+    assert!((elapsed + advance.elapsed - 150.0).abs() <= 1.0, "{}", elapsed + advance.elapsed);
+}
+
+#[test]
+fn a_unit_of_fixed_steps_of_unknown_length_needs_one_from_the_wiring() {
+    let folder = TempDir::new().expect("a folder");
+    let changes = [("canHandleVariableCommunicationStepSize=\"true\" ", ""), (" stepSize=\"1\"", "")];
+    let path = super::fixture::changed(folder.path(), &[], &changes);
+    assert!(matches!(machine(&path, &wiring()), Err(WiringError::FixedStep)));
+    machine(&path, &Wiring { step: Some(0.5), ..wiring() }).expect("it fits");
+}

@@ -1,0 +1,109 @@
+//! Units of Model Exchange.
+
+use super::fixture::changed;
+use super::{input, machine, wiring};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use tempfile::TempDir;
+use toolroom_fmu_import::check::{Severity, check};
+use toolroom_fmu_import::simulate::{Experiment, SimulateError, simulate};
+use toolroom_fmu_import::{Archive, Driven, Isolation, LoadError, Unit};
+use toolroom_process::{MachineProcess, ProcessEvent, Wiring};
+
+/// The unit of the tests with wear as a state: 1 um for each metre, 0.5 m/s.
+fn exchange(folder: &Path, switches: &[&str]) -> PathBuf {
+    let switches: Vec<&str> = ["EXCHANGE", "NO_STEP"].iter().chain(switches).copied().collect();
+    let derivative = r#"<ScalarVariable name="der(wear)" valueReference="6" causality="local" variability="continuous" initial="calculated"><Real derivative="3"/></ScalarVariable>
+  </ModelVariables>"#;
+    let changes = [
+        ("<CoSimulation", "<ModelExchange"),
+        ("canHandleVariableCommunicationStepSize=\"true\" ", ""),
+        ("numberOfEventIndicators=\"0\"", "numberOfEventIndicators=\"1\""),
+        ("</ModelVariables>", derivative),
+        ("</Outputs>", "</Outputs><Derivatives><Unknown index=\"6\"/></Derivatives>"),
+        ("</InitialUnknowns>", "<Unknown index=\"6\"/></InitialUnknowns>"),
+    ];
+    changed(folder, &switches, &changes)
+}
+
+/// Rows of a simulation from 0 s to `stop` in steps of `step`, s: time, wear in mm, the flag of the wear limit.
+fn rows(path: &Path, stop: f64, step: f64) -> Result<Vec<[f64; 3]>, SimulateError> {
+    let unit = Arc::new(Unit::load(path, &Isolation::None).expect("it loads"));
+    let experiment = Experiment { stop: Some(stop), step: Some(step), ..Experiment::default() };
+    let mut table = Vec::new();
+    let done = simulate(&unit, &experiment, None, &mut table);
+    let text = String::from_utf8(table).expect("UTF-8");
+    let rows = text.lines().skip(1).map(|line| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        <[f64; 3]>::try_from(cells).expect("three columns")
+    });
+    done.map(|_| rows.collect())
+}
+
+#[test]
+fn the_unit_is_sound() {
+    let folder = TempDir::new().expect("a folder");
+    let report = check(&mut Archive::open(&exchange(folder.path(), &[])).expect("a zip file"));
+    assert_eq!(report.count(Severity::Error), 0, "{:?}", report.findings);
+}
+
+#[test]
+fn equations_are_integrated_over_state_time_and_step_events() {
+    let folder = TempDir::new().expect("a folder");
+    // The wear limit of 0.3 mm lies at 600 s; with twice the rate from 250.5 s on, at 425.25 s.
+    for (switches, wear, limit) in [
+        (&[][..], (&|time: f64| 5e-4 * time) as &dyn Fn(f64) -> f64, 600.0),
+        (&["TICK=250.5"], &|time| 5e-4 * (time + (time - 250.5f64).max(0.0)), 425.25),
+        (&["CALLS=2"], &|time| 5e-4 * time, 600.0),
+    ] {
+        let path = exchange(folder.path(), switches);
+        for step in [10.0, 700.0] {
+            for [time, mm, worn] in rows(&path, 700.0, step).expect("to the end") {
+                assert!((mm - wear(time)).abs() < 1e-12, "{switches:?}: {mm} mm at {time} s");
+                assert_eq!(worn != 0.0, time >= limit, "{switches:?} at {time} s");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_unit_of_model_exchange_is_a_machine_of_the_shop() {
+    let folder = TempDir::new().expect("a folder");
+    let process = machine(&exchange(folder.path(), &["TICK=100"]), &wiring()).expect("it fits");
+    assert!(process.goes_back());
+    let fresh = process.initial();
+    // 1 m/s: 0.1 mm after 100 s, then twice as fast: 0.3 mm at 200 s. Twice, since a state knows its time events.
+    for _ in 0..2 {
+        let (mut x, mut u) = (fresh.clone(), input(&process, &[("cutting_speed", 1.0)]));
+        let first = process.advance(&mut x, &mut u, 80.0).expect("a step");
+        assert_eq!((first.elapsed, first.event), (80.0, None));
+        let second = process.advance(&mut x, &mut u, 400.0).expect("a step");
+        assert_eq!(second.event, Some(ProcessEvent::WearLimit));
+        assert!((second.elapsed - 120.0).abs() < 1e-6, "{}", second.elapsed);
+        let mut y = [0.0];
+        process.output(&x, &u, &mut y);
+        assert!((y[0] - 0.3e-3).abs() < 1e-12, "{}", y[0]);
+    }
+    // No interface says how it steps.
+    machine(&exchange(folder.path(), &[]), &Wiring { step: Some(1.0), ..wiring() }).expect("it fits");
+}
+
+#[test]
+fn a_unit_ends_a_simulation_or_cannot_be_integrated_and_says_so() {
+    let folder = TempDir::new().expect("a folder");
+    let ended = rows(&exchange(folder.path(), &["TERMINATE=55"]), 100.0, 10.0).expect("an end of its own");
+    assert_eq!(ended.last().map(|row| row[0]), Some(55.0));
+    for (switch, expected) in [("REFUSES=42", "cannot be integrated any further"), ("STIFF", "its equations are stiff")]
+    {
+        let error = rows(&exchange(folder.path(), &[switch]), 100.0, 10.0).expect_err(switch).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn a_unit_without_the_interface_that_is_wanted_is_refused() {
+    let folder = TempDir::new().expect("a folder");
+    let path = exchange(folder.path(), &[]);
+    let refused = Unit::load_driven(&path, &Isolation::None, Driven::CoSimulation).map(|_| ()).expect_err("refused");
+    assert!(matches!(&refused, LoadError::Interface { wanted, .. } if wanted == "Co-Simulation"), "{refused}");
+}

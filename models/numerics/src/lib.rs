@@ -1,0 +1,14 @@
+//! Numerical methods that several rooms need.
+//!
+//! | function | what it finds |
+//! |---|---|
+//! | [`order_quantile`] | the value below which a share of a sample lies |
+//! | [`inverse`] | the value at which a distribution function reaches a share |
+//! | [`gamma_quantile`] | the same for the gamma distribution |
+//! | [`beta_quantile`] | the same for the beta distribution |
+
+mod inverse;
+mod quantile;
+
+pub use inverse::{beta_quantile, gamma_quantile, inverse};
+pub use quantile::order_quantile;
