@@ -183,7 +183,7 @@ impl Kernel {
             if let Some(step) = target.step[axis] {
                 to[axis] += step;
             }
-            if !(to[axis].abs() <= FARTHEST) {
+            if to[axis].is_nan() || to[axis].abs() > FARTHEST {
                 return Err(Fault::new(format!("{} is farther than any machine reaches", to[axis])));
             }
         }
@@ -290,7 +290,7 @@ impl Kernel {
         let reach = |point: [f64; 2]| (point[0] - centre[0]).hypot(point[1] - centre[1]);
         let radius = reach(start);
         let gap = (radius - reach(end)).abs();
-        if !(gap <= 0.01_f64.max(2e-3 * radius)) {
+        if gap.is_nan() || gap > 0.01_f64.max(2e-3 * radius) {
             return Err(Fault::new(format!(
                 "the arc misses its end by {gap:.4} mm; check the centre (its form, too: increments or absolute)"
             )));

@@ -23,6 +23,8 @@
 //! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
 //! Reference points and work offsets that a program does not state: axes that come from there count as standing.
 
+#![allow(clippy::needless_range_loop)] // an axis is an index into several arrays at once
+
 mod block;
 mod control;
 mod dialect;

@@ -178,10 +178,8 @@ impl Iso {
         }
         if !matches!(once, Once::Data) {
             words.spend(b"D");
-            if let Some(register) = words.whole(b'H', 0.0, 9999.0)? {
-                let (code, _) = self.modes.length;
-                self.modes.length = (code, Some(register));
-            }
+            // Another length of the tool shifts its axis by what the machine knows; the programmed path stays the same.
+            words.whole(b'H', 0.0, 9999.0)?;
         }
         Ok(())
     }

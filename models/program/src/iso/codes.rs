@@ -119,7 +119,6 @@ impl Iso {
                 if code == 431 {
                     words.spend(b"XYZ");
                 }
-                self.modes.length = (code, None);
                 Modal
             }
             434 | 435 => {

@@ -37,13 +37,11 @@ pub(super) struct Modes {
     pub work: Axes,
     pub offsets: BTreeMap<u32, [Option<f64>; 9]>,
     pub system: u32,
-    /// Code and register of the length.
-    pub length: (u32, Option<u32>),
     pub next_tool: Option<u32>,
 }
 
 impl Modes {
-    pub fn new(_: Dialect) -> Self {
+    pub fn new() -> Self {
         Self {
             motion: Move::Open,
             arc_absolute: false,
@@ -57,7 +55,6 @@ impl Modes {
             work: [0.0; 9],
             offsets: BTreeMap::new(),
             system: 1,
-            length: (490, None),
             next_tool: None,
         }
     }

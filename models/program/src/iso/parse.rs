@@ -151,9 +151,8 @@ fn read(parser: &mut Parser<'_>, statement: &mut Statement) -> Result<Code, Faul
         }
         if statement.number.is_none() && parser.peek() == b'N' {
             parser.at += 1;
-            let (number, pointed) = parser.number()?;
             // LinuxCNC allows fractions in block numbers, which nothing refers to.
-            let _ = pointed;
+            let (number, _) = parser.number()?;
             statement.number = Some(number as u32);
         }
     }

@@ -71,7 +71,7 @@ impl Iso {
             calls: Vec::new(),
             loops: Vec::new(),
             store: Store::new(dialect),
-            modes: Modes::new(dialect),
+            modes: Modes::new(),
             cycle: None,
             library,
             modal_macro: None,
@@ -127,7 +127,7 @@ impl Iso {
         let list = self.numbers.get(&number).ok_or_else(missing)?;
         // One block of the number is the rule: then nothing has to be searched.
         let (start, end) = self.unit(from);
-        let inside = |index: &&usize| **index >= start && **index < end;
+        let inside = |index: &&usize| (start..end).contains(*index);
         list.iter()
             .filter(inside)
             .find(|index| **index > from)

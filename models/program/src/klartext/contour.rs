@@ -111,7 +111,7 @@ impl Klartext {
             Joint::Chamfer(size) => size,
             Joint::Round(radius, _) => radius / half.tan(),
         };
-        if !(cut <= room + 1e-9 && cut <= space + 1e-9) {
+        if cut.is_nan() || cut > room.min(space) + 1e-9 {
             return Err(Fault::new("the rounding or chamfer is larger than the motions beside it; take a smaller one"));
         }
         let mut first = before.target;

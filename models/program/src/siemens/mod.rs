@@ -263,7 +263,7 @@ impl Siemens {
                     while self
                         .calls
                         .last()
-                        .is_some_and(|call| call.end.is_some_and(|end| self.pc < call.start || self.pc >= end))
+                        .is_some_and(|call| call.end.is_some_and(|end| !(call.start..end).contains(&self.pc)))
                     {
                         self.calls.pop();
                     }
