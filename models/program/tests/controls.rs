@@ -119,7 +119,7 @@ fn haas_siemens_and_linuxcnc_programs_do_what_their_words_say() {
     let text =
         "G17 G71 G90 G94\nG0 X0 Y0 Z10\nF60\nMCALL CYCLE82(10,0,2,-3,,0.5)\nG0 X10\nX20\nMCALL\nHERE:\nG0 X0\nM30";
     does(Siemens, text, (10.0, (90.0 + 2.0 * (10.0 + 8.0 + 13.0) + 20.0) / 500.0, 1.0, [0.0, 0.0, 10.0]));
-    let text = "G17 G71 G90\nG0 X0 Y0 Z0\nA1: G91 G1 X5 F300\nB1: Y5\nREPEAT A1 B1 P=2\nG90\nIF R1==0 GOTOF ENDE\nG1 X500\nENDE: M30";
+    let text = "G17 G71 G90\nG0 X0 Y0 Z0\nAA1: G91 G1 X5 F300\nBB1: Y5\nREPEAT AA1 BB1 P=2\nG90\nIF R1==0 GOTOF ENDE\nG1 X500\nENDE: M30";
     does(Siemens, text, (6.0, 0.2, 0.0, [15.0, 15.0, 0.0]));
     let text = "%_N_MAIN_MPF\nG17 G71 G90\nG0 X0 Y0 Z0\nTRANS X10\nAROT RPL=90\nSUB1 P2\nTRANS\nM30\n%_N_SUB1_SPF\nG1 G91 X5 F300\nG90\nM17";
     // From X0 of the workpiece, which is -10 before the turn, 5 mm along the turned X twice.

@@ -388,12 +388,10 @@ impl Klartext {
             kernel.machine_motion(&axes)?;
             return self.after(&own.m, kernel);
         }
-        if kernel.offset.is_none() || own.side.is_some() {
-            self.flush(kernel)?;
-        }
         if let Some(side) = own.side
             && (side != '0' || kernel.offset.is_some())
         {
+            self.flush(kernel)?;
             self.side(side, kernel)?;
         }
         if !own.m.is_empty() {

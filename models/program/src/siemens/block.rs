@@ -124,6 +124,10 @@ impl Siemens {
                     let value = self.value(value)?;
                     self.assign(target, value)?;
                 }
+                Item::Define(name, value) => {
+                    let value = self.value(value)?;
+                    self.store.named.insert(name.clone(), value);
+                }
                 Item::Text { address, text, column } => {
                     if address != "T" {
                         return Err(Fault::at(

@@ -113,6 +113,9 @@ impl Siemens {
             Expression::Named(name) if name.starts_with('$') => {
                 Err(Fault::new(format!("{name} belongs to the control, and what is written there is not followed")))
             }
+            Expression::Named(name) if !self.store.named.contains_key(name) => Err(Fault::new(format!(
+                "{name}= is not understood; it might move axes or take time: mend it, or define {name} with DEF where it is a variable"
+            ))),
             Expression::Named(name) => {
                 self.store.named.insert(name.clone(), value);
                 Ok(())

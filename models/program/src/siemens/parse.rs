@@ -35,6 +35,8 @@ pub(super) enum Item {
     /// A cycle or subprogram with values.
     Call(String, Vec<Option<Expression>>, usize),
     Assign(Expression, Expression),
+    /// A variable of the program with its first value.
+    Define(String, Expression),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -256,7 +258,7 @@ fn definition(parser: &mut Parser<'_>) -> Result<Code, Fault> {
             return Err(parser.fault("the name of a single variable is missing here"));
         }
         let value = if parser.eat(b'=') { parser.expression()? } else { Expression::Number(0.0) };
-        items.push(Item::Assign(Expression::Named(name), value));
+        items.push(Item::Define(name, value));
         if !parser.eat(b',') {
             break;
         }
