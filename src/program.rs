@@ -27,11 +27,12 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         control.skip[usize::from(*number)] = true;
     }
     if let Some(text) = &args.start {
-        control.start = start(text)?;
+        let fault = |error| Failure::argument(format!("--start {text}: {error}"), "write --start \"0,0,100 mm\"");
+        control.set_start(text).map_err(fault)?;
     }
     for text in &args.tool {
-        let (number, diameter) = diameter(text)?;
-        control.diameters.insert(number, diameter);
+        let fault = |error| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");
+        control.set_tool(text).map_err(fault)?;
     }
     let drives = drives(&args.set, &mut control)?;
     let cycle = CycleTime::new(&text, &control, &drives, args.blocks.is_some())
@@ -81,33 +82,6 @@ pub fn control(file: &Path, units: Option<&str>) -> Control {
         extension: file.extension().map(|extension| extension.to_string_lossy().into_owned()),
         library: folder.map(Path::to_path_buf),
         ..Control::default()
-    }
-}
-
-/// `0,0,100 mm`.
-fn start(text: &str) -> Result<[Option<f64>; 9], Failure> {
-    let fault = |error: String| Failure::argument(format!("--start {text}: {error}"), "write --start \"0,0,100 mm\"");
-    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-    let [x, y, z] = parts[..] else { return Err(fault("three coordinates are needed".to_owned())) };
-    let (_, word) = z.split_once(' ').ok_or_else(|| fault("the unit is missing".to_owned()))?;
-    let mut places = [Some(0.0); 9];
-    for (slot, part) in places.iter_mut().zip([x, y, z]) {
-        let whole = if part.contains(' ') { part.to_owned() } else { format!("{part} {word}") };
-        *slot = Some(1e3 * unit::quantity(&whole, "m").map_err(|error| fault(error.to_string()))?);
-    }
-    Ok(places)
-}
-
-/// `D1=10 mm`: number, mm.
-fn diameter(text: &str) -> Result<(u32, f64), Failure> {
-    let fault = |error: String| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");
-    let (number, value) = text.split_once('=').ok_or_else(|| fault("the diameter is missing".to_owned()))?;
-    let number = number.trim_start_matches(['D', 'T']).parse().map_err(|_| fault(format!("{number} is no tool")))?;
-    let diameter = 1e3 * unit::quantity(value, "m").map_err(|error| fault(error.to_string()))?;
-    if (0.0..=1e3).contains(&diameter) {
-        Ok((number, diameter))
-    } else {
-        Err(fault("0 to 1000 mm is possible".to_owned()))
     }
 }
 

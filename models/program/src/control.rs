@@ -98,6 +98,38 @@ impl Control {
         Self { dialect: Some(dialect), ..Self::default() }
     }
 
+    /// Starts at a position of X, Y and Z such as `0,0,100 mm`; the other axes stand at 0.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn set_start(&mut self, text: &str) -> Result<(), String> {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let [x, y, z] = parts[..] else { return Err("three coordinates are needed".to_owned()) };
+        let (_, word) = z.split_once(' ').ok_or("the unit is missing")?;
+        let mut places = [Some(0.0); 9];
+        for (slot, part) in places.iter_mut().zip([x, y, z]) {
+            let whole = if part.contains(' ') { part.to_owned() } else { format!("{part} {word}") };
+            *slot = Some(1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?);
+        }
+        self.start = places;
+        Ok(())
+    }
+
+    /// Takes the diameter of a tool such as `D1=10 mm`.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn set_tool(&mut self, text: &str) -> Result<(), String> {
+        let (number, value) = text.split_once('=').ok_or("the diameter is missing")?;
+        let number = number.trim_start_matches(['D', 'T']).parse().map_err(|_| format!("{number} is no tool"))?;
+        let diameter = 1e3 * unit::quantity(value, "m").map_err(|error| error.to_string())?;
+        if !(0.0..=1e3).contains(&diameter) {
+            return Err("0 to 1000 mm is possible".to_owned());
+        }
+        self.diameters.insert(number, diameter);
+        Ok(())
+    }
+
     /// Clearance of pecks where a control has none of its own, mm.
     pub(crate) fn clearance(&self) -> f64 {
         self.peck_clearance.unwrap_or(1.0)

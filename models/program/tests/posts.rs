@@ -36,7 +36,9 @@ fn comes_back(text: &str, source: &Control) {
         for (a, b) in original.iter().zip(&read) {
             for axis in 0..6 {
                 let gap = (a.end[axis] - b.end[axis]).abs();
-                assert!(gap < 0.6e-4, "{} axis {axis}: {gap}\n{a:?}\n{b:?}\n{written}", target.name());
+                // The end of a helix in Klartext follows from its rounded centre.
+                let most = if target == Dialect::Heidenhain { 2e-4 } else { 0.6e-4 };
+                assert!(gap < most, "{} axis {axis}: {gap}\n{a:?}\n{b:?}\n{written}", target.name());
             }
             assert_eq!(a.rapid, b.rapid);
             // Short motions differ by the rounding of their ends.
