@@ -46,6 +46,7 @@ pub use toolroom_kinds as kinds;
 pub use toolroom_life as life;
 pub use toolroom_planning as planning;
 pub use toolroom_process as process;
+pub use toolroom_program as program;
 pub use toolroom_recording as recording;
 pub use toolroom_records as records;
 pub use toolroom_scenario as scenario;

@@ -5,26 +5,58 @@ use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use std::fs;
-use toolroom_contour::{Drives, Program, Units};
+use std::path::Path;
 use toolroom_planning::program::CycleTime;
 use toolroom_process::{AnyRecord, Record, unit};
+use toolroom_program::{Control, Dialect, Drives, Units, post};
 
 /// What a refused program is about.
 pub const REFUSED: &str = "a word that is not followed could move an axis or take time, so none is passed over";
 
 pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = args.file.display().to_string();
-    let text = fs::read_to_string(&args.file)
-        .map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+    let text = read(&args.file)?;
     let files = Files::new([args.file.as_path()], voice.force);
-    args.blocks.as_ref().map_or(Ok(()), |path| files.check(path))?;
-    let drives = drives(&args.set)?;
-    let program = Program::read_in(&text, args.units.as_deref().and_then(Units::named))
-        .map_err(|error| Failure::argument(format!("{name}: {error}"), REFUSED))?;
-    let cycle = CycleTime::new(program, drives);
+    for path in args.blocks.iter().chain(&args.out) {
+        files.check(path)?;
+    }
+    let mut control = control(&args.file, args.units.as_deref());
+    control.dialect = args.dialect.as_deref().and_then(Dialect::named);
+    control.steps = args.steps;
+    for number in &args.skip {
+        control.skip[usize::from(*number)] = true;
+    }
+    if let Some(text) = &args.start {
+        let fault = |error| Failure::argument(format!("--start {text}: {error}"), "write --start \"0,0,100 mm\"");
+        control.set_start(text).map_err(fault)?;
+    }
+    for text in &args.tool {
+        let fault = |error| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");
+        control.set_tool(text).map_err(fault)?;
+    }
+    let drives = drives(&args.set, &mut control)?;
+    let cycle = CycleTime::new(&text, &control, &drives, args.blocks.is_some())
+        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     if let Some(path) = &args.blocks {
         files.put(path, cycle.table().as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
+    }
+    if let (Some(target), Some(path)) = (args.post.as_deref().and_then(Dialect::named), &args.out) {
+        let written =
+            post(&text, &control, target).map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+        files.put(path, written.text.as_bytes())?;
+        voice.say(format_args!("wrote {}", path.display()));
+        if let [first, ..] = written.left_out[..] {
+            voice.say(format_args!(
+                "{} blocks have no place in it: motions in machine coordinates, functions of the machine, exact stops (first: line {first})",
+                written.left_out.len()
+            ));
+        }
+    }
+    let (dialect, reason) = cycle.dialect();
+    voice.say(format_args!("read as a program for {dialect}: {reason}"));
+    for (line, note) in cycle.notes() {
+        voice.say(format_args!("line {line}: {note}"));
     }
     if let [first, ..] = cycle.unknown() {
         let count = cycle.unknown().len();
@@ -35,14 +67,39 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     if voice.json { voice.json(&cycle.json()) } else { voice.data(cycle.text()) }
 }
 
-/// Drives with the values of `--set`.
-fn drives(set: &[String]) -> Result<Drives, Failure> {
+/// The text of a part program; controls write other encodings than UTF-8 in comments.
+pub fn read(file: &Path) -> Result<String, Failure> {
+    let name = file.display();
+    let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The control of a program in a file: its subprograms stand beside it.
+pub fn control(file: &Path, units: Option<&str>) -> Control {
+    let folder = file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    Control {
+        units: units.and_then(Units::named),
+        extension: file.extension().map(|extension| extension.to_string_lossy().into_owned()),
+        library: folder.map(Path::to_path_buf),
+        ..Control::default()
+    }
+}
+
+/// Drives with the values of `--set`; those of the control go there.
+fn drives(set: &[String], control: &mut Control) -> Result<Drives, Failure> {
     let mut drives = Drives::<f64>::default();
     let names = || Drives::<f64>::FIELDS.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
     for text in set {
         let (key, value) = text.split_once('=').unwrap_or((text, ""));
+        if let Some(key) = key.strip_prefix("control.") {
+            let value = value.trim_matches('"');
+            control.set(key, value).map_err(|error| {
+                Failure::argument(format!("--set {text}: {error}"), format!("there are {}", Control::KEYS))
+            })?;
+            continue;
+        }
         let index = Drives::<f64>::index_of(key).ok_or_else(|| {
-            Failure::argument(format!("--set {text}: no value `{key}`"), format!("there are {}", names()))
+            Failure::argument(format!("--set {text}: no value `{key}`"), format!("there are {}, control.…", names()))
         })?;
         let field = &Drives::<f64>::FIELDS[index];
         let number = unit::quantity(value, field.unit).map_err(|error| {

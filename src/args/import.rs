@@ -61,7 +61,7 @@ pub struct MtconnectArgs {
     #[arg(long, value_name = "FILE")]
     pub nc: Option<PathBuf>,
     /// Unit of lengths and feeds of a part program without G20 or G21
-    #[arg(long, value_name = "UNIT", value_parser = toolroom_contour::Units::NAMES)]
+    #[arg(long, value_name = "UNIT", value_parser = toolroom_program::Units::NAMES)]
     pub units: Option<String>,
     /// Least nominal time of a stretch of motions
     #[arg(long, value_name = "TIME", default_value = "10 s")]

@@ -2,19 +2,42 @@
 
 use clap::Args;
 use std::path::PathBuf;
-use toolroom_contour::Units;
+use toolroom_program::{Dialect, Units};
 
 #[derive(Args, Debug)]
 pub struct ProgramArgs {
-    /// Part program (G-code) of a milling machine
+    /// Part program of a machine tool
     pub file: PathBuf,
-    /// Replace a value of drives and changer, repeatable: rapid_speed, tool_change_time,
-    /// inverse_acceleration, corner_deviation, jerk_time, hole_dwell
+    /// Language of the program; found from its words where not given
+    #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES)]
+    pub dialect: Option<String>,
+    /// Replace a value of drives and changer (rapid_speed, tool_change_time, inverse_acceleration,
+    /// inverse_rapid_acceleration, corner_deviation, jerk_time, feed_settling, rapid_settling, hole_dwell)
+    /// or of the control (control.units, control.decimal, control.peck_clearance, control.rotary_feed, control.m.29,
+    /// control.g.411), repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Unit of lengths and feeds of a program without G20 or G21
+    /// Unit of lengths and feeds of a program that names none
     #[arg(long, value_name = "UNIT", value_parser = Units::NAMES)]
     pub units: Option<String>,
+    /// Position of X, Y, Z at the start, such as "0,0,100 mm"; the other axes stand at 0 then
+    #[arg(long, value_name = "POSITION")]
+    pub start: Option<String>,
+    /// Leave out blocks with this number of block skip (`/` is 1), repeatable
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=9))]
+    pub skip: Vec<u8>,
+    /// Diameter of a tool for the compensation of its radius, such as D1="10 mm", repeatable
+    #[arg(long, value_name = "TOOL=DIAMETER")]
+    pub tool: Vec<String>,
+    /// Greatest number of blocks that may run
+    #[arg(long, value_name = "COUNT", default_value_t = 10_000_000)]
+    pub steps: u64,
+    /// Write the motions for another control, to the file of --out
+    #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES, requires = "out")]
+    pub post: Option<String>,
+    /// File of the program that --post writes
+    #[arg(long, value_name = "FILE", requires = "post")]
+    pub out: Option<PathBuf>,
     /// Table of every block (CSV)
     #[arg(long, value_name = "CSV")]
     pub blocks: Option<PathBuf>,

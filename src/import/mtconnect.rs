@@ -3,14 +3,14 @@
 use crate::args::MtconnectArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
-use crate::program::REFUSED;
+use crate::program::{self, REFUSED};
 use crate::speak::Voice;
 use serde_json::json;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
-use toolroom_contour::{Drives, Program, Units};
 use toolroom_process::unit;
+use toolroom_program::{Drives, Program};
 use toolroom_records::mtconnect::{
     Role, RoleError, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, summary, whole,
 };
@@ -79,10 +79,9 @@ fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
 /// Stretches of the part program in every run of it; runs that are left out are told.
 fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<Records, Failure> {
     let name = nc.display().to_string();
-    let text =
-        fs::read_to_string(nc).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
-    let program = Program::read_in(&text, args.units.as_deref().and_then(Units::named))
-        .map_err(|error| Failure::argument(format!("{name}: {error}"), REFUSED))?;
+    let text = program::read(nc)?;
+    let program = Program::read(&text, &program::control(nc, args.units.as_deref()))
+        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     let least = unit::quantity(&args.stretch, "s")
         .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
     let list: Vec<&Run> = own.iter().collect();

@@ -3,17 +3,19 @@
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_contour::{Block, Drives, Program};
 use toolroom_process::table::Cell;
+use toolroom_program::{AXES, Block, Blocks, Control, Drives, ProgramError, Timer};
 
-/// A part program with the time of each of its blocks.
+/// The time of a part program. It keeps no motions, and blocks only where a table of them is asked for.
 #[derive(Clone, Debug)]
 pub struct CycleTime {
-    program: Program,
-    drives: Drives,
-    /// s, by block.
-    times: Vec<f64>,
     shares: Vec<Share>,
+    rows: Option<Vec<Row>>,
+    unknown: Vec<usize>,
+    notes: Vec<(usize, String)>,
+    dialect: (&'static str, String),
+    inch: bool,
+    end: [Option<f64>; 9],
 }
 
 /// Time of the blocks that one tool runs, s.
@@ -21,47 +23,150 @@ pub struct CycleTime {
 struct Share {
     tool: Option<u32>,
     blocks: usize,
+    motions: usize,
     feed: f64,
     rapid: f64,
     dwell: f64,
+    auxiliary: f64,
+    change_time: f64,
+    length: f64,
     changes: u32,
     holes: u32,
     total: f64,
 }
 
+/// A block in the table.
+#[derive(Clone, Debug)]
+struct Row {
+    line: usize,
+    tool: Option<u32>,
+    feed: f64,
+    rapid: f64,
+    dwell: f64,
+    change: bool,
+    holes: u32,
+    total: f64,
+}
+
+/// Lines of motions from unknown places that are kept.
+const UNKNOWN: usize = 1000;
+
 impl CycleTime {
-    /// Times every block of a program on a machine with `drives`.
-    pub fn new(program: Program, drives: Drives) -> Self {
-        let times = program.times(&drives);
+    /// Follows a program and times it on a machine with `drives`; `blocks` keeps the time of every block.
+    ///
+    /// # Errors
+    /// [`ProgramError`]: the first word that is not understood, or a program that moves nothing.
+    pub fn new(text: &str, control: &Control, drives: &Drives, blocks: bool) -> Result<Self, ProgramError> {
+        let mut list = Blocks::new(text, control)?;
         let mut shares: Vec<Share> = Vec::new();
-        for (block, time) in program.blocks.iter().zip(&times) {
+        let mut rows: Option<Vec<Row>> = blocks.then(Vec::new);
+        let (mut timer, mut done, mut unknown) = (Timer::new(drives), Vec::new(), Vec::new());
+        // Share of each block whose time is not settled yet.
+        let settle =
+            |done: &mut Vec<(usize, f64)>, shares: &mut Vec<Share>, rows: &mut Option<Vec<Row>>, of: &[usize]| {
+                for (key, time) in done.drain(..) {
+                    match rows {
+                        Some(rows) => {
+                            rows[key].total += time;
+                            shares[of[key]].total += time;
+                        }
+                        None => shares[key].total += time,
+                    }
+                }
+            };
+        let mut of: Vec<usize> = Vec::new();
+        for block in list.by_ref() {
+            let block = block?;
             // Blocks before the first tool go with it.
             if shares.last().is_none_or(|share| share.tool.is_some() && share.tool != block.tool) {
                 shares.push(Share::default());
             }
-            if let Some(share) = shares.last_mut() {
-                share.tool = share.tool.or(block.tool);
-                share.take(block, *time, &drives);
+            let index = shares.len() - 1;
+            shares[index].tool = shares[index].tool.or(block.tool);
+            shares[index].take(&block, drives);
+            if unknown.len() < UNKNOWN {
+                unknown.extend(block.unknown.filter(|line| !unknown.contains(line)));
             }
+            let key = match &mut rows {
+                Some(rows) => {
+                    rows.push(Row::of(&block, drives));
+                    of.push(index);
+                    rows.len() - 1
+                }
+                None => index,
+            };
+            timer.block(key, &block, &mut done);
+            settle(&mut done, &mut shares, &mut rows, &of);
         }
-        Self { program, drives, times, shares }
+        timer.finish(&mut done);
+        settle(&mut done, &mut shares, &mut rows, &of);
+        let run = list.run();
+        let (dialect, reason) = run.dialect();
+        if shares.iter().all(|share| share.motions == 0) {
+            return Err(ProgramError::still(dialect));
+        }
+        Ok(Self {
+            shares,
+            rows,
+            unknown,
+            notes: run.notes().to_vec(),
+            dialect: (dialect.name(), reason.to_owned()),
+            inch: run.unit().is_some_and(|unit| unit > 1.0),
+            end: run.position(),
+        })
     }
 
-    /// Lines of blocks that move axes from places that only the machine knows.
+    /// Lines of blocks that move axes from places that only the machine knows; the first thousand.
     pub fn unknown(&self) -> &[usize] {
-        &self.program.unknown
+        &self.unknown
     }
 
-    fn total(&self) -> f64 {
-        self.times.iter().sum()
+    /// What the reader noticed, by line.
+    pub fn notes(&self) -> &[(usize, String)] {
+        &self.notes
     }
 
-    /// Times by tool for programs.
+    /// The language of the program and why it was taken.
+    pub fn dialect(&self) -> (&str, &str) {
+        (self.dialect.0, &self.dialect.1)
+    }
+
+    fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {
+        self.shares.iter().map(of).sum()
+    }
+
+    /// Times for programs: of the whole and by tool. The parts add up to the cycle time.
     pub fn json(&self) -> Value {
         let rows: Vec<Value> = self.shares.iter().map(Share::json).collect();
+        let notes: Vec<Value> = self.notes.iter().map(|(line, text)| json!({ "line": line, "text": text })).collect();
+        let rotary: Vec<f64> = self.end[3..6].iter().flatten().copied().collect();
+        let axes: String =
+            AXES.iter().zip(self.end).filter(|(_, place)| place.is_some()).map(|(letter, _)| *letter).collect();
+        let parts = self.sum(Share::parts);
         json!({
-            "schema": 1, "cycle_time [s]": self.total(), "blocks": self.program.blocks.len(),
-            "blocks_from_unknown_places": self.program.unknown, "tools": rows,
+            "schema": 1,
+            "dialect": self.dialect.0,
+            "dialect_reason": self.dialect.1,
+            "units": if self.inch { "inch" } else { "mm" },
+            "cycle_time [s]": self.sum(|share| share.total),
+            "feed_time [s]": self.sum(|share| share.feed),
+            "rapid_time [s]": self.sum(|share| share.rapid),
+            "dwell [s]": self.sum(|share| share.dwell),
+            "change_time [s]": self.sum(|share| share.change_time),
+            "auxiliary_time [s]": self.sum(|share| share.auxiliary),
+            "acceleration_time [s]": self.sum(|share| share.total) - parts,
+            "feed_length [mm]": self.sum(|share| share.length),
+            "end [mm]": self.end[..3],
+            "rotary_end": rotary,
+            "axes": axes,
+            "holes": self.shares.iter().map(|share| u64::from(share.holes)).sum::<u64>(),
+            "tool_changes": self.shares.iter().map(|share| u64::from(share.changes)).sum::<u64>(),
+            "motions": self.shares.iter().map(|share| share.motions).sum::<usize>(),
+            "executed_blocks": self.shares.iter().map(|share| share.blocks).sum::<usize>(),
+            "blocks": self.shares.iter().map(|share| share.blocks).sum::<usize>(),
+            "blocks_from_unknown_places": self.unknown,
+            "notes": notes,
+            "tools": rows,
         })
     }
 
@@ -79,41 +184,68 @@ impl CycleTime {
                 share.blocks, share.feed, share.rapid, share.dwell, share.changes, share.holes, share.total
             );
         }
-        let _ = write!(text, "\n{:>6} {:>8} {:>58.1}", "all", self.program.blocks.len(), self.total());
+        let blocks: usize = self.shares.iter().map(|share| share.blocks).sum();
+        let _ = write!(text, "\n{:>6} {:>8} {:>58.1}", "all", blocks, self.sum(|share| share.total));
         text
     }
 
-    /// Times by block as CSV.
+    /// Times by block as CSV; empty where no table was asked for.
     pub fn table(&self) -> String {
-        let Self { program, drives, times, .. } = self;
         let columns =
             ["line", "tool", "feed_time [s]", "rapid_time [s]", "dwell [s]", "tool_change", "holes", "time [s]"];
-        let row = |(block, time): (&Block, &f64)| -> [Cell<'_>; 8] {
-            let rapid = block.nominal(drives.rapid_speed) - block.feed_time() - block.dwell;
+        let row = |row: &Row| -> [Cell<'_>; 8] {
             [
-                block.line.into(),
-                block.tool.into(),
-                Cell::Fixed(block.feed_time(), 6),
-                Cell::Fixed(rapid, 6),
-                Cell::Fixed(block.dwell, 3),
-                u32::from(block.tool_change).into(),
-                block.holes.into(),
-                Cell::Fixed(*time, 6),
+                row.line.into(),
+                row.tool.into(),
+                Cell::Fixed(row.feed, 6),
+                Cell::Fixed(row.rapid, 6),
+                Cell::Fixed(row.dwell, 3),
+                u32::from(row.change).into(),
+                row.holes.into(),
+                Cell::Fixed(row.total, 6),
             ]
         };
-        table(columns, program.blocks.iter().zip(times).map(row))
+        table(columns, self.rows.iter().flatten().map(row))
+    }
+}
+
+/// Time of a block's rapid motions, s.
+fn rapid(block: &Block, drives: &Drives) -> f64 {
+    block.motions.iter().filter(|motion| motion.rapid).map(|motion| motion.nominal(drives.rapid_speed)).sum()
+}
+
+impl Row {
+    fn of(block: &Block, drives: &Drives) -> Self {
+        Self {
+            line: block.line,
+            tool: block.tool,
+            feed: block.feed_time(),
+            rapid: rapid(block, drives),
+            dwell: block.dwell,
+            change: block.tool_change,
+            holes: block.holes,
+            total: 0.0,
+        }
     }
 }
 
 impl Share {
-    fn take(&mut self, block: &Block, time: f64, drives: &Drives) {
+    fn take(&mut self, block: &Block, drives: &Drives) {
         self.blocks += 1;
+        self.motions += block.motions.len();
         self.feed += block.feed_time();
-        self.rapid += block.nominal(drives.rapid_speed) - block.feed_time() - block.dwell;
+        self.rapid += rapid(block, drives);
         self.dwell += block.dwell;
+        self.auxiliary += block.auxiliary_time;
+        self.length += block.motions.iter().map(|motion| motion.feed_length()).sum::<f64>();
         self.changes += u32::from(block.tool_change);
+        self.change_time += if block.tool_change { drives.tool_change_time } else { 0.0 };
         self.holes += block.holes;
-        self.total += time;
+    }
+
+    /// Programmed times and changes, without what acceleration adds, s.
+    fn parts(&self) -> f64 {
+        self.feed + self.rapid + self.dwell + self.auxiliary + self.change_time
     }
 
     fn json(&self) -> Value {

@@ -24,8 +24,7 @@
 //! | [`Constraint`], [`Ratios`], [`Evaluation`] | limits by name, and what a setting does |
 //! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge or both, baselines, front of time and cost |
 //! | [`Planner::part_program`], [`Planner::follow`] | G-code with planned feeds; the path the drives make of it |
-//! | [`Program`], [`Block`], [`Motion`], [`Stretch`], [`Drives`] | part programs and how long each block of them takes |
-//! | [`Sensitivity`] | gains over scattered conditions |
+//! //! | [`Sensitivity`] | gains over scattered conditions |
 //! | [`claims`] | published numbers beside computed ones |
 //!
 //! ```
@@ -72,7 +71,6 @@ mod pass;
 mod path_error;
 mod plan;
 mod planner;
-mod program;
 mod search;
 mod sensitivity;
 mod spline;
@@ -102,7 +100,6 @@ pub use path_error::{
 };
 pub use plan::{Plan, PlannedSection};
 pub use planner::{Evaluation, Planner, Setting, Warning};
-pub use program::{Block, Drives, Motion, Program, ProgramError, ProgramFault, Stretch, StretchKind, Units};
 pub use search::Objective;
 pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};

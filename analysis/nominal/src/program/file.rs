@@ -3,9 +3,9 @@
 use super::ProgramModel;
 use std::path::Path;
 use std::sync::Arc;
-use toolroom_contour::{Drives, Program, ProgramError, Units};
 use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Section, Walk};
 use toolroom_process::Record;
+use toolroom_program::{Control, Drives, Program, ProgramError, Units};
 use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::GAP;
 
@@ -55,7 +55,7 @@ static PROGRAM: Form = Form {
 
 /// A part program with a fault of its own.
 #[derive(Debug, thiserror::Error)]
-#[error("{file}, {reason}")]
+#[error("{file}:{reason}")]
 struct PartProgramFault {
     /// The file as written.
     file: String,
@@ -117,9 +117,9 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         let span = section.span_of("file");
         let file = path.display().to_string();
         let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
-        let text = std::fs::read_to_string(&path);
+        let text = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
-            Ok(text) => match Program::read_in(&text, section.text("units").and_then(Units::named)) {
+            Ok(text) => match Program::read(&text, &control(&path, section.text("units"))) {
                 Ok(program) => model.programs.push((name.to_owned(), program)),
                 Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
             },
@@ -127,6 +127,16 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         }
     }
     model
+}
+
+/// The control of a program in a file: its subprograms stand beside it.
+fn control(path: &Path, units: Option<&str>) -> Control {
+    Control {
+        units: units.and_then(Units::named),
+        extension: path.extension().map(|extension| extension.to_string_lossy().into_owned()),
+        library: path.parent().map(Path::to_path_buf),
+        ..Control::default()
+    }
 }
 
 /// Sets the fields of a record that `form` has as keys.

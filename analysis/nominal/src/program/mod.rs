@@ -24,9 +24,9 @@ use super::{
     Candidate, Channel, Covariate, Forward, Frame, Measured, Parameter, Point, Surface, Transform, WrittenEffect,
 };
 use rows::{Rows, rows};
-use toolroom_contour::{Drives, Program};
 use toolroom_form::significant as rounded;
 use toolroom_innovations::Chain;
+use toolroom_program::{Drives, Program};
 use toolroom_records::{Records, Sensor};
 use toolroom_scenario::Target;
 use toolroom_scenario::effects::{SHOP_EFFECTS, ShopDeviations};

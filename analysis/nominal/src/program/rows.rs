@@ -94,8 +94,9 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
     for row in 0..count {
         let place = model.programs.iter().position(|(name, _)| *name == programs[row]).and_then(|index| {
             let blocks = &model.programs[index].1.blocks;
-            let begin = blocks.iter().position(|block| block.line as f64 == first[row])?;
-            let end = blocks.iter().position(|block| block.line as f64 == last[row])? + 1;
+            // Lines without words are no blocks: a stretch begins with the first block that it holds.
+            let begin = blocks.iter().position(|block| block.line as f64 >= first[row])?;
+            let end = blocks.iter().rposition(|block| block.line as f64 <= last[row])? + 1;
             (begin < end).then_some((index, begin, end))
         });
         let (typical, changes) = usual.get(programs[row].as_str()).copied().unwrap_or((f64::NAN, f64::NAN));
@@ -103,13 +104,8 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
         let rapid_speed = model.drives.rapid_speed;
         let nominal: f64 = blocks.iter().map(|block| block.nominal(rapid_speed)).sum();
         let feed: f64 = blocks.iter().map(|block| block.feed_time()).sum();
-        let way: f64 = blocks
-            .iter()
-            .flat_map(|block| &block.motions)
-            .filter(|motion| motion.feed.is_some())
-            .map(|motion| motion.length)
-            .sum();
-        let motions = blocks.iter().flat_map(|block| &block.motions).filter(|motion| motion.feed.is_some()).count();
+        let way: f64 = blocks.iter().flat_map(|block| &block.motions).map(|motion| 1e-3 * motion.feed_length()).sum();
+        let motions = blocks.iter().flat_map(|block| &block.motions).filter(|motion| !motion.rapid).count();
         rows.of_program.push(place);
         rows.median.push(typical);
         rows.known.push(place.is_some() || typical.is_finite());
@@ -123,7 +119,7 @@ pub(super) fn rows(model: &ProgramModel, records: &Records, inside: &[bool]) -> 
             None => 0.0,
         };
         rows.holes.push(blocks.iter().map(|block| f64::from(block.holes)).sum());
-        rows.auxiliary.push(blocks.iter().filter(|block| !block.auxiliary.is_empty()).count() as f64);
+        rows.auxiliary.push(blocks.iter().filter(|block| block.auxiliary).count() as f64);
         rows.rapid_share.push(if nominal > 0.0 { 1.0 - feed / nominal } else { 0.0 });
         rows.density.push(if feed > 0.0 { motions as f64 / feed } else { 0.0 });
         rows.block_density.push(if nominal > 0.0 { blocks.len() as f64 / nominal } else { 0.0 });
@@ -155,7 +151,7 @@ pub(super) fn totals(model: &ProgramModel, rows: &Rows, measured: &Measured, pre
     let out = |row: usize| !measured.fitted[measured.group_of_row[row]];
     let any = (0..rows.of_program.len()).any(out);
     let list = means(rows, measured, predicted, |row| !any || out(row));
-    let of = |(index, (name, _)): (usize, &(String, toolroom_contour::Program))| {
+    let of = |(index, (name, _)): (usize, &(String, toolroom_program::Program))| {
         let own = list.iter().filter(|(_, _, row)| rows.of_program[*row].is_some_and(|(program, ..)| program == index));
         let (value, predicted) = own.fold((0.0, 0.0), |sum, (value, predicted, _)| (sum.0 + value, sum.1 + predicted));
         let whose = if any { " held out" } else { "" };

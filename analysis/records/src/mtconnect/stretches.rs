@@ -2,7 +2,7 @@
 
 use super::runs::Run;
 use crate::{RecordKind, Records};
-use toolroom_contour::{Block, Program, Stretch};
+use toolroom_program::{Block, Program, Stretch};
 
 /// Feed override below which the feed counts as held.
 const HELD: f64 = 0.01;
@@ -132,11 +132,11 @@ fn timed(run: &Run, program: &Program, parts: &[Stretch], rapid_speed: f64) -> R
 /// Time that a block takes beside its motions, where two samples must be parted between several, s
 /// (assumption).
 fn idle(block: &Block) -> f64 {
-    match (block.tool_change, block.auxiliary.is_empty()) {
+    match (block.tool_change, block.auxiliary) {
         (true, _) => 5.0,
-        (false, false) => 1.0,
+        (false, true) => 1.0,
         // A block without motion passes at once, but it passes.
-        (false, true) => 1e-6,
+        (false, false) => 1e-6,
     }
 }
 
@@ -145,7 +145,7 @@ fn idle(block: &Block) -> f64 {
 fn entries(samples: &[(f64, f64)], program: &Program, parts: &[Stretch], rapid_speed: f64) -> Vec<f64> {
     let mut clock = vec![0.0; samples.last().map_or(0, |sample| sample.1 as usize) + 2];
     for block in &program.blocks {
-        clock[block.line + 1] = block.nominal(rapid_speed) + idle(block);
+        clock[block.line + 1] += block.nominal(rapid_speed) + idle(block);
     }
     for i in 1..clock.len() {
         clock[i] += clock[i - 1];
@@ -220,7 +220,7 @@ mod tests {
     }
 
     fn timed(log: &str) -> (Records, Vec<Untimed>) {
-        let program = Program::read(PROGRAM).expect("a program");
+        let program = Program::read(PROGRAM, &toolroom_program::Control::default()).expect("a program");
         let own: Vec<Run> =
             sessions("mill", &parse_shdr(log), &[]).iter().flat_map(|own| runs(own, Some("P"))).collect();
         stretches(&own.iter().collect::<Vec<_>>(), &program, 5.0, 0.5)

@@ -14,7 +14,7 @@ use crate::{
     SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
-use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
+use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
 use toolroom_wear::{Pair, TURNING_SETS};
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {

@@ -83,9 +83,12 @@ fn least_setup_keeps_the_setup_group_as_long_as_it_can() {
     assert_eq!(makespan(DispatchRule::LeastSetup), 5.0 * 10.0 + 50.0);
 }
 
+/// A job: time on the first machine, flow allowance, and the machine and time of a second operation.
+type Job = (f64, f64, Option<(usize, f64)>);
+
 /// Plain operations of these times on the first machine, all jobs there from the start; the part of each
 /// job has its own allowance and, where it is given, a second operation on another machine.
-fn plain_shop(rule: &[DispatchRule], jobs: &[(f64, f64, Option<(usize, f64)>)]) -> Scenario {
+fn plain_shop(rule: &[DispatchRule], jobs: &[Job]) -> Scenario {
     let plain = |machine: usize, time: f64| Operation {
         name: format!("on machine {machine}"),
         tool: None,
@@ -94,7 +97,7 @@ fn plain_shop(rule: &[DispatchRule], jobs: &[(f64, f64, Option<(usize, f64)>)]) 
     };
     let machine =
         |index: usize| MachineType { process: MachineType::PLAIN.to_owned(), ..machine(&format!("M{index}")) };
-    let part = |(index, &(time, flow_allowance, second)): (usize, &(f64, f64, Option<(usize, f64)>))| Part {
+    let part = |(index, &(time, flow_allowance, second)): (usize, &Job)| Part {
         flow_allowance,
         operations: [(0, time)].into_iter().chain(second).map(|(machine, time)| plain(machine, time)).collect(),
         ..part(&format!("job {index}"), Vec::new())
@@ -110,7 +113,7 @@ fn plain_shop(rule: &[DispatchRule], jobs: &[(f64, f64, Option<(usize, f64)>)]) 
 }
 
 /// The order in which the first machine took the jobs.
-fn order(rule: &[DispatchRule], jobs: &[(f64, f64, Option<(usize, f64)>)]) -> Vec<u32> {
+fn order(rule: &[DispatchRule], jobs: &[Job]) -> Vec<u32> {
     let mut starts: Vec<(f64, u32)> =
         (0..).zip(&run(&plain_shop(rule, jobs)).jobs).map(|(i, job)| (job.start, i)).collect();
     starts.sort_by(|a, b| a.partial_cmp(b).unwrap());

@@ -1,6 +1,6 @@
 //! Parts of a program that can be timed one by one.
 
-use super::{Block, Program};
+use crate::{Block, Program};
 use std::ops::Range;
 
 /// What a stretch of blocks does.
@@ -28,7 +28,7 @@ pub struct Stretch {
 fn kind(block: &Block) -> Option<StretchKind> {
     if block.tool_change {
         Some(StretchKind::Change)
-    } else if !block.auxiliary.is_empty() {
+    } else if block.auxiliary {
         Some(StretchKind::Auxiliary)
     } else if block.holes > 0 {
         Some(StretchKind::Holes)
@@ -42,8 +42,8 @@ impl Program {
     /// `least` seconds each at `rapid_speed`, where there are so many.
     ///
     /// ```
-    /// use toolroom_contour::Program;
-    /// let program = Program::read("T1 M6\nG21 G0 X0 Y0 Z1\nG1 Z0 F60\nX10\nX20\nG81 Z-1 R1 X30\nG80\nM30").unwrap();
+    /// use toolroom_program::{Control, Program};
+    /// let program = Program::read("T1 M6\nG21 G0 X0 Y0 Z1\nG1 Z0 F60\nX10\nX20\nG81 Z-1 R1 X30\nG80\nM30", &Control::default()).unwrap();
     /// let lengths: Vec<usize> = program.stretches(10.0, 0.5).iter().map(|stretch| stretch.blocks.len()).collect();
     /// // Where the first rapid starts is not known: it takes no time of its own.
     /// assert_eq!(lengths, [2, 2, 1, 2, 1]);

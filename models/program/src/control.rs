@@ -1,0 +1,186 @@
+//! What a control adds to the words of a program.
+
+use crate::Dialect;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use toolroom_process::unit;
+
+/// Unit of the lengths of a program that does not name one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Units {
+    /// Millimetres, and millimetres a minute or a revolution.
+    Millimetre,
+    /// Inches, and inches a minute or a revolution.
+    Inch,
+}
+
+impl Units {
+    /// Words for files and options, in the order of [`Units::named`].
+    pub const NAMES: [&'static str; 2] = ["mm", "inch"];
+
+    /// The unit of a name of [`Units::NAMES`].
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "mm" => Some(Self::Millimetre),
+            "inch" => Some(Self::Inch),
+            _ => None,
+        }
+    }
+
+    /// mm.
+    pub(crate) fn scale(self) -> f64 {
+        match self {
+            Self::Millimetre => 1.0,
+            Self::Inch => 25.4,
+        }
+    }
+}
+
+/// The settings of a control that a program does not state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Control {
+    /// Language; found from the text where absent.
+    pub dialect: Option<Dialect>,
+    /// Ending of the file, which is a weak sign of the language.
+    pub extension: Option<String>,
+    /// Unit of lengths before a code names one.
+    pub units: Option<Units>,
+    /// Whether a number without a decimal point counts least increments, 0.001 mm or 0.0001 in, as on old Fanuc
+    /// controls, instead of whole units.
+    pub least_increment: bool,
+    /// Numbers of block skip that are switched on, by index 1 to 9.
+    pub skip: [bool; 10],
+    /// Position at the start, mm and degrees, of X Y Z A B C U V W; `None` is unknown.
+    pub start: [Option<f64>; 9],
+    /// Greatest number of blocks that may run.
+    pub steps: u64,
+    /// Distance above the last depth at which a peck begins and by which G73 retracts, mm. Where it is not given 0.254 mm
+    /// on LinuxCNC and 1 mm elsewhere, which is an assumption.
+    pub peck_clearance: Option<f64>,
+    /// Whether F is a speed of all axes together, where linear and rotary axes move at once.
+    pub rotary_feed_all_axes: bool,
+    /// Times of M codes, s.
+    pub m: BTreeMap<u32, f64>,
+    /// Times of G codes that are not understood, s, by ten times their number.
+    pub g: BTreeMap<u32, f64>,
+    /// Diameters of tools by number or by D, mm.
+    pub diameters: BTreeMap<u32, f64>,
+    /// Folder of subprograms in files of their own.
+    pub library: Option<PathBuf>,
+    /// Whether F holds on the contour instead of the path of the cutter's centre.
+    pub feed_at_contour: bool,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self {
+            dialect: None,
+            extension: None,
+            units: None,
+            least_increment: false,
+            skip: [false; 10],
+            start: [None; 9],
+            steps: 10_000_000,
+            peck_clearance: None,
+            rotary_feed_all_axes: false,
+            m: BTreeMap::new(),
+            g: BTreeMap::new(),
+            diameters: BTreeMap::new(),
+            library: None,
+            feed_at_contour: false,
+        }
+    }
+}
+
+impl Control {
+    /// A control of a language, with lengths in millimetres where a program does not say.
+    pub fn of(dialect: Dialect) -> Self {
+        Self { dialect: Some(dialect), ..Self::default() }
+    }
+
+    /// Starts at a position of X, Y and Z such as `0,0,100 mm`; the other axes stand at 0.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn set_start(&mut self, text: &str) -> Result<(), String> {
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let [x, y, z] = parts[..] else { return Err("three coordinates are needed".to_owned()) };
+        let (_, word) = z.split_once(' ').ok_or("the unit is missing")?;
+        let mut places = [Some(0.0); 9];
+        for (slot, part) in places.iter_mut().zip([x, y, z]) {
+            let whole = if part.contains(' ') { part.to_owned() } else { format!("{part} {word}") };
+            *slot = Some(1e3 * unit::quantity(&whole, "m").map_err(|error| error.to_string())?);
+        }
+        self.start = places;
+        Ok(())
+    }
+
+    /// Takes the diameter of a tool such as `D1=10 mm`.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn set_tool(&mut self, text: &str) -> Result<(), String> {
+        let (number, value) = text.split_once('=').ok_or("the diameter is missing")?;
+        let number = number.trim_start_matches(['D', 'T']).parse().map_err(|_| format!("{number} is no tool"))?;
+        let diameter = 1e3 * unit::quantity(value, "m").map_err(|error| error.to_string())?;
+        if !(0.0..=1e3).contains(&diameter) {
+            return Err("0 to 1000 mm is possible".to_owned());
+        }
+        self.diameters.insert(number, diameter);
+        Ok(())
+    }
+
+    /// Clearance of pecks where a control has none of its own, mm.
+    pub(crate) fn clearance(&self) -> f64 {
+        self.peck_clearance.unwrap_or(1.0)
+    }
+
+    /// Keys of [`Control::set`].
+    pub const KEYS: &'static str = "units, decimal, peck_clearance, rotary_feed, feed_at, m.NUMBER, g.NUMBER";
+
+    /// Sets a value by its key.
+    ///
+    /// # Errors
+    /// What is wrong with key or value.
+    ///
+    /// ```
+    /// let mut control = toolroom_program::Control::default();
+    /// control.set("m.29", "0.3 s").unwrap();
+    /// control.set("units", "inch").unwrap();
+    /// assert_eq!(control.m[&29], 0.3);
+    /// assert!(control.set("decimal", "comma").is_err());
+    /// ```
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), String> {
+        let choice = |words: [&str; 2]| {
+            words
+                .iter()
+                .position(|word| *word == value)
+                .ok_or_else(|| format!("control.{key} is \"{}\" or \"{}\", not \"{value}\"", words[0], words[1]))
+        };
+        let quantity = |unit: &'static str| {
+            let number = unit::quantity(value, unit).map_err(|error| format!("control.{key}: {error}"))?;
+            if (0.0..=1e6).contains(&number) {
+                Ok(number)
+            } else {
+                Err(format!("control.{key}: {value} is out of range"))
+            }
+        };
+        match key {
+            "units" => self.units = Some([Units::Millimetre, Units::Inch][choice(Units::NAMES)?]),
+            "decimal" => self.least_increment = choice(["calculator", "least_increment"])? == 1,
+            "rotary_feed" => self.rotary_feed_all_axes = choice(["linear_axes", "all_axes"])? == 1,
+            "feed_at" => self.feed_at_contour = choice(["centre", "contour"])? == 1,
+            "peck_clearance" => self.peck_clearance = Some(1e3 * quantity("m")?),
+            _ => {
+                let (table, number) = key.split_once('.').unwrap_or((key, ""));
+                let code: Option<f64> = number.parse().ok().filter(|code| (0.0..=9999.0).contains(code));
+                match (table, code) {
+                    ("m", Some(code)) => self.m.insert(code as u32, quantity("s")?),
+                    ("g", Some(code)) => self.g.insert((10.0 * code).round() as u32, quantity("s")?),
+                    _ => return Err(format!("there is no control.{key}; there are {}", Self::KEYS)),
+                };
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,263 @@
+//! Which control a program is written for.
+
+/// Controls whose words differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// Fanuc milling controls.
+    Fanuc,
+    /// Fanuc turning controls, G code system A.
+    FanucLathe,
+    /// Haas mills.
+    Haas,
+    /// Siemens SINUMERIK 840D.
+    Siemens,
+    /// Heidenhain Klartext.
+    Heidenhain,
+    /// LinuxCNC.
+    LinuxCnc,
+}
+
+impl Dialect {
+    /// Words for files and options, in the order of the variants.
+    pub const NAMES: [&'static str; 6] = ["fanuc", "fanuc-lathe", "haas", "siemens", "heidenhain", "linuxcnc"];
+    const ALL: [Self; 6] = [Self::Fanuc, Self::FanucLathe, Self::Haas, Self::Siemens, Self::Heidenhain, Self::LinuxCnc];
+
+    /// The word of a dialect.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The dialect of a name of [`Dialect::NAMES`].
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.iter().position(|known| *known == name).map(|index| Self::ALL[index])
+    }
+
+    /// The dialect that the words of a program show, with the reason; the ending of its file decides where the words
+    /// show none.
+    ///
+    /// # Errors
+    /// Two lines that stand for different controls, with both.
+    ///
+    /// ```
+    /// use toolroom_program::Dialect;
+    /// assert_eq!(Dialect::detect("0 BEGIN PGM A MM\n", None).unwrap().0, Dialect::Heidenhain);
+    /// assert_eq!(Dialect::detect("G21\nG0 X0\n", None).unwrap().0, Dialect::Fanuc);
+    /// assert!(Dialect::detect("o<a> sub\no<a> endsub\nG3 X1 Y1 CR=5\n", None).is_err());
+    /// ```
+    pub fn detect(text: &str, extension: Option<&str>) -> Result<(Self, String), Conflict> {
+        let mut found: Option<(Self, usize, &'static str)> = None;
+        let mut signs = Signs::default();
+        for (index, line) in text.lines().enumerate() {
+            let upper = line.trim_start_matches(['\u{feff}', '\0']).to_ascii_uppercase();
+            let Some((dialect, sign)) = strong(upper.trim(), &mut signs) else { continue };
+            match found {
+                None => found = Some((dialect, index + 1, sign)),
+                Some((first, line, before)) if first != dialect => {
+                    return Err(Conflict { first: (first, line, before), second: (dialect, index + 1, sign) });
+                }
+                Some(_) => {}
+            }
+            if dialect == Self::Heidenhain {
+                break;
+            }
+        }
+        if let Some((dialect, line, sign)) = found {
+            return Ok((dialect, format!("{sign} in line {line}")));
+        }
+        if let Some(line) = signs.lathe.filter(|_| signs.g17.is_none()) {
+            return Ok((Self::FanucLathe, format!("words of a lathe in line {line}, and no G17")));
+        }
+        let ending = match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("h") => Some(Self::Heidenhain),
+            Some("mpf" | "spf") => Some(Self::Siemens),
+            Some("ngc") => Some(Self::LinuxCnc),
+            _ => None,
+        };
+        if let Some(dialect) = ending {
+            return Ok((dialect, "the ending of the file, since no word tells".to_owned()));
+        }
+        if let Some(line) = signs.five {
+            return Ok((Self::Haas, format!("a program number of five digits in line {line}, which is a weak sign")));
+        }
+        Ok((Self::Fanuc, "no word of another control".to_owned()))
+    }
+}
+
+/// Two signs of different controls.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "line {} says {} ({}), line {} says {} ({}); name the control with --dialect",
+    .first.1, .first.0.name(), .first.2, .second.1, .second.0.name(), .second.2
+)]
+pub struct Conflict {
+    /// Dialect, line and sign.
+    pub first: (Dialect, usize, &'static str),
+    /// Dialect, line and sign.
+    pub second: (Dialect, usize, &'static str),
+}
+
+#[derive(Default)]
+struct Signs {
+    lathe: Option<usize>,
+    g17: Option<usize>,
+    five: Option<usize>,
+    seen: usize,
+}
+
+/// Whether `code`, such as `M97`, stands in a line as a word.
+fn has(line: &str, code: &str) -> bool {
+    let mut from = 0;
+    while let Some(found) = line[from..].find(code) {
+        let (start, end) = (from + found, from + found + code.len());
+        let before = line[..start].bytes().next_back();
+        let after = line[end..].bytes().next();
+        let clear = before.is_none_or(|b| !b.is_ascii_alphabetic() && b != b'_' && b != b'<')
+            && after.is_none_or(|b| !b.is_ascii_digit() && b != b'.' && b != b'=');
+        if clear {
+            return true;
+        }
+        from = end;
+    }
+    false
+}
+
+/// A line without comments in parentheses.
+fn bare(line: &str) -> String {
+    let mut depth = 0_u32;
+    let keep = |letter: &char| {
+        match letter {
+            '(' => depth += 1,
+            ')' => {
+                depth = depth.saturating_sub(1);
+                return false;
+            }
+            _ => {}
+        }
+        depth == 0
+    };
+    line.chars().filter(keep).collect()
+}
+
+fn strong(line: &str, signs: &mut Signs) -> Option<(Dialect, &'static str)> {
+    signs.seen += 1;
+    let after_number = line.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
+    if after_number.starts_with("BEGIN PGM") {
+        return Some((Dialect::Heidenhain, "BEGIN PGM"));
+    }
+    if line.starts_with("%_N_") || line.starts_with(";$PATH") {
+        return Some((Dialect::Siemens, "the header %_N_ or ;$PATH"));
+    }
+    let uncommented = line.split(';').next().unwrap_or_default();
+    if let Some(sign) = siemens(uncommented.trim()) {
+        return Some((Dialect::Siemens, sign));
+    }
+    let bare = bare(uncommented);
+    let bare = bare.trim();
+    if let Some(rest) = bare.strip_prefix('O') {
+        let rest = if let Some(named) = rest.strip_prefix('<') {
+            named.split_once('>').map(|(_, rest)| rest)
+        } else {
+            Some(rest.trim_start().trim_start_matches(|c: char| c.is_ascii_digit()))
+        };
+        const WORDS: [&str; 14] = [
+            "SUB",
+            "ENDSUB",
+            "CALL",
+            "WHILE",
+            "ENDWHILE",
+            "DO",
+            "IF",
+            "ELSE",
+            "ELSEIF",
+            "ENDIF",
+            "REPEAT",
+            "ENDREPEAT",
+            "BREAK",
+            "RETURN",
+        ];
+        let word: String =
+            rest.unwrap_or_default().trim_start().chars().take_while(char::is_ascii_alphabetic).collect();
+        if WORDS.contains(&word.as_str()) {
+            return Some((Dialect::LinuxCnc, "an o-word"));
+        }
+        if signs.five.is_none() {
+            let digits = bare[1..].trim_start().bytes().take_while(u8::is_ascii_digit).count();
+            signs.five = (digits == 5).then_some(signs.seen);
+        }
+    }
+    if bare.contains("#<") {
+        return Some((Dialect::LinuxCnc, "a variable with a name"));
+    }
+    let compact: String = bare.chars().filter(|c| !c.is_whitespace()).collect();
+    if has(&compact, "M97") || has(&compact, "G150") || has(&compact, "G187") {
+        return Some((Dialect::Haas, "M97, G150 or G187"));
+    }
+    let pattern = ["G70", "G71", "G72"].iter().any(|code| has(&compact, code));
+    if pattern && compact.contains('L') && compact.contains('I') {
+        return Some((Dialect::Haas, "a hole pattern G70 to G72 with L"));
+    }
+    if has(&compact, "G17") {
+        signs.g17 = Some(signs.seen);
+    }
+    let clamp = has(&compact, "G50") && compact.contains('S');
+    let contour =
+        (70..=76).any(|code| has(&compact, &format!("G{code}"))) && compact.contains('P') && compact.contains('Q');
+    let increments =
+        compact.contains('X') && (compact.contains('U') || compact.contains('W')) && !compact.contains('#');
+    if clamp || has(&compact, "G96") || contour || increments {
+        signs.lathe = signs.lathe.or(Some(signs.seen));
+    }
+    None
+}
+
+/// Words that no other control has.
+fn siemens(line: &str) -> Option<&'static str> {
+    if line.starts_with('(') || line.starts_with('%') {
+        return None;
+    }
+    let bytes = line.as_bytes();
+    let word_at = |word: &str| {
+        line.find(word).is_some_and(|at| at == 0 || !(bytes[at - 1].is_ascii_alphanumeric() || bytes[at - 1] == b'<'))
+    };
+    for (word, sign) in [
+        ("CR=", "CR="),
+        ("CYCLE8", "a cycle call"),
+        ("MCALL", "MCALL"),
+        ("AC(", "AC( )"),
+        ("IC(", "IC( )"),
+        ("TURN=", "TURN="),
+        ("GOTOF", "GOTOF"),
+        ("GOTOB", "GOTOB"),
+        ("ENDFOR", "ENDFOR"),
+        ("ATRANS", "ATRANS"),
+        ("TRANS ", "TRANS"),
+        ("DEF REAL", "DEF"),
+        ("DEF INT", "DEF"),
+        ("MSG(", "MSG( )"),
+        ("SUPA", "SUPA"),
+        ("G641", "G641"),
+        ("G642", "G642"),
+        ("G450", "G450"),
+        ("G451", "G451"),
+        ("G710", "G710"),
+        ("G700", "G700"),
+    ] {
+        if word_at(word) && !line.contains("(MSG(") {
+            return Some(sign);
+        }
+    }
+    // R1=…, and a label of at least two letters.
+    for (at, _) in line.match_indices('R') {
+        let digits = bytes[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+        let clear = at == 0 || !(bytes[at - 1].is_ascii_alphanumeric() || bytes[at - 1] == b'_');
+        if clear && digits > 0 && bytes.get(at + 1 + digits) == Some(&b'=') {
+            return Some("R parameters");
+        }
+    }
+    let label = line.split(':').next().unwrap_or_default();
+    let named = label.len() >= 2
+        && label.len() < line.len()
+        && label.bytes().take(2).all(|b| b.is_ascii_alphabetic() || b == b'_')
+        && label.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+    named.then_some("a label")
+}

@@ -1,0 +1,295 @@
+//! G codes: what each is in each language.
+
+use super::modes::Move;
+use super::once::Once;
+use super::run::Iso;
+use super::words::Words;
+use crate::Dialect;
+use crate::error::{Fault, unknown};
+use crate::kernel::{FeedMode, Kernel};
+use crate::motion::Sense;
+use crate::offset::{Corner, Offsetting};
+
+/// What a code is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Found {
+    Modal,
+    Motion(Move),
+    Once(Once),
+    ExactStop,
+}
+
+impl Iso {
+    pub(super) fn plane(&mut self, plane: [usize; 3], kernel: &mut Kernel) -> Result<(), Fault> {
+        if plane == kernel.plane {
+            return Ok(());
+        }
+        if self.modes.rotation.is_some() || kernel.offset.is_some() {
+            return Err(Fault::new(
+                "the plane changes while a rotation or the compensation of the radius is in force; end it before",
+            ));
+        }
+        kernel.plane = plane;
+        Ok(())
+    }
+
+    pub(super) fn compensate(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        kernel.finish_offset()?;
+        if code == 400 {
+            return Ok(());
+        }
+        if self.is_lathe() {
+            kernel.note("the radius of the nose is not known here; the contour is timed as programmed");
+            return Ok(());
+        }
+        let register = words.whole(b'D', 0.0, 9999.0)?;
+        if register == Some(0) {
+            return Ok(());
+        }
+        let number = register.or(kernel.tool.filter(|_| self.dialect == Dialect::LinuxCnc)).or(kernel.tool);
+        let diameter = number.and_then(|number| kernel.control.diameters.get(&number)).copied();
+        let Some(diameter) = diameter else {
+            let which = number.map_or("the tool".to_owned(), |number| format!("D{number}"));
+            kernel.note(format!(
+                "the diameter of {which} is not known, so the contour is timed as programmed: give --tool D{}=\"10 mm\"",
+                number.unwrap_or(1)
+            ));
+            return Ok(());
+        };
+        let corner = if self.dialect == Dialect::Fanuc { Corner::Extended } else { Corner::Round };
+        kernel.offset = Some(Offsetting::new(code == 410, 0.5 * diameter, kernel.plane, corner));
+        Ok(())
+    }
+
+    pub(super) fn modal(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<Found, Fault> {
+        use Found::{ExactStop, Modal};
+        let (linuxcnc, haas, lathe) =
+            (self.dialect == Dialect::LinuxCnc, self.dialect == Dialect::Haas, self.is_lathe());
+        let macros = self.macros();
+        let refuse = |reason: &str| Err(Fault::new(format!("G{}: {reason}", written(code))));
+        Ok(match code {
+            0 => Found::Motion(Move::Rapid),
+            10 => Found::Motion(Move::Line),
+            20 | 30 => Found::Motion(Move::Arc { left: code == 30 }),
+            40 => Found::Once(Once::Dwell),
+            50 if linuxcnc => Found::Once(Once::Spline(true)),
+            51 if linuxcnc => Found::Once(Once::Spline(false)),
+            51 | 80 if macros => {
+                words.spend(b"PQR");
+                Modal
+            }
+            70 if linuxcnc => return refuse("diameters of a lathe are not followed for LinuxCNC; write G8 and radii"),
+            80 if linuxcnc => Modal,
+            90 if macros => ExactStop,
+            100 => Found::Once(Once::Data),
+            150 if !lathe && macros => {
+                self.modes.polar = None;
+                Modal
+            }
+            160 if !lathe && macros => {
+                self.modes.polar = Some((0.0, 0.0));
+                Modal
+            }
+            170 => {
+                self.plane([0, 1, 2], kernel)?;
+                Modal
+            }
+            180 => {
+                self.plane([2, 0, 1], kernel)?;
+                Modal
+            }
+            190 => {
+                self.plane([1, 2, 0], kernel)?;
+                Modal
+            }
+            200 | 210 => {
+                kernel.scale = Some(if code == 200 { 25.4 } else { 1.0 });
+                Modal
+            }
+            280 | 300 => Found::Once(Once::Home),
+            320 | 330 if lathe => Found::Motion(Move::Thread),
+            330 if linuxcnc => Found::Motion(Move::Thread),
+            382..=385 => return refuse("a probe moves until it touches, which depends on the workpiece"),
+            310 => return refuse("a skip ends where a signal comes, which depends on the workpiece"),
+            400..=420 if matches!(code, 400 | 410 | 420) => {
+                self.compensate(code, words, kernel)?;
+                Modal
+            }
+            430 | 440 | 431 | 490 if !lathe => {
+                if code == 431 {
+                    words.spend(b"XYZ");
+                }
+                Modal
+            }
+            434 | 435 => {
+                return refuse("control of the tool's tip moves rotary axes with linear ones, which is not followed");
+            }
+            500 if lathe => Found::Once(Once::Set),
+            500 if macros => {
+                self.modes.scaling = None;
+                kernel.frame = self.modes.frame(kernel.plane);
+                Modal
+            }
+            510 if macros && !lathe => Found::Once(Once::Scale),
+            501 if macros && !lathe => {
+                if !words.any(b"XYZ") {
+                    self.modes.mirror = [None; 3];
+                    kernel.frame = self.modes.frame(kernel.plane);
+                    return Ok(Modal);
+                }
+                Found::Once(Once::Mirror(false))
+            }
+            511 if macros && !lathe => Found::Once(Once::Mirror(true)),
+            520 if macros => Found::Once(Once::Local),
+            530 => Found::Once(Once::Machine),
+            540 | 550 | 560 | 570 | 580 | 590 => {
+                self.system(code / 10 - 53, kernel);
+                Modal
+            }
+            591..=593 if linuxcnc => {
+                self.system(code - 591 + 7, kernel);
+                Modal
+            }
+            541 | 1540 if macros => {
+                let number =
+                    words.whole(b'P', 1.0, 300.0)?.ok_or_else(|| Fault::new("the offset needs P, its number"))?;
+                self.system(100 + number, kernel);
+                Modal
+            }
+            1100..=1290 if haas && code.is_multiple_of(10) => {
+                self.system(101 + (code - 1100) / 10, kernel);
+                Modal
+            }
+            610 | 611 => {
+                kernel.exact = true;
+                Modal
+            }
+            640 => {
+                words.spend(b"PQ");
+                kernel.exact = false;
+                Modal
+            }
+            650 | 660 if macros => Found::Once(Once::Macro),
+            670 if macros => {
+                self.modal_macro = None;
+                Modal
+            }
+            680 if macros && !lathe => Found::Once(Once::Rotate),
+            690 if macros && !lathe => {
+                self.modes.rotation = None;
+                kernel.frame = self.modes.frame(kernel.plane);
+                Modal
+            }
+            700 | 710 | 720 if haas => Found::Once(Once::Pattern(code / 10)),
+            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => Found::Once(Once::Pattern(code / 10)),
+            730 | 740 | 760 | 810..=890 if !lathe && code.is_multiple_of(10) => {
+                self.begin_cycle(code / 10, kernel)?;
+                Found::Motion(Move::Cycle)
+            }
+            800 => {
+                self.cycle = None;
+                if matches!(self.modes.motion, Move::Cycle) {
+                    // LinuxCNC asks for a motion behind G80; others go on with what was before the cycle, mostly G0.
+                    self.modes.motion = if linuxcnc { Move::Open } else { Move::Rapid };
+                }
+                Modal
+            }
+            900 | 920 | 940 if lathe => Found::Motion(Move::Lathe(code / 10)),
+            900 => {
+                kernel.absolute = true;
+                Modal
+            }
+            910 if !lathe => {
+                kernel.absolute = false;
+                Modal
+            }
+            901 | 911 if linuxcnc => {
+                self.modes.arc_absolute = code == 901;
+                Modal
+            }
+            920 => Found::Once(Once::Set),
+            921 | 922 if linuxcnc => {
+                self.modes.set = [0.0; 9];
+                kernel.frame = self.modes.frame(kernel.plane);
+                Modal
+            }
+            930 if !lathe => {
+                kernel.feed_mode = FeedMode::Inverse;
+                Modal
+            }
+            940 | 950 if !lathe => {
+                let mode = if code == 940 { FeedMode::Minute } else { FeedMode::Revolution };
+                self.feed_mode(mode, words, kernel);
+                Modal
+            }
+            960 => {
+                if linuxcnc && let Some(clamp) = words.take(b'D') {
+                    kernel.clamp = clamp;
+                }
+                if !lathe {
+                    return refuse("constant surface speed on a mill has no time of its own here; write G97");
+                }
+                kernel.surface = kernel.surface.or(Some(0.0));
+                if kernel.sense == Sense::Still {
+                    kernel.speed = 0.0;
+                }
+                Modal
+            }
+            970 => {
+                kernel.surface = None;
+                Modal
+            }
+            980 | 990 if lathe => {
+                let mode = if code == 980 { FeedMode::Minute } else { FeedMode::Revolution };
+                self.feed_mode(mode, words, kernel);
+                Modal
+            }
+            980 | 990 => {
+                self.modes.initial_return = code == 980;
+                Modal
+            }
+            1030 if haas => {
+                words.spend(b"P");
+                Modal
+            }
+            1870 if haas => {
+                words.spend(b"PE");
+                Modal
+            }
+            1500 => {
+                return refuse(
+                    "the pocket is a contour cycle of the control, which is not followed; post it as motions",
+                );
+            }
+            120 | 130 if haas => {
+                return refuse(
+                    "the circular pocket is a cycle of the control, which is not followed; post it as motions",
+                );
+            }
+            121 | 131 | 71 | 1070 => {
+                return refuse("the cylinder or polar interpolation is not followed; post the motions of the axes");
+            }
+            _ => {
+                if let Some(time) = kernel.control.g.get(&code) {
+                    return Ok(Found::Once(Once::TimeOnly(*time)));
+                }
+                return Err(Fault::new(unknown(&format!("G{}", written(code)), "g", &written(code))));
+            }
+        })
+    }
+
+    /// A feed a minute is none a revolution.
+    pub(super) fn feed_mode(&mut self, mode: FeedMode, words: &Words, kernel: &mut Kernel) {
+        if mode != kernel.feed_mode {
+            kernel.feed_mode = mode;
+            if !words.has(b'F') {
+                kernel.feed = None;
+            }
+        }
+    }
+}
+
+/// A code as it is written.
+pub(super) fn written(code: u32) -> String {
+    if code.is_multiple_of(10) { format!("{}", code / 10) } else { format!("{}.{}", code / 10, code % 10) }
+}

@@ -1,0 +1,252 @@
+//! Canned cycles G73 to G89 and the hole patterns of Haas.
+
+use super::run::Iso;
+use super::words::Words;
+use crate::Dialect;
+use crate::error::Fault;
+use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
+use crate::kernel::{Kernel, Target};
+use crate::motion::AXES;
+
+/// A cycle with the words that hold until it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cycle {
+    code: u32,
+    /// Level of the tool before the cycle, program coordinates in mm.
+    initial: f64,
+    /// Values as written, mm, with whether they are steps.
+    bottom: Option<(f64, bool)>,
+    reference: Option<(f64, bool)>,
+    peck: Option<f64>,
+    first: Option<f64>,
+    decrement: f64,
+    least: f64,
+    dwell: f64,
+    shift: [f64; 2],
+}
+
+/// Greatest number of repeats of a hole.
+const REPEATS: f64 = 1e5;
+
+/// Clearance above the last depth on LinuxCNC, mm (LinuxCNC manual, G83: 0.010 in or 0.254 mm).
+const LINUXCNC_CLEARANCE: f64 = 0.254;
+
+impl Iso {
+    pub(super) fn begin_cycle(&mut self, code: u32, kernel: &Kernel) -> Result<(), Fault> {
+        if self.dialect == Dialect::LinuxCnc && matches!(code, 76 | 87) {
+            let what = if code == 76 { "a threading cycle of lathes" } else { "not implemented by the control" };
+            return Err(Fault::new(format!("G{code} is {what} on LinuxCNC, and is not followed")));
+        }
+        let initial = self.cycle.map_or(kernel.program_at()[kernel.plane[2]], |cycle| cycle.initial);
+        let before = self.cycle;
+        // Depth and plane go on from cycle to cycle on LinuxCNC; elsewhere a new code begins anew.
+        let kept = before.filter(|_| self.dialect == Dialect::LinuxCnc);
+        self.cycle = Some(Cycle {
+            code,
+            initial,
+            bottom: kept.and_then(|cycle| cycle.bottom),
+            reference: kept.and_then(|cycle| cycle.reference),
+            peck: None,
+            first: None,
+            decrement: 0.0,
+            least: 0.0,
+            dwell: 0.0,
+            shift: [0.0; 2],
+        });
+        Ok(())
+    }
+
+    /// A block while a cycle is in force: takes its words, and bores where the block names a place.
+    pub(super) fn canned(&mut self, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        let Some(mut cycle) = self.cycle else {
+            return Err(Fault::new("no cycle is in force; write its code with Z and R again"));
+        };
+        let [u, v, w] = kernel.plane;
+        let across = AXES[w] as u8;
+        let bores = words.any(b"XYZR");
+        let stepped = !kernel.absolute;
+        let take = |own: &Self, words: &mut Words, letter: u8| -> Result<Option<f64>, Fault> {
+            words.take(letter).map(|value| own.mm(kernel, words, letter, value)).transpose()
+        };
+        if let Some(value) = take(self, words, across)? {
+            cycle.bottom = Some((value, stepped));
+        }
+        if let Some(value) = take(self, words, b'R')? {
+            cycle.reference = Some((value, stepped));
+        }
+        if let Some(value) = take(self, words, b'Q')? {
+            cycle.peck = Some(value.abs());
+        }
+        let shifts = matches!(cycle.code, 76 | 87);
+        if matches!(cycle.code, 73 | 83) && self.dialect == Dialect::Haas {
+            // I, J and K of Haas: first depth, decrement and least depth of the pecks.
+            let (first, decrement, least) =
+                (take(self, words, b'I')?, take(self, words, b'J')?, take(self, words, b'K')?);
+            cycle.first = first.or(cycle.first);
+            cycle.decrement = decrement.unwrap_or(cycle.decrement);
+            cycle.least = least.unwrap_or(cycle.least);
+        } else if shifts {
+            if let Some(value) = take(self, words, b'I')? {
+                cycle.shift[0] = value;
+            }
+            if let Some(value) = take(self, words, b'J')? {
+                cycle.shift[1] = value;
+            }
+        }
+        if let Some(value) = words.take(b'P') {
+            let milliseconds = self.dialect != Dialect::LinuxCnc && !words.is_pointed(b'P');
+            cycle.dwell = if milliseconds { 1e-3 * value } else { value };
+        }
+        if self.dialect == Dialect::Haas {
+            words.spend(b"E");
+        }
+        self.cycle = Some(cycle);
+        let letter = if self.dialect == Dialect::Fanuc { b'K' } else { b'L' };
+        let count = words.whole(letter, 0.0, REPEATS)?.unwrap_or(1);
+        if self.dialect == Dialect::Fanuc && words.has(b'L') {
+            return Err(Fault::at(
+                words.column(b'L'),
+                "holes are repeated by K on Fanuc, by L on Haas and LinuxCNC; name the control with --dialect",
+            ));
+        }
+        let mut target = Target::default();
+        for axis in [u, v] {
+            let letter = AXES[axis] as u8;
+            if let Some(value) = take(self, words, letter)? {
+                if stepped { target.step[axis] = Some(value) } else { target.absolute[axis] = Some(value) }
+            }
+        }
+        if !bores || count == 0 {
+            return Ok(());
+        }
+        if let Some((radius, angle)) = self.polar(&target, kernel) {
+            (target.absolute[u], target.absolute[v]) = (Some(radius), Some(angle));
+        }
+        for _ in 0..count {
+            self.hole_at(&target, cycle, kernel)?;
+        }
+        Ok(())
+    }
+
+    /// A hole of the cycle at a place of the plane.
+    fn hole_at(&mut self, target: &Target, cycle: Cycle, kernel: &mut Kernel) -> Result<(), Fault> {
+        let w = kernel.plane[2];
+        let (Some(bottom), reference) = (cycle.bottom, cycle.reference) else {
+            return Err(Fault::new(format!(
+                "the depth of G{} is missing: write Z (or the axis across the plane)",
+                cycle.code
+            )));
+        };
+        let linuxcnc = self.dialect == Dialect::LinuxCnc;
+        let initial = cycle.initial;
+        let reference = match reference {
+            Some((value, true)) => initial + value,
+            Some((value, false)) => value,
+            None if linuxcnc => return Err(Fault::new("the reference plane R of the cycle is missing")),
+            None => initial,
+        };
+        let bottom = match bottom {
+            (value, true) => reference + value,
+            (value, false) => value,
+        };
+        if linuxcnc && bottom > reference {
+            return Err(Fault::new("the depth of the cycle lies above its plane R"));
+        }
+        // LinuxCNC rises to the plane R first where the tool stands below it.
+        if linuxcnc && kernel.program_at()[w] < reference {
+            kernel.straight(&Target::one(w, reference), true)?;
+        }
+        let level = if self.modes.initial_return { initial } else { reference };
+        let level = if linuxcnc { level.max(reference) } else { level };
+        kernel.straight(target, true)?;
+        let clearance = if linuxcnc && kernel.control.peck_clearance.is_none() {
+            LINUXCNC_CLEARANCE
+        } else {
+            kernel.control.clearance()
+        };
+        let pecks = |retract: Option<f64>| -> Result<Option<Pecks>, Fault> {
+            let depth = cycle.first.or(cycle.peck).unwrap_or(0.0);
+            if depth <= 0.0 {
+                return Err(Fault::new(format!("the depth of a peck is missing: G{} needs Q above zero", cycle.code)));
+            }
+            let least = if cycle.least > 0.0 { cycle.least } else { depth };
+            let decrement = if cycle.first.is_some() { cycle.decrement } else { 0.0 };
+            let least = if decrement > 0.0 { least.min(depth) } else { depth };
+            if decrement > 0.0 && cycle.least <= 0.0 {
+                return Err(Fault::new("the least depth of a peck (K) is missing beside the decrement J"));
+            }
+            let stops = stops((bottom - reference).abs(), depth, decrement, least)?;
+            Ok(Some(Pecks { stops, retract, clearance: Clearance::Fixed(clearance), outside: 0.0, inside: 0.0 }))
+        };
+        let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
+        let plain = Hole {
+            reference,
+            bottom,
+            level,
+            pecks: None,
+            dwell: 0.0,
+            exit: Exit::Rapid,
+            feed: None,
+            over_reference: false,
+        };
+        let dwell = cycle.dwell;
+        let taps = || if cycle.peck.is_some() { pecks(None) } else { Ok(None) };
+        let hole = match cycle.code {
+            73 => Hole { pecks: pecks(Some(clearance))?, dwell, ..plain },
+            81 => plain,
+            82 => Hole { dwell, ..plain },
+            83 => Hole { pecks: pecks(None)?, dwell, ..plain },
+            74 | 84 => Hole { pecks: taps()?, dwell, exit: Exit::Tap, ..plain },
+            85 => Hole { exit: Exit::Feed, ..plain },
+            86 => Hole { dwell, exit: Exit::Stopped, ..plain },
+            88 => Hole { dwell, exit: Exit::Operator, ..plain },
+            89 => Hole { dwell, exit: Exit::Feed, ..plain },
+            76 => Hole { dwell, exit: Exit::Shifted(shift), ..plain },
+            87 => return kernel.back_bore(reference, bottom, initial, shift, dwell),
+            code => return Err(Fault::new(format!("G{code} is no cycle that is followed"))),
+        };
+        kernel.hole(&hole)
+    }
+
+    /// Place of polar coordinates in force, already in the plane.
+    fn polar(&mut self, target: &Target, kernel: &Kernel) -> Option<(f64, f64)> {
+        let [u, v, _] = kernel.plane;
+        self.modes.polar_place(target.absolute[u], target.absolute[v], kernel.scale.unwrap_or(1.0))
+    }
+
+    /// Hole patterns of Haas: a circle (G70), an arc (G71), a line (G72).
+    pub(super) fn pattern(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        if self.dialect == Dialect::FanucLathe {
+            return self.turning_pattern(code, words, kernel);
+        }
+        let Some(cycle) = self.cycle else {
+            return Err(Fault::new(format!("G{code} repeats the holes of a cycle, but none is in force")));
+        };
+        let centre = self.target(words, kernel)?;
+        kernel_move(&centre, kernel)?;
+        let at = kernel.program_at();
+        let size =
+            words.take(b'I').ok_or_else(|| Fault::new(format!("G{code} needs I, the radius or the distance")))?;
+        let size = self.mm(kernel, words, b'I', size)?;
+        let start = words.take(b'J').unwrap_or(0.0);
+        let count = words
+            .whole(b'L', 1.0, REPEATS)?
+            .ok_or_else(|| Fault::new(format!("G{code} needs L, the number of holes")))?;
+        let step = if code == 71 { words.take(b'K').unwrap_or(0.0) } else { 360.0 / f64::from(count) };
+        for index in 0..count {
+            let (angle, reach) = match code {
+                72 => (start, size * f64::from(index)),
+                _ => (start + step * f64::from(index), size),
+            };
+            let (sin, cos) = crate::frame::turn(angle);
+            let mut target = Target::default();
+            (target.absolute[0], target.absolute[1]) = (Some(at[0] + reach * cos), Some(at[1] + reach * sin));
+            self.hole_at(&target, cycle, kernel)?;
+        }
+        Ok(())
+    }
+}
+
+fn kernel_move(target: &Target, kernel: &mut Kernel) -> Result<(), Fault> {
+    if target.is_empty() { Ok(()) } else { kernel.straight(target, true) }
+}

@@ -1,0 +1,15 @@
+//! Fanuc, Haas and LinuxCNC: lines of words, macros and o-words.
+
+mod block;
+mod codes;
+mod cycles;
+mod lathe;
+mod modes;
+mod once;
+mod parse;
+mod path;
+mod run;
+mod variables;
+mod words;
+
+pub(crate) use run::Iso;

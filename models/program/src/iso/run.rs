@@ -1,0 +1,482 @@
+//! The flow of a program: blocks, jumps, loops, calls.
+
+use super::cycles::Cycle;
+use super::modes::Modes;
+use super::parse::{BlockCode, Code, Order, Statement, statements};
+use super::variables::{Locals, Store};
+use super::words::Words;
+use crate::Dialect;
+use crate::error::Fault;
+use crate::expression::Expression;
+use crate::kernel::Kernel;
+use crate::library::Library;
+use crate::motion::EventKind;
+use crate::run::{Flow, Interpreter, Place};
+use std::collections::HashMap;
+
+/// A call that has not returned.
+#[derive(Clone, Debug)]
+pub(super) struct Call {
+    /// Statement behind the call.
+    pub back: usize,
+    /// First statement of the subprogram.
+    pub start: usize,
+    /// Repetitions that are left.
+    pub left: u32,
+    /// Whether it has variables of its own.
+    pub own: bool,
+    /// Line of the call and how often it has run.
+    pub line: usize,
+    pub count: usize,
+    /// Whether it is that of a modal macro.
+    pub modal: bool,
+    /// Counters of `repeat` loops.
+    loops: Vec<(usize, u64)>,
+}
+
+/// The interpreter.
+pub(crate) struct Iso {
+    pub(super) dialect: Dialect,
+    statements: Vec<Statement>,
+    files: Vec<String>,
+    programs: HashMap<u32, usize>,
+    subs: HashMap<String, usize>,
+    numbers: HashMap<u32, Vec<usize>>,
+    pub(super) pc: usize,
+    pub(super) calls: Vec<Call>,
+    loops: Vec<(usize, u64)>,
+    pub(super) store: Store,
+    pub(super) modes: Modes,
+    pub(super) cycle: Option<Cycle>,
+    library: Library,
+    /// Statements of files whose programs have been searched.
+    pub(super) modal_macro: Option<(usize, Locals)>,
+    words: Words,
+}
+
+/// Depth of calls and of levels of macro variables (Fanuc operator's manual: 4 levels of macros, 10 of subprograms on
+/// newer controls).
+const DEPTH: usize = 10;
+
+impl Iso {
+    pub fn new(text: &str, dialect: Dialect, library: Library) -> Self {
+        let mut own = Self {
+            dialect,
+            statements: Vec::new(),
+            files: Vec::new(),
+            programs: HashMap::new(),
+            subs: HashMap::new(),
+            numbers: HashMap::new(),
+            pc: 0,
+            calls: Vec::new(),
+            loops: Vec::new(),
+            store: Store::new(dialect),
+            modes: Modes::new(),
+            cycle: None,
+            library,
+            modal_macro: None,
+            words: Words::default(),
+        };
+        own.add(text, String::new());
+        own
+    }
+
+    fn add(&mut self, text: &str, name: String) {
+        let offset = self.statements.len();
+        self.statements.extend(statements(text, self.dialect, self.files.len(), offset));
+        self.files.push(name);
+        for (index, statement) in self.statements.iter().enumerate().skip(offset) {
+            if let Some(number) = statement.number {
+                self.numbers.entry(number).or_default().push(index);
+            }
+            match &statement.code {
+                Code::Program(number) => {
+                    self.programs.entry(*number).or_insert(index);
+                }
+                Code::Order(name, Order::Sub) => {
+                    self.subs.entry(name.clone()).or_insert(index);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn value(&self, expression: &Expression) -> Result<Option<f64>, Fault> {
+        match expression {
+            Expression::Number(value) => Ok(Some(*value)),
+            other => other.value(&self.store, self.dialect),
+        }
+    }
+
+    fn truth(&self, expression: &Expression) -> Result<bool, Fault> {
+        Ok(self.value(expression)?.unwrap_or(0.0) != 0.0)
+    }
+
+    /// Statements of the program in which `pc` stands.
+    fn unit(&self, pc: usize) -> (usize, usize) {
+        let file = self.statements.get(pc).map_or(0, |statement| statement.file);
+        let boundary = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Program(_));
+        let start = (0..pc).rev().find(|i| boundary(&self.statements[*i])).map_or(0, |i| i + 1);
+        let end = (pc + 1..self.statements.len()).find(|i| boundary(&self.statements[*i]));
+        (start, end.unwrap_or(self.statements.len()))
+    }
+
+    /// Statement of block `number`: forward from here, then from the top of the program.
+    pub(super) fn block_number(&self, number: u32, from: usize) -> Result<usize, Fault> {
+        let missing = || Fault::new(format!("there is no block N{number} in this program; check the number"));
+        let list = self.numbers.get(&number).ok_or_else(missing)?;
+        // One block of the number is the rule: then nothing has to be searched.
+        let (start, end) = self.unit(from);
+        let inside = |index: &&usize| (start..end).contains(*index);
+        list.iter()
+            .filter(inside)
+            .find(|index| **index > from)
+            .or_else(|| list.iter().find(inside))
+            .copied()
+            .ok_or_else(missing)
+    }
+
+    /// First statement of a program by its number, here or in a file beside this one.
+    pub(super) fn program(&mut self, number: u32) -> Result<usize, Fault> {
+        if let Some(index) = self.programs.get(&number) {
+            return Ok(index + 1);
+        }
+        let names = [format!("O{number:04}"), format!("O{number:05}"), format!("O{number}"), format!("{number:04}")];
+        let missing = Fault::new(format!(
+            "P{number}: no such program; put O{number} into this file, or the file O{number:04} beside it"
+        ));
+        let (name, text) = self.library.find(&names, &["", ".nc", ".NC", ".cnc", ".tap", ".txt"]).ok_or(missing)?;
+        let start = self.statements.len();
+        self.add(&text, name);
+        Ok(self.programs.get(&number).map_or(start, |index| index + 1))
+    }
+
+    pub(super) fn call(
+        &mut self,
+        start: usize,
+        count: u32,
+        locals: Option<Locals>,
+        line: usize,
+        modal: bool,
+    ) -> Result<(), Fault> {
+        if self.calls.len() >= DEPTH {
+            return Err(Fault::new(format!(
+                "subprograms call each other more than {DEPTH} deep; check for one that calls itself"
+            )));
+        }
+        if count == 0 {
+            return Ok(());
+        }
+        let own = locals.is_some();
+        self.store.levels.extend(locals);
+        let loops = std::mem::take(&mut self.loops);
+        self.calls.push(Call { back: self.pc, start, left: count - 1, own, line, count: 1, modal, loops });
+        self.pc = start;
+        Ok(())
+    }
+
+    /// Returns from a subprogram, or begins it again; `to` is a block of the caller. False in the main program.
+    pub(super) fn back(&mut self, to: Option<u32>) -> Result<bool, Fault> {
+        let Some(call) = self.calls.last_mut() else { return Ok(false) };
+        if call.left > 0 && to.is_none() {
+            call.left -= 1;
+            call.count += 1;
+            self.pc = call.start;
+            self.loops.clear();
+            return Ok(true);
+        }
+        let Some(call) = self.calls.pop() else { return Ok(false) };
+        if call.own {
+            self.store.levels.pop();
+        }
+        self.loops = call.loops;
+        self.pc = call.back;
+        if let Some(number) = to {
+            self.pc = self.block_number(number, call.back.saturating_sub(1))?;
+        }
+        Ok(true)
+    }
+
+    fn assign(&mut self, assignments: &[(Expression, Expression)], kernel: &mut Kernel) -> Result<Flow, Fault> {
+        // All values of a line are worked out before any is stored.
+        let mut values = Vec::with_capacity(assignments.len());
+        for (_, value) in assignments {
+            values.push(self.value(value)?);
+        }
+        for ((target, _), value) in assignments.iter().zip(values) {
+            match target {
+                Expression::Named(name) => self.store.name(name, value.unwrap_or(0.0)),
+                Expression::Variable(index) => {
+                    let index = self.value(index)?.unwrap_or(-1.0);
+                    if !(0.0..=99_999.0).contains(&index) {
+                        return Err(Fault::new(format!("#{index} is no variable")));
+                    }
+                    let index = index.round() as u32;
+                    match index {
+                        3000 if self.dialect != Dialect::LinuxCnc => {
+                            kernel.note(format!("the program ends here with alarm {}", value.unwrap_or(0.0)));
+                            kernel.end()?;
+                            return Ok(Flow::Ended);
+                        }
+                        3006 if self.dialect != Dialect::LinuxCnc => kernel.push(EventKind::Stop(false)),
+                        _ => self.store.set(index, value).map_err(Fault::new)?,
+                    }
+                }
+                _ => return Err(Fault::new("only a variable takes a value")),
+            }
+        }
+        Ok(Flow::Going)
+    }
+
+    fn block(&mut self, code: &BlockCode, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let mut words = std::mem::take(&mut self.words);
+        words.clear();
+        // Positions are asked for by variables only.
+        if code.words.iter().any(|word| word.value.literal().is_none()) {
+            self.refresh(kernel);
+        }
+        for word in &code.words {
+            let value = self.value(&word.value).map_err(|fault| fault.or_at(word.column))?;
+            match value {
+                Some(value) => words.put(word.letter, value, word.pointed, word.column)?,
+                None => {
+                    let variable = match &word.value {
+                        Expression::Variable(index) => {
+                            format!("#{}", self.value(index)?.unwrap_or(0.0))
+                        }
+                        _ => "its value".to_owned(),
+                    };
+                    words.vacant.push((word.letter, variable));
+                }
+            }
+        }
+        let flow = self.execute(&mut words, kernel);
+        self.words = words;
+        let flow = flow?;
+        if code.assignments.is_empty() {
+            return Ok(flow);
+        }
+        self.refresh(kernel);
+        match self.assign(&code.assignments, kernel)? {
+            Flow::Going => Ok(flow),
+            Flow::Ended => Ok(Flow::Ended),
+        }
+    }
+
+    fn order(&mut self, name: &str, order: &Order, own: usize) -> Result<(), Fault> {
+        let (jump, end) = (self.statements[own].jump, self.statements[own].end);
+        match order {
+            // A definition is passed over.
+            Order::Sub => self.pc = jump,
+            Order::EndSub(value) | Order::Return(value) => {
+                let value = value.as_ref().map(|value| self.value(value)).transpose()?.flatten();
+                if !self.back(None)? {
+                    return Err(Fault::new("a return outside of a subprogram"));
+                }
+                self.store.name("_VALUE", value.unwrap_or(0.0));
+                self.store.name("_VALUE_RETURNED", f64::from(u8::from(value.is_some())));
+            }
+            Order::Call(arguments) => {
+                let mut locals = Locals::default();
+                for (slot, argument) in locals.numbered[1..].iter_mut().zip(arguments) {
+                    *slot = self.value(argument)?;
+                }
+                let start = self.sub(name)?;
+                let line = self.statements[own].line;
+                self.call(start, 1, Some(locals), line, false)?;
+            }
+            Order::While(condition) => {
+                if !self.truth(condition)? {
+                    self.pc = jump;
+                }
+            }
+            Order::EndWhile => self.pc = jump,
+            Order::Do => {}
+            Order::DoWhile(condition) => {
+                if self.truth(condition)? {
+                    self.pc = jump;
+                }
+            }
+            Order::If(condition) => {
+                let mut holds = self.truth(condition)?;
+                let mut at = own;
+                while !holds {
+                    at = self.statements[at].jump;
+                    holds = match &self.statements[at].code {
+                        Code::Order(_, Order::ElseIf(condition)) => self.truth(condition)?,
+                        _ => true,
+                    };
+                }
+                self.pc = at + 1;
+            }
+            Order::ElseIf(_) | Order::Else => self.pc = end,
+            Order::EndIf => {}
+            Order::Repeat(count) => {
+                let count = self.value(count)?.unwrap_or(0.0).round();
+                if count < 1.0 {
+                    self.pc = jump;
+                } else {
+                    self.loops.push((own, count.min(1e15) as u64 - 1));
+                }
+            }
+            Order::EndRepeat => match self.loops.last_mut() {
+                Some((begin, left)) if *begin == jump && *left > 0 => {
+                    *left -= 1;
+                    self.pc = jump + 1;
+                }
+                _ => {
+                    self.loops.pop();
+                }
+            },
+            Order::Break | Order::Continue => {
+                let begin = &self.statements[jump];
+                let repeats = matches!(begin.code, Code::Order(_, Order::Repeat(_)));
+                let ends = *order == Order::Break;
+                self.pc = match &begin.code {
+                    Code::Order(_, Order::Do) if ends => begin.jump + 1,
+                    Code::Order(_, Order::Do) => begin.jump,
+                    _ if ends => begin.jump,
+                    Code::Order(_, Order::Repeat(_)) => begin.jump - 1,
+                    _ => jump,
+                };
+                if repeats && ends {
+                    self.loops.pop();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn sub(&mut self, name: &str) -> Result<usize, Fault> {
+        if let Some(index) = self.subs.get(name) {
+            return Ok(index + 1);
+        }
+        let lower = name.to_ascii_lowercase();
+        let missing = Fault::new(format!(
+            "o<{lower}> call: no such subprogram; define it in this file, or put {lower}.ngc beside it"
+        ));
+        let (file, text) =
+            self.library.find(&[lower, name.to_owned()], &[".ngc", ".NGC"]).ok_or_else(|| missing.clone())?;
+        self.add(&text, file);
+        self.subs.get(name).map(|index| index + 1).ok_or(missing)
+    }
+
+    fn refresh(&mut self, kernel: &Kernel) {
+        let scale = kernel.scale.unwrap_or(1.0);
+        let at = kernel.program_at();
+        self.store.position = std::array::from_fn(|i| if (3..6).contains(&i) { at[i] } else { at[i] / scale });
+        self.modes.publish(kernel, &mut self.store.modal);
+    }
+
+    /// Motions call the macro of G66.
+    pub(super) fn modal_call(&mut self, line: usize) -> Result<(), Fault> {
+        if let Some((start, locals)) = self.modal_macro.clone()
+            && !self.calls.iter().any(|call| call.modal)
+        {
+            self.call(start, 1, Some(locals), line, true)?;
+        }
+        Ok(())
+    }
+}
+
+impl Interpreter for Iso {
+    fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let Some(statement) = self.statements.get(self.pc) else {
+            // The end of the file ends the program, as the tape does.
+            kernel.end()?;
+            return Ok(Flow::Ended);
+        };
+        let own = self.pc;
+        let crosses = self.calls.is_empty() && statement.file > 0;
+        if crosses {
+            kernel.end()?;
+            return Ok(Flow::Ended);
+        }
+        kernel.line = statement.line;
+        kernel.main_line = self.calls.first().map_or(statement.line, |call| call.line);
+        kernel.depth = self.calls.len();
+        self.pc += 1;
+        if statement.skip > 0 && kernel.control.skip[usize::from(statement.skip)] {
+            return Ok(Flow::Going);
+        }
+        // The statement leaves its place while it runs, so that nothing has to be copied.
+        let code = std::mem::replace(&mut self.statements[own].code, Code::Print);
+        let flow = self.run(&code, own, kernel);
+        self.statements[own].code = code;
+        flow
+    }
+
+    fn place(&self) -> Place {
+        let statement = self.statements.get(self.pc.saturating_sub(1));
+        let file = statement.map_or(0, |statement| statement.file);
+        Place {
+            file: (file > 0).then(|| self.files[file].clone()),
+            calls: self.calls.iter().rev().map(|call| (call.line, call.count)).collect(),
+        }
+    }
+}
+
+impl Iso {
+    fn run(&mut self, code: &Code, own: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        match code {
+            Code::Fault(fault) => return Err(fault.clone()),
+            Code::Print => {}
+            Code::Program(_) => {
+                // A second program begins where the first has no end.
+                if own > 0
+                    && self.calls.is_empty()
+                    && self.statements[..own].iter().any(|s| !matches!(s.code, Code::Program(_)))
+                {
+                    kernel.end()?;
+                    return Ok(Flow::Ended);
+                }
+            }
+            Code::Block(block) => {
+                if block.words.is_empty() {
+                    if block.assignments.iter().any(|(_, value)| value.literal().is_none()) {
+                        self.refresh(kernel);
+                    }
+                    return self.assign(&block.assignments, kernel);
+                }
+                kernel.push(EventKind::Block);
+                return self.block(block, kernel);
+            }
+            Code::If(condition, then) => {
+                self.refresh(kernel);
+                if self.truth(condition)? {
+                    return self.run(then, own, kernel);
+                }
+            }
+            Code::Goto(target) => {
+                let number = self.value(target)?.unwrap_or(-1.0);
+                if !(0.0..=99_999_999.0).contains(&number) {
+                    return Err(Fault::new(format!("GOTO {number}: that is no block number")));
+                }
+                self.pc = self.block_number(number.round() as u32, own)?;
+                if self.pc <= own {
+                    kernel.loop_line = kernel.line;
+                }
+            }
+            Code::While(condition) => {
+                if let Some(condition) = condition {
+                    self.refresh(kernel);
+                    if !self.truth(condition)? {
+                        self.pc = self.statements[own].jump;
+                    }
+                }
+            }
+            Code::End => {
+                self.pc = self.statements[own].jump;
+                kernel.loop_line = kernel.line;
+            }
+            Code::Order(name, order) => {
+                self.refresh(kernel);
+                self.order(name, order, own)?;
+                if self.pc <= own {
+                    kernel.loop_line = kernel.line;
+                }
+            }
+        }
+        Ok(Flow::Going)
+    }
+}

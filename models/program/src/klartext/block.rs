@@ -1,0 +1,467 @@
+//! Blocks that position, call tools and define cycles.
+
+use super::contour::{Corner, Element, Joint};
+use super::{Klartext, Statement};
+use crate::error::Fault;
+use crate::kernel::{FeedMode, Kernel, Round, Target};
+use crate::motion::{AXES, EventKind, Sense, tangent};
+use crate::offset::{self, Offsetting};
+use crate::run::Flow;
+
+/// Words of a positioning block.
+#[derive(Default)]
+struct Words {
+    target: Target,
+    feed: Option<f64>,
+    fmax: bool,
+    auto: bool,
+    side: Option<char>,
+    radius: Option<f64>,
+    left: Option<bool>,
+    polar_radius: Option<(f64, bool)>,
+    polar_angle: Option<(f64, bool)>,
+    m: Vec<(u32, usize)>,
+}
+
+impl Klartext {
+    pub(super) fn block(&mut self, statement: &Statement, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let words = &statement.words;
+        let word = |index: usize| words.get(index).map_or("", |(word, _)| word.as_str());
+        let column = |index: usize| words.get(index).map_or(1, |(_, column)| *column);
+        let mut repositioned = false;
+        let flow = match word(0) {
+            "TOOL" if word(1) == "DEF" => {
+                let number = self.value(word(2), column(2))?;
+                let radius =
+                    words[2..].iter().find_map(|(word, at)| word.strip_prefix('R').map(|rest| self.value(rest, *at)));
+                if let Some(radius) = radius.transpose()? {
+                    let radius = kernel.length(radius)?;
+                    self.radii.insert(number.clamp(0.0, 1e9) as u32, radius);
+                }
+                Flow::Going
+            }
+            "TOOL" if word(1) == "CALL" => {
+                self.flush(kernel)?;
+                self.tool(&words[2..], kernel)?;
+                Flow::Going
+            }
+            "CYCL" if word(1) == "DEF" => {
+                self.flush(kernel)?;
+                self.define(statement, kernel)?;
+                Flow::Going
+            }
+            "CYCL" if word(1) == "CALL" => {
+                self.flush(kernel)?;
+                if matches!(word(2), "PAT") {
+                    return Err(Fault::at(column(2), "CYCL CALL PAT needs a table of points, which is not followed"));
+                }
+                let rest = if word(2) == "POS" { &words[3..] } else { &words[2..] };
+                let own = self.words(rest, kernel)?;
+                if word(2) == "POS" {
+                    self.feed(&own, kernel)?;
+                    kernel.straight(&own.target, own.fmax)?;
+                }
+                self.before(&own.m, kernel)?;
+                self.bore(kernel)?;
+                self.after(&own.m, kernel)?
+            }
+            "CC" => {
+                let own = self.words(&words[1..], kernel)?;
+                let at = kernel.program_at();
+                let [u, v, _] = kernel.plane;
+                for (slot, axis) in [u, v].into_iter().enumerate() {
+                    self.pole[slot] = match (own.target.absolute[axis], own.target.step[axis]) {
+                        (Some(place), _) => place,
+                        (None, Some(step)) => at[axis] + step,
+                        (None, None) if own.target.is_empty() => at[axis],
+                        (None, None) => self.pole[slot],
+                    };
+                }
+                self.has_pole = true;
+                Flow::Going
+            }
+            "RND" | "CHF" => {
+                let chamfer = word(0) == "CHF";
+                let text = if chamfer { word(1) } else { word(1).strip_prefix('R').unwrap_or_default() };
+                let size = kernel.length(self.value(text, column(1))?)?;
+                let rest = self.words(words.get(2..).unwrap_or_default(), kernel)?;
+                if size <= 0.0 {
+                    return Err(Fault::at(column(1), "the size of the corner must be above 0"));
+                }
+                let feed = rest.feed.map(|feed| feed * kernel.scale.unwrap_or(1.0));
+                let waits =
+                    self.corner.as_mut().ok_or_else(|| Fault::new("a corner stands between two motions at feed"))?;
+                waits.joint = Some(if chamfer { Joint::Chamfer(size) } else { Joint::Round(size, feed) });
+                Flow::Going
+            }
+            "L" | "LP" | "C" | "CP" | "CR" | "CT" | "CTP" | "LN" => {
+                if word(0) == "LN" {
+                    return Err(Fault::at(column(0), "LN moves by vectors in five axes, which is not followed"));
+                }
+                repositioned = true;
+                self.position(word(0), &words[1..], kernel)?
+            }
+            "STOP" => {
+                self.flush(kernel)?;
+                kernel.push(EventKind::Stop(false));
+                let own = self.words(&words[1..], kernel)?;
+                self.before(&own.m, kernel)?;
+                self.after(&own.m, kernel)?
+            }
+            "APPR" | "DEP" => {
+                return Err(Fault::at(
+                    column(0),
+                    format!("{} {} is not followed; write the approach with L and C", word(0), word(1)),
+                ));
+            }
+            "FK" | "FPOL" | "FL" | "FC" | "FLT" | "FCT" | "FSELECT" => {
+                return Err(Fault::at(
+                    column(0),
+                    "free contour programming (FK) is solved by the control; post L and C instead",
+                ));
+            }
+            "PLANE" => {
+                return Err(Fault::at(column(0), "tilted planes are not followed; post the motions in machine axes"));
+            }
+            first if first.starts_with('M') && first[1..].bytes().all(|b| b.is_ascii_digit()) && first.len() > 1 => {
+                self.flush(kernel)?;
+                let own = self.words(words, kernel)?;
+                self.before(&own.m, kernel)?;
+                self.after(&own.m, kernel)?
+            }
+            other => {
+                return Err(Fault::at(
+                    column(0),
+                    format!(
+                        "{other} is not understood for heidenhain; it might move axes or take time: mend the block"
+                    ),
+                ));
+            }
+        };
+        if repositioned && self.modal_call && flow == Flow::Going {
+            self.flush(kernel)?;
+            self.bore(kernel)?;
+        }
+        Ok(flow)
+    }
+
+    fn words(&self, list: &[(String, usize)], kernel: &Kernel) -> Result<Words, Fault> {
+        let mut own = Words::default();
+        let mut index = 0;
+        while let Some((word, column)) = list.get(index) {
+            index += 1;
+            // A letter may stand apart from its value.
+            let mut word = word.clone();
+            if matches!(
+                word.as_str(),
+                "F" | "X"
+                    | "Y"
+                    | "Z"
+                    | "A"
+                    | "B"
+                    | "C"
+                    | "U"
+                    | "V"
+                    | "W"
+                    | "IX"
+                    | "IY"
+                    | "IZ"
+                    | "PR"
+                    | "PA"
+                    | "IPA"
+                    | "M"
+            ) && let Some((next, _)) = list.get(index)
+            {
+                word.push_str(next);
+                index += 1;
+            }
+            self.word(&word, *column, kernel, &mut own)?;
+        }
+        Ok(own)
+    }
+
+    fn word(&self, word: &str, column: usize, kernel: &Kernel, own: &mut Words) -> Result<(), Fault> {
+        let length = |text: &str| -> Result<f64, Fault> {
+            kernel.length(self.value(text, column)?).map_err(|fault| fault.or_at(column))
+        };
+        match word {
+            "FMAX" => own.fmax = true,
+            "FAUTO" => own.auto = true,
+            "R0" => own.side = Some('0'),
+            "RL" | "RR" => own.side = word.chars().nth(1),
+            "DR+" => own.left = Some(true),
+            "DR-" => own.left = Some(false),
+            _ => {
+                if let Some(rest) = word.strip_prefix("IPA") {
+                    own.polar_angle = Some((self.value(rest, column)?, true));
+                } else if let Some(rest) = word.strip_prefix("PA") {
+                    own.polar_angle = Some((self.value(rest, column)?, false));
+                } else if let Some(rest) = word.strip_prefix("IPR") {
+                    own.polar_radius = Some((length(rest)?, true));
+                } else if let Some(rest) = word.strip_prefix("PR") {
+                    own.polar_radius = Some((length(rest)?, false));
+                } else if let Some(rest) = word.strip_prefix('F').filter(|rest| !rest.is_empty()) {
+                    if rest.starts_with(|c: char| c.is_ascii_alphabetic() && c != 'Q') {
+                        return Err(Fault::at(
+                            column,
+                            format!(
+                                "{word} is a feed by time, tooth or turn, which is not followed; write F in mm/min"
+                            ),
+                        ));
+                    }
+                    own.feed = Some(self.value(rest, column)?);
+                } else if let Some(rest) =
+                    word.strip_prefix('M').filter(|rest| rest.bytes().all(|b| b.is_ascii_digit()) && !rest.is_empty())
+                {
+                    own.m.push((rest.parse().unwrap_or(u32::MAX), column));
+                } else if let Some(rest) = word
+                    .strip_prefix('R')
+                    .filter(|rest| rest.starts_with(['+', '-', 'Q']) || rest.starts_with(|c: char| c.is_ascii_digit()))
+                {
+                    own.radius = Some(length(rest)?);
+                } else {
+                    let (step, rest) = word.strip_prefix('I').map_or((false, word), |rest| (true, rest));
+                    let axis = rest.chars().next().and_then(|letter| AXES.iter().position(|known| *known == letter));
+                    let Some(axis) = axis else {
+                        return Err(Fault::at(
+                            column,
+                            format!(
+                                "{word} is not understood for heidenhain; it might move axes or take time: mend the block"
+                            ),
+                        ));
+                    };
+                    let value =
+                        if (3..6).contains(&axis) { self.value(&rest[1..], column)? } else { length(&rest[1..])? };
+                    if own.target.names(axis) {
+                        return Err(Fault::at(column, format!("{} stands twice in the block", AXES[axis])));
+                    }
+                    if step { own.target.step[axis] = Some(value) } else { own.target.absolute[axis] = Some(value) }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn tool(&mut self, words: &[(String, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
+        let mut changes = false;
+        let mut number = None;
+        for (index, (word, column)) in words.iter().enumerate() {
+            let first = word.chars().next().unwrap_or(' ');
+            match first {
+                '"' => changes = true,
+                '0'..='9' | 'Q' if index == 0 => {
+                    changes = true;
+                    let value = self.value(word, *column)?;
+                    if !(0.0..=1e8).contains(&value) {
+                        return Err(Fault::at(*column, format!("{value} is no tool number")));
+                    }
+                    number = Some(value as u32);
+                }
+                'X' | 'Y' | 'Z' if word.len() == 1 => {
+                    kernel.plane = match first {
+                        'Z' => [0, 1, 2],
+                        'Y' => [2, 0, 1],
+                        _ => [1, 2, 0],
+                    };
+                }
+                'S' => kernel.set_speed(self.value(&word[1..], *column)?).map_err(|fault| fault.or_at(*column))?,
+                'F' => {
+                    let feed = self.value(&word[1..], *column)?;
+                    let scale = kernel.unit().map_err(|fault| fault.or_at(*column))?;
+                    self.tool_feed = Some(feed * scale);
+                    kernel.set_feed(feed, scale)?;
+                }
+                'D' => {}
+                _ => return Err(Fault::at(*column, format!("{word} is not understood behind TOOL CALL"))),
+            }
+        }
+        if changes {
+            kernel.finish_offset()?;
+            kernel.change_tool(number);
+            if number.is_none() {
+                kernel.note("a tool is called by its name, so its number is not known");
+            }
+        }
+        Ok(())
+    }
+
+    fn feed(&mut self, own: &Words, kernel: &mut Kernel) -> Result<(), Fault> {
+        kernel.feed_mode = FeedMode::Minute;
+        if let Some(feed) = own.feed {
+            let scale = if feed == 0.0 { 1.0 } else { kernel.unit()? };
+            kernel.set_feed(feed, scale)?;
+        } else if own.auto {
+            kernel.feed = self.tool_feed;
+        }
+        Ok(())
+    }
+
+    fn side(&mut self, side: char, kernel: &mut Kernel) -> Result<(), Fault> {
+        kernel.finish_offset()?;
+        if side == '0' {
+            return Ok(());
+        }
+        let own = kernel.tool.and_then(|tool| {
+            let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
+            given.or_else(|| self.radii.get(&tool).copied())
+        });
+        let Some(radius) = own else {
+            let number = kernel.tool.unwrap_or(1);
+            kernel.note(format!(
+                "the radius of tool {number} is not known, so the contour is timed as programmed: give --tool D{number}=\"10 mm\""
+            ));
+            return Ok(());
+        };
+        kernel.offset = Some(Offsetting::new(side == 'L', radius, kernel.plane, offset::Corner::Round));
+        Ok(())
+    }
+
+    /// Functions that act when the block begins.
+    fn before(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<(), Fault> {
+        for (code, column) in m {
+            match code {
+                3 | 13 => kernel.spindle(Sense::Clockwise),
+                4 | 14 => kernel.spindle(Sense::Counterclockwise),
+                6 => kernel.change_tool(kernel.tool),
+                7 | 8 => kernel.push(EventKind::Coolant(true)),
+                19 => kernel.spindle(Sense::Still),
+                0 | 1 | 2 | 5 | 9 | 30 | 89 | 99 | 91 | 92 | 126 | 127 | 120 => {}
+                97 | 98 | 101..=118 | 128..=149 => {
+                    return Err(Fault::at(
+                        *column,
+                        format!("M{code} changes how the path is followed, and is not followed here"),
+                    ));
+                }
+                _ => {
+                    let time = kernel.control.m.get(code).copied();
+                    if time.is_none() {
+                        kernel.note(format!(
+                            "M{code} is a function of the machine whose time is not known; it counts 0 s: give --set control.m.{code}=\"1 s\""
+                        ));
+                    }
+                    kernel.push(EventKind::Auxiliary(*code, time.unwrap_or(0.0)));
+                }
+            }
+            if matches!(code, 13 | 14) {
+                kernel.push(EventKind::Coolant(true));
+            }
+        }
+        Ok(())
+    }
+
+    fn after(&mut self, m: &[(u32, usize)], kernel: &mut Kernel) -> Result<Flow, Fault> {
+        for (code, _) in m {
+            match code {
+                89 => self.modal_call = true,
+                99 => {
+                    self.modal_call = false;
+                    self.flush(kernel)?;
+                    self.bore(kernel)?;
+                }
+                _ => {}
+            }
+        }
+        for (code, _) in m {
+            match code {
+                0 => kernel.push(EventKind::Stop(false)),
+                1 => kernel.push(EventKind::Stop(true)),
+                5 => kernel.spindle(Sense::Still),
+                9 => kernel.push(EventKind::Coolant(false)),
+                2 | 30 => {
+                    self.flush(kernel)?;
+                    kernel.push(EventKind::Auxiliary(*code, 0.0));
+                    kernel.end()?;
+                    return Ok(Flow::Ended);
+                }
+                _ => {}
+            }
+        }
+        Ok(Flow::Going)
+    }
+
+    fn position(&mut self, kind: &str, list: &[(String, usize)], kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let mut own = self.words(list, kernel)?;
+        if own.m.iter().any(|(code, _)| matches!(code, 91 | 92)) {
+            self.flush(kernel)?;
+            self.before(&own.m, kernel)?;
+            let axes: Vec<usize> = (0..9).filter(|axis| own.target.names(*axis)).collect();
+            kernel.machine_motion(&axes)?;
+            return self.after(&own.m, kernel);
+        }
+        if let Some(side) = own.side
+            && (side != '0' || kernel.offset.is_some())
+        {
+            self.flush(kernel)?;
+            self.side(side, kernel)?;
+        }
+        if !own.m.is_empty() {
+            self.flush(kernel)?;
+        }
+        self.before(&own.m, kernel)?;
+        self.feed(&own, kernel)?;
+        if own.left.is_some() {
+            self.left = own.left;
+        }
+        let [u, v, _] = kernel.plane;
+        let from = self.at(kernel);
+        let mut turns = 0.0;
+        if matches!(kind, "LP" | "CP" | "CTP") {
+            if !self.has_pole {
+                return Err(Fault::new("polar coordinates need a pole: write CC before"));
+            }
+            let arm = [from[u] - self.pole[0], from[v] - self.pole[1]];
+            let (mut reach, mut angle) = (arm[0].hypot(arm[1]), arm[1].atan2(arm[0]).to_degrees());
+            if let Some((value, step)) = own.polar_radius {
+                reach = if step { reach + value } else { value };
+            }
+            if let Some((value, step)) = own.polar_angle {
+                angle = if step { angle + value } else { value };
+                if step && kind == "CP" {
+                    // A helix by its whole angle.
+                    let rounds = value.abs() / 360.0;
+                    turns = if rounds.fract() < 1e-9 && rounds >= 1.0 { rounds.round() - 1.0 } else { rounds.floor() };
+                    self.left = own.left.or(Some(value > 0.0));
+                }
+            }
+            let (sin, cos) = crate::frame::turn(angle);
+            (own.target.absolute[u], own.target.step[u]) = (Some(self.pole[0] + reach * cos), None);
+            (own.target.absolute[v], own.target.step[v]) = (Some(self.pole[1] + reach * sin), None);
+        }
+        let sense = || self.left.ok_or_else(|| Fault::new("the arc needs its sense: DR+ or DR-"));
+        let end = |axis: usize| own.target.absolute[axis].unwrap_or(from[axis] + own.target.step[axis].unwrap_or(0.0));
+        let element = match kind {
+            "L" | "LP" => Element::Line,
+            "C" | "CP" => {
+                if !self.has_pole {
+                    return Err(Fault::new("the arc needs its centre: write CC before"));
+                }
+                Element::Arc(Round::Centre(self.pole), sense()?, turns)
+            }
+            "CR" => {
+                let radius = own.radius.ok_or_else(|| Fault::new("CR needs R, the radius"))?;
+                Element::Arc(Round::Radius(radius), sense()?, 0.0)
+            }
+            _ => {
+                let direction = [self.direction[u], self.direction[v]];
+                match tangent([from[u], from[v]], [end(u), end(v)], direction) {
+                    Some((centre, left)) => Element::Arc(Round::Centre(centre), left, 0.0),
+                    None if direction == [0.0; 2] => {
+                        return Err(Fault::new("CT needs a motion before it in whose direction it begins"));
+                    }
+                    None => Element::Line,
+                }
+            }
+        };
+        if own.fmax && element != Element::Line {
+            return Err(Fault::new("an arc at FMAX is not followed; write a feed"));
+        }
+        if !own.target.is_empty() {
+            let next = self.statements.get(self.pc);
+            let joins = next
+                .is_some_and(|next| matches!(next.words.first().map(|(word, _)| word.as_str()), Some("RND" | "CHF")));
+            let corner = Corner { target: own.target, element, rapid: own.fmax, joint: None };
+            self.follow(corner, joins, kernel)?;
+        }
+        self.after(&own.m, kernel)
+    }
+}

@@ -1,0 +1,56 @@
+//! Part programs as shops have them: read in the languages of six controls, followed block by block, timed.
+//!
+//! ```text
+//!  text ─► Dialect ─► statements ─► Run: an iterator of Events ─► Program: Blocks of Motions ─► times(Drives)
+//!                     Control ───────┘
+//! ```
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Dialect`] | the language of a control, found from the text |
+//! | [`Control`], [`Units`] | what a control adds to the words: units, block skip, times of M codes, tools |
+//! | [`Run`] | a program that runs: events in order, in bounded memory |
+//! | [`Event`], [`EventKind`], [`Motion`], [`Path`], [`Arc`] | what happens |
+//! | [`Blocks`], [`Block`], [`Program`], [`Stretch`] | the blocks of a program, one after the other or all |
+//! | [`Drives`], [`Timer`] | feed drives and tool changer, and how long blocks take with them |
+//! | [`post()`], [`Post`] | a program in the words of another control |
+//! | [`ProgramError`] | line, column, language, word and fix of what is not understood |
+//!
+//! A word that is not understood could move an axis or take time. So every word of a block has to be understood, or
+//! the program is refused.
+//!
+//! # What is not modelled
+//! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
+//! Reference points and work offsets that a program does not state: axes that come from there count as standing.
+
+#![allow(clippy::needless_range_loop)] // an axis is an index into several arrays at once
+
+mod block;
+mod control;
+mod dialect;
+mod error;
+mod expression;
+mod frame;
+mod hole;
+mod iso;
+mod kernel;
+mod klartext;
+mod lathe;
+mod library;
+mod motion;
+mod offset;
+mod post;
+mod run;
+mod siemens;
+mod stretch;
+mod timing;
+
+pub use block::{Block, Blocks, Program};
+pub use control::{Control, Units};
+pub use dialect::{Conflict, Dialect};
+pub use error::ProgramError;
+pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Path, Purpose, Sense};
+pub use post::{Post, post};
+pub use run::Run;
+pub use stretch::{Stretch, StretchKind};
+pub use timing::{Drives, Timer};

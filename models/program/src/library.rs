@@ -1,0 +1,45 @@
+//! Subprograms in files of their own.
+
+use std::path::PathBuf;
+
+/// Greatest size of a file of a subprogram, bytes.
+const LARGEST: u64 = 50_000_000;
+/// Greatest number of files that one program reads.
+const FILES: usize = 1000;
+
+/// The folder beside a program.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Library {
+    folder: Option<PathBuf>,
+    read: usize,
+}
+
+impl Library {
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self { folder, read: 0 }
+    }
+
+    /// The first file of the names with one of the endings, with its text.
+    pub fn find(&mut self, names: &[String], endings: &[&str]) -> Option<(String, String)> {
+        let folder = self.folder.as_ref()?;
+        if self.read >= FILES {
+            return None;
+        }
+        for name in names {
+            // A name leads to no other folder.
+            if name.is_empty() || name.contains(['/', '\\']) || name.contains("..") {
+                continue;
+            }
+            for ending in endings {
+                let file = format!("{name}{ending}");
+                let path = folder.join(&file);
+                let fits = std::fs::metadata(&path).is_ok_and(|data| data.is_file() && data.len() <= LARGEST);
+                if let Some(bytes) = fits.then(|| std::fs::read(&path).ok()).flatten() {
+                    self.read += 1;
+                    return Some((file, String::from_utf8_lossy(&bytes).into_owned()));
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,304 @@
+//! Programs written for another control, from the motions of one that runs.
+
+use crate::control::Control;
+use crate::dialect::Dialect;
+use crate::error::ProgramError;
+use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, Path, Sense};
+use crate::run::Run;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// A program in the words of another control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Post {
+    /// The program.
+    pub text: String,
+    /// Lines of what has no place in it: motions to reference points and in machine coordinates, functions of the
+    /// machine, exact stops where the language has none in a block.
+    pub left_out: Vec<usize>,
+}
+
+/// Decimals of lengths in mm.
+const DECIMALS: usize = 4;
+
+/// Follows a program and writes its motions for `dialect`: in millimetres, absolute, with subprograms, loops, cycles,
+/// frames and compensation worked out. Read again it makes the same motions within half a unit of the fourth decimal.
+///
+/// # Errors
+/// [`ProgramError`] where the program is refused, comes from a lathe, or needs an arc that the language does not have.
+///
+/// ```
+/// use toolroom_program::{Control, Dialect, post};
+/// let text = "G21 G90 G0 X0 Y0 Z5.\nG1 Z-1. F60\nG3 X10. Y10. J10.\nM30";
+/// let klartext = post(text, &Control::default(), Dialect::Heidenhain).unwrap().text;
+/// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
+/// ```
+pub fn post(text: &str, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
+    let run = Run::new(text, control)?;
+    let (source, _) = run.dialect();
+    let mut writer = Writer::new(dialect);
+    let refused = |line: usize, message: &str| ProgramError {
+        file: None,
+        line: line.max(1),
+        column: 1,
+        dialect: source,
+        message: message.to_owned(),
+        calls: Vec::new(),
+    };
+    if source == Dialect::FanucLathe || dialect == Dialect::FanucLathe {
+        return Err(refused(1, "programs of lathes are not translated"));
+    }
+    for event in run {
+        let event = event?;
+        writer.event(&event).map_err(|message| refused(event.line, message))?;
+    }
+    writer.finish();
+    Ok(Post { text: writer.text, left_out: writer.left_out })
+}
+
+struct Writer {
+    dialect: Dialect,
+    text: String,
+    /// Position as written, `None` before the first motion of an axis.
+    at: [Option<f64>; 9],
+    feed: String,
+    plane: [usize; 3],
+    speed: f64,
+    left_out: Vec<usize>,
+}
+
+/// The number with at most so many decimals; with a point where it may count least increments otherwise.
+fn number(value: f64, decimals: usize, pointed: bool) -> String {
+    let text = format!("{value:.decimals$}");
+    let short = text.trim_end_matches('0');
+    let short = if pointed { short } else { short.trim_end_matches('.') };
+    if matches!(short, "-0" | "-0." | "-") {
+        if pointed { "0.".to_owned() } else { "0".to_owned() }
+    } else {
+        short.to_owned()
+    }
+}
+
+impl Writer {
+    fn new(dialect: Dialect) -> Self {
+        let text = match dialect {
+            Dialect::Fanuc | Dialect::FanucLathe => "%\nO0001\nG21 G17 G90 G94 G40 G49 G80\n",
+            Dialect::Haas => "%\nO00001\nG21 G17 G90 G94 G40 G49 G80\n",
+            Dialect::Siemens => "%_N_MAIN_MPF\nG71 G17 G90 G94 G40\n",
+            Dialect::Heidenhain => "BEGIN PGM MAIN MM\n",
+            Dialect::LinuxCnc => "G21 G17 G90 G94 G40 G49 G80\n",
+        };
+        Self {
+            dialect,
+            text: text.to_owned(),
+            at: [None; 9],
+            feed: String::new(),
+            plane: [0, 1, 2],
+            speed: 0.0,
+            left_out: Vec::new(),
+        }
+    }
+
+    fn klartext(&self) -> bool {
+        self.dialect == Dialect::Heidenhain
+    }
+
+    fn value(&self, value: f64) -> String {
+        let pointed = matches!(self.dialect, Dialect::Fanuc | Dialect::Haas);
+        let text = number(value, DECIMALS, pointed);
+        if self.klartext() && !text.starts_with('-') { format!("+{text}") } else { text }
+    }
+
+    fn line(&mut self, text: &str) {
+        self.text.push_str(text);
+        self.text.push('\n');
+    }
+
+    fn round(value: f64) -> f64 {
+        let factor = 10_f64.powi(DECIMALS as i32);
+        (value * factor).round() / factor
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), &'static str> {
+        match event.kind {
+            EventKind::Motion(motion) => return self.motion(&motion, event.line),
+            EventKind::Dwell(seconds) => {
+                let time = number(seconds, 6, true);
+                match self.dialect {
+                    Dialect::Fanuc | Dialect::FanucLathe => self.line(&format!("G4 X{time}")),
+                    Dialect::Haas => self.line(&format!("G4 P{time}")),
+                    Dialect::Siemens => self.line(&format!("G4 F{}", number(seconds, 6, false))),
+                    Dialect::LinuxCnc => self.line(&format!("G4 P{}", number(seconds, 6, false))),
+                    Dialect::Heidenhain => {
+                        let time = number(seconds, 6, false);
+                        self.line(&format!("CYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL {time}"));
+                    }
+                }
+            }
+            EventKind::ToolChange(tool) => {
+                let tool = tool.unwrap_or(0);
+                if self.klartext() {
+                    self.line(&format!("TOOL CALL {tool} Z"));
+                } else {
+                    self.line(&format!("T{tool} M6"));
+                }
+            }
+            EventKind::Spindle { speed, sense } => {
+                if sense != Sense::Still && speed != self.speed {
+                    self.speed = speed;
+                    let speed = number(speed, 3, false);
+                    let text = if self.klartext() { format!("TOOL CALL Z S{speed}") } else { format!("S{speed}") };
+                    self.line(&text);
+                }
+                self.line(match sense {
+                    Sense::Clockwise => "M3",
+                    Sense::Counterclockwise => "M4",
+                    Sense::Still => "M5",
+                });
+            }
+            EventKind::Coolant(on) => self.line(if on { "M8" } else { "M9" }),
+            EventKind::Stop(optional) => self.line(if optional { "M1" } else { "M0" }),
+            EventKind::ExactStop | EventKind::Home => self.leave_out(event.line),
+            EventKind::Auxiliary(2 | 30, _) | EventKind::Block | EventKind::Hole | EventKind::End => {}
+            EventKind::Auxiliary(..) => self.leave_out(event.line),
+        }
+        Ok(())
+    }
+
+    fn leave_out(&mut self, line: usize) {
+        if self.left_out.last() != Some(&line) {
+            self.left_out.push(line);
+        }
+    }
+
+    /// Words of the axes that change, or all that are known; the position is theirs afterwards.
+    fn axes(&mut self, end: &Axes, forced: [bool; 9]) -> String {
+        let mut words = String::new();
+        for axis in 0..9 {
+            let place = Self::round(end[axis]);
+            let unset = self.at[axis].is_none() && axis > 2 && place == 0.0;
+            if (self.at[axis] != Some(place) && !unset) || forced[axis] {
+                let _ = write!(words, " {}{}", AXES[axis], self.value(place));
+                self.at[axis] = Some(place);
+            }
+        }
+        words
+    }
+
+    /// F where it changes; its digits keep the time within 1e-6.
+    fn feed(&mut self, motion: &Motion) -> String {
+        let feed = 60.0 * motion.length / motion.time;
+        let digits = (6 - feed.abs().max(1e-6).log10().floor() as i32).clamp(0, 9) as usize;
+        let text = number(feed, digits, false);
+        if text == self.feed {
+            return String::new();
+        }
+        self.feed.clone_from(&text);
+        format!(" F{text}")
+    }
+
+    fn motion(&mut self, motion: &Motion, line: usize) -> Result<(), &'static str> {
+        let moves = motion.start != motion.end || matches!(motion.path, Path::Arc(_));
+        if !moves
+            && motion.unknown
+            && self.at.iter().enumerate().all(|(i, at)| at.is_none_or(|at| at == Self::round(motion.end[i])))
+            && self.at[0].is_some()
+        {
+            self.leave_out(line);
+            return Ok(());
+        }
+        if motion.rapid {
+            let words = self.axes(&motion.end, [false; 9]);
+            if !words.is_empty() {
+                if self.klartext() {
+                    self.line(&format!("L{words} FMAX"));
+                } else {
+                    self.line(&format!("G0{words}"));
+                }
+            }
+            return Ok(());
+        }
+        if motion.time <= 0.0 || motion.length <= 0.0 {
+            return Ok(());
+        }
+        if let Path::Arc(arc) = motion.path {
+            return self.arc(motion, &arc);
+        }
+        let words = self.axes(&motion.end, [false; 9]);
+        if words.is_empty() {
+            return Ok(());
+        }
+        let feed = self.feed(motion);
+        let text = if self.klartext() { format!("L{words}{feed}") } else { format!("G1{words}{feed}") };
+        self.line(&text);
+        Ok(())
+    }
+
+    fn arc(&mut self, motion: &Motion, arc: &Arc) -> Result<(), &'static str> {
+        let [u, v, w] = arc.plane;
+        if self.klartext() && arc.plane != [0, 1, 2] {
+            return Err("an arc out of the plane XY has no words in Klartext with the tool along Z");
+        }
+        if arc.plane != self.plane {
+            self.plane = arc.plane;
+            let plane = match arc.plane {
+                [0, 1, 2] => "G17",
+                [2, 0, 1] => "G18",
+                _ => "G19",
+            };
+            self.line(plane);
+        }
+        // The end is rounded first; the centre keeps its distance from the start as it was written.
+        let from = [u, v].map(|axis| self.at[axis].unwrap_or(motion.start[axis]));
+        let centre = [Self::round(arc.centre[0]), Self::round(arc.centre[1])];
+        let turns = ((arc.angle - 1e-9) / TAU).floor().max(0.0);
+        let mut forced = [false; 9];
+        (forced[u], forced[v]) = (true, true);
+        if self.klartext() {
+            let sense = if arc.left { "DR+" } else { "DR-" };
+            let pole = format!("CC X{} Y{}", self.value(centre[0]), self.value(centre[1]));
+            self.line(&pole);
+            let rise = motion.end[w] - motion.start[w];
+            if rise != 0.0 || turns > 0.0 {
+                let sign = if arc.left { '+' } else { '-' };
+                let angle = number(arc.angle.to_degrees(), 7, false);
+                let height = self.value(Self::round(motion.end[w]));
+                let feed = self.feed(motion);
+                self.line(&format!("CP IPA{sign}{angle} Z{height} {sense}{feed}"));
+                for axis in [u, v, w] {
+                    self.at[axis] = Some(Self::round(motion.end[axis]));
+                }
+            } else {
+                let words = self.axes(&motion.end, forced);
+                let feed = self.feed(motion);
+                self.line(&format!("C{words} {sense}{feed}"));
+            }
+            return Ok(());
+        }
+        let words = self.axes(&motion.end, forced);
+        let letters = ['I', 'J', 'K'];
+        let offset = |slot: usize, axis: usize| format!(" {}{}", letters[axis], self.value(centre[slot] - from[slot]));
+        let middle = offset(0, u) + &offset(1, v);
+        let count = if turns == 0.0 {
+            String::new()
+        } else {
+            match self.dialect {
+                Dialect::Siemens => format!(" TURN={turns}"),
+                Dialect::Fanuc | Dialect::FanucLathe => format!(" L{}", turns + 1.0),
+                Dialect::Haas | Dialect::LinuxCnc | Dialect::Heidenhain => format!(" P{}", turns + 1.0),
+            }
+        };
+        let code = if arc.left { "G3" } else { "G2" };
+        let feed = self.feed(motion);
+        self.line(&format!("{code}{words}{middle}{count}{feed}"));
+        Ok(())
+    }
+
+    fn finish(&mut self) {
+        match self.dialect {
+            Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas => self.text.push_str("M30\n%\n"),
+            Dialect::Siemens | Dialect::LinuxCnc => self.text.push_str("M30\n"),
+            Dialect::Heidenhain => self.text.push_str("M30\nEND PGM MAIN MM\n"),
+        }
+    }
+}

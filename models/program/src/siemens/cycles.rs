@@ -1,0 +1,259 @@
+//! Drilling cycles CYCLE81 to CYCLE86, CYCLE840 and the hole patterns HOLES1 and HOLES2.
+//!
+//! # Source
+//! SINUMERIK 840D/840Di/810D programming guide, cycles: order and meaning of the parameters, sequences of motions.
+
+use super::Siemens;
+use crate::error::Fault;
+use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
+use crate::kernel::{FeedMode, Kernel, Target};
+
+/// A cycle that every motion calls.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Modal {
+    name: String,
+    values: Vec<Option<f64>>,
+}
+
+/// Metric coarse threads: nominal diameter and pitch, mm (ISO 261, first and second choice).
+const THREADS: [(f64, f64); 22] = [
+    (3.0, 0.5),
+    (4.0, 0.7),
+    (5.0, 0.8),
+    (6.0, 1.0),
+    (8.0, 1.25),
+    (10.0, 1.5),
+    (12.0, 1.75),
+    (14.0, 2.0),
+    (16.0, 2.0),
+    (18.0, 2.5),
+    (20.0, 2.5),
+    (22.0, 2.5),
+    (24.0, 3.0),
+    (27.0, 3.0),
+    (30.0, 3.5),
+    (33.0, 3.5),
+    (36.0, 4.0),
+    (39.0, 4.0),
+    (42.0, 4.5),
+    (45.0, 4.5),
+    (48.0, 5.0),
+    (52.0, 5.0),
+];
+
+/// Greatest number of holes of a pattern.
+const HOLES: f64 = 1e5;
+
+impl Siemens {
+    /// A cycle of the block, or, `modal`, one that following motions call.
+    pub(super) fn cycle(
+        &mut self,
+        name: &str,
+        list: &[Option<f64>],
+        modal: bool,
+        kernel: &mut Kernel,
+    ) -> Result<(), Fault> {
+        match name {
+            "CYCLE81" | "CYCLE82" | "CYCLE83" | "CYCLE84" | "CYCLE840" | "CYCLE85" | "CYCLE86" => {
+                let own = Modal { name: name.to_owned(), values: list.to_vec() };
+                if modal {
+                    self.modal = Some(own);
+                    return Ok(());
+                }
+                self.bore(&own, kernel)
+            }
+            "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),
+            _ if name.starts_with("CYCLE")
+                || name.starts_with("POCKET")
+                || name.starts_with("SLOT")
+                || name == "LONGHOLE" =>
+            {
+                Err(Fault::new(format!("{name} is a cycle of the control that is not followed; post its motions")))
+            }
+            _ if list.is_empty() && !modal => {
+                let line = kernel.line;
+                self.call(name, 1, line)
+            }
+            _ => Err(Fault::new(format!("{name}( ) is not understood; subprograms with parameters are not followed"))),
+        }
+    }
+
+    pub(super) fn bore(&mut self, modal: &Modal, kernel: &mut Kernel) -> Result<(), Fault> {
+        let (name, list) = (modal.name.as_str(), &modal.values);
+        let given = |index: usize| list.get(index).copied().flatten();
+        let length = |index: usize| given(index).map(|value| kernel.length(value)).transpose();
+        let needed =
+            |index: usize, word: &str| length(index)?.ok_or_else(|| Fault::new(format!("{name} needs {word}")));
+        let (retract, surface) = (needed(0, "RTP, the plane of retraction")?, needed(1, "RFP, the reference plane")?);
+        let clearance = length(2)?.unwrap_or(0.0).abs();
+        let bottom = match (length(3)?, length(4)?) {
+            (_, Some(depth)) if depth != 0.0 => surface - depth.abs(),
+            (Some(bottom), _) => bottom,
+            (None, _) => return Err(Fault::new(format!("{name} needs DP or DPR, the depth"))),
+        };
+        if bottom > surface || retract < surface {
+            return Err(Fault::new(format!(
+                "{name}: the depth lies above the reference plane, or the retraction below it"
+            )));
+        }
+        let reference = surface + clearance;
+        let mut hole = Hole {
+            reference,
+            bottom,
+            level: retract,
+            pecks: None,
+            dwell: 0.0,
+            exit: Exit::Rapid,
+            feed: None,
+            over_reference: false,
+        };
+        let seconds = |index: usize| given(index).unwrap_or(0.0).max(0.0);
+        match name {
+            "CYCLE81" => {}
+            "CYCLE82" => hole.dwell = seconds(5),
+            "CYCLE83" => {
+                let first = match (length(5)?, length(6)?) {
+                    (_, Some(depth)) if depth != 0.0 => depth.abs(),
+                    (Some(depth), _) => surface - depth,
+                    (None, _) => return Err(Fault::new("CYCLE83 needs FDEP or FDPR, the first depth")),
+                };
+                if given(10).is_some_and(|factor| factor != 0.0 && factor != 1.0) {
+                    return Err(Fault::new("CYCLE83 with another feed for the first depth (FRF) is not followed"));
+                }
+                let amount = length(7)?.unwrap_or(0.0);
+                let least = length(13)?.unwrap_or(0.0);
+                let deep = given(11).unwrap_or(0.0) != 0.0;
+                let mut list = depths(bottom, surface, first, amount.max(0.0), least)?;
+                // The control counts depths from the reference plane, the hole from where feed begins.
+                list.iter_mut().for_each(|stop| *stop += clearance);
+                let breaking = length(14)?.filter(|value| *value > 0.0).unwrap_or(1.0);
+                let again = length(16)?.filter(|value| *value > 0.0).map_or(Clearance::Depth, Clearance::Fixed);
+                hole.dwell = seconds(8);
+                hole.pecks = Some(Pecks {
+                    stops: list,
+                    retract: if deep { None } else { Some(breaking) },
+                    clearance: again,
+                    outside: seconds(9),
+                    inside: seconds(8),
+                });
+            }
+            "CYCLE84" | "CYCLE840" => return self.tap(name, list, hole, kernel),
+            "CYCLE85" => {
+                hole.dwell = seconds(5);
+                hole.feed = Some(needed(6, "FFR, the feed")?);
+                hole.exit = Exit::FeedOf(needed(7, "RFF, the feed of retraction")?);
+                if kernel.feed_mode != FeedMode::Minute {
+                    return Err(Fault::new("CYCLE85 is followed with feeds a minute (G94)"));
+                }
+            }
+            _ => {
+                hole.dwell = seconds(5);
+                let (x, y) = (length(7)?.unwrap_or(0.0), length(8)?.unwrap_or(0.0));
+                hole.exit = if x == 0.0 && y == 0.0 { Exit::Stopped } else { Exit::Shifted([x, y]) };
+            }
+        }
+        kernel.hole(&hole)
+    }
+
+    fn tap(&mut self, name: &str, list: &[Option<f64>], mut hole: Hole, kernel: &mut Kernel) -> Result<(), Fault> {
+        let given = |index: usize| list.get(index).copied().flatten();
+        let rigid = name == "CYCLE84";
+        let (size, pitch) = if rigid { (given(7), given(8)) } else { (given(9), given(10)) };
+        let by_size = |size: f64| {
+            let found = THREADS.iter().find(|(diameter, _)| *diameter == size.abs()).map(|(_, pitch)| *pitch);
+            found.ok_or_else(|| Fault::new(format!("{name}: M{size} is no thread of the table; give PIT, the pitch")))
+        };
+        let pitch = match (pitch.filter(|pitch| *pitch != 0.0), size.filter(|size| *size != 0.0)) {
+            (Some(pitch), _) => Some(kernel.length(pitch.abs())?),
+            (None, Some(size)) => Some(by_size(size)?),
+            (None, None) => None,
+        };
+        hole.dwell = given(5).unwrap_or(0.0).max(0.0);
+        hole.exit = Exit::Tap;
+        let speed = given(10).filter(|speed| rigid && *speed > 0.0).unwrap_or(kernel.speed);
+        let Some(pitch) = pitch else {
+            if rigid {
+                return Err(Fault::new("CYCLE84 needs MPIT or PIT, the pitch"));
+            }
+            // Without a pitch the programmed feed holds.
+            return kernel.hole(&hole);
+        };
+        if speed <= 0.0 {
+            return Err(Fault::new(format!("{name} needs a speed of the spindle: SST, or S before")));
+        }
+        let back = given(11).filter(|speed| rigid && *speed > 0.0).unwrap_or(speed);
+        let mode = kernel.feed_mode;
+        kernel.feed_mode = FeedMode::Minute;
+        hole.feed = Some(pitch * speed);
+        if back != speed {
+            hole.exit = Exit::FeedOf(pitch * back);
+        }
+        let done = kernel.hole(&hole);
+        kernel.feed_mode = mode;
+        done
+    }
+
+    fn pattern(&mut self, name: &str, list: &[Option<f64>], kernel: &mut Kernel) -> Result<(), Fault> {
+        let Some(modal) = self.modal.clone() else {
+            return Err(Fault::new(format!("{name} calls a cycle at each place, but no MCALL is in force")));
+        };
+        let given = |index: usize| list.get(index).copied().flatten().unwrap_or(0.0);
+        let length = |index: usize| kernel.length(given(index));
+        let number = given(5);
+        if !(1.0..=HOLES).contains(&number) || number.fract() != 0.0 {
+            return Err(Fault::new(format!("{name}: {number} holes; write a whole number from 1")));
+        }
+        let (x, y, third, distance) = (length(0)?, length(1)?, length(2)?, length(3)?);
+        let angles = (given(2), given(3), given(4));
+        let step = length(4)?;
+        for index in 0..number as u32 {
+            let index = f64::from(index);
+            let place = if name == "HOLES1" {
+                // A row: start, angle, distance of the first from the start and between holes.
+                let (sin, cos) = crate::frame::turn(angles.0);
+                let reach = distance + index * step;
+                [x + reach * cos, y + reach * sin]
+            } else {
+                // A circle: centre, radius, first angle and step; without a step all around.
+                let between = if angles.2 == 0.0 { 360.0 / number } else { angles.2 };
+                let (sin, cos) = crate::frame::turn(angles.1 + index * between);
+                [x + third * cos, y + third * sin]
+            };
+            let mut target = Target::default();
+            (target.absolute[kernel.plane[0]], target.absolute[kernel.plane[1]]) = (Some(place[0]), Some(place[1]));
+            kernel.straight(&target, true)?;
+            self.bore(&modal, kernel)?;
+        }
+        Ok(())
+    }
+}
+
+/// Depths of CYCLE83 below the reference plane: each less than the one before by `amount` until it would be smaller than
+/// that; the last two are cut alike.
+fn depths(bottom: f64, surface: f64, first: f64, amount: f64, least: f64) -> Result<Vec<f64>, Fault> {
+    let depth = surface - bottom;
+    if first <= 0.0 {
+        return Err(Fault::new("the first depth of CYCLE83 lies above the reference plane"));
+    }
+    if amount == 0.0 {
+        return stops(depth, first, 0.0, first);
+    }
+    let least = if least > 0.0 { least } else { amount };
+    let (mut list, mut step, mut reached) = (vec![first.min(depth)], first, first.min(depth));
+    while depth - reached > 1e-9 {
+        if list.len() > 100_000 {
+            return Err(Fault::new("CYCLE83 with too many depths; check DAM"));
+        }
+        step = (step - amount).max(least);
+        let rest = depth - reached;
+        if rest > step && rest < 2.0 * step {
+            step = 0.5 * rest;
+            list.push(reached + step);
+            list.push(depth);
+            break;
+        }
+        reached = (reached + step).min(depth);
+        list.push(reached);
+    }
+    Ok(list)
+}

@@ -1,0 +1,377 @@
+//! SINUMERIK 840D: words, expressions, control structures, frames and drilling cycles.
+
+mod block;
+mod cycles;
+mod parse;
+
+use crate::Dialect;
+use crate::error::Fault;
+use crate::expression::{Expression, Variables};
+use crate::kernel::Kernel;
+use crate::library::Library;
+use crate::motion::EventKind;
+use crate::run::{Flow, Interpreter, Place};
+use block::Modes;
+use cycles::Modal;
+use parse::{Code, Direction, Statement, statements};
+use std::collections::{BTreeMap, HashMap};
+
+/// Variables: R parameters and names.
+#[derive(Clone, Debug, Default)]
+struct Store {
+    numbered: BTreeMap<u32, f64>,
+    named: HashMap<String, f64>,
+}
+
+impl Variables for Store {
+    fn number(&self, index: u32) -> Result<Option<f64>, String> {
+        Ok(Some(self.numbered.get(&index).copied().unwrap_or(0.0)))
+    }
+
+    fn named(&self, name: &str) -> Result<Option<f64>, String> {
+        Ok(self.named.get(name).copied())
+    }
+}
+
+/// A call or a repeated part that has not ended.
+#[derive(Clone, Copy, Debug)]
+struct Call {
+    start: usize,
+    /// Statement behind the part; `None` for a subprogram, which ends by itself.
+    end: Option<usize>,
+    back: usize,
+    left: u32,
+    line: usize,
+    count: usize,
+}
+
+pub(crate) struct Siemens {
+    statements: Vec<Statement>,
+    files: Vec<String>,
+    sections: HashMap<String, usize>,
+    pc: usize,
+    calls: Vec<Call>,
+    store: Store,
+    modes: Modes,
+    modal: Option<Modal>,
+    library: Library,
+    /// Whether T changes the tool by itself, since the program has no M6.
+    turret: bool,
+}
+
+/// Depth of subprograms (SINUMERIK 840D programming guide: 11 levels with the main program).
+const DEPTH: usize = 10;
+
+impl Siemens {
+    pub fn new(text: &str, library: Library) -> Self {
+        let mut own = Self {
+            statements: Vec::new(),
+            files: Vec::new(),
+            sections: HashMap::new(),
+            pc: 0,
+            calls: Vec::new(),
+            store: Store::default(),
+            modes: Modes::default(),
+            modal: None,
+            library,
+            turret: false,
+        };
+        own.add(text, String::new());
+        let m6 = |code: &Code| {
+            match code {
+            Code::Block(items) => items.iter().any(|item| {
+                matches!(item, parse::Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0))
+            }),
+            _ => false,
+        }
+        };
+        own.turret = !own.statements.iter().any(|statement| m6(&statement.code));
+        own
+    }
+
+    fn add(&mut self, text: &str, file: String) -> usize {
+        let offset = self.statements.len();
+        self.statements.extend(statements(text, self.files.len(), offset));
+        self.files.push(file);
+        for (index, statement) in self.statements.iter().enumerate().skip(offset) {
+            if let Code::Section(name) = &statement.code {
+                self.sections.entry(name.clone()).or_insert(index + 1);
+            }
+        }
+        offset
+    }
+
+    fn value(&self, expression: &Expression) -> Result<f64, Fault> {
+        match expression {
+            Expression::Number(value) => Ok(*value),
+            other => Ok(other.value(&self.store, Dialect::Siemens)?.unwrap_or(0.0)),
+        }
+    }
+
+    fn assign(&mut self, target: &Expression, value: f64) -> Result<(), Fault> {
+        match target {
+            Expression::Named(name) if name.starts_with('$') => {
+                Err(Fault::new(format!("{name} belongs to the control, and what is written there is not followed")))
+            }
+            Expression::Named(name) if !self.store.named.contains_key(name) => Err(Fault::new(format!(
+                "{name}= is not understood; it might move axes or take time: mend it, or define {name} with DEF where it is a variable"
+            ))),
+            Expression::Named(name) => {
+                self.store.named.insert(name.clone(), value);
+                Ok(())
+            }
+            Expression::Variable(index) => {
+                let index = self.value(index)?;
+                if !(0.0..=9999.0).contains(&index) {
+                    return Err(Fault::new(format!("R{index} is no R parameter")));
+                }
+                self.store.numbered.insert(index.round() as u32, value);
+                Ok(())
+            }
+            _ => Err(Fault::new("only a variable takes a value")),
+        }
+    }
+
+    /// Statements of the section in which `pc` stands.
+    fn unit(&self, pc: usize) -> (usize, usize) {
+        let file = self.statements.get(pc).map_or(0, |statement| statement.file);
+        let boundary = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Section(_));
+        let start = (0..pc).rev().find(|i| boundary(&self.statements[*i])).map_or(0, |i| i + 1);
+        let end = (pc + 1..self.statements.len()).find(|i| boundary(&self.statements[*i]));
+        (start, end.unwrap_or(self.statements.len()))
+    }
+
+    fn label(&self, name: &str, from: usize, direction: Direction) -> Result<usize, Fault> {
+        let (start, end) = self.unit(from);
+        let number: Option<u32> = name.strip_prefix('N').and_then(|rest| rest.parse().ok());
+        let fits = |index: &usize| {
+            let statement = &self.statements[*index];
+            statement.label.as_deref() == Some(name) || (number.is_some() && statement.number == number)
+        };
+        let forward = (from + 1..end).find(fits);
+        let backward = || (start..from.min(end)).rev().find(fits);
+        match direction {
+            Direction::Forward => forward,
+            Direction::Backward => backward(),
+            Direction::Either => forward.or_else(backward),
+        }
+        .ok_or_else(|| Fault::new(format!("there is no label {name} in this direction; check name and GOTOF or GOTOB")))
+    }
+
+    /// Calls a subprogram by its name.
+    fn call(&mut self, name: &str, count: u32, line: usize) -> Result<(), Fault> {
+        let start = match self.sections.get(name) {
+            Some(start) => *start,
+            None => {
+                let lower = name.to_ascii_lowercase();
+                let names = [name.to_owned(), lower.clone(), format!("_N_{name}_SPF")];
+                let missing = Fault::new(format!(
+                    "{name} is no word of this control that is followed, and no such subprogram is there; mend the word, or put \
+                     {name}.SPF beside the program"
+                ));
+                let (file, text) = self.library.find(&names, &[".SPF", ".spf", ".MPF", ".mpf", ""]).ok_or(missing)?;
+                let offset = self.add(&text, file);
+                self.sections.insert(name.to_owned(), offset);
+                offset
+            }
+        };
+        if count == 0 {
+            return Ok(());
+        }
+        self.push(Call { start, end: None, back: self.pc, left: count - 1, line, count: 1 })?;
+        self.pc = start;
+        Ok(())
+    }
+
+    fn push(&mut self, call: Call) -> Result<(), Fault> {
+        if self.calls.len() >= DEPTH {
+            return Err(Fault::new(format!("subprograms and repeated parts are nested more than {DEPTH} deep")));
+        }
+        self.calls.push(call);
+        Ok(())
+    }
+
+    /// Ends a subprogram; false in the main program.
+    fn back(&mut self) -> bool {
+        // Repeated parts end with the subprogram in which they stand.
+        while self.calls.last().is_some_and(|call| call.end.is_some()) {
+            self.calls.pop();
+        }
+        let Some(call) = self.calls.last_mut() else { return false };
+        if call.left > 0 {
+            call.left -= 1;
+            call.count += 1;
+            self.pc = call.start;
+        } else {
+            self.pc = call.back;
+            self.calls.pop();
+        }
+        true
+    }
+
+    fn run(&mut self, code: &Code, own: usize, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        let jump = self.statements[own].jump;
+        match code {
+            Code::Fault(fault) => return Err(fault.clone()),
+            Code::Nothing | Code::EndIf | Code::Loop | Code::Repeat => {}
+            Code::Section(_) => {
+                if own > 0 {
+                    return self.section_end(kernel);
+                }
+            }
+            Code::Block(items) => {
+                kernel.push(EventKind::Block);
+                return self.block(items, kernel);
+            }
+            Code::If(condition) => {
+                if self.value(condition)? == 0.0 {
+                    self.pc = jump;
+                }
+            }
+            Code::Else => self.pc = jump,
+            Code::While(condition) => {
+                if self.value(condition)? == 0.0 {
+                    self.pc = jump;
+                }
+            }
+            Code::EndWhile => self.pc = jump,
+            Code::EndLoop => self.pc = jump + 1,
+            Code::Until(condition) => {
+                if self.value(condition)? == 0.0 {
+                    self.pc = jump + 1;
+                }
+            }
+            Code::For(variable, from, to) => {
+                let (from, to) = (self.value(from)?, self.value(to)?);
+                self.assign(variable, from)?;
+                if from > to {
+                    self.pc = jump;
+                }
+            }
+            Code::EndFor => {
+                let Code::For(variable, _, to) = self.statements[jump].code.clone() else {
+                    return Err(Fault::new("ENDFOR without FOR"));
+                };
+                let next = self.value(&variable)? + 1.0;
+                self.assign(&variable, next)?;
+                if next <= self.value(&to)? {
+                    self.pc = jump + 1;
+                }
+            }
+            Code::Goto(condition, direction, label) => {
+                let holds = condition.as_ref().map_or(Ok(1.0), |condition| self.value(condition))?;
+                if holds != 0.0 {
+                    self.pc = self.label(label, own, *direction)?;
+                    // A jump out of a repeated part ends it.
+                    while self
+                        .calls
+                        .last()
+                        .is_some_and(|call| call.end.is_some_and(|end| !(call.start..end).contains(&self.pc)))
+                    {
+                        self.calls.pop();
+                    }
+                }
+            }
+            Code::Again(first, second, count, only) => {
+                let count = self.value(count)?;
+                if !(0.0..=1e8).contains(&count) {
+                    return Err(Fault::new(format!("P={count}: write a number of repeats from 0 to 100 000 000")));
+                }
+                let start = self
+                    .label(first, own, Direction::Backward)
+                    .or_else(|_| self.label(first, own, Direction::Forward))?;
+                let end = match second {
+                    _ if *only => start + 1,
+                    Some(second) => self.label(second, start - usize::from(start > 0), Direction::Forward)? + 1,
+                    None => {
+                        let (_, unit) = self.unit(own);
+                        let found = (start..unit).find(|i| self.statements[*i].label.as_deref() == Some("ENDLABEL"));
+                        match found {
+                            Some(index) => index + 1,
+                            None if start < own => own,
+                            None => {
+                                return Err(Fault::new(
+                                    "the repeated part has no end: ENDLABEL or a second label is missing",
+                                ));
+                            }
+                        }
+                    }
+                };
+                if count >= 1.0 {
+                    let line = kernel.line;
+                    self.push(Call { start, end: Some(end), back: self.pc, left: count as u32 - 1, line, count: 1 })?;
+                    self.pc = start;
+                }
+            }
+        }
+        if self.pc <= own {
+            kernel.loop_line = kernel.line;
+        }
+        Ok(Flow::Going)
+    }
+
+    /// A section or file has no more statements.
+    fn section_end(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        if self.back() {
+            return Ok(Flow::Going);
+        }
+        kernel.end()?;
+        Ok(Flow::Ended)
+    }
+}
+
+impl Interpreter for Siemens {
+    fn step(&mut self, kernel: &mut Kernel) -> Result<Flow, Fault> {
+        while let Some(call) = self.calls.last_mut() {
+            if call.end != Some(self.pc) {
+                break;
+            }
+            if call.left > 0 {
+                call.left -= 1;
+                call.count += 1;
+                self.pc = call.start;
+                break;
+            }
+            self.pc = call.back;
+            self.calls.pop();
+        }
+        let own = self.pc;
+        let file = self
+            .calls
+            .iter()
+            .rev()
+            .find(|call| call.end.is_none())
+            .map_or(0, |call| self.statements[call.start.min(self.statements.len() - 1)].file);
+        let Some(statement) = self.statements.get_mut(own).filter(|statement| statement.file == file) else {
+            return self.section_end(kernel);
+        };
+        kernel.line = statement.line;
+        kernel.depth = self.calls.len();
+        kernel.main_line = self
+            .calls
+            .first()
+            .map_or(statement.line, |call| if call.end.is_some() { statement.line } else { call.line });
+        self.pc += 1;
+        if statement.skip.is_some_and(|level| kernel.control.skip[usize::from(level.min(9))]) {
+            return Ok(Flow::Going);
+        }
+        if let Code::For(..) = statement.code {
+            // The end of the loop reads it.
+            let code = statement.code.clone();
+            return self.run(&code, own, kernel);
+        }
+        let code = std::mem::replace(&mut statement.code, Code::Nothing);
+        let flow = self.run(&code, own, kernel);
+        self.statements[own].code = code;
+        flow
+    }
+
+    fn place(&self) -> Place {
+        let file = self.statements.get(self.pc.saturating_sub(1)).map_or(0, |statement| statement.file);
+        let subprograms = self.calls.iter().rev().filter(|call| call.end.is_none());
+        Place {
+            file: (file > 0).then(|| self.files[file].clone()),
+            calls: subprograms.map(|call| (call.line, call.count)).collect(),
+        }
+    }
+}

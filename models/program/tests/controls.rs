@@ -1,0 +1,406 @@
+//! What programs in six languages do, worked out independently as lists of moves, and what is refused.
+
+use toolroom_program::{Control, Dialect, EventKind, ProgramError, Run};
+
+/// Sums over a program that starts at X0 Y0 Z100.
+#[derive(Debug, Default)]
+struct Sums {
+    feed: f64,
+    rapid: f64,
+    dwell: f64,
+    length: f64,
+    holes: usize,
+    changes: usize,
+    end: [f64; 9],
+}
+
+fn control(dialect: Dialect) -> Control {
+    let mut control = Control::of(dialect);
+    control.start = [Some(0.0); 9];
+    control.start[2] = Some(100.0);
+    control.steps = 100_000;
+    control
+}
+
+fn sums(text: &str, control: &Control) -> Result<Sums, ProgramError> {
+    let mut sums = Sums::default();
+    let mut run = Run::new(text, control)?;
+    for event in run.by_ref() {
+        match event?.kind {
+            EventKind::Motion(motion) => {
+                sums.feed += motion.time;
+                sums.length += motion.feed_length();
+                if motion.rapid {
+                    sums.rapid += motion.nominal(0.5);
+                }
+            }
+            EventKind::Dwell(seconds) => sums.dwell += seconds,
+            EventKind::Hole => sums.holes += 1,
+            EventKind::ToolChange(_) => sums.changes += 1,
+            _ => {}
+        }
+    }
+    sums.end = run.position().map(|place| place.unwrap_or(f64::NAN));
+    Ok(sums)
+}
+
+fn close(name: &str, found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-5, "{name}: {found}, expected {expected}");
+}
+
+/// Feed time, rapid time, dwell, end in X Y Z.
+fn does(dialect: Dialect, text: &str, expected: (f64, f64, f64, [f64; 3])) {
+    let sums = sums(text, &control(dialect)).unwrap_or_else(|error| panic!("{text}\n{error}"));
+    let (feed, rapid, dwell, end) = expected;
+    close(&format!("{text}\nfeed time"), sums.feed, feed);
+    close(&format!("{text}\nrapid time"), sums.rapid, rapid);
+    close(&format!("{text}\ndwell"), sums.dwell, dwell);
+    for axis in 0..3 {
+        close(&format!("{text}\nend {axis}"), sums.end[axis], end[axis]);
+    }
+}
+
+fn refused(dialect: Dialect, text: &str) -> ProgramError {
+    match sums(text, &control(dialect)) {
+        Err(error) => error,
+        Ok(sums) => panic!("{text}\nis not refused: {sums:?}"),
+    }
+}
+
+#[test]
+fn fanuc_programs_do_what_their_words_say() {
+    use Dialect::Fanuc;
+    does(
+        Fanuc,
+        "G21 G90\nG0 X0 Y0 Z5.\nM98 P30010\nM30\nO10\nG91 G1 X5. F300\nG90\nM99",
+        (3.0, 0.19, 0.0, [15.0, 0.0, 5.0]),
+    );
+    // A macro with arguments, a jump out of a loop, and a vacant variable.
+    let text = "G21 G90\nG0 X0 Y0 Z0\nG65 P20 X10. F600.\nM30\nO20\n#1=0\nN1 #1=#1+1\nG91 G1 X#24 F#9\nX#3\nIF [#1 LT 3] GOTO 1\nG90\nM99";
+    does(Fanuc, text, (3.0, 0.2, 0.0, [30.0, 0.0, 0.0]));
+    does(Fanuc, "G21 G90 G0 X0 Y0 Z0\nG51.1 X0\nG1 X10. F600\nG50.1 X0\nG1 X10.", (3.0, 0.2, 0.0, [10.0, 0.0, 0.0]));
+    does(Fanuc, "G21 G90 G0 X0 Y0 Z0\nG51 X0 Y0 Z0 P2000\nG1 X10. F600\nG50", (2.0, 0.2, 0.0, [20.0, 0.0, 0.0]));
+    does(Fanuc, "G21 G90 G0 X0 Y0 Z0\nG16\nG1 X10. Y90. F600\nG15", (1.0, 0.2, 0.0, [0.0, 10.0, 0.0]));
+    does(
+        Fanuc,
+        "G21 G90 G0 X0 Y0 Z0\nG52 X10. Y5.\nG1 X10. Y0 F600\nG52 X0 Y0",
+        (60.0 * 20.0_f64.hypot(5.0) / 600.0, 0.2, 0.0, [20.0, 5.0, 0.0]),
+    );
+    does(
+        Fanuc,
+        "G21 G90 G0 X0 Y0 Z0\nG92 X100. Y0\nG1 X110. F600\nG4 X1.5\nG4 P250",
+        (1.0, 0.2, 1.75, [10.0, 0.0, 0.0]),
+    );
+    // Down 8 and 9 mm from R with a retraction of 1 mm: 3 + 4 + 3 mm.
+    does(
+        Fanuc,
+        "G21 G90 G0 X0 Y0 Z10.\nG73 Z-6. R2. Q3. F60\nG80",
+        (10.0, (90.0 + 8.0 + 2.0 + 16.0) / 500.0, 0.0, [0.0, 0.0, 10.0]),
+    );
+    does(
+        Fanuc,
+        "G21 G90 G0 X0 Y0 Z10.\nS100 M3\nG99 G84 Z-6. R2. P500 F100\nG80",
+        (9.6, 98.0 / 500.0, 0.5, [0.0, 0.0, 2.0]),
+    );
+    does(
+        Fanuc,
+        "G21 G90 G0 X0 Y0 Z10.\nG18 G2 X10. Z0 R10. F600\n",
+        (0.5 * std::f64::consts::PI, 0.18, 0.0, [10.0, 0.0, 0.0]),
+    );
+}
+
+#[test]
+fn haas_siemens_and_linuxcnc_programs_do_what_their_words_say() {
+    use Dialect::{Haas, LinuxCnc, Siemens};
+    let circle =
+        sums("G21 G90 G0 X0 Y0 Z5.\nG81 Z-1. R1. F60 L0\nG70 I10. J0 L4\nG80", &control(Haas)).expect("a program");
+    assert_eq!(circle.holes, 4);
+    close("feed", circle.feed, 8.0);
+    let text =
+        "G17 G71 G90 G94\nG0 X0 Y0 Z10\nF60\nMCALL CYCLE82(10,0,2,-3,,0.5)\nG0 X10\nX20\nMCALL\nHERE:\nG0 X0\nM30";
+    does(Siemens, text, (10.0, (90.0 + 2.0 * (10.0 + 8.0 + 13.0) + 20.0) / 500.0, 1.0, [0.0, 0.0, 10.0]));
+    let text = "G17 G71 G90\nG0 X0 Y0 Z0\nAA1: G91 G1 X5 F300\nBB1: Y5\nREPEAT AA1 BB1 P=2\nG90\nIF R1==0 GOTOF ENDE\nG1 X500\nENDE: M30";
+    does(Siemens, text, (6.0, 0.2, 0.0, [15.0, 15.0, 0.0]));
+    let text = "%_N_MAIN_MPF\nG17 G71 G90\nG0 X0 Y0 Z0\nTRANS X10\nAROT RPL=90\nSUB1 P2\nTRANS\nM30\n%_N_SUB1_SPF\nG1 G91 X5 F300\nG90\nM17";
+    // From X0 of the workpiece, which is -10 before the turn, 5 mm along the turned X twice.
+    does(Siemens, text, (2.0, 0.2, 0.0, [0.0, 10.0, 0.0]));
+    does(
+        Siemens,
+        "G17 G71 G90\nG0 X0 Y0 Z0\nG1 X10 F600\nCT X20 Y10\nCIP X30 Y0 I1=27.0710678 J1=7.0710678",
+        (1.0 + std::f64::consts::PI, 0.2, 0.0, [30.0, 0.0, 0.0]),
+    );
+    let text = "G21 G90 G17\nG0 X0 Y0 Z0\n#<a> = 3\no1 repeat [#<a>]\n G91 G1 X1 F60\n o2 if [#<a> GT 5]\n  X100\n o2 else\n  Y1\n o2 endif\no1 endrepeat\nM2";
+    does(LinuxCnc, text, (6.0, 0.2, 0.0, [3.0, 3.0, 0.0]));
+    let text = "G21 G90 G17\nG0 X0 Y0 Z0\n#1=0\no1 do\n#1=[#1+1]\no2 if [#1 EQ 2]\no1 continue\no2 endif\nG91 G1 X1 F60\no3 if [#1 GE 4]\no1 break\no3 endif\no1 while [#1 LT 10]\nM2";
+    does(LinuxCnc, text, (3.0, 0.2, 0.0, [3.0, 0.0, 0.0]));
+    // A parabola y = x² from (-1, 1) to (1, 1): length √5 + asinh(2)/2.
+    let length = 5.0_f64.sqrt() + 0.5 * 2.0_f64.asinh();
+    let found = sums("G21 G90 G17 G0 X-1 Y1 Z0\nG5.1 X1 Y1 I1 J-2 F60\nM2", &control(LinuxCnc)).expect("a spline");
+    assert!((found.length - length).abs() < 1e-6, "{}", found.length);
+}
+
+#[test]
+fn klartext_programs_do_what_their_words_say() {
+    use Dialect::Heidenhain;
+    let program = |body: &str| {
+        format!("0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S1000 F600\n2 L X+0 Y+0 Z+0 R0 FMAX M3\n{body}\n99 END PGM A MM")
+    };
+    let tau = std::f64::consts::TAU;
+    let does = |body: &str, feed: f64, rapid: f64, dwell: f64, end: [f64; 3]| {
+        does(Heidenhain, &program(body), (feed, rapid, dwell, end))
+    };
+    does("L X+10 F600\nRND R2\nL Y+10", (16.0 + 0.25 * tau * 2.0) / 10.0, 0.2, 0.0, [10.0, 10.0, 0.0]);
+    does("L X+10 F600\nCHF 2\nL Y+10", (16.0 + 8.0_f64.sqrt()) / 10.0, 0.2, 0.0, [10.0, 10.0, 0.0]);
+    does("CC X+10 Y+0\nCP IPA+720 IZ-4 DR+ F600", (2.0 * tau * 10.0).hypot(4.0) / 10.0, 0.2, 0.0, [0.0, 0.0, -4.0]);
+    does("LBL 1\nL IX+10 F600\nCALL LBL 1 REP 2", 3.0, 0.2, 0.0, [30.0, 0.0, 0.0]);
+    does("CALL LBL 5\nCALL LBL 5\nL Z+0 FMAX M30\nLBL 5\nL IY+5 F300\nLBL 0", 2.0, 0.2, 0.0, [0.0, 10.0, 0.0]);
+    does(
+        "Q1 = 2 * ( 3 + 2 )\nLBL 1\nL IX+Q1 F600\nFN 2: Q1 = +Q1 - +5\nFN 11: IF +Q1 GT +0 GOTO LBL 1",
+        1.5,
+        0.2,
+        0.0,
+        [15.0, 0.0, 0.0],
+    );
+    does(
+        "CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+5\nCYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL 1.5\nL X+5 F600",
+        1.0,
+        0.2,
+        1.5,
+        [10.0, 0.0, 0.0],
+    );
+    // Down 8 mm in pecks of 5 from 2 above: 7 + .2 + 3 mm.
+    let cycle = "CYCL DEF 200 DRILLING Q200=2 Q201=-8 Q206=60 Q202=5 Q210=0 Q203=0 Q204=2 Q211=0\nL X+10 FMAX M99";
+    does(cycle, 10.2, 0.2 + (10.0 + 2.0 + 7.0 + 6.8 + 10.0) / 500.0, 0.0, [10.0, 0.0, 2.0]);
+}
+
+#[test]
+fn lathes_turn_diameters_at_constant_surface_speed() {
+    let text = "G21 G18 G99\nG50 S3000\nG96 S200 M3\nG0 X60. Z0\nG1 X0 F0.2\nG0 Z5.";
+    let found = sums(text, &control(Dialect::FanucLathe)).expect("a program");
+    close("facing", found.feed, 4.771667);
+    close("length", found.length, 30.0);
+    let box_cycle = "G21 G99 G97 S600 M3\nG0 X50. Z2.\nG90 X46. Z-18. F0.2\nG0 X60.";
+    // 20 mm at 120 mm/min, and 2 mm out at feed.
+    close("box", sums(box_cycle, &control(Dialect::FanucLathe)).expect("a program").feed, 11.0);
+}
+
+#[test]
+fn the_centre_of_the_cutter_runs_beside_the_contour() {
+    let mut control = control(Dialect::LinuxCnc);
+    control.diameters.insert(1, 10.0);
+    let square =
+        "G21 G90 G17\nG0 X-20 Y-20 Z0\nG1 F600\nG41 D1 X0 Y-20\nX0 Y0\nY40\nX40\nY0\nX-20\nG40 G1 X-20 Y-20\nM2";
+    let found = sums(square, &control).expect("a program");
+    assert!(found.length > 200.0 && found.length < 300.0, "{}", found.length);
+    // Inside a square of 40 mm a cutter of 10 mm runs along one of 30 mm.
+    let inside = "G21 G90 G17\nG0 X20 Y20 Z0\nG1 F600\nG41 D1 X20 Y0\nX40\nY40\nX0\nY0\nX20\nG40 X20 Y20\nM2";
+    let found = sums(inside, &control).expect("a program");
+    close("pocket", found.length, 15.0 + 4.0 * 30.0 + 15.0);
+    let tight = "G21 G90 G17\nG0 X20 Y20 Z0\nG1 F600\nG41 D1 X20 Y0\nX40\nG3 X40 Y4 R2\nG1 X0\nG40 X20 Y20\nM2";
+    assert!(sums(tight, &control).expect_err("too tight").message.contains("does not fit"));
+}
+
+#[test]
+fn whatever_is_not_understood_is_refused_with_its_place() {
+    use Dialect::{Fanuc, Haas, Heidenhain, LinuxCnc, Siemens};
+    for (dialect, text, line, word) in [
+        (Fanuc, "G21 G90\nG0 X0 Y0\nG411 X1.", 3, "G411"),
+        (Fanuc, "G21 G0 X0\nM98 P4711", 2, "P4711: no such program"),
+        (Fanuc, "G21\nN1 G0 X1.\nGOTO 1", 3, "step limit"),
+        (Fanuc, "G21 G0 X0\nG1 X10. F#5", 2, "#5 is vacant"),
+        (Fanuc, "G0 X5.", 1, "--units mm"),
+        (Fanuc, "G21 G0 X0\nG1 X1. F9 Q4", 2, "Q4"),
+        (Fanuc, "G21 G0 X0\nG1 X1. F9\nX2. X3.", 3, "twice"),
+        (Fanuc, "G21 G0 X0\nG2 X9. Y2. I0 J1. F9", 2, "misses its end"),
+        (Fanuc, "G21 G0 X0\nTRANS X10", 2, "TRANS"),
+        (Haas, "G21 G0 X0\nG150 X1.", 2, "pocket"),
+        (Haas, "G21 G0 X0\nM97 P5", 2, "N5"),
+        (LinuxCnc, "G21 G0 X0\nG38.2 X1 F9", 2, "touches"),
+        (LinuxCnc, "G21 G0 X0\no1 while [1]\no1 endwhile", 3, "step limit"),
+        (Siemens, "G71 G0 X0\nPOCKET3(1,2)", 2, "POCKET3"),
+        (Siemens, "G71 G0 X0\nG1 X1 F9 RND=2", 2, "RND"),
+        (Siemens, "G71 G0 X0\nG4 S10", 2, "no speed"),
+        (Heidenhain, "BEGIN PGM A MM\nL X+1 FMAX\nFK X+1", 3, "FK"),
+        (Heidenhain, "BEGIN PGM A MM\nL X+1 FMAX\nPLANE SPATIAL SPA+1", 3, "tilted"),
+        (Heidenhain, "BEGIN PGM A MM\nTOOL CALL 1 Z S9\nL X+1", 3, "no feed"),
+    ] {
+        let error = refused(dialect, text);
+        assert_eq!(error.line, line, "{text}: {error}");
+        assert!(error.message.contains(word), "{text}: {error}");
+        assert!(error.to_string().contains(&format!(": {}: ", dialect.name())), "{error}");
+    }
+}
+
+mod shared {
+    use super::*;
+    use std::path::PathBuf;
+
+    /// Folder of data that are not part of the project.
+    #[allow(clippy::print_stdout)] // a skipped test says why
+    fn data(name: &str) -> Option<PathBuf> {
+        let folder =
+            std::env::var_os("TOOLROOM_DATA").map_or_else(|| PathBuf::from("../../../shared/data"), PathBuf::from);
+        let path = folder.join(name);
+        if !path.exists() {
+            println!("skipped: {} is not there; set TOOLROOM_DATA to the folder of the measured data", path.display());
+            return None;
+        }
+        path.canonicalize().ok()
+    }
+
+    #[test]
+    fn operations_of_the_nist_box_are_read() {
+        for operation in [1, 2, 3, 5] {
+            let Some(path) = data(&format!("nist-box/box-op{operation}.nc")) else { return };
+            let text = std::fs::read_to_string(path).expect("readable");
+            let found =
+                sums(&text, &Control::default()).unwrap_or_else(|error| panic!("operation {operation}: {error}"));
+            assert!(found.feed > 10.0, "{found:?}");
+        }
+    }
+}
+
+mod fuzz {
+    use super::*;
+    use proptest::prelude::*;
+
+    const WORDS: [&str; 70] = [
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+        "X10",
+        "Y-5",
+        "Z3.",
+        "I5",
+        "J0",
+        "R7",
+        "F100",
+        "G91",
+        "G90",
+        "G81",
+        "G83",
+        "Q2",
+        "R1",
+        "K3",
+        "L2",
+        "G80",
+        "M98",
+        "P10",
+        "O10",
+        "M99",
+        "M30",
+        "#1=3",
+        "#1=#1+1",
+        "IF[#1LT3]GOTO1",
+        "N1",
+        "GOTO1",
+        "WHILE[#1LT5]DO1",
+        "END1",
+        "G41",
+        "D1",
+        "G40",
+        "G68",
+        "R30",
+        "G69",
+        "G16",
+        "G15",
+        "o1 sub",
+        "o1 endsub",
+        "o1 call [1]",
+        "o2 while [#1 LT 4]",
+        "o2 endwhile",
+        "o2 if [1]",
+        "o2 else",
+        "o2 endif",
+        "R1=2",
+        "FOR R1=1 TO 4",
+        "ENDFOR",
+        "LOOP",
+        "ENDLOOP",
+        "TRANS X5",
+        "CR=5",
+        "CYCLE82(10,0,2,-3,,0.5)",
+        "LBL 1",
+        "CALL LBL 1 REP 2",
+        "L X+1 FMAX",
+        "CC X+1 Y+1",
+        "C X+2 DR+",
+        "RND R1",
+        "CYCL DEF 200 Q200=2",
+        "M99",
+        "Q1 = 3",
+        "(",
+        ")",
+        "~",
+        "\n",
+        "\n",
+    ];
+
+    fn run(dialect: Dialect, text: &str) {
+        let mut own = control(dialect);
+        own.steps = 2000;
+        own.units = Some(toolroom_program::Units::Millimetre);
+        own.diameters.insert(1, 4.0);
+        let mut run = Run::new(text, &own).expect("the language is given");
+        let mut events = 0_u64;
+        for event in run.by_ref() {
+            events += 1;
+            if let Ok(event) = event
+                && let EventKind::Motion(motion) = event.kind
+            {
+                assert!(
+                    motion.time.is_finite() && motion.time >= 0.0 && motion.length.is_finite(),
+                    "{text}: {motion:?}"
+                );
+            }
+            if events > 1_000_000 {
+                break;
+            }
+        }
+    }
+
+    fn dialect() -> impl Strategy<Value = Dialect> {
+        (0..6_usize).prop_map(|index| Dialect::named(Dialect::NAMES[index]).expect("a name"))
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_ends_without_panic(dialect in dialect(), text in "[A-Z0-9#.=\\[\\]()+* \\n<>:,;/%\"~-]{0,120}") {
+            run(dialect, &text);
+        }
+
+        #[test]
+        fn any_words_end_without_panic(
+            dialect in dialect(),
+            words in prop::collection::vec((0..WORDS.len(), any::<bool>()), 0..40),
+        ) {
+            let text: String =
+                words.into_iter().map(|(index, ends)| format!("{}{}", WORDS[index], if ends { "\n" } else { " " })).collect();
+            run(dialect, &text);
+        }
+    }
+
+    /// A million inputs a language, about an hour: `cargo test --release -p toolroom-program -- --ignored million`.
+    #[test]
+    #[ignore = "an hour"]
+    fn a_million_inputs_a_language_end_without_panic() {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut next = |count: usize| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state % count as u64) as usize
+        };
+        for name in Dialect::NAMES {
+            let dialect = Dialect::named(name).expect("a name");
+            for _ in 0..1_000_000 {
+                let count = next(30);
+                let text: String = (0..count)
+                    .map(|_| format!("{}{}", WORDS[next(WORDS.len())], if next(2) == 0 { "\n" } else { " " }))
+                    .collect();
+                run(dialect, &text);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What a post writes reads back to the same motions.
+
+use proptest::prelude::*;
+use toolroom_program::{Control, Dialect, EventKind, Motion, Run, Units, post};
+
+const TARGETS: [Dialect; 5] = [Dialect::Fanuc, Dialect::Haas, Dialect::Siemens, Dialect::Heidenhain, Dialect::LinuxCnc];
+
+fn control(dialect: Dialect) -> Control {
+    let mut control = Control::of(dialect);
+    control.start = [Some(0.0); 9];
+    control.units = Some(Units::Millimetre);
+    control
+}
+
+/// Motions that go anywhere, and the time of all dwells.
+fn motions(text: &str, control: &Control) -> (Vec<Motion>, f64) {
+    let mut list = Vec::new();
+    let mut dwell = 0.0;
+    for event in Run::new(text, control).unwrap_or_else(|error| panic!("{error}\n{text}")) {
+        match event.unwrap_or_else(|error| panic!("{error}\n{text}")).kind {
+            EventKind::Motion(motion) => list.push(motion),
+            EventKind::Dwell(seconds) => dwell += seconds,
+            _ => {}
+        }
+    }
+    (list, dwell)
+}
+
+fn comes_back(text: &str, source: &Control) {
+    let (original, dwell) = motions(text, source);
+    for target in TARGETS {
+        let written = post(text, source, target).unwrap_or_else(|error| panic!("{error}\n{text}")).text;
+        let (read, dwelt) = motions(&written, &control(target));
+        assert_eq!(original.len(), read.len(), "{}\n{text}\n{written}", target.name());
+        assert!((dwell - dwelt).abs() < 1e-5, "{dwell} {dwelt}");
+        for (a, b) in original.iter().zip(&read) {
+            for axis in 0..6 {
+                let gap = (a.end[axis] - b.end[axis]).abs();
+                // The end of a helix in Klartext follows from its rounded centre.
+                let most = if target == Dialect::Heidenhain { 2e-4 } else { 0.6e-4 };
+                assert!(gap < most, "{} axis {axis}: {gap}\n{a:?}\n{b:?}\n{written}", target.name());
+            }
+            assert_eq!(a.rapid, b.rapid);
+            // Short motions differ by the rounding of their ends.
+            let slack = 1e-4 * a.time + 4e-4 * a.time / a.length.max(1e-9);
+            assert!(
+                (a.time - b.time).abs() <= slack,
+                "{}: {} {}\n{a:?}\n{b:?}\n{written}",
+                target.name(),
+                a.time,
+                b.time
+            );
+        }
+    }
+}
+
+#[test]
+fn cycles_calls_and_frames_are_worked_out_and_come_back() {
+    let text = "%\nO1\nG21 G90 G94 G98\nT3 M6\nS1200 M3\nG0 X0 Y0 Z20.\nM8\nG81 X10. Y5. Z-12. R2. F120\nX20.\nG80\nG68 X0 Y0 R30.\n\
+        G0 X0 Y-10.\nG1 X30. F300\nG3 X40. Y0 I0 J10.\nG69\nM98 P2 L2\nG4 X0.5\nM9\nM5\nM30\nO2\nG91 G1 X1.5 F200\nG90\nM99\n%";
+    comes_back(text, &control(Dialect::Fanuc));
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    Rapid([f64; 3]),
+    Line([f64; 3]),
+    Arc { radius: f64, start: f64, sweep: f64, left: bool, rise: f64, turns: u32 },
+    Dwell(f64),
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let place = || prop::array::uniform3(-80.0..80.0_f64);
+    prop_oneof![
+        place().prop_map(Step::Rapid),
+        place().prop_map(Step::Line),
+        (1.0..40.0_f64, 0.0..6.2_f64, 0.2..6.0_f64, any::<bool>(), -5.0..5.0_f64, 0..3_u32).prop_map(
+            |(radius, start, sweep, left, rise, turns)| Step::Arc { radius, start, sweep, left, rise, turns }
+        ),
+        (0.01..3.0_f64).prop_map(Step::Dwell),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn random_paths_come_back_from_every_post(steps in prop::collection::vec(step(), 1..25), feed in 20.0..5000.0_f64) {
+        let mut text = format!("G21 G17 G90 G94\nG0 X1 Y1 Z1\nF{feed:.3}\n");
+        let mut at = [1.0, 1.0, 1.0];
+        for step in steps {
+            match step {
+                Step::Rapid(to) => {
+                    text += &format!("G0 X{:.6} Y{:.6} Z{:.6}\n", to[0], to[1], to[2]);
+                    at = to;
+                }
+                Step::Line(to) => {
+                    text += &format!("G1 X{:.6} Y{:.6} Z{:.6}\n", to[0], to[1], to[2]);
+                    at = to;
+                }
+                Step::Arc { radius, start, sweep, left, rise, turns } => {
+                    let (i, j) = (-radius * start.cos(), -radius * start.sin());
+                    let angle = start + if left { sweep } else { -sweep };
+                    at = [at[0] + i + radius * angle.cos(), at[1] + j + radius * angle.sin(), at[2] + rise];
+                    let code = if left { "G3" } else { "G2" };
+                    text += &format!("{code} X{:.6} Y{:.6} Z{:.6} I{i:.6} J{j:.6} P{}\n", at[0], at[1], at[2], turns + 1);
+                }
+                Step::Dwell(seconds) => text += &format!("G4 P{seconds:.4}\n"),
+            }
+        }
+        comes_back(&text, &control(Dialect::LinuxCnc));
+    }
+}
