@@ -150,14 +150,17 @@ pub fn is_path(reference: &str) -> bool {
     reference.contains(['/', '\\']) || reference.ends_with(".toml")
 }
 
-/// Files of a folder that a wrong path or name may mean: its TOML files, at most eight, in order.
-fn neighbours(folder: &Path) -> Vec<String> {
+/// Files of a folder that a wrong path or name may mean: its TOML files, at most eight, the one most like
+/// `wanted` first.
+fn neighbours(folder: &Path, wanted: &str) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder }) else {
         return Vec::new();
     };
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut names: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
     names.sort();
+    let near = nearest(wanted, names.iter().map(String::as_str)).map(str::to_owned);
+    names.sort_by_key(|name| near.as_ref() != Some(name));
     names.truncate(8);
     names
 }
@@ -184,7 +187,8 @@ impl ParameterSet {
                 let message = error.to_string();
                 match error {
                     ReadError::Unreadable { .. } => {
-                        let files = neighbours(path.parent().unwrap_or(folder));
+                        let file = path.file_name().and_then(|name| name.to_str()).unwrap_or(reference);
+                        let files = neighbours(path.parent().unwrap_or(folder), file);
                         let there = if files.is_empty() { "no TOML files".to_owned() } else { files.join(", ") };
                         SetError::File(format!("{message}; its folder has {there}"))
                     }
@@ -199,7 +203,7 @@ impl ParameterSet {
                 name: reference.to_owned(),
                 nearest: nearest(reference, names()),
                 known: names().collect::<Vec<_>>().join(", "),
-                files: neighbours(folder),
+                files: neighbours(folder, reference),
             }),
         }
     }
