@@ -256,19 +256,23 @@ impl Writer {
         (forced[u], forced[v]) = (true, true);
         if self.klartext() {
             let sense = if arc.left { "DR+" } else { "DR-" };
-            let pole = format!("CC X{} Y{}", self.value(centre[0]), self.value(centre[1]));
-            self.line(&pole);
             let rise = motion.end[w] - motion.start[w];
             if rise != 0.0 || turns > 0.0 {
                 let sign = if arc.left { '+' } else { '-' };
                 let angle = number(arc.angle.to_degrees(), 7, false);
                 let height = self.value(Self::round(motion.end[w]));
                 let feed = self.feed(motion);
+                // The end follows from the rounded pole. The next helix begins there and its pole makes up for it, so that
+                // helices that follow each other do not drift.
+                let end = [u, v].map(|axis| Self::round(motion.end[axis]));
+                let turn = if arc.left { arc.angle } else { -arc.angle };
+                let pole = pole(from, end, turn).unwrap_or(arc.centre).map(Self::round);
+                self.line(&format!("CC X{} Y{}", self.value(pole[0]), self.value(pole[1])));
                 self.line(&format!("CP IPA{sign}{angle} Z{height} {sense}{feed}"));
-                for axis in [u, v, w] {
-                    self.at[axis] = Some(Self::round(motion.end[axis]));
-                }
+                let [x, y] = turned(from, pole, turn);
+                (self.at[u], self.at[v], self.at[w]) = (Some(x), Some(y), Some(Self::round(motion.end[w])));
             } else {
+                self.line(&format!("CC X{} Y{}", self.value(centre[0]), self.value(centre[1])));
                 let words = self.axes(&motion.end, forced);
                 let feed = self.feed(motion);
                 self.line(&format!("C{words} {sense}{feed}"));
@@ -301,4 +305,24 @@ impl Writer {
             Dialect::Heidenhain => self.text.push_str("M30\nEND PGM MAIN MM\n"),
         }
     }
+}
+
+/// `point` turned about `pole` by `angle`, rad.
+fn turned(point: [f64; 2], pole: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    let [x, y] = [point[0] - pole[0], point[1] - pole[1]];
+    [pole[0] + cos * x - sin * y, pole[1] + sin * x + cos * y]
+}
+
+/// The pole about which `angle` turns `from` to `end`; `None` where turns so near a whole number tell little of it.
+fn pole(from: [f64; 2], end: [f64; 2], angle: f64) -> Option<[f64; 2]> {
+    /// Twice the sine of half the angle that still tells the pole (assumption).
+    const LEAST: f64 = 0.05;
+    let (sin, cos) = angle.sin_cos();
+    let determinant = 2.0 * (1.0 - cos);
+    // (1 − R)·pole = end − R·from.
+    let [x, y] = turned(from, [0.0, 0.0], angle);
+    let [x, y] = [end[0] - x, end[1] - y];
+    let side = 1.0 - cos;
+    (determinant > LEAST * LEAST).then(|| [(side * x - sin * y) / determinant, (sin * x + side * y) / determinant])
 }

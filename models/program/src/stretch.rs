@@ -33,7 +33,9 @@ fn kind(block: &Block) -> Option<StretchKind> {
     } else if block.holes > 0 {
         Some(StretchKind::Holes)
     } else {
-        (!block.motions.is_empty()).then_some(StretchKind::Motion)
+        // A motion from a place that only the machine knows has no length of its own.
+        let moves = block.motions.iter().any(|motion| motion.nominal(1.0) > 0.0);
+        moves.then_some(StretchKind::Motion)
     }
 }
 

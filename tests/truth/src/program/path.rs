@@ -141,6 +141,9 @@ fn travel(
     Some(Move { way: radius * turn, feed, rapid: false, enters: tangent(a), leaves: tangent(b) })
 }
 
+/// Distance above the last depth at which a control begins the next peck at feed, mm: a common setting (assumption).
+const PECK_CLEARANCE: f64 = 1.0;
+
 fn bore(
     line: &mut Line,
     at: &mut [Option<f64>; 3],
@@ -160,7 +163,7 @@ fn bore(
     go(height(level), true);
     let mut depth = level;
     while depth > bottom {
-        go(height(depth), true);
+        go(height((depth + PECK_CLEARANCE).min(level)), true);
         depth = (depth - peck).max(bottom);
         go(height(depth), false);
         // A tap leaves as it came.
@@ -184,10 +187,10 @@ mod tests {
         let ways: Vec<f64> = lines.iter().map(|line| line.moves.iter().map(|own| own.way).sum()).collect();
         assert!((ways[2] - 10.0).abs() < 1e-9 && (ways[3] - 50.0).abs() < 1e-9, "{ways:?}");
         assert!((ways[4] - 10.0 * std::f64::consts::PI).abs() < 1e-9);
-        // Over, to R, down 3 and out, back and down 3 and out, up.
+        // Over, to R, down 3 and out, back to 1 above, down 4 and out, up.
         let hole = &lines[6];
         let feed: f64 = hole.moves.iter().filter(|own| !own.rapid).map(|own| own.way).sum();
-        assert!((feed - 6.0).abs() < 1e-9 && hole.holes == 1, "{feed}");
+        assert!((feed - 7.0).abs() < 1e-9 && hole.holes == 1, "{feed}");
         assert!(lines[0].change && lines[8].stops && lines[7].moves.is_empty());
     }
 }
