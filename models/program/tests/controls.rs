@@ -55,8 +55,8 @@ fn does(dialect: Dialect, text: &str, expected: (f64, f64, f64, [f64; 3])) {
     close(&format!("{text}\nfeed time"), sums.feed, feed);
     close(&format!("{text}\nrapid time"), sums.rapid, rapid);
     close(&format!("{text}\ndwell"), sums.dwell, dwell);
-    for axis in 0..3 {
-        close(&format!("{text}\nend {axis}"), sums.end[axis], end[axis]);
+    for (axis, (reached, place)) in sums.end.iter().zip(end).enumerate() {
+        close(&format!("{text}\nend {axis}"), *reached, place);
     }
 }
 
