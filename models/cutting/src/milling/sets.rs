@@ -37,7 +37,7 @@ impl Milling {
     /// ```
     /// use toolroom_cutting::Milling;
     /// assert_eq!(Milling::named("mill_t15k6_d32").unwrap().cutter.diameter, 0.032);
-    /// assert!(Milling::named("c45").unwrap_err().to_string().contains("did you mean `c45_endmill_d12`"));
+    /// assert!(Milling::named("c45_endmill_d10").unwrap_err().to_string().contains("did you mean `c45_endmill_d12`"));
     /// ```
     pub fn named(set: &str) -> Result<Self, SetError> {
         Self::load(set, Path::new(""))
