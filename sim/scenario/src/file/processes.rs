@@ -180,11 +180,9 @@ pub(super) fn refuse(walk: &mut Walk, section: &Section<'_>, key: &str, reason: 
 
 /// The key `scatter` of a tool: left out, the scatter of its parameter set where that states one.
 pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
-    let catalogue = match tool.chosen("process", ProcessKind::from_word) {
-        Some(ProcessKind::Turning) => Some(&TURNING_SETS),
-        Some(ProcessKind::Milling) => Some(&MILLING_CATALOGUE),
-        Some(ProcessKind::Infeed) | None => None,
-    };
+    let process = tool.chosen("process", ProcessKind::from_word);
+    let catalogues = [(ProcessKind::Turning, &TURNING_SETS), (ProcessKind::Milling, &MILLING_CATALOGUE)];
+    let catalogue = catalogues.into_iter().find(|(kind, _)| process == Some(*kind)).map(|(_, catalogue)| catalogue);
     let of_set = |reference| ParameterSet::load(reference, &walk.folder, catalogue?).ok()?.scatter;
     let stated = if tool.given("scatter") { None } else { tool.text("parameter_set").and_then(of_set) };
     stated.unwrap_or_else(|| scatter(walk, tool))
