@@ -80,8 +80,7 @@ impl ParameterValue {
 
     /// The value in its display unit.
     pub fn shown(&self) -> String {
-        let Field { unit, display: shown, min, max, .. } = *self.field;
-        display(&Quantity { unit, display: shown, min, max, above: false, example: "" }, self.value)
+        display(&Quantity::of(self.field), self.value)
     }
 }
 

@@ -370,9 +370,7 @@ fn valued(walk: &mut Walk, field: &'static Field, table: &DeTable<'_>, span: Ran
         walk.wrong_type("source", source.get_ref(), "a line for people", source.span(), "\"assumption\"".to_owned());
         return None;
     };
-    let Field { unit, display, min, max, .. } = *field;
-    let quantity = Quantity { unit, display, min, max, above: false, example: "" };
-    match walk.quantity(field.name, &quantity, value) {
+    match walk.quantity(field.name, &Quantity::of(field), value) {
         Value::Si(value) => Some((value, text.to_owned())),
         _ => None,
     }
