@@ -4,7 +4,7 @@ use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, Sampl
 use toolroom_form::{Form, Key, Kind};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::file::SENSORS;
-use toolroom_wear::{Cut, Scatter};
+use toolroom_wear::{Cut, Scatter, ScatterWord};
 
 const TIME: Kind = Kind::positive("s", "min", 1e9, "15 min");
 const PATH: Kind = Kind::positive("m", "m", 1e9, "600 m");
@@ -50,8 +50,8 @@ pub static STUDY: Form = Form {
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::default(
             "scatter",
-            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
-            "shop",
+            Scatter::<f64>::KIND,
+            ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
         Key::default(

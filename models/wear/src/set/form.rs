@@ -3,7 +3,7 @@
 use super::material::{ISO_513, MATERIAL_GROUPS};
 use serde_json::{Map, Value, json};
 use toolroom_form::{Content, Form, Key, Kind};
-use toolroom_process::{Field, Record};
+use toolroom_process::Field;
 
 /// A parameter set: constants of one tool in one work material, each with its source.
 pub static PARAMETER_SET: Form = Form {
@@ -23,21 +23,17 @@ pub static PARAMETER_SET: Form = Form {
             Kind::Text,
             "Shipped set or path of a file that gives every value that this file leaves out",
         ),
-        Key::optional("law", Kind::Choice(LAWS), "Wear law; left out, the one whose group is given"),
+        Key::optional("law", Kind::Choice(&LAWS), "Wear law; left out, the one whose group is given"),
         Key::optional("material", Kind::Table(&MATERIAL), "Work material, for what nothing else gives"),
         Key::optional("handbook", Kind::Table(&HANDBOOK), "Constants as handbooks and tests give them"),
         Key::optional("parameters", Kind::Content(&PARAMETERS), "Values by group, each with its source"),
         Key::optional("prior", Kind::Content(&PRIOR), "How well values are known, for a calibration"),
-        Key::optional(
-            "scatter",
-            Kind::Fields { word: &Kind::Choice(&["shop", "lab", "none"]), fields: crate::Scatter::<f64>::FIELDS },
-            "Scatter of tools of this set that state none",
-        ),
+        Key::optional("scatter", crate::Scatter::<f64>::KIND, "Scatter of tools of this set that state none"),
     ],
 };
 
-/// The words of the wear laws.
-const LAWS: &[&str] = &["energy_balance", "extended_taylor", "takeyama_murata", "usui"];
+/// The words of the wear laws, of which turning alone has several.
+static LAWS: [&str; 4] = crate::TURNING_SETS.law_names();
 
 static MATERIAL: Form = Form {
     title: "material",

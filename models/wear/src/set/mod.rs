@@ -9,12 +9,16 @@
 //! the file is based on. A set is called by the name of a shipped set or by the path of a file.
 
 mod catalogue;
+mod diffusion;
+mod fault;
 mod first;
 mod form;
 mod handbook;
 mod material;
 mod one_life;
+mod prior;
 mod read;
+mod scatter;
 mod sources;
 mod write;
 
@@ -26,6 +30,8 @@ pub use material::{FORCE_DEVIATION, ISO_513, MATERIAL_GROUPS, MaterialGroup};
 pub use one_life::{
     ABOUT, Band, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial,
 };
+pub use prior::{EDGE_SCATTER_NAME, READING_NOISE_NAME};
+pub use scatter::ScatterWord;
 
 use crate::Scatter;
 use std::collections::BTreeMap;

@@ -7,14 +7,14 @@ use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
-use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
+use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_wear::Scatter;
+use toolroom_wear::{Scatter, ScatterWord};
 
 /// The case of a machine or operation without a process.
 const PLAIN: &[&str] = &[MachineType::PLAIN];
@@ -214,7 +214,7 @@ static TOOL: Form = Form {
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
             "scatter",
-            Kind::Fields { word: &Kind::Choice(ScatterWord::WORDS), fields: Scatter::<f64>::FIELDS },
+            Scatter::<f64>::KIND,
             ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
