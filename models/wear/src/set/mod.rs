@@ -25,7 +25,9 @@ mod write;
 pub use catalogue::{Catalogue, Group};
 pub use first::{FirstSet, KnownLife, KnownLifeError};
 pub use form::PARAMETER_SET;
-pub use handbook::{FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife};
+pub use handbook::{
+    ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife,
+};
 pub use material::{FORCE_DEVIATION, ISO_513, MATERIAL_GROUPS, MaterialGroup};
 pub use one_life::{
     ABOUT, Band, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial,
