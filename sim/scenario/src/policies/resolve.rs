@@ -1,6 +1,6 @@
 //! From a policy of the scenario to a controller for every pass.
 
-use super::constant::{self, ChangeCost};
+use super::constant::{self, ChangeCost, Edges};
 use super::planned::Planned;
 use super::set_increment::SetIncrement;
 use super::{
@@ -30,7 +30,7 @@ impl ResolvedPolicy {
     ///
     /// # Errors
     /// [`ResolveError::UnknownPolicy`], [`ResolveError::UnknownIndex`] for an operation without tool
-    /// or machine, [`ResolveError::Policy`] where the believed model is not known.
+    /// or machine, [`ResolveError::Policy`] where a policy can not be worked out on the nominal model.
     pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ResolveError> {
         let count = scenario.policies.len();
         let rule = scenario.policies.get(policy).ok_or(ResolveError::UnknownPolicy { index: policy, count })?;
@@ -181,12 +181,17 @@ fn controller(
         machine: machine.rate,
     };
     let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
+    let own_limit = tool.process.wear_limit();
+    let limit = match rule.tool_change {
+        ToolChangeRule::WearLimit { limit } | ToolChangeRule::Predicted { limit } => limit.unwrap_or(own_limit),
+        ToolChangeRule::PartCount { .. } | ToolChangeRule::CuttingTime { .. } => own_limit,
+    };
     let speed = if tool.process.takes_speed_commands() {
-        speed(rule.speed, believed.as_ref(), programmed, &cost)
+        let edges = Edges { limit, scatter: &tool.scatter };
+        speed(rule.speed, believed.as_ref(), programmed, &cost, edges)
     } else {
         Speed::Fixed(programmed)
     };
-    let own_limit = tool.process.wear_limit();
     let change = match rule.tool_change {
         ToolChangeRule::WearLimit { limit } => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
         ToolChangeRule::PartCount { parts } => ChangeRule::PartCount(parts),
@@ -214,24 +219,41 @@ fn controller(
 }
 
 /// A speed rule on the believed model, m/s; as programmed where there is no model to plan with.
-fn speed(rule: SpeedRule, believed: Option<&Believed>, programmed: f64, cost: &ChangeCost) -> Speed {
+fn speed(
+    rule: SpeedRule,
+    believed: Option<&Believed>,
+    programmed: f64,
+    cost: &ChangeCost,
+    edges: Edges<'_>,
+) -> Speed {
     let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
     match rule {
         SpeedRule::Programmed => Speed::Fixed(programmed),
-        SpeedRule::Constant(choice) => Speed::Fixed(constant::speed(choice, believed, cost).unwrap_or(programmed)),
+        SpeedRule::Constant(choice) => {
+            Speed::Fixed(constant::speed(choice, believed, cost, edges).unwrap_or(programmed))
+        }
         SpeedRule::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed)))),
         SpeedRule::SetIncrement { path_per_edge } => on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge })),
-        SpeedRule::MinimumWear { literal: true } => on_model(&|Believed { pair, cut, .. }| {
-            planned(pair, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
+        SpeedRule::MinimumWear { literal: true } => on_model(&|believed| {
+            planned(believed, |flank_wear| believed.pair.literal_balance_speed(&believed.cut, flank_wear))
         }),
-        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => {
-            on_model(&|Believed { pair, cut, .. }| planned(pair, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)))
-        }
-        SpeedRule::Productivity { price } => on_model(&|Believed { pair, cut, .. }| {
-            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
-            planned(pair, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => on_model(&|believed| {
+            planned(believed, |flank_wear| believed.pair.minimum_wear_speed(&believed.cut, flank_wear))
+        }),
+        SpeedRule::Productivity { price } => on_model(&|believed| {
+            let price = price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit));
+            planned(believed, |flank_wear| believed.pair.shadow_price_speed(&believed.cut, flank_wear, price))
         }),
     }
+}
+
+/// The price of the rate optimum, s/m, for edges that are changed at a flank wear of `limit` (m), each change being
+/// worth `change_time` (s), at speeds that keep clear of thermal collapse.
+fn shadow_price(believed: &Believed, change_time: f64, limit: f64) -> f64 {
+    let mut pair = Pair::clone(&believed.pair);
+    pair.limits.wear_limit = limit;
+    let safe = |flank_wear: f64| believed.safe_speed(|_| flank_wear);
+    pair.rate_optimum_below(&believed.cut, change_time, safe).shadow_price
 }
 
 /// A controller for one pass with a tool of `pair` on a machine of this speed range.
@@ -268,9 +290,10 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
     controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
 }
 
-/// Passes planned by a law of speed against flank wear.
-fn planned(pair: &Pair, law: impl Fn(f64) -> f64) -> Speed {
-    Speed::Planned(Arc::new(Planned { law: SpeedTable::tabulate(pair.limits.wear_limit, law) }))
+/// Passes planned by a law of speed against flank wear, clear of thermal collapse at every wear.
+fn planned(believed: &Believed, law: impl Fn(f64) -> f64) -> Speed {
+    let safe = |flank_wear: f64| law(flank_wear).min(believed.safe_speed(|_| flank_wear));
+    Speed::Planned(Arc::new(Planned { law: SpeedTable::tabulate(believed.pair.limits.wear_limit, safe) }))
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.

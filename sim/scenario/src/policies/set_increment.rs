@@ -19,7 +19,7 @@ impl SetIncrement {
         plan(believed, seen, |flank_wear| {
             let intensity = wear_left / path_left;
             let SetSpeed { cutting_speed, feasible } =
-                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, pair.limits.highest_speed);
+                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, believed.safe_speed(|_| flank_wear));
             (cutting_speed, feasible)
         })
     }
