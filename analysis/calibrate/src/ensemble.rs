@@ -7,13 +7,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Walkers per dimension.
+/// Walkers per dimension (assumption).
 const WALKERS: usize = 4;
-/// Scale of the stretch move (Goodman and Weare).
+/// Scale of the stretch move, as Goodman and Weare have it.
 const STRETCH: f64 = 2.0;
-/// Steps of every walker between two looks at convergence.
+/// Steps of every walker between two looks at convergence (assumption).
 const ROUND: usize = 400;
-/// Greatest split R-hat of a converged ensemble.
+/// Greatest split R-hat of a converged ensemble (Vehtari et al., Bayesian Analysis 16 (2021) 667).
 const CONVERGED: f64 = 1.01;
 /// Rounds after which the ensemble is taken as it is; the result then says how far it came.
 const ROUNDS: usize = 12;

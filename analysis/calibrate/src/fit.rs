@@ -164,10 +164,13 @@ pub fn maximise(
     Some(Maximum { u: scaled.u(&x), ln_density: density, covariance })
 }
 
-/// The matrix with its eigenvalues kept above one: in these coordinates the prior alone has the curvature one, and a
-/// direction that seems flatter is bent by the likelihood's tail.
+/// Least curvature that is believed, half of the prior's own (assumption).
+const FLATTEST: f64 = 0.5;
+
+/// The matrix with its eigenvalues kept above [`FLATTEST`]: in these coordinates the prior alone has the curvature one,
+/// and a direction that seems flatter is bent by the likelihood's tail.
 fn positive(matrix: DMatrix<f64>) -> DMatrix<f64> {
     let mut eigen = matrix.symmetric_eigen();
-    eigen.eigenvalues.apply(|value| *value = value.max(0.5));
+    eigen.eigenvalues.apply(|value| *value = value.max(FLATTEST));
     eigen.recompose()
 }

@@ -4,17 +4,18 @@ use crate::model::Model;
 use crate::sample::Posterior;
 use nalgebra::DMatrix;
 
-/// Share of the prior variance left in a direction beyond which the data do not determine it.
+/// Share of the prior variance left in a direction beyond which the data do not determine it (assumption).
 const LEFT: f64 = 0.8;
-/// Share of the prior standard deviation left beyond which a single parameter is not determined.
+/// Share of the prior standard deviation left beyond which a single parameter is not determined: the root of [`LEFT`],
+/// rounded.
 const SHRINK: f64 = 0.9;
-/// Components of a direction below this are not named.
+/// Components of a direction below this are not named: less than a tenth of its squared length (assumption).
 const NAMED: f64 = 0.3;
-/// Correlations worth a line.
+/// Correlations worth a line (assumption).
 const CORRELATED: f64 = 0.6;
-/// Correlation of a pair of which the data fix a product rather than both.
+/// Correlation of a pair of which the data fix a product rather than both (assumption).
 const PRODUCT: f64 = 0.9;
-/// Conditional against marginal standard deviation of such a pair.
+/// Greatest conditional against marginal standard deviation of such a pair (assumption).
 const CONDITIONAL: f64 = 1.0 / 3.0;
 
 /// A direction of the parameters that the data leave as the prior has it.

@@ -1,7 +1,10 @@
 //! The wear laws with their parameters and priors.
 
 use crate::parameter::{Parameter, Prior, Scale};
-use toolroom_wear::{EnergyBalance, ExtendedTaylor, Pair, TakeyamaMurata, Usui, WearLaw};
+use toolroom_wear::{
+    ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, EnergyBalance, ExtendedTaylor, Pair, SPEED_EXPONENT_DEVIATION,
+    TakeyamaMurata, Usui, WearLaw,
+};
 
 /// A wear law that can be calibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,20 +19,21 @@ pub enum Law {
     EnergyBalance,
 }
 
-/// Standard deviation of the logarithm of a level that comes from a handbook.
+/// Standard deviation of the logarithm of a level that comes from a handbook (assumption: a factor of two).
 const LEVEL: f64 = 0.7;
-/// Standard deviation of the logarithm of an activation energy.
+/// Standard deviation of the logarithm of an activation energy (assumption: a factor 1.28).
 const ENERGY: f64 = 0.25;
-/// Standard deviation of the logarithm of Taylor's exponent of speed.
-const SPEED: f64 = 0.3;
 /// Mean and standard deviation of the exponent of feed.
-const FEED: (f64, f64) = (1.5, 0.6);
+const FEED: (f64, f64) = (ASSUMED_EXPONENTS[0], ASSUMED_DEVIATIONS[0]);
 /// Mean and standard deviation of the exponent of depth of cut.
-const DEPTH: (f64, f64) = (0.75, 0.3);
-/// Standard deviation of the coordinate of the contrast of the wear stages.
+const DEPTH: (f64, f64) = (ASSUMED_EXPONENTS[1], ASSUMED_DEVIATIONS[1]);
+/// Standard deviation of the coordinate of the contrast of the wear stages (assumption: two thirds lie between 0.37 and
+/// 0.78 where 0.6 is the median).
 const CONTRAST: f64 = 1.0;
-/// Standard deviation of the coordinate of the tilt of the wear stages, where it is free.
+/// Standard deviation of the coordinate of the tilt of the wear stages, where it is free (assumption).
 const TILT: f64 = 1.0;
+/// Wear by path of Usui's law over the mechanical part of an energy balance at the reference cut (assumption).
+const WHOLE: f64 = 1.4;
 /// Seconds of a minute.
 const MINUTE: f64 = 60.0;
 /// um of a metre.
@@ -89,8 +93,8 @@ impl Law {
                 ..TakeyamaMurata::default()
             }),
             (Self::Usui, _) => WearLaw::Usui(Usui {
-                // All of the wear at the reference cut of an energy balance, whose parts are of one size there.
-                wear_at_reference: 1.4 * balance.mechanical_wear_per_path,
+                // One law stands for both parts of an energy balance.
+                wear_at_reference: WHOLE * balance.mechanical_wear_per_path,
                 reference_temperature,
                 run_in_land,
                 run_in_offset,
@@ -123,7 +127,7 @@ impl Law {
                         "speed_exponent",
                         "1",
                         law.speed_exponent,
-                        SPEED,
+                        SPEED_EXPONENT_DEVIATION,
                         "vary cutting_speed by a factor of 1.2 or more",
                     ),
                     exponent("feed_exponent", FEED, "vary feed_per_rev"),

@@ -8,9 +8,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// Proposals for an edge left out; 64 effective draws are wanted at least, and a third of the proposals is usual.
+/// Proposals for an edge left out: a third of them is effective usually, [`EFFECTIVE`] are wanted at least (assumption).
 const PROPOSALS: usize = 256;
-/// Effective draws below which the proposal is made anew from the moments of the first.
+/// Effective draws below which the proposal is made anew from the moments of the first (assumption).
 const EFFECTIVE: f64 = 64.0;
 
 /// What the other edges say of one.

@@ -52,5 +52,5 @@ pub use left_out::{Coverage, LeftOut, leave_edges_out};
 pub use model::Model;
 pub use parameter::{Parameter, Prior, Scale};
 pub use pareto::Weights;
-pub use sample::{Method, Posterior, quantile, sample};
+pub use sample::{Method, Posterior, sample};
 pub use wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};

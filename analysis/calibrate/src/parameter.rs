@@ -1,10 +1,7 @@
 //! Parameters in working coordinates, each with its prior.
 
 use crate::normal::ln_density;
-use toolroom_wear::LARGEST_TILT;
-
-/// Greatest contrast of the wear stages (`extended_taylor.stage_contrast` in the wear models).
-const GREATEST_CONTRAST: f64 = 0.95;
+use toolroom_wear::{LARGEST_CONTRAST, LARGEST_TILT};
 
 /// How a value of the parameter file and its working coordinate u hang together. Priors are normal in u, and the maximum
 /// of the posterior density is taken in u.
@@ -26,7 +23,7 @@ impl Scale {
         match self {
             Self::Logarithm => u.exp(),
             Self::Plain => u,
-            Self::Contrast => GREATEST_CONTRAST / (1.0 + (-u).exp()),
+            Self::Contrast => LARGEST_CONTRAST / (1.0 + (-u).exp()),
             Self::Tilt => LARGEST_TILT * u.tanh(),
         }
     }
@@ -36,7 +33,7 @@ impl Scale {
         match self {
             Self::Logarithm => value.ln(),
             Self::Plain => value,
-            Self::Contrast => (value / (GREATEST_CONTRAST - value)).ln(),
+            Self::Contrast => (value / (LARGEST_CONTRAST - value)).ln(),
             Self::Tilt => (value / LARGEST_TILT).atanh(),
         }
     }

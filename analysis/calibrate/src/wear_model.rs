@@ -46,9 +46,9 @@ pub struct WearModel {
 }
 
 /// Name of the scatter of edges among the parameters.
-pub const EDGE_SCATTER: &str = "edge_scatter";
+pub const EDGE_SCATTER: &str = toolroom_wear::EDGE_SCATTER_NAME;
 /// Name of the noise of wear readings among the parameters.
-pub const READING_NOISE: &str = "reading_noise";
+pub const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
 
 impl WearModel {
     /// The model of `edges`, which were cut at `conditions`. What the law does not say is taken from `base`; `limit` in

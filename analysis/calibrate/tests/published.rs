@@ -115,6 +115,7 @@ fn the_greatest_posterior_densities_are_those_computed_independently() {
             let found = maximise(&model, &all, &start(&model), None).expect("a maximum");
             println!("{name} {law:?}: {:.4} ({expected}), {:.1?}", found.ln_density, begin.elapsed());
             println!("   {:.4?}", found.u.as_slice());
+            assert!((found.ln_density - expected).abs() < 0.01, "{name} {law:?}: {}", found.ln_density);
         }
     }
 }
@@ -168,8 +169,9 @@ fn maxima_and_intervals_are_those_computed_independently() {
     let lives = [
         ("reference_life", 3.2219, 3.0955, 3.3664),
         ("speed_exponent", 1.3886, 1.2099, 1.5236),
-        // The upper end was published as 1.5836, from 12 000 draws of which a sixth were effective; 200 000 draws with
-        // 113 000 effective ones put it at 1.513.
+        // The upper end is a value of this crate, no independent check: it guards against change only. Published is
+        // 1.5836, from 12 000 draws of which a sixth were effective; 200 000 draws of this crate, 113 000 of them
+        // effective, put it at 1.513. Against 1.5836 the end would be off by 0.21 deviations, where 0.2 are allowed.
         ("feed_exponent", 0.9685, 0.6347, 1.513),
         ("depth_exponent", 0.3445, 0.1879, 0.7577),
         ("edge_scatter", -2.3047, -2.4525, -1.2844),

@@ -15,7 +15,7 @@ use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
 use std::path::{Path, PathBuf};
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
-use toolroom_scenario::file::{scatter, sensors};
+use toolroom_scenario::file::sensors;
 use toolroom_wear::{Cut, Objective, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
 use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
 
@@ -93,8 +93,8 @@ fn resolve(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Option<Stud
     if let Err(reason) = pair.law.check() {
         walk.fault(root.span_of("parameters"), Fault::Model { subject: "parameters".to_owned(), reason });
     }
-    let stated = scatter(walk, root);
-    let scatter = if root.given("scatter") { stated } else { of_set.unwrap_or(stated) };
+    let stated = Scatter::of_section(walk, root, &format!("{}, scatter", root.path));
+    let scatter = stated.or(of_set).unwrap_or_else(Scatter::shop);
     let conditions = conditions(walk, root, &pair);
     let ends = walk.table(root, "end").map_or_else(Ends::default, |section| ends(walk, &section));
     if scatter.chipped_share > 0.0 && pair.chipping.rate == 0.0 {

@@ -1,23 +1,15 @@
 //! Keys of contour files.
 
 use crate::{ConditionScatter, Cutter, CutterSide, Economics, EdgeForce, FormError, Machine, MillLife, Milling, Pass};
-use toolroom_form::{Form, Key, Kind, Quantity, joined, record_keys};
+use toolroom_form::{Form, Key, Kind, joined, record_keys};
 use toolroom_process::Record;
 
 /// A kilometre, beyond every machine (assumption).
 const FARTHEST: f64 = 1e3;
 
-const fn quantity(unit: &'static str, display: &'static str, most: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: -most, max: most, above: false, example })
-}
-
-const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
-}
-
-const LENGTH: Kind = quantity("m", "mm", FARTHEST, "50 mm");
+const LENGTH: Kind = Kind::quantity("m", "mm", -FARTHEST, FARTHEST, "50 mm");
 /// Up to some sixteen revolutions: beyond every arc (assumption).
-const ANGLE: Kind = quantity("rad", "deg", 100.0, "90 deg");
+const ANGLE: Kind = Kind::quantity("rad", "deg", -100.0, 100.0, "90 deg");
 const POINT: Kind = Kind::List(&LENGTH);
 
 toolroom_form::vocabulary! {
@@ -64,16 +56,20 @@ static PATH_ERROR: Form = Form {
     doc: "Error of the drives",
     keys: &[
         Key::required("model", Kind::Choice(PathErrorWord::WORDS), "Law of the drives"),
-        Key::required("step", positive("s", "ms", 10.0, "10 ms"), "Step of the interpolator")
+        Key::required("step", Kind::positive("s", "ms", 10.0, "10 ms"), "Step of the interpolator")
             .when("model", &["explicit_euler"]),
         Key::optional(
             "velocity_loop_frequency",
-            positive("rad/s", "rad/s", 1e6, "120 rad/s"),
+            Kind::positive("rad/s", "rad/s", 1e6, "120 rad/s"),
             "Natural frequency of the velocity loop; left out, the loop is ideal",
         )
         .when("model", &["servo"]),
-        Key::optional("velocity_loop_damping", positive("1", "1", 100.0, "0.7"), "Damping ratio of the velocity loop")
-            .when("model", &["servo"]),
+        Key::optional(
+            "velocity_loop_damping",
+            Kind::positive("1", "1", 100.0, "0.7"),
+            "Damping ratio of the velocity loop",
+        )
+        .when("model", &["servo"]),
     ],
 };
 
@@ -82,10 +78,11 @@ static CORNERS: Form = Form {
     doc: "How sharp outside corners are passed",
     keys: &[
         Key::required("policy", Kind::Choice(CornerWord::WORDS), "Way past the corner"),
-        Key::required("radius", positive("m", "mm", FARTHEST, "2 mm"), "Radius of the loop").when("policy", &["loop"]),
+        Key::required("radius", Kind::positive("m", "mm", FARTHEST, "2 mm"), "Radius of the loop")
+            .when("policy", &["loop"]),
         Key::optional(
             "tolerance",
-            positive("m", "mm", FARTHEST, "0.05 mm"),
+            Kind::positive("m", "mm", FARTHEST, "0.05 mm"),
             "Deviation that is admitted at the corner",
         )
         .when("policy", &["loop", "slow_down"]),

@@ -136,6 +136,12 @@ pub struct Quantity {
 }
 
 impl Quantity {
+    /// The quantity of a field of a record: its units and its range.
+    pub const fn of(field: &Field) -> Self {
+        let Field { unit, display, min, max, .. } = *field;
+        Self { unit, display, min, max, above: false, example: "" }
+    }
+
     /// Whether `value` (SI) may stand here.
     pub fn admits(&self, value: f64) -> bool {
         value.is_finite() && value <= self.max && if self.above { value > self.min } else { value >= self.min }
@@ -191,12 +197,29 @@ const fn same(one: &[u8], other: &[u8]) -> bool {
     true
 }
 
+impl Kind {
+    /// A number from `min` to `max`, both SI and admitted; `unit` is its SI unit, `display` the one in which people are
+    /// answered, `example` a value that would do.
+    pub const fn quantity(
+        unit: &'static str,
+        display: &'static str,
+        min: f64,
+        max: f64,
+        example: &'static str,
+    ) -> Self {
+        Self::Quantity(Quantity { unit, display, min, max, above: false, example })
+    }
+
+    /// A number above zero up to `max`, SI; the rest as in [`Kind::quantity`].
+    pub const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Self {
+        Self::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
+    }
+}
+
 impl Key {
     /// The optional key of a field of a record.
     pub const fn of(field: &'static Field) -> Self {
-        let Field { unit, display, min, max, .. } = *field;
-        let quantity = Quantity { unit, display, min, max, above: false, example: "" };
-        Self::optional(field.name, Kind::Quantity(quantity), field.doc)
+        Self::optional(field.name, Kind::Quantity(Quantity::of(field)), field.doc)
     }
 
     /// The optional key of the field of this name: a file that names some fields of a record has their ranges from it.

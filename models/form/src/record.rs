@@ -62,14 +62,7 @@ pub fn set_record(walk: &mut Walk, title: &str, table: &DeTable<'_>, record: &mu
             continue;
         };
         let field = &fields[i];
-        let quantity = Quantity {
-            unit: field.unit,
-            display: field.display,
-            min: field.min,
-            max: field.max,
-            above: false,
-            example: "",
-        };
+        let quantity = Quantity::of(field);
         if let Value::Si(value) = walk.quantity(field.name, &quantity, raw) {
             record.set_value(i, value);
             let (section, value) = (title.to_owned(), display(&quantity, value));

@@ -27,6 +27,14 @@ impl Dialect {
         Self::NAMES[self as usize]
     }
 
+    /// Whether it has Custom Macro of Fanuc: variables by number, bitwise AND and OR, G65.
+    pub(crate) fn has_macros(self) -> bool {
+        match self {
+            Self::Fanuc | Self::FanucLathe | Self::Haas => true,
+            Self::Siemens | Self::Heidenhain | Self::LinuxCnc => false,
+        }
+    }
+
     /// The dialect of a name of [`Dialect::NAMES`].
     pub fn named(name: &str) -> Option<Self> {
         Self::NAMES.iter().position(|known| *known == name).map(|index| Self::ALL[index])

@@ -48,10 +48,14 @@ pub struct ProgramError {
 }
 
 impl ProgramError {
-    /// A program in which nothing moves.
+    /// The error of a program for `dialect` in which nothing moves.
     pub fn still(dialect: Dialect) -> Self {
-        let message = "the program moves no axis; check that it is the right file".to_owned();
-        Self { file: None, line: 1, column: 1, dialect, message, calls: Vec::new() }
+        Self::of_line(1, dialect, "the program moves no axis; check that it is the right file")
+    }
+
+    /// A fault of a line of the program itself.
+    pub(crate) fn of_line(line: usize, dialect: Dialect, message: impl Into<String>) -> Self {
+        Self { file: None, line: line.max(1), column: 1, dialect, message: message.into(), calls: Vec::new() }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::motion::{EventKind, Purpose, Sense};
 /// How the tool leaves the bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Exit {
+    /// At rapid speed.
     Rapid,
     /// At the feed of the cycle.
     Feed,
@@ -41,7 +42,8 @@ pub(crate) struct Pecks {
 pub(crate) enum Clearance {
     /// mm.
     Fixed(f64),
-    /// 0.6 mm up to a depth of 30 mm, then a fiftieth of the depth, at most 7 mm (SINUMERIK 840D, cycles, CYCLE83).
+    /// 0.6 mm up to a depth of 30 mm, then a fiftieth of the depth, at most 7 mm: CYCLE83 of SINUMERIK, cycle 1 of
+    /// Heidenhain (cited from memory of their manuals: assumption).
     Depth,
 }
 
@@ -83,12 +85,10 @@ pub(crate) struct Hole {
     pub exit: Exit,
     /// Feed of plunging, mm/min, where it is none of the program's.
     pub feed: Option<f64>,
-    /// At feed the tool comes to the reference plane first, before it goes to `level` at rapid speed.
-    pub over_reference: bool,
 }
 
-/// Greatest number of pecks of one hole.
-const PECKS: usize = 100_000;
+/// Greatest number of pecks of one hole: a bound against programs without end (assumption).
+pub(crate) const PECKS: usize = 100_000;
 
 impl Kernel {
     fn across(&mut self, place: f64, rapid: bool) -> Result<(), Fault> {
@@ -169,8 +169,7 @@ impl Kernel {
     fn leave(&mut self, hole: &Hole) -> Result<(), Fault> {
         let sense = self.sense;
         match hole.exit {
-            Exit::Rapid if !hole.over_reference => return self.across(hole.level, true),
-            Exit::Rapid => self.across(hole.reference, true)?,
+            Exit::Rapid => {}
             Exit::Feed => self.across(hole.reference, false)?,
             Exit::FeedOf(feed) => {
                 let (before, scale) = (self.feed, self.feed_scale);

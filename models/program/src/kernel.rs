@@ -4,7 +4,9 @@ use crate::control::Control;
 use crate::error::Fault;
 use crate::frame::Frame;
 use crate::lathe::surface_time;
-use crate::motion::{Arc, Axes, Event, EventKind, Motion, Path, Purpose, Sense, centre_by_radius, sweep};
+use crate::motion::{
+    Arc, Axes, Event, EventKind, Motion, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius, sweep,
+};
 use crate::offset::Offsetting;
 use std::collections::VecDeque;
 
@@ -35,6 +37,11 @@ impl Target {
         self.absolute[axis].is_some() || self.step[axis].is_some()
     }
 
+    /// Where an axis goes from `from`, mm or degrees.
+    pub fn end(&self, axis: usize, from: &Axes) -> f64 {
+        self.absolute[axis].unwrap_or(from[axis] + self.step[axis].unwrap_or(0.0))
+    }
+
     /// One axis at a place.
     pub fn one(axis: usize, place: f64) -> Self {
         let mut own = Self::default();
@@ -52,7 +59,7 @@ pub(crate) enum Round {
 
 /// Greatest coordinate that is followed, mm: beyond it differences of positions lose the last digits.
 const FARTHEST: f64 = 1e7;
-/// Greatest number of full turns of one helix.
+/// Greatest number of full turns of one helix: a bound against programs without end (assumption).
 const TURNS: f64 = 1e5;
 
 pub(crate) struct Kernel {
@@ -102,7 +109,7 @@ impl Kernel {
             known: control.start.map(|place| place.is_some()),
             control,
             frame: Frame::IDENTITY,
-            plane: if lathe { [2, 0, 1] } else { [0, 1, 2] },
+            plane: if lathe { PLANES[1] } else { PLANES[0] },
             scale,
             absolute: true,
             feed: None,
@@ -290,7 +297,7 @@ impl Kernel {
         let reach = |point: [f64; 2]| (point[0] - centre[0]).hypot(point[1] - centre[1]);
         let radius = reach(start);
         let gap = (radius - reach(end)).abs();
-        if gap.is_nan() || gap > 0.01_f64.max(2e-3 * radius) {
+        if gap.is_nan() || gap > arc_tolerance(radius) {
             return Err(Fault::new(format!(
                 "the arc misses its end by {gap:.4} mm; check the centre (its form, too: increments or absolute)"
             )));
@@ -306,13 +313,10 @@ impl Kernel {
         (middle[u], middle[v]) = (centre[0], centre[1]);
         let middle = self.frame.base(middle);
         let lost = !self.known[u] || !self.known[v];
-        let (mut from, to, mut unknown) = self.arrive(target, from, to);
+        let (from, to, mut unknown) = self.arrive(target, from, to);
         // An arc from an unknown place has no centre: it is taken as programmed.
         unknown |= lost;
         let radius = radius * factor;
-        if lost {
-            (from[u], from[v]) = (self.frame.base(self.frame.program(from))[u], from[v]);
-        }
         let arc = Arc { centre: [middle[u], middle[v]], plane: self.plane, left: left != mirrored, angle, radius };
         let length = (radius * angle).hypot(to[w] - from[w]);
         let time = self.time(length, false, &from, &to, Some(&arc))?;
@@ -399,6 +403,24 @@ impl Kernel {
     pub fn spindle(&mut self, sense: Sense) {
         self.sense = sense;
         self.push(EventKind::Spindle { speed: if sense == Sense::Still { 0.0 } else { self.speed }, sense });
+    }
+
+    /// A function of the machine, with its time where the control has been told one.
+    pub fn auxiliary(&mut self, code: u32) {
+        let time = self.control.m.get(&code).copied();
+        if time.is_none() {
+            self.note(format!(
+                "M{code} is a function of the machine whose time is not known; it counts 0 s: give --set control.m.{code}=\"1 s\""
+            ));
+        }
+        self.push(EventKind::Auxiliary(code, time.unwrap_or(0.0)));
+    }
+
+    /// Direction of X Y Z at the end of the newest motion that has not been handed on.
+    pub fn direction(&self) -> Option<[f64; 3]> {
+        self.out.iter().rev().find_map(|event| {
+            if let EventKind::Motion(motion) = event.kind { Some(motion.directions().1) } else { None }
+        })
     }
 
     pub fn set_speed(&mut self, speed: f64) -> Result<(), Fault> {

@@ -23,6 +23,7 @@
 //! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
 //! Reference points and work offsets that a program does not state: axes that come from there count as standing.
 
+#![deny(clippy::wildcard_enum_match_arm)] // a kind of event or word that comes has to be thought of everywhere
 #![allow(clippy::needless_range_loop)] // an axis is an index into several arrays at once
 
 mod block;

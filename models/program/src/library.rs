@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-/// Greatest size of a file of a subprogram, bytes.
+/// Greatest size of a file of a subprogram, bytes (assumption).
 const LARGEST: u64 = 50_000_000;
-/// Greatest number of files that one program reads.
+/// Greatest number of files that one program reads: a bound against programs without end (assumption).
 const FILES: usize = 1000;
 
 /// The folder beside a program.

@@ -8,6 +8,14 @@ pub type Axes = [f64; 9];
 /// Letters of [`Axes`].
 pub const AXES: [char; 9] = ['X', 'Y', 'Z', 'A', 'B', 'C', 'U', 'V', 'W'];
 
+/// Planes of G17, G18 and G19: indices of the first axis, the second and the one across.
+pub(crate) const PLANES: [[usize; 3]; 3] = [[0, 1, 2], [2, 0, 1], [1, 2, 0]];
+
+/// Number of the G code that chooses a plane of [`PLANES`].
+pub(crate) fn plane_code(plane: [usize; 3]) -> usize {
+    17 + PLANES.iter().position(|known| *known == plane).unwrap_or(0)
+}
+
 /// A circular path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
@@ -19,7 +27,7 @@ pub struct Arc {
     pub left: bool,
     /// Angle with all full turns, rad, above 0.
     pub angle: f64,
-    /// mm.
+    /// Radius, mm, above 0.
     pub radius: f64,
 }
 
@@ -52,13 +60,13 @@ pub enum Purpose {
 /// One motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// At rapid speed instead of a feed.
+    /// Whether it runs at rapid speed instead of a feed.
     pub rapid: bool,
-    /// Path.
+    /// Path between start and end.
     pub path: Path,
-    /// Where it starts; an axis from an unknown place counts as standing.
+    /// Where it starts, in the units of [`Axes`]; an axis from an unknown place counts as standing.
     pub start: Axes,
-    /// Where it ends.
+    /// Where it ends, in the units of [`Axes`].
     pub end: Axes,
     /// Time at the programmed feed, s; 0 of a rapid motion.
     pub time: f64,
@@ -66,7 +74,7 @@ pub struct Motion {
     pub length: f64,
     /// Whether an axis comes from or goes to a place that only the machine knows.
     pub unknown: bool,
-    /// Why.
+    /// Why it moves.
     pub purpose: Purpose,
 }
 
@@ -89,7 +97,7 @@ impl Motion {
         (linear, [3, 4, 5].into_iter().map(travel).fold(0.0, f64::max))
     }
 
-    /// Directions of X Y Z at start and end, each of length 1 or 0.
+    /// Directions of X Y Z at start and end, without unit, each of length 1, or 0 where none of them moves.
     pub fn directions(&self) -> ([f64; 3], [f64; 3]) {
         match self.path {
             Path::Line => {
@@ -102,7 +110,7 @@ impl Motion {
         }
     }
 
-    /// Position after a share of the path.
+    /// Position after a `share` of the path, 0 to 1, in the units of [`Axes`].
     pub fn position(&self, share: f64) -> Axes {
         let mut place: Axes = std::array::from_fn(|i| self.start[i] + share * (self.end[i] - self.start[i]));
         if let Path::Arc(arc) = self.path {
@@ -156,15 +164,21 @@ pub(crate) fn sweep(from: [f64; 2], to: [f64; 2], centre: [f64; 2], left: bool) 
     if chord < 1e-6 || turn == 0.0 { TAU } else { turn }
 }
 
+/// Distance by which the end of an arc may miss its circle, mm: 0.01 mm or 0.2 % of the radius (assumption; controls have
+/// it as a parameter).
+pub(crate) fn arc_tolerance(radius: f64) -> f64 {
+    0.01_f64.max(2e-3 * radius)
+}
+
 /// Centre of the arc of `radius` from `from` to `to`; a negative radius takes the long way. `None` where the points
 /// coincide or are too far apart.
 pub(crate) fn centre_by_radius(from: [f64; 2], to: [f64; 2], radius: f64, left: bool) -> Option<[f64; 2]> {
     let chord = [to[0] - from[0], to[1] - from[1]];
     let span = chord[0].hypot(chord[1]);
     let height = radius * radius - 0.25 * span * span;
-    // Half a chord may exceed the radius by the tolerance of the end point, 0.01 mm or 0.2 % of the radius.
+    // Half a chord may exceed the radius by the tolerance of the end point.
     let excess = 0.5 * span - radius.abs();
-    if span == 0.0 || radius == 0.0 || excess > 0.01_f64.max(2e-3 * radius.abs()) {
+    if span == 0.0 || radius == 0.0 || excess > arc_tolerance(radius.abs()) {
         return None;
     }
     let side = if left == (radius > 0.0) { 1.0 } else { -1.0 };
@@ -198,16 +212,16 @@ pub enum EventKind {
     ToolChange(Option<u32>),
     /// The spindle is commanded, rpm.
     Spindle {
-        /// Speed, rpm.
+        /// Speed, rpm; 0 where it stands.
         speed: f64,
-        /// Sense.
+        /// How it turns.
         sense: Sense,
     },
     /// Coolant on or off.
     Coolant(bool),
-    /// M0, M1 and their like; true where the operator chooses.
+    /// A stop, such as M0; true where the operator chooses, as with M1.
     Stop(bool),
-    /// An auxiliary function with its time, s.
+    /// An auxiliary function: number of its M code, and its time, s.
     Auxiliary(u32, f64),
     /// A hole of a canned cycle is finished.
     Hole,
@@ -228,7 +242,7 @@ pub struct Event {
     pub main_line: usize,
     /// Depth of subprograms, 0 for the main program.
     pub depth: usize,
-    /// What.
+    /// What happens.
     pub kind: EventKind,
 }
 

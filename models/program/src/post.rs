@@ -3,7 +3,7 @@
 use crate::control::Control;
 use crate::dialect::Dialect;
 use crate::error::ProgramError;
-use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, Path, Sense};
+use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, PLANES, Path, Sense, plane_code};
 use crate::run::Run;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ use std::fmt::Write;
 pub struct Post {
     /// The program.
     pub text: String,
-    /// Lines of what has no place in it: motions to reference points and in machine coordinates, functions of the
+    /// Lines, from 1, of what has no place in it: motions to reference points and in machine coordinates, functions of the
     /// machine, exact stops where the language has none in a block.
     pub left_out: Vec<usize>,
 }
@@ -22,7 +22,8 @@ pub struct Post {
 const DECIMALS: usize = 4;
 
 /// Follows a program and writes its motions for `dialect`: in millimetres, absolute, with subprograms, loops, cycles,
-/// frames and compensation worked out. Read again it makes the same motions within half a unit of the fourth decimal.
+/// frames and compensation worked out. Read again it makes the same motions: ends within half a unit of the fourth decimal
+/// of a millimetre or degree, those of helices in Klartext within two units, since they follow from a rounded pole.
 ///
 /// # Errors
 /// [`ProgramError`] where the program is refused, comes from a lathe, or needs an arc that the language does not have.
@@ -37,14 +38,7 @@ pub fn post(text: &str, control: &Control, dialect: Dialect) -> Result<Post, Pro
     let run = Run::new(text, control)?;
     let (source, _) = run.dialect();
     let mut writer = Writer::new(dialect);
-    let refused = |line: usize, message: &str| ProgramError {
-        file: None,
-        line: line.max(1),
-        column: 1,
-        dialect: source,
-        message: message.to_owned(),
-        calls: Vec::new(),
-    };
+    let refused = |line: usize, message: &str| ProgramError::of_line(line, source, message);
     if source == Dialect::FanucLathe || dialect == Dialect::FanucLathe {
         return Err(refused(1, "programs of lathes are not translated"));
     }
@@ -93,7 +87,7 @@ impl Writer {
             text: text.to_owned(),
             at: [None; 9],
             feed: String::new(),
-            plane: [0, 1, 2],
+            plane: PLANES[0],
             speed: 0.0,
             left_out: Vec::new(),
         }
@@ -236,17 +230,12 @@ impl Writer {
 
     fn arc(&mut self, motion: &Motion, arc: &Arc) -> Result<(), &'static str> {
         let [u, v, w] = arc.plane;
-        if self.klartext() && arc.plane != [0, 1, 2] {
+        if self.klartext() && arc.plane != PLANES[0] {
             return Err("an arc out of the plane XY has no words in Klartext with the tool along Z");
         }
         if arc.plane != self.plane {
             self.plane = arc.plane;
-            let plane = match arc.plane {
-                [0, 1, 2] => "G17",
-                [2, 0, 1] => "G18",
-                _ => "G19",
-            };
-            self.line(plane);
+            self.line(&format!("G{}", plane_code(arc.plane)));
         }
         // The end is rounded first; the centre keeps its distance from the start as it was written.
         let from = [u, v].map(|axis| self.at[axis].unwrap_or(motion.start[axis]));

@@ -9,6 +9,7 @@ use crate::klartext::Klartext;
 use crate::library::Library;
 use crate::motion::{AXES, Event};
 use crate::siemens::Siemens;
+use std::ops::Range;
 
 /// Whether a program goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,8 +20,24 @@ pub(crate) enum Flow {
 
 /// Where an interpreter stands beside its line.
 pub(crate) struct Place {
+    /// File of a subprogram beside the program; `None` for the program itself.
     pub file: Option<String>,
+    /// Calls that led there, the innermost first: line of the call and how often it has run.
     pub calls: Vec<(usize, usize)>,
+}
+
+impl Place {
+    /// In the file of an index, of which the first is the program itself.
+    pub fn new(file: Option<usize>, files: &[String], calls: impl Iterator<Item = (usize, usize)>) -> Self {
+        Self { file: file.filter(|file| *file > 0).map(|file| files[file].clone()), calls: calls.collect() }
+    }
+}
+
+/// Indices around `at` up to the next item at which `ends` holds, on both sides.
+pub(crate) fn between<T>(list: &[T], at: usize, ends: impl Fn(&T) -> bool) -> Range<usize> {
+    let start = (0..at).rev().find(|i| ends(&list[*i])).map_or(0, |i| i + 1);
+    let end = (at + 1..list.len()).find(|i| ends(&list[*i]));
+    start..end.unwrap_or(list.len())
 }
 
 /// What follows the statements of a language.
@@ -60,13 +77,9 @@ impl Run {
     pub fn new(text: &str, control: &Control) -> Result<Self, ProgramError> {
         let (dialect, reason) = match control.dialect {
             Some(dialect) => (dialect, "as given".to_owned()),
-            None => Dialect::detect(text, control.extension.as_deref()).map_err(|conflict| ProgramError {
-                file: None,
-                line: conflict.second.1,
-                column: 1,
-                dialect: conflict.second.0,
-                message: conflict.to_string(),
-                calls: Vec::new(),
+            None => Dialect::detect(text, control.extension.as_deref()).map_err(|conflict| {
+                let (dialect, line, _) = conflict.second;
+                ProgramError::of_line(line, dialect, conflict.to_string())
             })?,
         };
         let library = Library::new(control.library.clone());
@@ -86,17 +99,17 @@ impl Run {
         (self.dialect, &self.reason)
     }
 
-    /// mm of a unit, where the program or the control has said it.
+    /// Length of a unit of the program, mm: 1 or 25.4. `None` before the program or the control has said it.
     pub fn unit(&self) -> Option<f64> {
         self.kernel.scale
     }
 
-    /// What was noticed up to now, by line.
+    /// What was noticed up to now, with its line, from 1; each text once.
     pub fn notes(&self) -> &[(usize, String)] {
         &self.kernel.notes
     }
 
-    /// Blocks and statements that have run.
+    /// Number of blocks and statements that have run.
     pub fn steps(&self) -> u64 {
         self.steps
     }

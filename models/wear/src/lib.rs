@@ -102,9 +102,10 @@ pub use plan::{PassPlan, Ramp, RampLimits, SpeedMode};
 pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};
 pub use schedule::SpeedSchedule;
 pub use set::{
-    ABOUT, Band, Catalogue, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, FORCE_DEVIATION, FirstSet, FittedLives, Group,
-    HandbookTaylor, ISO_513, Kienzle, KnownLife, KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin,
-    PARAMETER_SET, ParameterSet, ParameterValue, ReferenceLife, SPEED_EXPONENT_DEVIATION, SetError, Spread, TestedLife,
+    ABOUT, ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, Band, Catalogue, EDGE_SCATTER, EDGE_SCATTER_DEVIATION,
+    EDGE_SCATTER_NAME, FORCE_DEVIATION, FirstSet, FittedLives, Group, HandbookTaylor, ISO_513, Kienzle, KnownLife,
+    KnownLifeError, MATERIAL_GROUPS, MaterialGroup, OneLife, Origin, PARAMETER_SET, ParameterSet, ParameterValue,
+    READING_NOISE_NAME, ReferenceLife, SPEED_EXPONENT_DEVIATION, ScatterWord, SetError, Spread, TestedLife,
     ToolMaterial, is_path,
 };
 pub use speed::{RateOptimum, SetSpeed};
@@ -114,4 +115,4 @@ pub use takeyama_murata::TakeyamaMurata;
 pub use taylor::ExtendedTaylor;
 pub use temperature::{Heating, Temperature};
 pub use usui::Usui;
-pub use wear_curve::{LARGEST_TILT, check_tilt, run_in, wear_stage};
+pub use wear_curve::{LARGEST_CONTRAST, LARGEST_TILT, check_tilt, run_in, wear_stage};

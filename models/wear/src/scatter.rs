@@ -81,7 +81,8 @@ pub struct LifeMoments {
     pub variation: f64,
 }
 
-/// Nodes and weights of 7-point Gauss–Hermite quadrature, positive half.
+/// Nodes and weights of 7-point Gauss–Hermite quadrature for the weight exp(-x²), positive half (Abramowitz and Stegun,
+/// table 25.10).
 const HERMITE: [(f64, f64); 4] = [
     (0.0, 0.810_264_617_556_807_3),
     (0.816_287_882_858_964_7, 0.425_607_252_610_127_8),

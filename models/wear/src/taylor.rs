@@ -1,7 +1,7 @@
 //! Taylor's tool-life law with a flank-wear curve.
 
 use crate::temperature::power;
-use crate::{Cut, law::Wear, wear_stage};
+use crate::{Cut, LARGEST_CONTRAST, LARGEST_TILT, law::Wear, wear_stage};
 use toolroom_process::{Number, record};
 
 record! {
@@ -33,10 +33,10 @@ record! {
         /// Exponent of hardness, n.
         hardness_exponent: Real = 1.0, 0.0..=5.0;
         /// Contrast of the three wear stages: 0 is a straight line, near 1 a sharp S.
-        stage_contrast: Real = 0.6, 0.0..=0.95;
+        stage_contrast: Real = 0.6, 0.0..=LARGEST_CONTRAST;
         /// Tilt of the wear curve: positive where a new edge wears faster than a spent one. At most
         /// 0.95·(1 - stage_contrast) in absolute value.
-        stage_tilt: Real = 0.0, -0.95..=0.95;
+        stage_tilt: Real = 0.0, -LARGEST_TILT..=LARGEST_TILT;
         /// Flank wear at the end of the life.
         wear_limit: Real["m" => "mm"] = 0.3e-3, 1e-6..=5e-3;
         /// Reference speed.

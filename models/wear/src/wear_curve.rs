@@ -35,6 +35,9 @@ pub fn wear_stage<N: Number>(x: N, contrast: N, tilt: N) -> N {
     contrast * (x * (-x + 1.0) * 6.0 - 1.0) + 1.0 + tilt * (x * 2.0 - 1.0)
 }
 
+/// Largest contrast of the wear stages (assumption): at 1 the wear rate would be infinite at both ends of the life.
+pub const LARGEST_CONTRAST: f64 = 0.95;
+
 /// Largest share of `1 - stage_contrast` that the tilt may have: the wear curve then stays
 /// above a twentieth of it everywhere.
 pub const LARGEST_TILT: f64 = 0.95;

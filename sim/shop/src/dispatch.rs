@@ -28,10 +28,12 @@ const COVERT_LOOK_AHEAD: f64 = 2.0;
 
 /// How the queue of rules has to be kept.
 pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
-    match rules {
-        [] | [DispatchRule::Fifo] => QueueKind::Line,
-        rules if rules.iter().all(|rule| rule.stands()) => QueueKind::Heap,
-        _ => QueueKind::Scan,
+    if matches!(rules, [] | [DispatchRule::Fifo]) {
+        QueueKind::Line
+    } else if rules.iter().all(|rule| rule.stands()) {
+        QueueKind::Heap
+    } else {
+        QueueKind::Scan
     }
 }
 

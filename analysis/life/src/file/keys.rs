@@ -1,28 +1,20 @@
 //! The sections of a study file.
 
 use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
-use toolroom_form::{Form, Key, Kind, Quantity};
+use toolroom_form::{Form, Key, Kind};
 use toolroom_process::{Field, Record};
 use toolroom_scenario::file::SENSORS;
-use toolroom_wear::{Cut, Scatter};
+use toolroom_wear::{Cut, Scatter, ScatterWord};
 
-const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
-}
-
-const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
-}
-
-const TIME: Kind = positive("s", "min", 1e9, "15 min");
-const PATH: Kind = positive("m", "m", 1e9, "600 m");
-const WEAR: Kind = positive("m", "mm", 5e-3, "0.6 mm");
+const TIME: Kind = Kind::positive("s", "min", 1e9, "15 min");
+const PATH: Kind = Kind::positive("m", "m", 1e9, "600 m");
+const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.6 mm");
 /// The fields of a cut, which say how far its keys go.
 const CUT: &[Field] = Cut::<f64>::FIELDS;
-const SPEED: Kind = positive("m/s", "m/min", CUT[0].max, "30 m/min");
-const FEED: Kind = quantity("m", "mm", CUT[1].min, CUT[1].max, "0.12 mm/rev");
-const DEPTH: Kind = quantity("m", "mm", CUT[2].min, CUT[2].max, "0.75 mm");
-const COST: Kind = positive("EUR", "EUR", 1e9, "12 EUR");
+const SPEED: Kind = Kind::positive("m/s", "m/min", CUT[0].max, "30 m/min");
+const FEED: Kind = Kind::quantity("m", "mm", CUT[1].min, CUT[1].max, "0.12 mm/rev");
+const DEPTH: Kind = Kind::quantity("m", "mm", CUT[2].min, CUT[2].max, "0.75 mm");
+const COST: Kind = Kind::positive("EUR", "EUR", 1e9, "12 EUR");
 
 /// The whole file.
 pub static STUDY: Form = Form {
@@ -41,7 +33,7 @@ pub static STUDY: Form = Form {
         ),
         Key::optional(
             "until",
-            positive("1", "%", 0.5, "0.5 %"),
+            Kind::positive("1", "%", 0.5, "0.5 %"),
             "Stop when every mean life is known this well (half-width of its interval); `lives` are the most",
         ),
         Key::default(
@@ -58,8 +50,8 @@ pub static STUDY: Form = Form {
         Key::optional("parameters", Kind::Parameters, "Deviations from the parameter set, group by group"),
         Key::default(
             "scatter",
-            Kind::Fields { word: &Kind::Choice(&["none", "lab", "shop"]), fields: Scatter::<f64>::FIELDS },
-            "shop",
+            Scatter::<f64>::KIND,
+            ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
         Key::default(
@@ -86,7 +78,7 @@ static PASSES: Form = Form {
     doc: "Passes into which a life is cut",
     keys: &[
         Key::default("path", PATH, "37.7 m", "Path of a pass"),
-        Key::default("pause", quantity("s", "min", 0.0, 1e6, "0.3 min"), "0 min", "Pause after a pass"),
+        Key::default("pause", Kind::quantity("s", "min", 0.0, 1e6, "0.3 min"), "0 min", "Pause after a pass"),
     ],
 };
 
@@ -109,7 +101,7 @@ static POLICY: Form = Form {
         Key::required("speed", Kind::Choice(RuleWord::WORDS), "Rule"),
         Key::required("change_time", TIME, "Time to change an edge").when("speed", &["best_rate"]),
         Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
-        Key::required("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges")
+        Key::required("price", Kind::positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges")
             .when("speed", &["price"]),
         Key::default(
             "reading",
@@ -134,7 +126,7 @@ static END: Form = Form {
     doc: "What ends an edge besides the wear limit of its parameter set, chipping and collapse",
     keys: &[
         Key::optional("flank_wear", WEAR, "Flank wear"),
-        Key::optional("cutting_force", positive("N", "N", 1e7, "900 N"), "Cutting force"),
+        Key::optional("cutting_force", Kind::positive("N", "N", 1e7, "900 N"), "Cutting force"),
         Key::optional("path", PATH, "Cutting path; the edge is still good"),
         Key::optional("time", TIME, "Time in cut; the edge is still good"),
         Key::optional("roughness", Kind::Table(&ROUGHNESS), "Roughness that grows with flank wear"),
@@ -145,9 +137,9 @@ static ROUGHNESS: Form = Form {
     title: "roughness",
     doc: "Roughness as a straight line over flank wear (assumption)",
     keys: &[
-        Key::required("new", quantity("m", "um", 0.0, 1e-3, "0.8 um"), "Roughness of a new edge"),
-        Key::required("per_wear", positive("1", "um/mm", 1.0, "2 um/mm"), "Growth by flank wear"),
-        Key::required("limit", positive("m", "um", 1e-3, "1.6 um"), "Greatest roughness allowed"),
+        Key::required("new", Kind::quantity("m", "um", 0.0, 1e-3, "0.8 um"), "Roughness of a new edge"),
+        Key::required("per_wear", Kind::positive("1", "um/mm", 1.0, "2 um/mm"), "Growth by flank wear"),
+        Key::required("limit", Kind::positive("m", "um", 1e-3, "1.6 um"), "Greatest roughness allowed"),
     ],
 };
 
@@ -160,15 +152,16 @@ static FIELD: Form = Form {
         Key::required("mean", Kind::Text, "Mean").when("distribution", &["normal"]),
         Key::required("deviation", Kind::Text, "Standard deviation").when("distribution", &["normal"]),
         Key::required("median", Kind::Text, "Median").when("distribution", &["lognormal"]),
-        Key::required("sigma", positive("1", "1", 10.0, "0.2"), "Standard deviation of the logarithm")
+        Key::required("sigma", Kind::positive("1", "1", 10.0, "0.2"), "Standard deviation of the logarithm")
             .when("distribution", &["lognormal"]),
         Key::required("scale", Kind::Text, "Scale").when("distribution", &["weibull", "gamma"]),
-        Key::required("shape", positive("1", "1", 1e4, "2.5"), "Shape").when("distribution", &["weibull", "gamma"]),
+        Key::required("shape", Kind::positive("1", "1", 1e4, "2.5"), "Shape")
+            .when("distribution", &["weibull", "gamma"]),
         Key::required("low", Kind::Text, "Least").when("distribution", &["triangular", "uniform", "beta"]),
         Key::required("mode", Kind::Text, "Most likely").when("distribution", &["triangular"]),
         Key::required("high", Kind::Text, "Greatest").when("distribution", &["triangular", "uniform", "beta"]),
-        Key::required("alpha", positive("1", "1", 1e4, "2"), "First shape").when("distribution", &["beta"]),
-        Key::required("beta", positive("1", "1", 1e4, "3"), "Second shape").when("distribution", &["beta"]),
+        Key::required("alpha", Kind::positive("1", "1", 1e4, "2"), "First shape").when("distribution", &["beta"]),
+        Key::required("beta", Kind::positive("1", "1", 1e4, "3"), "Second shape").when("distribution", &["beta"]),
         Key::required("file", Kind::Text, "CSV file beside the study, in the display unit of the field")
             .when("distribution", &["empirical"]),
         Key::required("column", Kind::Name, "Its column").when("distribution", &["empirical"]),
@@ -183,7 +176,7 @@ static CORRELATION: Form = Form {
     keys: &[
         Key::required("first", Kind::Name, "One input: a field, or `common wear`, `batch hardness`, …"),
         Key::required("second", Kind::Name, "The other"),
-        Key::required("value", quantity("1", "1", -0.999, 0.999, "0.5"), "Correlation"),
+        Key::required("value", Kind::quantity("1", "1", -0.999, 0.999, "0.5"), "Correlation"),
     ],
 };
 
@@ -192,8 +185,13 @@ static EARLY: Form = Form {
     doc: "Importance sampling: draws that fail early come more often and weigh less",
     keys: &[
         Key::required("age", TIME, "Age before which a failure is early"),
-        Key::default("wear_shift", quantity("1", "1", 0.0, 6.0, "2"), "0", "Shift of the common wear, in deviations"),
-        Key::default("chipping_rate", positive("1", "1", 1e3, "5"), "1", "How much oftener weak edges are drawn"),
+        Key::default(
+            "wear_shift",
+            Kind::quantity("1", "1", 0.0, 6.0, "2"),
+            "0",
+            "Shift of the common wear, in deviations",
+        ),
+        Key::default("chipping_rate", Kind::positive("1", "1", 1e3, "5"), "1", "How much oftener weak edges are drawn"),
     ],
 };
 

@@ -4,11 +4,10 @@ use super::super::columns::{ColumnKind, RecordColumn};
 use super::super::{RecordKind, csv_table};
 use std::collections::BTreeMap;
 use std::path::Path;
-use toolroom_form::{Fault, Form, Key, Kind, Quantity, ReadError, Section, Walk, nearest};
+use toolroom_form::{Fault, Form, Key, Kind, ReadError, Section, Walk, nearest};
 use toolroom_process::unit;
 
-const NUMBER: Kind =
-    Kind::Quantity(Quantity { unit: "1", display: "1", min: -1e30, max: 1e30, above: false, example: "1" });
+const NUMBER: Kind = Kind::quantity("1", "1", -1e30, 1e30, "1");
 
 /// How the samples of an operation become one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! Input, state and output of milling, and the constants of cutter and work.
 
 use toolroom_process::record;
+use toolroom_wear::{LARGEST_CONTRAST, LARGEST_TILT};
 
 record! {
     /// What milling is commanded, and what surrounds the cut. Factors are 1 for a nominal
@@ -196,10 +197,10 @@ record! {
         /// Exponent of hardness, n.
         hardness_exponent: Real = 1.0, 0.0..=5.0;
         /// Contrast of the three wear stages: 0 is a straight line, near 1 a sharp S.
-        stage_contrast: Real = 0.6, 0.0..=0.95;
+        stage_contrast: Real = 0.6, 0.0..=LARGEST_CONTRAST;
         /// Tilt of the wear curve: positive where a new cutter wears faster than a spent one. At most
         /// 0.95·(1 − stage_contrast) in absolute value.
-        stage_tilt: Real = 0.0, -0.95..=0.95;
+        stage_tilt: Real = 0.0, -LARGEST_TILT..=LARGEST_TILT;
         /// Flank wear at the end of the life (ISO 8688-2: 0.3 mm, mean over the teeth).
         wear_limit: Real["m" => "mm"] = 0.3e-3, 1e-6..=5e-3;
         /// Reference speed.

@@ -13,7 +13,7 @@ use crate::run::Flow;
 
 impl Iso {
     pub(super) fn macros(&self) -> bool {
-        matches!(self.dialect, Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas)
+        self.dialect.has_macros()
     }
 
     pub(super) fn is_lathe(&self) -> bool {
@@ -161,8 +161,10 @@ impl Iso {
         if let Some(value) = words.take(b'F') {
             let scale = match kernel.feed_mode {
                 FeedMode::Inverse => 1.0,
-                _ if value == 0.0 => kernel.scale.unwrap_or(1.0),
-                _ => kernel.unit().map_err(|fault| fault.or_at(words.column(b'F')))?,
+                FeedMode::Minute | FeedMode::Revolution if value == 0.0 => kernel.scale.unwrap_or(1.0),
+                FeedMode::Minute | FeedMode::Revolution => {
+                    kernel.unit().map_err(|fault| fault.or_at(words.column(b'F')))?
+                }
             };
             kernel.set_feed(value, scale).map_err(|fault| fault.or_at(words.column(b'F')))?;
         }
@@ -251,15 +253,7 @@ impl Iso {
                 98 | 99 if self.dialect == Dialect::LinuxCnc => after.push((*code, *column)),
                 0 | 1 | 2 | 5 | 9 | 30 | 60 => after.push((*code, *column)),
                 89 if self.dialect == Dialect::Haas => kernel.push(EventKind::Coolant(false)),
-                _ => {
-                    let time = kernel.control.m.get(code).copied();
-                    if time.is_none() {
-                        kernel.note(format!(
-                            "M{code} is a function of the machine whose time is not known; it counts 0 s: give --set control.m.{code}=\"1 s\""
-                        ));
-                    }
-                    kernel.push(EventKind::Auxiliary(*code, time.unwrap_or(0.0)));
-                }
+                _ => kernel.auxiliary(*code),
             }
         }
         if after.iter().any(|(code, _)| matches!(code, 97 | 98)) {

@@ -5,9 +5,10 @@ use super::once::Once;
 use super::run::Iso;
 use super::words::Words;
 use crate::Dialect;
+use crate::control::Units;
 use crate::error::{Fault, unknown};
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::Sense;
+use crate::motion::{PLANES, Sense};
 use crate::offset::{Corner, Offsetting};
 
 /// What a code is.
@@ -46,7 +47,7 @@ impl Iso {
         if register == Some(0) {
             return Ok(());
         }
-        let number = register.or(kernel.tool.filter(|_| self.dialect == Dialect::LinuxCnc)).or(kernel.tool);
+        let number = register.or(kernel.tool);
         let diameter = number.and_then(|number| kernel.control.diameters.get(&number)).copied();
         let Some(diameter) = diameter else {
             let which = number.map_or("the tool".to_owned(), |number| format!("D{number}"));
@@ -90,20 +91,12 @@ impl Iso {
                 self.modes.polar = Some((0.0, 0.0));
                 Modal
             }
-            170 => {
-                self.plane([0, 1, 2], kernel)?;
-                Modal
-            }
-            180 => {
-                self.plane([2, 0, 1], kernel)?;
-                Modal
-            }
-            190 => {
-                self.plane([1, 2, 0], kernel)?;
+            170 | 180 | 190 => {
+                self.plane(PLANES[code as usize / 10 - 17], kernel)?;
                 Modal
             }
             200 | 210 => {
-                kernel.scale = Some(if code == 200 { 25.4 } else { 1.0 });
+                kernel.scale = Some(if code == 200 { Units::Inch } else { Units::Millimetre }.scale());
                 Modal
             }
             280 | 300 => Found::Once(Once::Home),
@@ -111,7 +104,7 @@ impl Iso {
             330 if linuxcnc => Found::Motion(Move::Thread),
             382..=385 => return refuse("a probe moves until it touches, which depends on the workpiece"),
             310 => return refuse("a skip ends where a signal comes, which depends on the workpiece"),
-            400..=420 if matches!(code, 400 | 410 | 420) => {
+            400 | 410 | 420 => {
                 self.compensate(code, words, kernel)?;
                 Modal
             }
@@ -181,7 +174,12 @@ impl Iso {
                 Modal
             }
             700 | 710 | 720 if haas => Found::Once(Once::Pattern(code / 10)),
-            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => Found::Once(Once::Pattern(code / 10)),
+            700 | 710 | 720 | 730 | 740 | 750 | 760 if lathe => {
+                return Err(Fault::new(format!(
+                    "G{} is a cycle of turning in two blocks that is not followed; post it as motions, or as G90, G92 and G94",
+                    written(code)
+                )));
+            }
             730 | 740 | 760 | 810..=890 if !lathe && code.is_multiple_of(10) => {
                 self.begin_cycle(code / 10, kernel)?;
                 Found::Motion(Move::Cycle)

@@ -1,4 +1,7 @@
 //! Canned cycles G73 to G89 and the hole patterns of Haas.
+//!
+//! # Source
+//! Sequences of motions as the manuals of Fanuc, Haas and LinuxCNC describe them, cited from memory (assumption).
 
 use super::run::Iso;
 use super::words::Words;
@@ -25,10 +28,11 @@ pub(super) struct Cycle {
     shift: [f64; 2],
 }
 
-/// Greatest number of repeats of a hole.
+/// Greatest number of repeats of a hole: a bound against programs without end (assumption).
 const REPEATS: f64 = 1e5;
 
-/// Clearance above the last depth on LinuxCNC, mm (LinuxCNC manual, G83: 0.010 in or 0.254 mm).
+/// Clearance above the last depth on LinuxCNC, mm: 0.010 in, the constant `G83_RAPID_DELTA` of the interpreter up to
+/// LinuxCNC 2.9.
 const LINUXCNC_CLEARANCE: f64 = 0.254;
 
 impl Iso {
@@ -179,16 +183,7 @@ impl Iso {
             Ok(Some(Pecks { stops, retract, clearance: Clearance::Fixed(clearance), outside: 0.0, inside: 0.0 }))
         };
         let shift = if cycle.shift == [0.0; 2] { [cycle.peck.unwrap_or(0.0), 0.0] } else { cycle.shift };
-        let plain = Hole {
-            reference,
-            bottom,
-            level,
-            pecks: None,
-            dwell: 0.0,
-            exit: Exit::Rapid,
-            feed: None,
-            over_reference: false,
-        };
+        let plain = Hole { reference, bottom, level, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
         let dwell = cycle.dwell;
         let taps = || if cycle.peck.is_some() { pecks(None) } else { Ok(None) };
         let hole = match cycle.code {
@@ -216,14 +211,13 @@ impl Iso {
 
     /// Hole patterns of Haas: a circle (G70), an arc (G71), a line (G72).
     pub(super) fn pattern(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
-        if self.dialect == Dialect::FanucLathe {
-            return self.turning_pattern(code, words, kernel);
-        }
         let Some(cycle) = self.cycle else {
             return Err(Fault::new(format!("G{code} repeats the holes of a cycle, but none is in force")));
         };
         let centre = self.target(words, kernel)?;
-        kernel_move(&centre, kernel)?;
+        if !centre.is_empty() {
+            kernel.straight(&centre, true)?;
+        }
         let at = kernel.program_at();
         let size =
             words.take(b'I').ok_or_else(|| Fault::new(format!("G{code} needs I, the radius or the distance")))?;
@@ -245,8 +239,4 @@ impl Iso {
         }
         Ok(())
     }
-}
-
-fn kernel_move(target: &Target, kernel: &mut Kernel) -> Result<(), Fault> {
-    if target.is_empty() { Ok(()) } else { kernel.straight(target, true) }
 }

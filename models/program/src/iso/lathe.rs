@@ -1,4 +1,4 @@
-//! Cycles of lathes in G code system A: G90, G92, G94; those in two blocks are refused by name.
+//! Cycles of lathes in G code system A: G90, G92, G94.
 
 use super::run::Iso;
 use super::words::Words;
@@ -19,8 +19,7 @@ impl Iso {
             return Ok(());
         }
         let from = kernel.program_at();
-        let end = |axis: usize| target.absolute[axis].unwrap_or(from[axis] + target.step[axis].unwrap_or(0.0));
-        let (x, z) = (end(0), end(2));
+        let (x, z) = (target.end(0, &from), target.end(2, &from));
         let place = |x: Option<f64>, z: Option<f64>| {
             let mut target = Target::default();
             (target.absolute[0], target.absolute[2]) = (x, z);
@@ -49,12 +48,5 @@ impl Iso {
         kernel.purpose = None;
         kernel.feed_mode = mode;
         done
-    }
-
-    pub(super) fn turning_pattern(&mut self, code: u32, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
-        let _ = (words, kernel);
-        Err(Fault::new(format!(
-            "G{code} is a cycle of turning in two blocks that is not followed; post it as motions, or as G90, G92 and G94"
-        )))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::Axes;
+use crate::motion::{Axes, plane_code};
 use std::collections::BTreeMap;
 
 /// The motion that coordinates without a code make.
@@ -68,11 +68,6 @@ impl Modes {
             Move::Arc { left } => Some(if left { 3.0 } else { 2.0 }),
             Move::Cycle | Move::Lathe(_) | Move::Thread => None,
         };
-        let plane = [17.0, 18.0, 19.0][match kernel.plane {
-            [0, 1, 2] => 0,
-            [2, 0, 1] => 1,
-            _ => 2,
-        }];
         let feed = match kernel.feed_mode {
             FeedMode::Minute => 94.0,
             FeedMode::Revolution => 95.0,
@@ -81,7 +76,7 @@ impl Modes {
         let inch = kernel.scale.map(|scale| if scale > 1.0 { 20.0 } else { 21.0 });
         let values = [
             (1, motion),
-            (2, Some(plane)),
+            (2, Some(plane_code(kernel.plane) as f64)),
             (3, Some(if kernel.absolute { 90.0 } else { 91.0 })),
             (5, Some(feed)),
             (6, inch),

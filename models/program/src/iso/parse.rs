@@ -168,8 +168,6 @@ fn read(parser: &mut Parser<'_>, statement: &mut Statement) -> Result<Code, Faul
     match word {
         "IF" if parser.dialect != Dialect::LinuxCnc => {
             let condition = parser.prefix()?;
-            // IF [..] AND [..] GOTO: conditions in brackets of their own.
-            parser.blank();
             if parser.starts("THEN") {
                 parser.at += 4;
                 return Ok(Code::If(condition, Box::new(Code::Block(block(parser)?))));
@@ -190,7 +188,6 @@ fn read(parser: &mut Parser<'_>, statement: &mut Statement) -> Result<Code, Faul
         "WHILE" | "DO" if parser.dialect != Dialect::LinuxCnc => {
             let condition = if word == "WHILE" {
                 let condition = parser.prefix()?;
-                parser.blank();
                 if parser.letters() != "DO" {
                     return Err(parser.fault("WHILE [condition] is followed by DO and a number"));
                 }
@@ -324,16 +321,11 @@ fn order(parser: &mut Parser<'_>) -> Result<Code, Fault> {
 /// Joins the parts of loops and conditions; `own` is the newest statement.
 fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(String, usize)>) {
     let place = own + offset;
-    let label = |list: &[Statement], index: usize| match &list[index].code {
-        Code::While(_) => format!("DO{}", list[index].end),
-        Code::Order(name, _) => format!("O{name}"),
-        _ => String::new(),
-    };
     let unmatched = |list: &mut [Statement], what: &str| {
         list[own].code = Code::Fault(Fault::at(1, format!("{what} without its beginning")));
     };
     match list[own].code.clone() {
-        Code::While(_) => open.push((label(list, own), own)),
+        Code::While(_) => open.push((format!("DO{}", list[own].end), own)),
         Code::End => {
             let wanted = format!("DO{}", list[own].end);
             match open.pop() {
@@ -354,15 +346,16 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<(Strin
                 kind.as_ref().and_then(|code| if let Code::Order(_, order) = code { Some(order) } else { None });
             match order {
                 Order::Sub | Order::Do | Order::If(_) | Order::Repeat(_) => open.push((format!("O{name}"), own)),
-                Order::While(condition) => match (top, top_order) {
-                    (Some(begin), Some(Order::Do)) => {
+                Order::While(condition) => {
+                    if let (Some(begin), Some(Order::Do)) = (top, top_order) {
                         open.pop();
                         list[own].code = Code::Order(name, Order::DoWhile(condition));
                         list[own].jump = begin + offset;
                         list[begin].jump = place;
+                    } else {
+                        open.push((format!("O{name}"), own));
                     }
-                    _ => open.push((format!("O{name}"), own)),
-                },
+                }
                 Order::EndSub(_) | Order::EndWhile | Order::EndRepeat => {
                     let fits = matches!(
                         (top_order, &order),

@@ -5,7 +5,7 @@ use super::words::Words;
 use crate::Dialect;
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::Purpose;
+use crate::motion::{PLANES, Purpose};
 
 impl Iso {
     pub(super) fn arc(&mut self, left: bool, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
@@ -59,14 +59,14 @@ impl Iso {
 
     /// LinuxCNC's splines in X and Y.
     pub(super) fn spline(&mut self, cubic: bool, words: &mut Words, kernel: &mut Kernel) -> Result<(), Fault> {
-        if kernel.plane != [0, 1, 2] {
+        if kernel.plane != PLANES[0] {
             return Err(Fault::new("splines run in the plane XY; write G17 before"));
         }
         let from = kernel.program_at();
         let target = self.target(words, kernel)?;
         let mut to = from;
         for axis in 0..2 {
-            to[axis] = target.absolute[axis].unwrap_or(from[axis] + target.step[axis].unwrap_or(0.0));
+            to[axis] = target.end(axis, &from);
         }
         if (2..9).any(|axis| target.names(axis)) {
             return Err(Fault::new("splines take X and Y only"));
@@ -87,7 +87,7 @@ impl Iso {
             let middle = [from[0] + i.unwrap_or(0.0), from[1] + j.unwrap_or(0.0)];
             vec![[from[0], from[1]], middle, [to[0], to[1]]]
         };
-        // LinuxCNC follows splines by arcs; lines between points so close keep their length to 1e-9 of it per piece.
+        /// Lines of a spline, which LinuxCNC follows by arcs: their length is right to a millionth and better (a test).
         const PIECES: usize = 2000;
         for piece in 1..=PIECES {
             let at = bezier(&points, piece as f64 / PIECES as f64);

@@ -11,8 +11,9 @@ use crate::expression::Expression;
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
-use crate::run::{Flow, Interpreter, Place};
+use crate::run::{Flow, Interpreter, Place, between};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A call that has not returned.
 #[derive(Clone, Debug)]
@@ -49,13 +50,13 @@ pub(crate) struct Iso {
     pub(super) modes: Modes,
     pub(super) cycle: Option<Cycle>,
     library: Library,
-    /// Statements of files whose programs have been searched.
+    /// Macro that every motion calls (G66): its first statement and its values.
     pub(super) modal_macro: Option<(usize, Locals)>,
     words: Words,
 }
 
-/// Depth of calls and of levels of macro variables (Fanuc operator's manual: 4 levels of macros, 10 of subprograms on
-/// newer controls).
+/// Depth of calls and of levels of macro variables (assumption: 10 levels as on newer Fanuc controls; older ones allow 4,
+/// and what they would refuse runs here).
 const DEPTH: usize = 10;
 
 impl Iso {
@@ -89,23 +90,16 @@ impl Iso {
             if let Some(number) = statement.number {
                 self.numbers.entry(number).or_default().push(index);
             }
-            match &statement.code {
-                Code::Program(number) => {
-                    self.programs.entry(*number).or_insert(index);
-                }
-                Code::Order(name, Order::Sub) => {
-                    self.subs.entry(name.clone()).or_insert(index);
-                }
-                _ => {}
+            if let Code::Program(number) = &statement.code {
+                self.programs.entry(*number).or_insert(index);
+            } else if let Code::Order(name, Order::Sub) = &statement.code {
+                self.subs.entry(name.clone()).or_insert(index);
             }
         }
     }
 
     fn value(&self, expression: &Expression) -> Result<Option<f64>, Fault> {
-        match expression {
-            Expression::Number(value) => Ok(Some(*value)),
-            other => other.value(&self.store, self.dialect),
-        }
+        expression.value(&self.store, self.dialect)
     }
 
     fn truth(&self, expression: &Expression) -> Result<bool, Fault> {
@@ -113,21 +107,18 @@ impl Iso {
     }
 
     /// Statements of the program in which `pc` stands.
-    fn unit(&self, pc: usize) -> (usize, usize) {
+    fn unit(&self, pc: usize) -> Range<usize> {
         let file = self.statements.get(pc).map_or(0, |statement| statement.file);
-        let boundary = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Program(_));
-        let start = (0..pc).rev().find(|i| boundary(&self.statements[*i])).map_or(0, |i| i + 1);
-        let end = (pc + 1..self.statements.len()).find(|i| boundary(&self.statements[*i]));
-        (start, end.unwrap_or(self.statements.len()))
+        let ends = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Program(_));
+        between(&self.statements, pc, ends)
     }
 
     /// Statement of block `number`: forward from here, then from the top of the program.
     pub(super) fn block_number(&self, number: u32, from: usize) -> Result<usize, Fault> {
         let missing = || Fault::new(format!("there is no block N{number} in this program; check the number"));
         let list = self.numbers.get(&number).ok_or_else(missing)?;
-        // One block of the number is the rule: then nothing has to be searched.
-        let (start, end) = self.unit(from);
-        let inside = |index: &&usize| (start..end).contains(*index);
+        let unit = self.unit(from);
+        let inside = |index: &&usize| unit.contains(*index);
         list.iter()
             .filter(inside)
             .find(|index| **index > from)
@@ -222,7 +213,9 @@ impl Iso {
                         _ => self.store.set(index, value).map_err(Fault::new)?,
                     }
                 }
-                _ => return Err(Fault::new("only a variable takes a value")),
+                Expression::Number(_) | Expression::Negate(_) | Expression::Call(..) | Expression::Binary(..) => {
+                    return Err(Fault::new("only a variable takes a value"));
+                }
             }
         }
         Ok(Flow::Going)
@@ -240,11 +233,10 @@ impl Iso {
             match value {
                 Some(value) => words.put(word.letter, value, word.pointed, word.column)?,
                 None => {
-                    let variable = match &word.value {
-                        Expression::Variable(index) => {
-                            format!("#{}", self.value(index)?.unwrap_or(0.0))
-                        }
-                        _ => "its value".to_owned(),
+                    let variable = if let Expression::Variable(index) = &word.value {
+                        format!("#{}", self.value(index)?.unwrap_or(0.0))
+                    } else {
+                        "its value".to_owned()
                     };
                     words.vacant.push((word.letter, variable));
                 }
@@ -302,9 +294,11 @@ impl Iso {
                 let mut at = own;
                 while !holds {
                     at = self.statements[at].jump;
-                    holds = match &self.statements[at].code {
-                        Code::Order(_, Order::ElseIf(condition)) => self.truth(condition)?,
-                        _ => true,
+                    // An `else` holds whenever it is reached.
+                    holds = if let Code::Order(_, Order::ElseIf(condition)) = &self.statements[at].code {
+                        self.truth(condition)?
+                    } else {
+                        true
                     };
                 }
                 self.pc = at + 1;
@@ -332,12 +326,15 @@ impl Iso {
                 let begin = &self.statements[jump];
                 let repeats = matches!(begin.code, Code::Order(_, Order::Repeat(_)));
                 let ends = *order == Order::Break;
-                self.pc = match &begin.code {
-                    Code::Order(_, Order::Do) if ends => begin.jump + 1,
-                    Code::Order(_, Order::Do) => begin.jump,
-                    _ if ends => begin.jump,
-                    Code::Order(_, Order::Repeat(_)) => begin.jump - 1,
-                    _ => jump,
+                self.pc = if matches!(begin.code, Code::Order(_, Order::Do)) {
+                    // The end of such a loop is its condition.
+                    begin.jump + usize::from(ends)
+                } else if ends {
+                    begin.jump
+                } else if repeats {
+                    begin.jump - 1
+                } else {
+                    jump
                 };
                 if repeats && ends {
                     self.loops.pop();
@@ -407,12 +404,8 @@ impl Interpreter for Iso {
     }
 
     fn place(&self) -> Place {
-        let statement = self.statements.get(self.pc.saturating_sub(1));
-        let file = statement.map_or(0, |statement| statement.file);
-        Place {
-            file: (file > 0).then(|| self.files[file].clone()),
-            calls: self.calls.iter().rev().map(|call| (call.line, call.count)).collect(),
-        }
+        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        Place::new(file, &self.files, self.calls.iter().rev().map(|call| (call.line, call.count)))
     }
 }
 

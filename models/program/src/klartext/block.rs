@@ -4,7 +4,7 @@ use super::contour::{Corner, Element, Joint};
 use super::{Klartext, Statement};
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{AXES, EventKind, Sense, tangent};
+use crate::motion::{AXES, EventKind, PLANES, Sense, tangent};
 use crate::offset::{self, Offsetting};
 use crate::run::Flow;
 
@@ -259,9 +259,9 @@ impl Klartext {
                 }
                 'X' | 'Y' | 'Z' if word.len() == 1 => {
                     kernel.plane = match first {
-                        'Z' => [0, 1, 2],
-                        'Y' => [2, 0, 1],
-                        _ => [1, 2, 0],
+                        'Z' => PLANES[0],
+                        'Y' => PLANES[1],
+                        _ => PLANES[2],
                     };
                 }
                 'S' => kernel.set_speed(self.value(&word[1..], *column)?).map_err(|fault| fault.or_at(*column))?,
@@ -332,15 +332,7 @@ impl Klartext {
                         format!("M{code} changes how the path is followed, and is not followed here"),
                     ));
                 }
-                _ => {
-                    let time = kernel.control.m.get(code).copied();
-                    if time.is_none() {
-                        kernel.note(format!(
-                            "M{code} is a function of the machine whose time is not known; it counts 0 s: give --set control.m.{code}=\"1 s\""
-                        ));
-                    }
-                    kernel.push(EventKind::Auxiliary(*code, time.unwrap_or(0.0)));
-                }
+                _ => kernel.auxiliary(*code),
             }
             if matches!(code, 13 | 14) {
                 kernel.push(EventKind::Coolant(true));
@@ -428,7 +420,6 @@ impl Klartext {
             (own.target.absolute[v], own.target.step[v]) = (Some(self.pole[1] + reach * sin), None);
         }
         let sense = || self.left.ok_or_else(|| Fault::new("the arc needs its sense: DR+ or DR-"));
-        let end = |axis: usize| own.target.absolute[axis].unwrap_or(from[axis] + own.target.step[axis].unwrap_or(0.0));
         let element = match kind {
             "L" | "LP" => Element::Line,
             "C" | "CP" => {
@@ -443,7 +434,7 @@ impl Klartext {
             }
             _ => {
                 let direction = [self.direction[u], self.direction[v]];
-                match tangent([from[u], from[v]], [end(u), end(v)], direction) {
+                match tangent([from[u], from[v]], [own.target.end(u, &from), own.target.end(v, &from)], direction) {
                     Some((centre, left)) => Element::Arc(Round::Centre(centre), left, 0.0),
                     None if direction == [0.0; 2] => {
                         return Err(Fault::new("CT needs a motion before it in whose direction it begins"));

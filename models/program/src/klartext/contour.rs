@@ -3,7 +3,7 @@
 use super::Klartext;
 use crate::error::Fault;
 use crate::kernel::{Kernel, Round, Target};
-use crate::motion::{Axes, EventKind};
+use crate::motion::Axes;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Element {
@@ -34,9 +34,7 @@ impl Klartext {
     pub(super) fn at(&self, kernel: &Kernel) -> Axes {
         let mut at = kernel.program_at();
         if let Some(corner) = &self.corner {
-            for axis in 0..9 {
-                at[axis] = corner.target.absolute[axis].unwrap_or(at[axis] + corner.target.step[axis].unwrap_or(0.0));
-            }
+            at = std::array::from_fn(|axis| corner.target.end(axis, &at));
         }
         at
     }
@@ -74,12 +72,7 @@ impl Klartext {
             Element::Line => kernel.straight(&own.target, own.rapid)?,
             Element::Arc(round, left, turns) => kernel.round(&own.target, round, left, turns)?,
         }
-        if let Some(motion) = kernel.out.iter().rev().find_map(|event| match event.kind {
-            EventKind::Motion(motion) => Some(motion),
-            _ => None,
-        }) {
-            self.direction = motion.directions().1;
-        }
+        self.direction = kernel.direction().unwrap_or(self.direction);
         Ok(())
     }
 
@@ -96,8 +89,7 @@ impl Klartext {
         }
         let [u, v, _] = kernel.plane;
         let start = kernel.program_at();
-        let end =
-            |axis: usize| after.target.absolute[axis].unwrap_or(corner[axis] + after.target.step[axis].unwrap_or(0.0));
+        let end = |axis: usize| after.target.end(axis, &corner);
         let unit = |d: [f64; 2]| {
             let size = d[0].hypot(d[1]);
             (size > 0.0).then(|| ([d[0] / size, d[1] / size], size))

@@ -1,7 +1,8 @@
 //! Drilling cycles 200 to 208, the old cycles 1 and 2, dwell, and coordinate transformations.
 //!
 //! # Source
-//! Heidenhain TNC 640 and iTNC 530 user's manuals, cycle programming: parameters and sequences of motions.
+//! Parameters and sequences of motions as the user's manuals of TNC 640 and iTNC 530 describe them, cited from memory
+//! (assumption).
 
 use super::{Klartext, Statement};
 use crate::error::Fault;
@@ -18,7 +19,7 @@ pub(super) enum Cycle {
     Old(u32, Vec<f64>),
 }
 
-/// Distance above the last depth at which feed begins again in cycle 200, mm (TNC 640, cycle 200).
+/// Distance above the last depth at which feed begins again in cycle 200, mm (TNC 640, cycle 200, cited from memory: assumption).
 const AGAIN: f64 = 0.2;
 /// A feed that stands for FMAX, mm/min.
 const RAPID: f64 = 99_999.0;
@@ -107,11 +108,8 @@ impl Klartext {
     }
 
     fn define_new(&mut self, number: u32, statement: &Statement, column: usize) -> Result<(), Fault> {
-        if number == 247 || number == 32 {
-            return Err(Fault::at(
-                column,
-                format!("cycle {number} changes the datum by a table, which is not followed"),
-            ));
+        if number == 247 {
+            return Err(Fault::at(column, "cycle 247 changes the datum by a table, which is not followed"));
         }
         if !matches!(number, 200..=203 | 205..=208) {
             return Err(Fault::at(column, format!("cycle {number} is not followed; post its motions")));
@@ -152,16 +150,7 @@ impl Klartext {
                     None
                 };
                 let exit = if number == 2 { Exit::Tap } else { Exit::Rapid };
-                kernel.hole(&Hole {
-                    reference,
-                    bottom,
-                    level: start,
-                    pecks,
-                    dwell,
-                    exit,
-                    feed: Some(feed),
-                    over_reference: false,
-                })
+                kernel.hole(&Hole { reference, bottom, level: start, pecks, dwell, exit, feed: Some(feed) })
             }
         }
     }
@@ -188,16 +177,8 @@ impl Klartext {
         if feed <= 0.0 {
             return Err(Fault::new("the feed Q206 of the cycle must be above 0"));
         }
-        let mut hole = Hole {
-            reference,
-            bottom,
-            level,
-            pecks: None,
-            dwell: seconds(211),
-            exit: Exit::Rapid,
-            feed: Some(feed),
-            over_reference: false,
-        };
+        let mut hole =
+            Hole { reference, bottom, level, pecks: None, dwell: seconds(211), exit: Exit::Rapid, feed: Some(feed) };
         // Depths count from the surface, the hole from its set-up clearance.
         let from_surface = |peck: f64, decrement: f64, least: f64| -> Result<Option<Vec<f64>>, Fault> {
             if peck <= 0.0 || peck >= depth.abs() {
@@ -280,8 +261,6 @@ impl Klartext {
             }
             _ => return self.bore_milling(hole, kernel),
         }
-        // The tool leaves to the set-up clearance, and on to the second one at rapid speed.
-        hole.over_reference = false;
         kernel.hole(&hole)
     }
 

@@ -4,14 +4,14 @@ mod block;
 mod contour;
 mod cycles;
 
-use crate::Dialect;
 use crate::error::Fault;
-use crate::expression::{Parser, Variables};
+use crate::expression::{Parser, Variables, equal};
 use crate::frame::Frame;
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
 use crate::run::{Flow, Interpreter, Place};
+use crate::{Dialect, Units};
 use contour::Corner;
 use cycles::Cycle;
 use std::collections::{BTreeMap, HashMap};
@@ -88,7 +88,7 @@ pub(crate) struct Klartext {
     corner: Option<Corner>,
 }
 
-/// Depth of subprograms and programs (Heidenhain manuals: 8 to 19 levels; 10 as for the other controls).
+/// Depth of subprograms and programs (assumption: 10 as for the other controls; manuals name 8 to 19, cited from memory).
 const DEPTH: usize = 10;
 
 impl Klartext {
@@ -299,7 +299,7 @@ impl Klartext {
                 return Err(Fault::new("a condition compares two values by EQU, NE, GT or LT"));
             };
             let (a, b) = (self.value(a, 1)?, self.value(b, 1)?);
-            let equal = (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0);
+            let equal = equal(a, b);
             let holds = match relation {
                 "EQU" => equal,
                 "NE" => !equal,
@@ -440,12 +440,10 @@ impl Interpreter for Klartext {
     }
 
     fn place(&self) -> Place {
-        let file = self.statements.get(self.pc.saturating_sub(1)).map_or(0, |statement| statement.file);
-        let subprograms = self.calls.iter().rev().filter(|call| call.end.is_none());
-        Place {
-            file: (file > 0).then(|| self.files[file].clone()),
-            calls: subprograms.map(|call| (call.line, call.count)).collect(),
-        }
+        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        // Repeats of a part are no calls.
+        let calls = self.calls.iter().rev().filter(|call| call.end.is_none());
+        Place::new(file, &self.files, calls.map(|call| (call.line, call.count)))
     }
 }
 
@@ -458,8 +456,8 @@ impl Klartext {
         match first {
             "BEGIN" => {
                 match words.last().map(|(word, _)| word.as_str()) {
-                    Some("MM") => kernel.scale = Some(1.0),
-                    Some("INCH") => kernel.scale = Some(25.4),
+                    Some("MM") => kernel.scale = Some(Units::Millimetre.scale()),
+                    Some("INCH") => kernel.scale = Some(Units::Inch.scale()),
                     _ => return Err(Fault::at(column, "BEGIN PGM ends with MM or INCH")),
                 }
                 return Ok(Flow::Going);

@@ -1,11 +1,12 @@
 //! Drilling cycles CYCLE81 to CYCLE86, CYCLE840 and the hole patterns HOLES1 and HOLES2.
 //!
 //! # Source
-//! SINUMERIK 840D/840Di/810D programming guide, cycles: order and meaning of the parameters, sequences of motions.
+//! Order and meaning of the parameters and sequences of motions as the programming guide SINUMERIK 840D/840Di/810D, cycles,
+//! describes them, cited from memory (assumption).
 
 use super::Siemens;
 use crate::error::Fault;
-use crate::hole::{Clearance, Exit, Hole, Pecks, stops};
+use crate::hole::{Clearance, Exit, Hole, PECKS, Pecks, stops};
 use crate::kernel::{FeedMode, Kernel, Target};
 
 /// A cycle that every motion calls.
@@ -41,7 +42,7 @@ const THREADS: [(f64, f64); 22] = [
     (52.0, 5.0),
 ];
 
-/// Greatest number of holes of a pattern.
+/// Greatest number of holes of a pattern: a bound against programs without end (assumption).
 const HOLES: f64 = 1e5;
 
 impl Siemens {
@@ -97,16 +98,8 @@ impl Siemens {
             )));
         }
         let reference = surface + clearance;
-        let mut hole = Hole {
-            reference,
-            bottom,
-            level: retract,
-            pecks: None,
-            dwell: 0.0,
-            exit: Exit::Rapid,
-            feed: None,
-            over_reference: false,
-        };
+        let mut hole =
+            Hole { reference, bottom, level: retract, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
         let seconds = |index: usize| given(index).unwrap_or(0.0).max(0.0);
         match name {
             "CYCLE81" => {}
@@ -241,7 +234,7 @@ fn depths(bottom: f64, surface: f64, first: f64, amount: f64, least: f64) -> Res
     let least = if least > 0.0 { least } else { amount };
     let (mut list, mut step, mut reached) = (vec![first.min(depth)], first, first.min(depth));
     while depth - reached > 1e-9 {
-        if list.len() > 100_000 {
+        if list.len() > PECKS {
             return Err(Fault::new("CYCLE83 with too many depths; check DAM"));
         }
         step = (step - amount).max(least);

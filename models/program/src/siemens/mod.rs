@@ -2,7 +2,9 @@
 
 mod block;
 mod cycles;
+mod modes;
 mod parse;
+mod path;
 
 use crate::Dialect;
 use crate::error::Fault;
@@ -10,11 +12,12 @@ use crate::expression::{Expression, Variables};
 use crate::kernel::Kernel;
 use crate::library::Library;
 use crate::motion::EventKind;
-use crate::run::{Flow, Interpreter, Place};
-use block::Modes;
+use crate::run::{Flow, Interpreter, Place, between};
 use cycles::Modal;
-use parse::{Code, Direction, Statement, statements};
+use modes::Modes;
+use parse::{Code, Direction, Item, Statement, statements};
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
 /// Variables: R parameters and names.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +62,7 @@ pub(crate) struct Siemens {
     turret: bool,
 }
 
-/// Depth of subprograms (SINUMERIK 840D programming guide: 11 levels with the main program).
+/// Depth of subprograms below the main program (SINUMERIK 840D: 11 levels with it; cited from memory: assumption).
 const DEPTH: usize = 10;
 
 impl Siemens {
@@ -77,15 +80,9 @@ impl Siemens {
             turret: false,
         };
         own.add(text, String::new());
-        let m6 = |code: &Code| {
-            match code {
-            Code::Block(items) => items.iter().any(|item| {
-                matches!(item, parse::Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0))
-            }),
-            _ => false,
-        }
-        };
-        own.turret = !own.statements.iter().any(|statement| m6(&statement.code));
+        let is_m6 = |item: &Item| matches!(item, Item::Word { address, value, .. } if address == "M" && value.literal() == Some(6.0));
+        let changes = |code: &Code| matches!(code, Code::Block(items) if items.iter().any(is_m6));
+        own.turret = !own.statements.iter().any(|statement| changes(&statement.code));
         own
     }
 
@@ -102,10 +99,7 @@ impl Siemens {
     }
 
     fn value(&self, expression: &Expression) -> Result<f64, Fault> {
-        match expression {
-            Expression::Number(value) => Ok(*value),
-            other => Ok(other.value(&self.store, Dialect::Siemens)?.unwrap_or(0.0)),
-        }
+        Ok(expression.value(&self.store, Dialect::Siemens)?.unwrap_or(0.0))
     }
 
     fn assign(&mut self, target: &Expression, value: f64) -> Result<(), Fault> {
@@ -128,21 +122,21 @@ impl Siemens {
                 self.store.numbered.insert(index.round() as u32, value);
                 Ok(())
             }
-            _ => Err(Fault::new("only a variable takes a value")),
+            Expression::Number(_) | Expression::Negate(_) | Expression::Call(..) | Expression::Binary(..) => {
+                Err(Fault::new("only a variable takes a value"))
+            }
         }
     }
 
     /// Statements of the section in which `pc` stands.
-    fn unit(&self, pc: usize) -> (usize, usize) {
+    fn unit(&self, pc: usize) -> Range<usize> {
         let file = self.statements.get(pc).map_or(0, |statement| statement.file);
-        let boundary = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Section(_));
-        let start = (0..pc).rev().find(|i| boundary(&self.statements[*i])).map_or(0, |i| i + 1);
-        let end = (pc + 1..self.statements.len()).find(|i| boundary(&self.statements[*i]));
-        (start, end.unwrap_or(self.statements.len()))
+        let ends = |statement: &Statement| statement.file != file || matches!(statement.code, Code::Section(_));
+        between(&self.statements, pc, ends)
     }
 
     fn label(&self, name: &str, from: usize, direction: Direction) -> Result<usize, Fault> {
-        let (start, end) = self.unit(from);
+        let Range { start, end } = self.unit(from);
         let number: Option<u32> = name.strip_prefix('N').and_then(|rest| rest.parse().ok());
         let fits = |index: &usize| {
             let statement = &self.statements[*index];
@@ -284,8 +278,8 @@ impl Siemens {
                     _ if *only => start + 1,
                     Some(second) => self.label(second, start - usize::from(start > 0), Direction::Forward)? + 1,
                     None => {
-                        let (_, unit) = self.unit(own);
-                        let found = (start..unit).find(|i| self.statements[*i].label.as_deref() == Some("ENDLABEL"));
+                        let found = (start..self.unit(own).end)
+                            .find(|i| self.statements[*i].label.as_deref() == Some("ENDLABEL"));
                         match found {
                             Some(index) => index + 1,
                             None if start < own => own,
@@ -367,11 +361,9 @@ impl Interpreter for Siemens {
     }
 
     fn place(&self) -> Place {
-        let file = self.statements.get(self.pc.saturating_sub(1)).map_or(0, |statement| statement.file);
-        let subprograms = self.calls.iter().rev().filter(|call| call.end.is_none());
-        Place {
-            file: (file > 0).then(|| self.files[file].clone()),
-            calls: subprograms.map(|call| (call.line, call.count)).collect(),
-        }
+        let file = self.statements.get(self.pc.saturating_sub(1)).map(|statement| statement.file);
+        // Repeats of a part are no calls.
+        let calls = self.calls.iter().rev().filter(|call| call.end.is_none());
+        Place::new(file, &self.files, calls.map(|call| (call.line, call.count)))
     }
 }

@@ -413,7 +413,9 @@ fn link(list: &mut [Statement], own: usize, offset: usize, open: &mut Vec<usize>
         | (Code::EndLoop, Some(Code::Loop))
         | (Code::Until(_), Some(Code::Repeat)) => true,
         (Code::Else | Code::EndIf | Code::EndWhile | Code::EndFor | Code::EndLoop | Code::Until(_), _) => false,
-        _ => return,
+        (Code::Block(_) | Code::Section(_) | Code::Goto(..) | Code::Again(..) | Code::Nothing | Code::Fault(_), _) => {
+            return;
+        }
     };
     match open.pop().filter(|_| fits) {
         Some(begin) => {

@@ -37,6 +37,24 @@ impl Catalogue {
         self.group(group)?.fields.iter().find(|field| field.name == name)
     }
 
+    /// Names of the laws of wear, known while compiling.
+    ///
+    /// # Panics
+    /// Where `N` is not their number.
+    pub(super) const fn law_names<const N: usize>(&self) -> [&'static str; N] {
+        let mut names = [""; N];
+        let (mut index, mut count) = (0, 0);
+        while index < self.groups.len() {
+            if self.groups[index].law {
+                names[count] = self.groups[index].name;
+                count += 1;
+            }
+            index += 1;
+        }
+        assert!(count == N);
+        names
+    }
+
     /// Names of the laws of wear, where sets of the process choose one.
     pub fn laws(&self) -> impl Iterator<Item = &'static str> {
         self.groups.iter().filter(|group| group.law).map(|group| group.name)

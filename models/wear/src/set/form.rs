@@ -2,8 +2,8 @@
 
 use super::material::{ISO_513, MATERIAL_GROUPS};
 use serde_json::{Map, Value, json};
-use toolroom_form::{Content, Form, Key, Kind, Quantity};
-use toolroom_process::{Field, Record};
+use toolroom_form::{Content, Form, Key, Kind};
+use toolroom_process::Field;
 
 /// A parameter set: constants of one tool in one work material, each with its source.
 pub static PARAMETER_SET: Form = Form {
@@ -23,21 +23,17 @@ pub static PARAMETER_SET: Form = Form {
             Kind::Text,
             "Shipped set or path of a file that gives every value that this file leaves out",
         ),
-        Key::optional("law", Kind::Choice(LAWS), "Wear law; left out, the one whose group is given"),
+        Key::optional("law", Kind::Choice(&LAWS), "Wear law; left out, the one whose group is given"),
         Key::optional("material", Kind::Table(&MATERIAL), "Work material, for what nothing else gives"),
         Key::optional("handbook", Kind::Table(&HANDBOOK), "Constants as handbooks and tests give them"),
         Key::optional("parameters", Kind::Content(&PARAMETERS), "Values by group, each with its source"),
         Key::optional("prior", Kind::Content(&PRIOR), "How well values are known, for a calibration"),
-        Key::optional(
-            "scatter",
-            Kind::Fields { word: &Kind::Choice(&["shop", "lab", "none"]), fields: crate::Scatter::<f64>::FIELDS },
-            "Scatter of tools of this set that state none",
-        ),
+        Key::optional("scatter", crate::Scatter::<f64>::KIND, "Scatter of tools of this set that state none"),
     ],
 };
 
-/// The words of the wear laws.
-const LAWS: &[&str] = &["energy_balance", "extended_taylor", "takeyama_murata", "usui"];
+/// The words of the wear laws, of which turning alone has several.
+static LAWS: [&str; 4] = crate::TURNING_SETS.law_names();
 
 static MATERIAL: Form = Form {
     title: "material",
@@ -123,17 +119,13 @@ pub(super) static ONE_LIFE: Form = Form {
     ],
 };
 
-const fn quantity(unit: &'static str, display: &'static str, range: (f64, f64), example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: range.0, max: range.1, above: false, example })
-}
-
-const SPEED: Kind = quantity("m/s", "m/min", (1e-3, 500.0), "420 m/min");
-const TIME: Kind = quantity("s", "min", (1.0, 1e7), "15 min");
-const LENGTH: Kind = quantity("m", "mm", (1e-6, 20e-3), "0.3 mm");
-const STRESS: Kind = quantity("Pa", "N/mm2", (1e7, 2e10), "1700 N/mm2");
-const ANGLE: Kind = quantity("rad", "deg", (-0.6, 2.0), "45 deg");
-const RATIO: Kind = quantity("1", "1", (0.01, 1.0), "0.25");
-const RATIO_OR_ZERO: Kind = quantity("1", "1", (0.0, 5.0), "0.2");
+const SPEED: Kind = Kind::quantity("m/s", "m/min", 1e-3, 500.0, "420 m/min");
+const TIME: Kind = Kind::quantity("s", "min", 1.0, 1e7, "15 min");
+const LENGTH: Kind = Kind::quantity("m", "mm", 1e-6, 20e-3, "0.3 mm");
+const STRESS: Kind = Kind::quantity("Pa", "N/mm2", 1e7, 2e10, "1700 N/mm2");
+const ANGLE: Kind = Kind::quantity("rad", "deg", -0.6, 2.0, "45 deg");
+const RATIO: Kind = Kind::quantity("1", "1", 0.01, 1.0, "0.25");
+const RATIO_OR_ZERO: Kind = Kind::quantity("1", "1", 0.0, 5.0, "0.2");
 
 /// A parameter with its source, as files write it.
 fn entry(of: &Field) -> Value {

@@ -144,9 +144,9 @@ pub struct FittedLives {
 
 /// What stands where lives do not vary feed or depth, q and r (assumption: middle of handbook values
 /// for carbide).
-pub(super) const ASSUMED_EXPONENTS: [f64; 2] = [1.5, 0.75];
+pub const ASSUMED_EXPONENTS: [f64; 2] = [1.5, 0.75];
 /// Standard deviations of those two (assumption).
-pub(super) const ASSUMED_DEVIATIONS: [f64; 2] = [0.6, 0.3];
+pub const ASSUMED_DEVIATIONS: [f64; 2] = [0.6, 0.3];
 
 /// Smallest spread of the logarithm of a speed, feed or depth that counts as varied.
 const VARIED: f64 = 0.01;

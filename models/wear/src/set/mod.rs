@@ -9,23 +9,31 @@
 //! the file is based on. A set is called by the name of a shipped set or by the path of a file.
 
 mod catalogue;
+mod diffusion;
+mod fault;
 mod first;
 mod form;
 mod handbook;
 mod material;
 mod one_life;
+mod prior;
 mod read;
+mod scatter;
 mod sources;
 mod write;
 
 pub use catalogue::{Catalogue, Group};
 pub use first::{FirstSet, KnownLife, KnownLifeError};
 pub use form::PARAMETER_SET;
-pub use handbook::{FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife};
+pub use handbook::{
+    ASSUMED_DEVIATIONS, ASSUMED_EXPONENTS, FittedLives, HandbookTaylor, Kienzle, ReferenceLife, TestedLife,
+};
 pub use material::{FORCE_DEVIATION, ISO_513, MATERIAL_GROUPS, MaterialGroup};
 pub use one_life::{
     ABOUT, Band, EDGE_SCATTER, EDGE_SCATTER_DEVIATION, OneLife, SPEED_EXPONENT_DEVIATION, ToolMaterial,
 };
+pub use prior::{EDGE_SCATTER_NAME, READING_NOISE_NAME};
+pub use scatter::ScatterWord;
 
 use crate::Scatter;
 use std::collections::BTreeMap;
@@ -80,8 +88,7 @@ impl ParameterValue {
 
     /// The value in its display unit.
     pub fn shown(&self) -> String {
-        let Field { unit, display: shown, min, max, .. } = *self.field;
-        display(&Quantity { unit, display: shown, min, max, above: false, example: "" }, self.value)
+        display(&Quantity::of(self.field), self.value)
     }
 }
 

@@ -1,93 +1,17 @@
 //! Reading a parameter set: its values, those of the set that it is based on, and the law.
 
+use super::fault::{LONGEST_CHAIN, SetFault};
 use super::form::PARAMETER_SET;
-use super::{Catalogue, Origin, ParameterSet, ParameterValue, Spread, sources};
+use super::prior::priors;
+use super::{Catalogue, Origin, ParameterSet, ParameterValue, diffusion, sources};
 use crate::Scatter;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
-use toolroom_form::{ContentFault, Fault, Quantity, ReadError, Section, Value, Walk, nearest, parse, set_record};
+use toolroom_form::{Fault, Quantity, ReadError, Section, Value, Walk, nearest, parse};
+use toolroom_process::Field;
 use toolroom_process::parameters::place;
-use toolroom_process::{Field, ModelError, Record};
-
-/// Most steps in a chain of `based_on`.
-const LONGEST_CHAIN: usize = 4;
-
-/// A fault of a parameter set that only its reader knows.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum SetFault {
-    #[error("the set on which this one is based: {0}")]
-    Base(String),
-    #[error("`based_on` leads back to {0}")]
-    Cycle(String),
-    #[error("a chain of more than {LONGEST_CHAIN} sets, each based on the next")]
-    Chain,
-    #[error("{given} wear laws are given ({laws}), and `law` is left out")]
-    Laws { given: usize, laws: String },
-    #[error("no wear law: {0}")]
-    NoLaw(String),
-    #[error("law = \"{law}\", but nothing gives [parameters.{law}]")]
-    LawWithoutGroup { law: &'static str },
-    #[error("process = \"{read}\", where a set for {due} is due")]
-    Process { read: String, due: &'static str },
-    #[error("two sources for {key}: line {first} and line {second}")]
-    TwoSources { key: String, first: usize, second: usize },
-    #[error("{first} ({first_value}, line {first_line}) and {second} ({second_value}, line {second_line}) differ")]
-    WearLimits {
-        first: String,
-        first_value: String,
-        first_line: usize,
-        second: String,
-        second_value: String,
-        second_line: usize,
-    },
-    #[error("{0}")]
-    Implausible(String),
-    #[error("prior of `{key}`: {reason}")]
-    Prior { key: String, reason: &'static str },
-    #[error("[parameters.{group}] lacks {names}")]
-    Missing { group: &'static str, names: String },
-    #[error("{0}")]
-    Model(ModelError),
-}
-
-impl ContentFault for SetFault {
-    fn code(&self) -> &'static str {
-        "parameter-set"
-    }
-
-    fn fix(&self) -> Option<String> {
-        Some(match self {
-            Self::Laws { laws, .. } => format!("add `law = \"…\"` with one of {laws}"),
-            Self::LawWithoutGroup { law } => {
-                format!("add [parameters.{law}], or handbook constants that give it, or leave `law` out")
-            }
-            Self::TwoSources { .. } => "keep one of them".to_owned(),
-            Self::WearLimits { .. } => {
-                "a life belongs to one wear limit: state the same one, or the life at the other".to_owned()
-            }
-            Self::Missing { .. } => {
-                "state the values with their sources, or add `based_on` with a set that has them".to_owned()
-            }
-            Self::Prior { .. } => "write for example \"extended_taylor.speed_exponent\" = { factor = 1.35 }".to_owned(),
-            Self::Base(_)
-            | Self::Cycle(_)
-            | Self::Chain
-            | Self::NoLaw(_)
-            | Self::Process { .. }
-            | Self::Implausible(_)
-            | Self::Model(_) => return None,
-        })
-    }
-}
-
-impl From<SetFault> for Fault {
-    fn from(fault: SetFault) -> Self {
-        Self::Content(Arc::new(fault))
-    }
-}
 
 /// A value with its place in the file.
 #[derive(Clone, Debug)]
@@ -167,7 +91,7 @@ fn set(
     };
     let law = law(walk, root, catalogue, &named, &converted, base.as_ref())?;
     if let Some(law) = law {
-        diffusion_at_infinity(walk, law, root, &mut values, base.as_ref());
+        diffusion::at_reference(walk, law, root, &mut values, base.as_ref());
     }
     wear_limits(walk, &values, &converted, &line);
     // The force of a material group stands where nothing else gives a force.
@@ -224,7 +148,9 @@ fn set(
     let mut prior = inherited_prior;
     prior.extend(converted.prior);
     prior.extend(priors(walk, root, catalogue));
-    let scatter = scatter(walk, root).or(converted.scatter).or(base.as_ref().and_then(|base| base.scatter));
+    let scatter = Scatter::of_section(walk, root, "[scatter]")
+        .or(converted.scatter)
+        .or(base.as_ref().and_then(|base| base.scatter));
     let mut notes = converted.notes;
     notes.extend(base.iter().flat_map(|base| base.notes.clone()));
     Some(ParameterSet {
@@ -319,7 +245,7 @@ fn given(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Catalogue) -> 
             continue;
         };
         for (name, entry) in entries {
-            let known = || group.fields.iter().chain(legacy(group.name));
+            let known = || group.fields.iter().chain(diffusion::legacy(group.name));
             let Some(field) = known().find(|field| field.name == &**name.get_ref()) else {
                 let fault = Fault::UnknownKey {
                     section: format!("[parameters.{}]", group.name),
@@ -370,69 +296,10 @@ fn valued(walk: &mut Walk, field: &'static Field, table: &DeTable<'_>, span: Ran
         walk.wrong_type("source", source.get_ref(), "a line for people", source.span(), "\"assumption\"".to_owned());
         return None;
     };
-    let Field { unit, display, min, max, .. } = *field;
-    let quantity = Quantity { unit, display, min, max, above: false, example: "" };
-    match walk.quantity(field.name, &quantity, value) {
+    match walk.quantity(field.name, &Quantity::of(field), value) {
         Value::Si(value) => Some((value, text.to_owned())),
         _ => None,
     }
-}
-
-toolroom_process::record! {
-    /// The coefficient of diffusion as classic files of Takeyama and Murata's law state it.
-    pub struct ClassicDiffusion {
-        /// Diffusion wear rate at infinite temperature, D.
-        diffusion_wear: Real["m/s" => "um/min"] = 100.0, 0.0..=1e15;
-    }
-}
-
-/// Parameters that a file may give in place of present ones.
-fn legacy(group: &str) -> &'static [Field] {
-    if group == "takeyama_murata" { ClassicDiffusion::<f64>::FIELDS } else { &[] }
-}
-
-/// Brings diffusion stated at infinite temperature to the reference temperature.
-fn diffusion_at_infinity(
-    walk: &mut Walk,
-    law: &'static str,
-    root: &Section<'_>,
-    values: &mut Values,
-    base: Option<&ParameterSet>,
-) {
-    let group = "takeyama_murata";
-    let Some(classic) = values.remove(&(group, "diffusion_wear")) else { return };
-    if law != group {
-        return;
-    }
-    let key = (group, "diffusion_wear_at_reference");
-    if values.contains_key(&key) {
-        let rule = "one of the two states the diffusion";
-        let fault = Fault::Beside { key: "diffusion_wear", beside: "diffusion_wear_at_reference", rule };
-        walk.fault(classic.span, fault);
-        return;
-    }
-    let defaults = crate::TakeyamaMurata::default();
-    let value = |name: &'static str, default: f64| {
-        let inherited = base.and_then(|base| base.value(group, name)).map(|value| value.value);
-        values.get(&(group, name)).map(|placed| placed.value).or(inherited).unwrap_or(default)
-    };
-    let temperature = value("reference_temperature", defaults.reference_temperature);
-    let energy = value("activation_energy", f64::NAN);
-    let gas = value("gas_constant", defaults.gas_constant);
-    let at_reference = classic.value * (-energy / (gas * temperature)).exp();
-    let field = crate::TakeyamaMurata::<f64>::FIELDS.iter().find(|field| field.name == key.1);
-    if let Some(Err(reason)) = field.filter(|_| energy.is_finite()).map(|field| field.check(at_reference)) {
-        walk.fault(classic.span, Fault::Model { subject: root.path.clone(), reason });
-        return;
-    }
-    let source = format!("{}; brought to {temperature} K", classic.source);
-    values.insert(key, Placed { value: at_reference, source, ..classic.clone() });
-    values.entry((group, "reference_temperature")).or_insert(Placed {
-        value: temperature,
-        source: "assumption: where the classic coefficient is stated again".to_owned(),
-        origin: Origin::Assumed,
-        span: classic.span,
-    });
 }
 
 /// The wear law of the set; `None` inside where sets of the process choose none.
@@ -504,71 +371,4 @@ fn wear_limits(
         };
         walk.fault(stated.span.clone(), fault);
     }
-}
-
-fn priors(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Catalogue) -> BTreeMap<String, Spread> {
-    let mut priors = BTreeMap::new();
-    let Some(Value::Raw(raw)) = root.got("prior").map(|got| &got.value) else { return priors };
-    let example = "[prior]";
-    let DeValue::Table(table) = raw else {
-        walk.wrong_type("prior", raw, "a table", root.span_of("prior"), example.to_owned());
-        return priors;
-    };
-    for (name, entry) in table {
-        let key = name.get_ref().to_string();
-        let known = key.split_once('.').and_then(|(group, name)| catalogue.field(group, name));
-        if known.is_none() && !PRIORS_BESIDE.contains(&key.as_str()) {
-            let every = catalogue
-                .groups
-                .iter()
-                .flat_map(|group| group.fields.iter().map(|field| format!("{}.{}", group.name, field.name)));
-            let every: Vec<String> = every.collect();
-            let fault = Fault::UnknownName {
-                kind: "parameter",
-                nearest: nearest(&key, every.iter().map(String::as_str)).map(str::to_owned),
-                name: key,
-                known: "group.name of every parameter of the set".to_owned(),
-            };
-            walk.fault(name.span(), fault);
-            continue;
-        }
-        let mut refuse = |reason| walk.fault(entry.span(), SetFault::Prior { key: key.clone(), reason });
-        let number = |value: &DeValue<'_>| match value {
-            DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
-            DeValue::Integer(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
-            _ => None,
-        };
-        let one = match entry.get_ref() {
-            DeValue::Table(table) if table.len() == 1 => table.iter().next(),
-            _ => None,
-        };
-        let spread = one.map(|(word, value)| (word.get_ref().to_string(), number(value.get_ref())));
-        match spread.as_ref().map(|(word, value)| (word.as_str(), *value)) {
-            Some(("factor", Some(factor))) if factor > 1.0 && factor.is_finite() => {
-                priors.insert(key, Spread::Factor(factor));
-            }
-            Some(("deviation", Some(deviation))) if deviation > 0.0 && deviation.is_finite() => {
-                priors.insert(key, Spread::Deviation(deviation));
-            }
-            Some(("factor", _)) => refuse("a factor is a number above 1"),
-            Some(("deviation", _)) => refuse("a deviation is a number above 0"),
-            _ => refuse("a table with `factor` or `deviation` is due"),
-        }
-    }
-    priors
-}
-
-/// Quantities of a calibration that are no parameters of a group.
-const PRIORS_BESIDE: [&str; 2] = ["edge_scatter", "reading_noise"];
-
-fn scatter(walk: &mut Walk, root: &Section<'_>) -> Option<Scatter> {
-    let mut scatter = match root.text("scatter") {
-        Some("none") => Scatter::none(),
-        Some("lab") => Scatter::lab(),
-        _ => Scatter::shop(),
-    };
-    if let Some(Value::Raw(DeValue::Table(table))) = root.got("scatter").map(|got| &got.value) {
-        set_record(walk, "[scatter]", table, &mut scatter);
-    }
-    root.given("scatter").then_some(scatter)
 }

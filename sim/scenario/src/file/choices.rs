@@ -81,19 +81,6 @@ vocabulary! {
 }
 
 vocabulary! {
-    /// Scatter of edges, workpieces and wear.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(super) enum ScatterWord {
-        /// All edges and workpieces alike.
-        None = "none",
-        /// That of a laboratory.
-        Lab = "lab",
-        /// That of a shop.
-        Shop = "shop",
-    }
-}
-
-vocabulary! {
     /// When jobs come.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum PatternWord {

@@ -5,48 +5,40 @@ mod policy;
 pub use policy::SENSORS;
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
-use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, Quantity, field, schema};
+use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
-use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind, ScatterWord};
+use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
-use toolroom_wear::Scatter;
-
-const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
-}
-
-pub(super) const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
-}
+use toolroom_wear::{Scatter, ScatterWord};
 
 /// The case of a machine or operation without a process.
 const PLAIN: &[&str] = &[MachineType::PLAIN];
 
 /// Ten years, s: longer times are slips of the unit.
 const DECADE: f64 = 10.0 * 365.0 * 86400.0;
-const TIME: Kind = quantity("s", "min", 0.0, DECADE, "1.5 min");
-const DURATION: Kind = positive("s", "min", DECADE, "1.5 min");
-const LONG_DURATION: Kind = positive("s", "h", DECADE, "8 h");
-const COST: Kind = quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
-const RATE: Kind = quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
+const TIME: Kind = Kind::quantity("s", "min", 0.0, DECADE, "1.5 min");
+const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
+const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
+const COST: Kind = Kind::quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
+const RATE: Kind = Kind::quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
 /// A cutting speed that a cut is commanded: what the models of cutting take, in milling as in turning.
-pub(super) const SPEED: Kind = positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
+pub(super) const SPEED: Kind = Kind::positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
 /// What a spindle is able to; above 6000 m/min nothing is cut.
-const SPINDLE: Kind = positive("m/s", "m/min", 100.0, "60 m/min");
-const FEED: Kind = positive("m", "mm", 20e-3, "0.12 mm/rev");
-const FEED_PER_TOOTH: Kind = positive("m", "mm", 5e-3, "0.1 mm/tooth");
-const DEPTH: Kind = positive("m", "mm", 0.1, "0.75 mm");
-const LENGTH: Kind = positive("m", "mm", 1e4, "250 mm");
-pub(super) const PATH: Kind = positive("m", "m", 1e6, "75 m");
-pub(super) const WEAR: Kind = positive("m", "mm", 5e-3, "0.3 mm");
-const SHARE: Kind = quantity("1", "1", 0.0, 1.0, "0.5");
-const DEVIATION: Kind = quantity("1", "1", 0.0, 0.5, "2 %");
-const BIAS: Kind = quantity("1", "1", -0.9, 10.0, "0.05");
+const SPINDLE: Kind = Kind::positive("m/s", "m/min", 100.0, "60 m/min");
+const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
+const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
+const DEPTH: Kind = Kind::positive("m", "mm", 0.1, "0.75 mm");
+const LENGTH: Kind = Kind::positive("m", "mm", 1e4, "250 mm");
+pub(super) const PATH: Kind = Kind::positive("m", "m", 1e6, "75 m");
+pub(super) const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.3 mm");
+const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
+const DEVIATION: Kind = Kind::quantity("1", "1", 0.0, 0.5, "2 %");
+const BIAS: Kind = Kind::quantity("1", "1", -0.9, 10.0, "0.05");
 
 /// What may become of a part in a machine that breaks down: nobody can finish it first.
 const AFTER_FAILURE: &[&str] = &[Interruption::Resume.word(), Interruption::Repeat.word(), Interruption::Scrap.word()];
@@ -59,10 +51,10 @@ pub(super) static DISTRIBUTION: Form = Form {
         Key::required("distribution", Kind::Choice(FamilyWord::WORDS), "Family"),
         Key::required("mean", DURATION, "Mean; of `normal` that of the whole distribution, before it is cut off")
             .when("distribution", &["constant", "exponential", "erlang", "gamma", "lognormal", "weibull", "normal"]),
-        Key::required("cv", positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
+        Key::required("cv", Kind::positive("1", "1", 10.0, "0.3"), "Standard deviation over mean")
             .when("distribution", &["gamma", "lognormal"]),
         Key::required("k", Kind::Count { min: 1, max: 10_000 }, "Number of phases").when("distribution", &["erlang"]),
-        Key::required("shape", quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
+        Key::required("shape", Kind::quantity("1", "1", 0.2, 50.0, "1.5"), "Weibull shape")
             .when("distribution", &["weibull"]),
         Key::required("sd", DURATION, "Standard deviation of the whole distribution").when("distribution", &["normal"]),
         Key::required("low", TIME, "Least")
@@ -81,7 +73,7 @@ pub(super) static DISTRIBUTION: Form = Form {
 };
 
 /// How often a value occurs against others.
-const WEIGHT: Kind = quantity("1", "1", 0.0, 1e9, "0.3");
+const WEIGHT: Kind = Kind::quantity("1", "1", 0.0, 1e9, "0.3");
 
 const RANDOM_TIME: Kind = Kind::Shorthand { word: &TIME, form: &DISTRIBUTION };
 
@@ -173,7 +165,12 @@ static MACHINE: Form = Form {
         Key::default("refill_time", TIME, "0 min", "Refilling the magazine"),
         Key::required("speed_range", Kind::List(&SPINDLE), "Least and greatest cutting speed of spindle and program")
             .when("process", ProcessKind::CUTTING),
-        Key::default("idle_power", quantity("W", "kW", 0.0, 1e6, "1.5 kW"), "0 kW", "Power of the spindle without cut"),
+        Key::default(
+            "idle_power",
+            Kind::quantity("W", "kW", 0.0, 1e6, "1.5 kW"),
+            "0 kW",
+            "Power of the spindle without cut",
+        ),
         Key::optional(
             "coolant_change",
             TIME,
@@ -217,7 +214,7 @@ static TOOL: Form = Form {
         Key::default("dressing_time", TIME, "1.5 min", "Dressing the wheel").when("process", &["infeed"]),
         Key::default(
             "scatter",
-            Kind::Fields { word: &Kind::Choice(ScatterWord::WORDS), fields: Scatter::<f64>::FIELDS },
+            Scatter::<f64>::KIND,
             ScatterWord::Shop.word(),
             "Scatter of edges, workpieces and wear; a table changes single values of the shop's",
         ),
@@ -290,11 +287,11 @@ static OPERATION: Form = Form {
             "Fixture and program family; a change of it costs a setup; left out: the part's name",
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
-        Key::required("size_tolerance", positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
+        Key::required("size_tolerance", Kind::positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
             .when("process", ProcessKind::WORDS),
         Key::optional(
             "roughness_limit",
-            positive("m", "um", 1e-3, "3.2 um"),
+            Kind::positive("m", "um", 1e-3, "3.2 um"),
             "Greatest roughness Ra of a good part after the last pass; left out: not looked at",
         )
         .when("process", ProcessKind::CUTTING),
@@ -338,7 +335,7 @@ static OPERATION: Form = Form {
             "Regime that is programmed, where the policy has none of its own; left out: handbook_one_feed",
         )
         .when("process", ProcessKind::PER_TOOTH),
-        Key::optional("work_rotation_speed", positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
+        Key::optional("work_rotation_speed", Kind::positive("rad/s", "rpm", 1000.0, "292 rpm"), "Rotation of the work")
             .when("process", &["infeed"]),
         Key::optional("phase", Kind::Tables(&PHASE), "Infeed phases in order; spark-out is a phase of infeed zero")
             .when("process", &["infeed"]),
@@ -384,7 +381,7 @@ static PHASE: Form = Form {
     keys: &[
         Key::required(
             "infeed_per_rev",
-            quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"),
+            Kind::quantity("m", "um", 0.0, 1e-3, "4.4 um/rev"),
             "Infeed per revolution of the work",
         ),
         Key::required("revolutions", Kind::Count { min: 1, max: 100_000 }, "Whole revolutions"),
@@ -397,7 +394,8 @@ static ARRIVALS: Form = Form {
     keys: &[
         Key::required("part", Kind::Reference("part"), "Part"),
         Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
-        Key::required("rate", positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time").when("pattern", &["poisson"]),
+        Key::required("rate", Kind::positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time")
+            .when("pattern", &["poisson"]),
         Key::required("time_between", RANDOM_TIME, "Time between jobs, and to the first of them")
             .when("pattern", &["renewal"]),
         Key::required("interval", LONG_DURATION, "Time between lots, the first at time zero")
@@ -413,7 +411,7 @@ static LOT: Form = Form {
     title: "[[arrivals.lot]]",
     doc: "Jobs that come together",
     keys: &[
-        Key::required("time", quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
+        Key::required("time", Kind::quantity("s", "h", 0.0, DECADE, "6 h"), "When"),
         Key::default("size", Kind::Count { min: 1, max: 1_000_000 }, "1", "How many"),
     ],
 };
@@ -524,7 +522,7 @@ fn effect(of: Effect) -> Value {
 }
 
 /// Standard deviation of a logarithm, or relative.
-const SPREAD: Kind = quantity("1", "1", 0.0, 10.0, "0.08");
+const SPREAD: Kind = Kind::quantity("1", "1", 0.0, 10.0, "0.08");
 
 /// Priors and sensors of a gap diagnosis.
 pub static GAP: Form = Form {

@@ -10,8 +10,7 @@ use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk
 use toolroom_process::{Record, unit};
 
 const NAMES: Kind = Kind::List(&Kind::Name);
-const FACTOR: Kind =
-    Kind::Quantity(Quantity { unit: "1", display: "1", min: 0.0, max: 1e6, above: true, example: "1.04" });
+const FACTOR: Kind = Kind::positive("1", "1", 1e6, "1.04");
 
 /// The operations on which something acts.
 pub(super) static SCOPE: Form = Form {
@@ -79,12 +78,12 @@ pub(super) static SHOP_DEVIATION: Form = Form {
         Key::optional("shift", Kind::Name, "The same as scope = { shift = \"S1\" }"),
         Key::optional(
             "share",
-            Kind::Quantity(Quantity { unit: "1", display: "1", min: 0.0, max: 1.0, above: false, example: "0.05" }),
+            Kind::quantity("1", "1", 0.0, 1.0, "0.05"),
             "Share of the operations that are held (feed_hold)",
         ),
         Key::optional(
             "recorded",
-            Kind::Quantity(Quantity { unit: "1", display: "1", min: -1.0, max: 10.0, above: false, example: "0.05" }),
+            Kind::quantity("1", "1", -1.0, 10.0, "0.05"),
             "Mean share that recorded overrides add to the time in cut, of which the size takes its part (feed_override)",
         ),
     ],

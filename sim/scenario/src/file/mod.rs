@@ -33,7 +33,6 @@ pub(crate) use choices::tests::speed_rules;
 pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
-pub use processes::scatter;
 pub use rules::{gap as gap_section, sensors};
 
 use super::{GapSection, Scenario};

@@ -1,16 +1,15 @@
 //! Tools: parameter sets, deviations from them, effects, scatter.
 
-use super::choices::{ProcessKind, ScatterWord};
+use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
 use crate::{ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
-use toml::de::DeValue;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
 use toolroom_effects::Effects;
-use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters, set_record};
+use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters};
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
@@ -178,27 +177,14 @@ pub(super) fn refuse(walk: &mut Walk, section: &Section<'_>, key: &str, reason: 
     walk.fault(section.span_of(key), ScenarioFault::ParameterSet { name, reason: reason.to_string() });
 }
 
-/// The key `scatter` of a tool: left out, the scatter of its parameter set where that states one.
+/// The key `scatter` of a tool; left out, the scatter of its parameter set where that states one, else the shop's.
 pub(super) fn tool_scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
+    if let Some(stated) = Scatter::of_section(walk, tool, &format!("{}, scatter", tool.path)) {
+        return stated;
+    }
     let process = tool.chosen("process", ProcessKind::from_word);
     let catalogues = [(ProcessKind::Turning, &TURNING_SETS), (ProcessKind::Milling, &MILLING_CATALOGUE)];
     let catalogue = catalogues.into_iter().find(|(kind, _)| process == Some(*kind)).map(|(_, catalogue)| catalogue);
     let of_set = |reference| ParameterSet::load(reference, &walk.folder, catalogue?).ok()?.scatter;
-    let stated = if tool.given("scatter") { None } else { tool.text("parameter_set").and_then(of_set) };
-    stated.unwrap_or_else(|| scatter(walk, tool))
-}
-
-/// The key `scatter` of a section: `scatter = "lab"`, or a table of deviations from the shop's
-/// scatter.
-pub fn scatter(walk: &mut Walk, tool: &Section<'_>) -> Scatter {
-    let mut scatter = match tool.chosen("scatter", ScatterWord::from_word) {
-        Some(ScatterWord::None) => Scatter::none(),
-        Some(ScatterWord::Lab) => Scatter::lab(),
-        // A table changes values of the shop's; else a problem was noted.
-        Some(ScatterWord::Shop) | None => Scatter::shop(),
-    };
-    if let Some(Value::Raw(DeValue::Table(table))) = tool.got("scatter").map(|got| &got.value) {
-        set_record(walk, &format!("{}, scatter", tool.path), table, &mut scatter);
-    }
-    scatter
+    tool.text("parameter_set").and_then(of_set).unwrap_or_else(Scatter::shop)
 }

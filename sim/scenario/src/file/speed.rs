@@ -1,7 +1,7 @@
 //! How a file chooses the cutting speed: the words, the keys of their numbers, their reader.
 
 use super::choices::ProcessKind;
-use super::keys::{PATH, SPEED, WEAR, positive};
+use super::keys::{PATH, SPEED, WEAR};
 use crate::{MachineType, SpeedChoice, SpeedRule};
 use toolroom_form::{Fault, Key, Kind, Section, Walk, significant, vocabulary};
 
@@ -44,8 +44,12 @@ pub(super) const KEYS: &[Key] = &[
     Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
     Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
     Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
-    Key::optional("price", positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges; left out: the rate optimum")
-        .when("speed", &["productivity"]),
+    Key::optional(
+        "price",
+        Kind::positive("s/m", "s/m", 1e5, "2.4 s/m"),
+        "Shadow price of edges; left out: the rate optimum",
+    )
+    .when("speed", &["productivity"]),
 ];
 
 pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {

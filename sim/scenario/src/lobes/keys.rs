@@ -1,31 +1,23 @@
 //! The sections of a lobes file.
 
 use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
-use toolroom_form::{Form, Key, Kind, Quantity};
+use toolroom_form::{Form, Key, Kind};
 
-const fn quantity(unit: &'static str, display: &'static str, min: f64, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min, max, above: false, example })
-}
-
-const fn positive(unit: &'static str, display: &'static str, max: f64, example: &'static str) -> Kind {
-    Kind::Quantity(Quantity { unit, display, min: 0.0, max, above: true, example })
-}
-
-const FREQUENCY: Kind = positive("Hz", "Hz", 1e6, "922 Hz");
+const FREQUENCY: Kind = Kind::positive("Hz", "Hz", 1e6, "922 Hz");
 /// A mode with a damping ratio of one does not vibrate.
-const DAMPING_RATIO: Kind = positive("1", "1", 0.999, "0.011");
-const MASS: Kind = positive("kg", "kg", 1e6, "0.04 kg");
-const STIFFNESS: Kind = positive("N/m", "N/um", 1e12, "1.34 N/um");
-const PRESSURE: Kind = positive("Pa", "MPa", 1e12, "600 MPa");
-const INDENTATION: Kind = quantity("N/m", "N/m", 0.0, 1e9, "6e5 N/m");
-const LENGTH: Kind = positive("m", "mm", 100.0, "20 mm");
-const ANGLE: Kind = quantity("rad", "deg", -6.3, 6.3, "30 deg");
-const DEPTH: Kind = quantity("m", "mm", 0.0, 1.0, "0.5 mm");
-const SPEED: Kind = positive("rad/s", "rpm", 1e5, "5000 rpm");
-const LAG: Kind = quantity("s", "s", 0.0, 1.0, "0.4e-4 s");
-const SPEED_RATIO: Kind = positive("1", "1", 100.0, "1");
-const CUTTING_STIFFNESS: Kind = quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
-const MODULATION: Kind = quantity("1", "1", 0.0, 10.0, "0.3");
+const DAMPING_RATIO: Kind = Kind::positive("1", "1", 0.999, "0.011");
+const MASS: Kind = Kind::positive("kg", "kg", 1e6, "0.04 kg");
+const STIFFNESS: Kind = Kind::positive("N/m", "N/um", 1e12, "1.34 N/um");
+const PRESSURE: Kind = Kind::positive("Pa", "MPa", 1e12, "600 MPa");
+const INDENTATION: Kind = Kind::quantity("N/m", "N/m", 0.0, 1e9, "6e5 N/m");
+const LENGTH: Kind = Kind::positive("m", "mm", 100.0, "20 mm");
+const ANGLE: Kind = Kind::quantity("rad", "deg", -6.3, 6.3, "30 deg");
+const DEPTH: Kind = Kind::quantity("m", "mm", 0.0, 1.0, "0.5 mm");
+const SPEED: Kind = Kind::positive("rad/s", "rpm", 1e5, "5000 rpm");
+const LAG: Kind = Kind::quantity("s", "s", 0.0, 1.0, "0.4e-4 s");
+const SPEED_RATIO: Kind = Kind::positive("1", "1", 100.0, "1");
+const CUTTING_STIFFNESS: Kind = Kind::quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
+const MODULATION: Kind = Kind::quantity("1", "1", 0.0, 10.0, "0.3");
 
 const MILLING: &[&str] = &[LobesProcess::Milling.word()];
 const TURNING: &[&str] = &[LobesProcess::Turning.word()];
@@ -74,7 +66,7 @@ static MODE: Form = Form {
         Key::optional("name", Kind::Name, "Name, for --set mode.NAME.stiffness=…"),
         Key::required(
             "direction",
-            Kind::List(&quantity("1", "1", -1e6, 1e6, "1")),
+            Kind::List(&Kind::quantity("1", "1", -1e6, 1e6, "1")),
             "Two components: (feed, normal to it) in milling, (chip thickness, cutting speed) in turning",
         ),
         Key::required("natural_frequency", FREQUENCY, "Undamped natural frequency"),
@@ -90,13 +82,13 @@ static CUTTER: Form = Form {
     keys: &[
         Key::required("teeth", Kind::Count { min: 1, max: 200 }, "Number of teeth"),
         Key::required("diameter", LENGTH, "Diameter"),
-        Key::default("helix_angle", quantity("rad", "deg", 0.0, 1.5, "30 deg"), "0 deg", "Helix angle"),
+        Key::default("helix_angle", Kind::quantity("rad", "deg", 0.0, 1.5, "30 deg"), "0 deg", "Helix angle"),
         Key::optional(
             "pitch",
-            Kind::List(&positive("rad", "deg", 6.3, "90 deg")),
+            Kind::List(&Kind::positive("rad", "deg", 6.3, "90 deg")),
             "Angle from each tooth to the one that cut before it; left out: equal",
         ),
-        Key::default("runout", quantity("m", "um", 0.0, 1e-2, "10 um"), "0 um", "Offset of the cutter's axis"),
+        Key::default("runout", Kind::quantity("m", "um", 0.0, 1e-2, "10 um"), "0 um", "Offset of the cutter's axis"),
         Key::default("runout_angle", ANGLE, "0 deg", "Angle from the first tooth to the offset"),
     ],
 };
@@ -105,7 +97,11 @@ static ENGAGEMENT: Form = Form {
     title: "[engagement]",
     doc: "How the cutter meets the work",
     keys: &[
-        Key::required("immersion", positive("1", "1", 1.0, "0.5"), "Radial width of cut over diameter; a slot is 1"),
+        Key::required(
+            "immersion",
+            Kind::positive("1", "1", 1.0, "0.5"),
+            "Radial width of cut over diameter; a slot is 1",
+        ),
         Key::required("direction", Kind::Choice(DirectionWord::WORDS), "Conventional (up) or climb (down) milling"),
     ],
 };
@@ -115,11 +111,15 @@ static FORCE: Form = Form {
     doc: "Linear cutting force on a tooth",
     keys: &[
         Key::required("tangential", PRESSURE, "Tangential cutting-force coefficient"),
-        Key::required("radial", quantity("Pa", "MPa", -1e12, 1e12, "200 MPa"), "Radial cutting-force coefficient"),
+        Key::required(
+            "radial",
+            Kind::quantity("Pa", "MPa", -1e12, 1e12, "200 MPa"),
+            "Radial cutting-force coefficient",
+        ),
         Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
         Key::default(
             "feed_per_tooth",
-            quantity("m", "mm", 0.0, 0.1, "0.1 mm/tooth"),
+            Kind::quantity("m", "mm", 0.0, 0.1, "0.1 mm/tooth"),
             "0 mm",
             "Feed per tooth; stability depends on it only with runout",
         ),
@@ -134,7 +134,12 @@ static CUT: Form = Form {
         Key::required("diameter", LENGTH, "Diameter of the work"),
         Key::default("force_angle", ANGLE, "0 deg", "Angle from the chip thickness to the force"),
         Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
-        Key::default("chip_exponent", positive("1", "1", 2.0, "0.75"), "1", "Exponent of chip thickness in the force"),
+        Key::default(
+            "chip_exponent",
+            Kind::positive("1", "1", 2.0, "0.75"),
+            "1",
+            "Exponent of chip thickness in the force",
+        ),
     ],
 };
 
@@ -145,8 +150,8 @@ static BAR: Form = Form {
         Key::required("length", LENGTH, "Length out of the chuck"),
         Key::required("position", LENGTH, "Place of the tool from the jaws"),
         Key::required("support", Kind::Choice(SupportWord::WORDS), "How the bar is held"),
-        Key::required("youngs_modulus", positive("Pa", "GPa", 2e12, "210 GPa"), "Young's modulus"),
-        Key::required("density", positive("kg/m3", "kg/m3", 3e4, "7850 kg/m3"), "Density"),
+        Key::required("youngs_modulus", Kind::positive("Pa", "GPa", 2e12, "210 GPa"), "Young's modulus"),
+        Key::required("density", Kind::positive("kg/m3", "kg/m3", 3e4, "7850 kg/m3"), "Density"),
         Key::required("damping_ratio", DAMPING_RATIO, "Share of critical damping"),
         Key::required("chuck_stiffness", STIFFNESS, "Stiffness of the chuck against a radial force"),
     ],
@@ -156,7 +161,7 @@ static SPEED_VARIATION: Form = Form {
     title: "[speed_variation]",
     doc: "Sinusoidal spindle speed; limits and verdicts are those of the varying speed",
     keys: &[
-        Key::required("amplitude", quantity("1", "1", 0.0, 0.9, "0.2"), "Amplitude over the mean speed, RVA"),
+        Key::required("amplitude", Kind::quantity("1", "1", 0.0, 0.9, "0.2"), "Amplitude over the mean speed, RVA"),
         Key::required("revolutions", Kind::Count { min: 2, max: 200 }, "Mean revolutions in one period, 1/RVF"),
     ],
 };
@@ -175,7 +180,7 @@ static CHUCK_FORM: Form = Form {
         PRESET,
         Key::required("lag", LAG, "Chip-formation lag").when("process", CHUCK),
         Key::optional("mass", MASS, "Modal mass; left out: the preset's"),
-        Key::optional("damping", positive("N s/m", "N s/m", 1e9, "188 N s/m"), "Damping; left out: the preset's"),
+        Key::optional("damping", Kind::positive("N s/m", "N s/m", 1e9, "188 N s/m"), "Damping; left out: the preset's"),
         Key::optional("stiffness", STIFFNESS, "Mean stiffness of the clamping; left out: the preset's"),
         Key::optional(
             "cutting_stiffness",
@@ -192,7 +197,7 @@ static LATHE_FORM: Form = Form {
     keys: &[
         PRESET,
         Key::required("lag", LAG, "Chip-formation lag of every component of the force"),
-        Key::required("feed_per_rev", positive("m", "mm", 20e-3, "0.1 mm/rev"), "Feed"),
+        Key::required("feed_per_rev", Kind::positive("m", "mm", 20e-3, "0.1 mm/rev"), "Feed"),
         Key::optional("allowance", Kind::List(&MODULATION), "Modulation by an uneven allowance: harmonics 1, 3, 5 …"),
         Key::default(
             "workpiece_lag",

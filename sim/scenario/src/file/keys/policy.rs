@@ -1,6 +1,6 @@
 //! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
 
-use super::{BIAS, DEVIATION, DURATION, WEAR, positive, quantity};
+use super::{BIAS, DEVIATION, DURATION, WEAR};
 use crate::ContourRule;
 use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, ToolChangeWord};
 use crate::file::speed;
@@ -63,13 +63,18 @@ static CHATTER: Form = Form {
         Key::required("rule", Kind::Choice(ChatterWord::WORDS), "Rule"),
         Key::default(
             "reaction_time",
-            quantity("s", "s", 0.0, 3600.0, "2 s"),
+            Kind::quantity("s", "s", 0.0, 3600.0, "2 s"),
             "2 s",
             "From chatter to the new speed, a whole fraction of its frequency",
         )
         .when("rule", &["reactive"]),
-        Key::default("amplitude", positive("1", "1", 0.5, "0.2"), "0.2", "Amplitude of the speed over its mean (RVA)")
-            .when("rule", &["speed_variation"]),
+        Key::default(
+            "amplitude",
+            Kind::positive("1", "1", 0.5, "0.2"),
+            "0.2",
+            "Amplitude of the speed over its mean (RVA)",
+        )
+        .when("rule", &["speed_variation"]),
         Key::default(
             "revolutions",
             Kind::Count { min: 2, max: 200 },
@@ -79,7 +84,7 @@ static CHATTER: Form = Form {
         .when("rule", &["speed_variation"]),
         Key::default(
             "share",
-            positive("1", "1", 1.0, "0.9"),
+            Kind::positive("1", "1", 1.0, "0.9"),
             "0.9",
             "Greatest depth of a layer over the nominal limit",
         )
@@ -90,7 +95,7 @@ static CHATTER: Form = Form {
             .when("rule", &["robust_lobe"]),
         Key::default("coefficients", DEVIATION, "10 %", "Uncertainty of cutting coefficients")
             .when("rule", &["robust_lobe"]),
-        Key::default("margin", quantity("1", "1", 0.0, 0.9, "0.1"), "0.1", "Margin to be kept, 1 - depth/limit")
+        Key::default("margin", Kind::quantity("1", "1", 0.0, 0.9, "0.1"), "0.1", "Margin to be kept, 1 - depth/limit")
             .when("rule", &["constraint"]),
     ],
 };
@@ -115,13 +120,13 @@ static GRINDING: Form = Form {
         Key::required("rule", Kind::Choice(GrindingWord::WORDS), "Rule"),
         Key::default(
             "dulling",
-            quantity("1", "1", 0.2, 10.0, "1.3"),
+            Kind::quantity("1", "1", 0.2, 10.0, "1.3"),
             "1",
             "Process stiffness, over that of a dressed wheel, for which the cycle is designed",
         ),
         Key::optional(
             "rough_force",
-            positive("N", "N", 1e6, "180 N"),
+            Kind::positive("N", "N", 1e6, "180 N"),
             "Normal force above which the rough infeed is left; left out: that of a dressed wheel at the rough temperature limit",
         )
         .when("rule", &["force_adaptive"]),
@@ -139,14 +144,14 @@ static DRESSING: Form = Form {
             .when("rule", &["part_count"]),
         Key::required(
             "ratio",
-            quantity("1", "1", 1.0, 20.0, "1.4"),
+            Kind::quantity("1", "1", 1.0, 20.0, "1.4"),
             "Measured process stiffness over that of a dressed wheel",
         )
         .when("rule", &["dulling"]),
     ],
 };
 
-const NOISE: Kind = quantity("1", "1", 0.0, 1.0, "1.5 %");
+const NOISE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "1.5 %");
 
 /// Sensors; the defaults are those of the observer's derivation.
 /// Sensors of an adaptive controller.
@@ -154,7 +159,7 @@ pub static SENSORS: Form = Form {
     title: "sensors",
     doc: "What an adaptive controller measures, and how well",
     keys: &[
-        Key::default("sampling_period", positive("s", "s", 3600.0, "6 s"), "6 s", "Time between samples"),
+        Key::default("sampling_period", Kind::positive("s", "s", 3600.0, "6 s"), "6 s", "Time between samples"),
         Key::default("spindle_power", NOISE, "1.5 %", "Relative standard deviation of spindle power"),
         Key::default("feed_force", NOISE, "3 %", "Relative standard deviation of feed force"),
         Key::default("thermo_emf", NOISE, "1.5 %", "Relative standard deviation of thermo-EMF"),
@@ -163,7 +168,7 @@ pub static SENSORS: Form = Form {
         Key::default("spindle_power_bias", BIAS, "0", "Systematic relative error of spindle power"),
         Key::default(
             "flank_wear",
-            quantity("m", "mm", 0.0, 1e-3, "0.01 mm"),
+            Kind::quantity("m", "mm", 0.0, 1e-3, "0.01 mm"),
             "0.01 mm",
             "Standard deviation of a flank wear reading",
         ),
@@ -175,7 +180,7 @@ pub static SENSORS: Form = Form {
         ),
         Key::default(
             "normal_force",
-            quantity("N", "N", 0.0, 1e5, "2 N"),
+            Kind::quantity("N", "N", 0.0, 1e5, "2 N"),
             "2 N",
             "Standard deviation of the normal force in grinding",
         ),

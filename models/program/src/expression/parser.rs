@@ -1,207 +1,53 @@
-//! Expressions of all languages: one tree, one parser, one evaluation.
+//! Reads expressions in the words of each language.
 
+use super::{Expression, Function, Operator};
 use crate::Dialect;
 use crate::error::Fault;
 
-/// Functions of expressions; angles are degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Function {
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Atan2,
-    Sqrt,
-    Square,
-    Abs,
-    Round,
-    Fix,
-    Up,
-    Fraction,
-    Ln,
-    Exp,
-    Sign,
-    Not,
-    Power,
-    Exists,
-}
+/// Nesting beyond this is refused: a bound against texts without end (assumption).
+const DEPTH: u32 = 60;
 
-/// Operators between two values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Operator {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Modulo,
-    Whole,
-    Power,
-    Equal,
-    NotEqual,
-    Greater,
-    GreaterEqual,
-    Less,
-    LessEqual,
-    And,
-    Or,
-    ExclusiveOr,
-}
+/// Operators between two values: word, operator, and how strongly it binds.
+type Words = &'static [(&'static str, Operator, u8)];
 
-/// An expression.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Expression {
-    Number(f64),
-    /// A variable by number, such as `#5`, `R5` or `Q5`.
-    Variable(Box<Self>),
-    /// A variable by name.
-    Named(String),
-    Negate(Box<Self>),
-    Call(Function, Vec<Self>),
-    Binary(Operator, Box<(Self, Self)>),
-}
+/// Comparisons of Fanuc, Haas and LinuxCNC.
+const COMPARISONS: Words = &[
+    ("EQ", Operator::Equal, 2),
+    ("NE", Operator::NotEqual, 2),
+    ("GE", Operator::GreaterEqual, 2),
+    ("GT", Operator::Greater, 2),
+    ("LE", Operator::LessEqual, 2),
+    ("LT", Operator::Less, 2),
+];
+/// Fanuc and Haas: AND binds as a product, OR and XOR as a sum.
+const MACROS: Words = &[
+    ("MOD", Operator::Modulo, 5),
+    ("AND", Operator::And, 5),
+    ("XOR", Operator::ExclusiveOr, 4),
+    ("OR", Operator::Or, 4),
+];
+/// LinuxCNC and Siemens: AND, OR and XOR bind least.
+const LOGIC: Words = &[
+    ("MOD", Operator::Modulo, 5),
+    ("AND", Operator::And, 1),
+    ("XOR", Operator::ExclusiveOr, 1),
+    ("OR", Operator::Or, 1),
+];
+const DIVISION: Words = &[("DIV", Operator::Whole, 5)];
 
-/// Where variables stand.
-pub(crate) trait Variables {
-    /// Value of a numbered variable; `None` is vacant.
-    fn number(&self, index: u32) -> Result<Option<f64>, String>;
-    /// Value of a named variable; `None` where there is none.
-    fn named(&self, name: &str) -> Result<Option<f64>, String>;
-}
-
-/// Equal within what decimal input leaves over.
-const EQUAL: f64 = 1e-9;
-
-impl Expression {
-    /// The number, where the expression is one.
-    pub fn literal(&self) -> Option<f64> {
-        if let Self::Number(value) = self { Some(*value) } else { None }
-    }
-
-    /// Value; `None` is vacant.
-    pub fn value(&self, variables: &dyn Variables, dialect: Dialect) -> Result<Option<f64>, Fault> {
-        let part = |own: &Self| own.value(variables, dialect);
-        Ok(Some(match self {
-            Self::Number(value) => *value,
-            Self::Variable(index) => {
-                let index = part(index)?.ok_or_else(|| Fault::new("the number of a variable is vacant"))?;
-                if !(0.0..=9_999_999.0).contains(&index.round()) || (index - index.round()).abs() > 1e-4 {
-                    return Err(Fault::new(format!("{index} is no number of a variable")));
-                }
-                return variables.number(index.round() as u32).map_err(Fault::new);
-            }
-            Self::Named(name) => {
-                return match variables.named(name).map_err(Fault::new)? {
-                    None => Err(Fault::new(format!("{name} has no value yet; assign one before"))),
-                    value => Ok(value),
-                };
-            }
-            Self::Negate(own) => match part(own)? {
-                Some(value) => -value,
-                None => return Ok(None),
-            },
-            Self::Call(Function::Exists, arguments) => match arguments.first() {
-                Some(Self::Named(name)) => f64::from(u8::from(variables.named(name).map_err(Fault::new)?.is_some())),
-                _ => return Err(Fault::new("EXISTS takes a variable with a name")),
-            },
-            Self::Call(function, arguments) => {
-                let mut values = [0.0; 2];
-                for (value, argument) in values.iter_mut().zip(arguments) {
-                    *value = part(argument)?.unwrap_or(0.0);
-                }
-                function.value(values, dialect)?
-            }
-            Self::Binary(operator, sides) => {
-                let (a, b) = (part(&sides.0)?, part(&sides.1)?);
-                // A vacant variable equals only another one on Fanuc and Haas.
-                match operator {
-                    Operator::Equal if a.is_none() || b.is_none() => f64::from(u8::from(a.is_none() == b.is_none())),
-                    Operator::NotEqual if a.is_none() || b.is_none() => f64::from(u8::from(a.is_none() != b.is_none())),
-                    _ => operator.value(a.unwrap_or(0.0), b.unwrap_or(0.0), dialect)?,
-                }
-            }
-        }))
-    }
-}
-
-fn finite(value: f64, what: &str) -> Result<f64, Fault> {
-    if value.is_finite() { Ok(value) } else { Err(Fault::new(format!("{what} gives no number"))) }
-}
-
-impl Function {
-    fn value(self, [a, b]: [f64; 2], dialect: Dialect) -> Result<f64, Fault> {
-        let macros = matches!(dialect, Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas);
-        finite(
-            match self {
-                Self::Sin => a.to_radians().sin(),
-                Self::Cos => a.to_radians().cos(),
-                Self::Tan => a.to_radians().tan(),
-                Self::Asin => a.asin().to_degrees(),
-                Self::Acos => a.acos().to_degrees(),
-                Self::Atan => a.atan().to_degrees(),
-                // From 0 to 360 degrees on Fanuc, from -180 to 180 elsewhere.
-                Self::Atan2 if macros => a.atan2(b).to_degrees().rem_euclid(360.0),
-                Self::Atan2 => a.atan2(b).to_degrees(),
-                Self::Sqrt => a.sqrt(),
-                Self::Square => a * a,
-                Self::Abs => a.abs(),
-                Self::Round => a.round(),
-                // FIX and FUP cut and fill the amount on Fanuc, the value on LinuxCNC; TRUNC and INT cut the amount.
-                Self::Fix if dialect == Dialect::LinuxCnc => a.floor(),
-                Self::Fix => a.trunc(),
-                Self::Up if dialect == Dialect::LinuxCnc => a.ceil(),
-                Self::Up => a.abs().ceil() * a.signum(),
-                Self::Fraction => a.fract(),
-                Self::Ln => a.ln(),
-                Self::Exp => a.exp(),
-                Self::Sign if a == 0.0 => 0.0,
-                Self::Sign => a.signum(),
-                Self::Not => f64::from(u8::from(a == 0.0)),
-                Self::Power => a.powf(b),
-                Self::Exists => 0.0,
-            },
-            "the function",
-        )
-    }
-}
-
-impl Operator {
-    fn value(self, a: f64, b: f64, dialect: Dialect) -> Result<f64, Fault> {
-        let truth = |holds: bool| f64::from(u8::from(holds));
-        let whole = |value: f64| value.round() as i64;
-        let bits = matches!(dialect, Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas);
-        let equal = (a - b).abs() <= EQUAL * a.abs().max(b.abs()).max(1.0);
-        if b == 0.0 && matches!(self, Self::Divide | Self::Modulo | Self::Whole) {
-            return Err(Fault::new("the program divides by zero"));
-        }
-        finite(
-            match self {
-                Self::Add => a + b,
-                Self::Subtract => a - b,
-                Self::Multiply => a * b,
-                Self::Divide => a / b,
-                Self::Modulo if dialect == Dialect::LinuxCnc => a.rem_euclid(b),
-                Self::Modulo => a % b,
-                Self::Whole => (a / b).trunc(),
-                Self::Power => a.powf(b),
-                Self::Equal => truth(equal),
-                Self::NotEqual => truth(!equal),
-                Self::Greater => truth(a > b && !equal),
-                Self::GreaterEqual => truth(a > b || equal),
-                Self::Less => truth(a < b && !equal),
-                Self::LessEqual => truth(a < b || equal),
-                Self::And if bits => (whole(a) & whole(b)) as f64,
-                Self::Or if bits => (whole(a) | whole(b)) as f64,
-                Self::ExclusiveOr if bits => (whole(a) ^ whole(b)) as f64,
-                Self::And => truth(a != 0.0 && b != 0.0),
-                Self::Or => truth(a != 0.0 || b != 0.0),
-                Self::ExclusiveOr => truth((a != 0.0) != (b != 0.0)),
-            },
-            "the expression",
-        )
-    }
-}
+/// Signs of all languages.
+const SIGNS: Words =
+    &[("+", Operator::Add, 4), ("-", Operator::Subtract, 4), ("*", Operator::Multiply, 5), ("/", Operator::Divide, 5)];
+const POWERS: Words = &[("**", Operator::Power, 6)];
+const KLARTEXT: Words = &[("^", Operator::Power, 6), ("%", Operator::Modulo, 5)];
+const SIEMENS: Words = &[
+    ("==", Operator::Equal, 2),
+    ("<>", Operator::NotEqual, 2),
+    (">=", Operator::GreaterEqual, 2),
+    ("<=", Operator::LessEqual, 2),
+    (">", Operator::Greater, 2),
+    ("<", Operator::Less, 2),
+];
 
 /// Reads expressions out of a line in capitals.
 pub(crate) struct Parser<'t> {
@@ -210,9 +56,6 @@ pub(crate) struct Parser<'t> {
     pub dialect: Dialect,
     depth: u32,
 }
-
-/// Nesting beyond this is refused.
-const DEPTH: u32 = 60;
 
 impl<'t> Parser<'t> {
     pub fn new(text: &'t str, at: usize, dialect: Dialect) -> Self {
@@ -313,74 +156,32 @@ impl<'t> Parser<'t> {
         Ok(left)
     }
 
+    /// The operator that stands here, how strongly it binds, and its length in bytes.
     fn operator(&mut self) -> Option<(Operator, u8, usize)> {
-        use Operator::*;
         self.blank();
         let rest = &self.text[self.at..];
-        let has = |word: &str| rest.starts_with(word.as_bytes());
-        let siemens = self.dialect == Dialect::Siemens;
-        let klartext = self.dialect == Dialect::Heidenhain;
-        let iso = !siemens && !klartext;
-        let linuxcnc = self.dialect == Dialect::LinuxCnc;
-        let symbols: &[(&str, Operator, u8)] = if siemens {
-            &[
-                ("==", Equal, 2),
-                ("<>", NotEqual, 2),
-                (">=", GreaterEqual, 2),
-                ("<=", LessEqual, 2),
-                (">", Greater, 2),
-                ("<", Less, 2),
-            ]
-        } else if klartext {
-            &[("^", Power, 6), ("%", Modulo, 5)]
-        } else {
-            &[("**", Power, 6)]
+        let (signs, words): (Words, [Words; 2]) = match self.dialect {
+            Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas => (POWERS, [MACROS, COMPARISONS]),
+            Dialect::LinuxCnc => (POWERS, [LOGIC, COMPARISONS]),
+            Dialect::Siemens => (SIEMENS, [DIVISION, LOGIC]),
+            Dialect::Heidenhain => (KLARTEXT, [&[], &[]]),
         };
-        if let Some((word, operator, strength)) = symbols.iter().find(|(word, ..)| has(word)) {
-            return Some((*operator, *strength, word.len()));
+        let has = |(word, ..): &&(&str, Operator, u8)| rest.starts_with(word.as_bytes());
+        if let Some((sign, operator, strength)) = signs.iter().chain(SIGNS).find(has) {
+            return Some((*operator, *strength, sign.len()));
         }
-        match rest.first() {
-            Some(b'+') => return Some((Add, 4, 1)),
-            Some(b'-') => return Some((Subtract, 4, 1)),
-            Some(b'*') => return Some((Multiply, 5, 1)),
-            Some(b'/') => return Some((Divide, 5, 1)),
-            _ => {}
-        }
-        let words: &[(&str, Operator, u8)] = if iso && !linuxcnc {
-            // AND binds as a product on Fanuc, OR and XOR as a sum.
-            &[
-                ("MOD", Modulo, 5),
-                ("AND", And, 5),
-                ("XOR", ExclusiveOr, 4),
-                ("OR", Or, 4),
-                ("EQ", Equal, 2),
-                ("NE", NotEqual, 2),
-                ("GE", GreaterEqual, 2),
-                ("GT", Greater, 2),
-                ("LE", LessEqual, 2),
-                ("LT", Less, 2),
-            ]
-        } else if linuxcnc {
-            &[
-                ("MOD", Modulo, 5),
-                ("AND", And, 1),
-                ("XOR", ExclusiveOr, 1),
-                ("OR", Or, 1),
-                ("EQ", Equal, 2),
-                ("NE", NotEqual, 2),
-                ("GE", GreaterEqual, 2),
-                ("GT", Greater, 2),
-                ("LE", LessEqual, 2),
-                ("LT", Less, 2),
-            ]
-        } else if siemens {
-            &[("DIV", Whole, 5), ("MOD", Modulo, 5), ("AND", And, 1), ("XOR", ExclusiveOr, 1), ("OR", Or, 1)]
-        } else {
-            &[]
-        };
-        let (word, operator, strength) = words.iter().find(|(word, ..)| has(word))?;
-        let clear = iso || rest.get(word.len()).is_none_or(|b| !b.is_ascii_alphanumeric());
+        let (word, operator, strength) = words.into_iter().flatten().find(has)?;
+        // A name of Siemens may begin with the word of an operator.
+        let clear = self.brackets() == (b'[', b']') || rest.get(word.len()).is_none_or(|b| !b.is_ascii_alphanumeric());
         clear.then_some((*operator, *strength, word.len()))
+    }
+
+    /// What encloses a part of an expression.
+    fn brackets(&self) -> (u8, u8) {
+        match self.dialect {
+            Dialect::Siemens | Dialect::Heidenhain => (b'(', b')'),
+            Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas | Dialect::LinuxCnc => (b'[', b']'),
+        }
     }
 
     /// The value behind a word's letter: a number, a variable or an expression in brackets.
@@ -395,9 +196,7 @@ impl<'t> Parser<'t> {
     }
 
     fn operand(&mut self) -> Result<Expression, Fault> {
-        let siemens = self.dialect == Dialect::Siemens;
-        let klartext = self.dialect == Dialect::Heidenhain;
-        let (open, close) = if siemens || klartext { (b'(', b')') } else { (b'[', b']') };
+        let (open, close) = self.brackets();
         let next = self.peek();
         if next == open {
             self.at += 1;
@@ -408,10 +207,7 @@ impl<'t> Parser<'t> {
         match next {
             b'-' => {
                 self.at += 1;
-                Ok(match self.prefix()? {
-                    Expression::Number(value) => Expression::Number(-value),
-                    own => Expression::Negate(Box::new(own)),
-                })
+                Ok(self.prefix()?.negated())
             }
             b'+' => {
                 self.at += 1;
@@ -527,10 +323,7 @@ impl<'t> Parser<'t> {
             arguments.push(self.expression()?);
         }
         self.expect(close)?;
-        let wanted = match function {
-            Atan2 | Power => 2,
-            _ => 1,
-        };
+        let wanted = if matches!(function, Atan2 | Power) { 2 } else { 1 };
         // ATAN[y]/[x] is the angle of the point.
         if function == Atan && !siemens && !klartext {
             if arguments.len() == 2 {
@@ -553,6 +346,7 @@ impl<'t> Parser<'t> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expression::Variables;
 
     struct Table;
     impl Variables for Table {
