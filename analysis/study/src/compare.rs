@@ -152,11 +152,8 @@ const TOLD: f64 = 0.005;
 
 /// What carries a shop gain beyond the limit of capacity by the factor `excess`, of which fewer scrapped parts explain `good`.
 fn beyond(excess: f64, good: f64) -> Option<&'static str> {
-    (excess > 1.0 + TOLD).then(
-        || {
-            if good - 1.0 >= 0.5 * (excess - 1.0) { "fewer scrapped parts" } else { "less waiting" }
-        },
-    )
+    let reason = if good - 1.0 >= 0.5 * (excess - 1.0) { "fewer scrapped parts" } else { "less waiting" };
+    (excess > 1.0 + TOLD).then_some(reason)
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ pub enum Role {
 pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
     let of_speed = match policy.knowledge() {
         Knowledge::Sensors => of_speed(&policy.speed),
-        known => Role::Oracle(known),
+        known @ (Knowledge::Wear | Knowledge::Edge) => Role::Oracle(known),
     };
     if of_speed != Role::Given {
         return of_speed;
@@ -192,7 +192,7 @@ impl Decision {
                 && (tuning.is_none() || adaptive.is_none_or(|adaptive| change(adaptive) == change(position)))
         });
         let mut notes = fairness(policies);
-        notes.extend(tuning.map_or_else(|| vec![NOT_TUNED.to_owned()], |tuning| standing_as_given(tuning)));
+        notes.extend(tuning.map_or_else(|| vec![NOT_TUNED.to_owned()], standing_as_given));
         let (Some(best), Some(other)) = (adaptive, rival) else {
             let there = |of: fn(&Role) -> bool| {
                 policies.iter().enumerate().any(|(position, policy)| of(&policy.role) && eligible(position))
@@ -226,6 +226,9 @@ impl Decision {
             "1" => String::new(),
             unit => format!(" {unit}"),
         };
+        let tuned_constant = tuning.is_some() && policies[other].role == Role::Given;
+        let rival_role =
+            if tuned_constant { "constant speed, tuned".to_owned() } else { policies[other].role.describe() };
         let line = format!(
             "{} on {}: {} {} against {} {}{unit} ({}), difference {}",
             verdict(outcome, policies[best].role.word(), tuning.is_some(), &difference),
@@ -234,10 +237,7 @@ impl Decision {
             plain(mean(best), digits),
             policies[other].name,
             plain(mean(other), digits),
-            match policies[other].role {
-                Role::Given if tuning.is_some() => "constant speed, tuned".to_owned(),
-                ref role => role.describe(),
-            },
+            rival_role,
             with_interval(&difference, confidence),
         );
         for (position, policy) in policies.iter().enumerate() {
@@ -292,9 +292,10 @@ fn standing_as_given(tuning: &Tuning) -> Vec<String> {
 /// What the rules that know more gain over the rival, and the share of it that the same rule reaches with its sensors.
 fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -> f64) -> Vec<String> {
     let rule = |position: usize| &scenario.policies[policies[position].policy];
-    let law = |position: usize| match rule(position).speed {
-        SpeedRule::Oracle => discriminant(&SpeedRule::MinimumWear { literal: false }),
-        other => discriminant(&other),
+    let law = |position: usize| {
+        let speed = rule(position).speed;
+        let law = if speed == SpeedRule::Oracle { SpeedRule::MinimumWear { literal: false } } else { speed };
+        discriminant(&law)
     };
     let oracles = (0..policies.len()).filter(|&position| matches!(policies[position].role, Role::Oracle(_)));
     let told = oracles.filter_map(|oracle| {
