@@ -2,7 +2,7 @@
 
 use crate::Dialect;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toolroom_process::unit;
 
 /// Unit of the lengths of a program that does not name one.
@@ -96,6 +96,16 @@ impl Control {
     /// A control of a language, with lengths in millimetres where a program does not say.
     pub fn of(dialect: Dialect) -> Self {
         Self { dialect: Some(dialect), ..Self::default() }
+    }
+
+    /// The control of a program in a file: subprograms stand beside it, and its ending is a weak sign of the language.
+    pub fn beside(file: &Path) -> Self {
+        let folder = file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        Self {
+            extension: file.extension().map(|extension| extension.to_string_lossy().into_owned()),
+            library: folder.map(Path::to_path_buf),
+            ..Self::default()
+        }
     }
 
     /// Starts at a position of X, Y and Z such as `0,0,100 mm`; the other axes stand at 0.
