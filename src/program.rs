@@ -19,8 +19,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     for path in args.blocks.iter().chain(&args.out) {
         files.check(path)?;
     }
-    let mut control = Control::beside(&args.file);
-    control.units = args.units.as_deref().and_then(Units::named);
+    let mut control = Control::of_file(&args.file, args.units.as_deref().and_then(Units::named));
     control.dialect = args.dialect.as_deref().and_then(Dialect::named);
     control.steps = args.steps;
     for number in &args.skip {

@@ -31,7 +31,7 @@ pub struct ProgramArgs {
     #[arg(long, value_name = "TOOL=DIAMETER")]
     pub tool: Vec<String>,
     /// Greatest number of blocks that may run
-    #[arg(long, value_name = "COUNT", default_value_t = 10_000_000)]
+    #[arg(long, value_name = "COUNT", default_value_t = toolroom_program::Control::STEPS)]
     pub steps: u64,
     /// Write the motions for another control, to the file of --out
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES, requires = "out")]

@@ -117,13 +117,15 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         let span = section.span_of("file");
         let file = path.display().to_string();
         let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
-        let units = section.text("units").and_then(Units::named);
         let text = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
-            Ok(text) => match Program::read(&text, &Control { units, ..Control::beside(&path) }) {
-                Ok(program) => model.programs.push((name.to_owned(), program)),
-                Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
-            },
+            Ok(text) => {
+                let control = Control::of_file(&path, section.text("units").and_then(Units::named));
+                match Program::read(&text, &control) {
+                    Ok(program) => model.programs.push((name.to_owned(), program)),
+                    Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
+                }
+            }
             Err(error) => walk.fault(span, Fault::Unreadable { file, reason: error.kind() }),
         }
     }
