@@ -30,10 +30,9 @@ pub fn parameter(text: &str, error: &SetError) -> (usize, usize) {
 
 /// What a nominal model is refused for: a sensor at its channel, a process without tool at the first tool.
 pub fn nominal(path: &Path, error: ModelFileError) -> ReadError {
-    let error = match error {
-        ModelFileError::Read(error) => return error,
-        other => other,
-    };
+    if let ModelFileError::Read(error) = error {
+        return error;
+    }
     // The file was read before.
     let text = toolroom_form::text(path).unwrap_or_default();
     let (place, code) = if let ModelFileError::Sensor { channel, .. } = &error {
