@@ -565,7 +565,7 @@ pub struct Statistics {
 }
 
 /// How a study is run and where it goes.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct StudyArgs {
     /// Only this policy, repeatable; the first is the baseline
     #[arg(long, value_name = "NAME")]

@@ -138,17 +138,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let (file, policies) = planned::scenario(plan)?;
     let known = planned::known_runs(plan, parts, &file, &policies).map_err(refused)?;
     let changes = Changes { set: plan.overrides.clone(), ..Changes::default() };
-    let args = StudyArgs {
-        policy: plan.policies.clone(),
-        out: out.map(Path::to_owned),
-        threads: 0,
-        until: None,
-        format: None,
-        logged: None,
-        records: None,
-        resume: false,
-        stop_after: None,
-    };
+    let args = StudyArgs { policy: plan.policies.clone(), out: out.map(Path::to_owned), ..StudyArgs::default() };
     let request = Request {
         command: format!("compare {}", plan.file),
         input: plan.file.clone(),

@@ -10,8 +10,7 @@ use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
-use toolroom_gap::{Settings, sensor_sheet};
-use toolroom_recording::simulated;
+use toolroom_gap_study::{RECORDED, recorded};
 use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::file::ScenarioFile;
 use toolroom_shop::RunLog;
@@ -155,9 +154,6 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
 /// The way on after an interruption.
 const RESUME: &str = "the same command with --resume goes on";
 
-/// Kinds of records that a simulated shop leaves.
-const RECORDED: [RecordKind; 4] = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
-
 /// Where the records of a kind go.
 fn records_file(dir: &Path, kind: RecordKind) -> PathBuf {
     dir.join(kind.file_stem()).with_extension("csv")
@@ -184,18 +180,11 @@ fn record_first(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let Some(log) = log else { return Ok(()) };
-    let sheet = |kind| {
-        sensor_sheet(&request.input, request.file.gap.as_ref(), kind)
-            .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))
-    };
-    let sheets = RECORDED.iter().map(|kind| Ok((*kind, sheet(*kind)?))).collect::<Result<Vec<_>, Failure>>()?;
-    let sensor = |kind: RecordKind, channel: &str| {
-        let own = sheets.iter().find(|(other, _)| *other == kind);
-        own.map_or_else(Settings::default, |(_, settings)| settings.clone()).sensor(channel)
-    };
+    let measured = recorded(&request.input, &request.file, log)
+        .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))?;
     std::fs::create_dir_all(dir).map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
     let mut names = Vec::new();
-    for records in simulated(&request.file.scenario, log, &sensor) {
+    for records in measured {
         let path = records_file(dir, records.kind);
         let mut csv = Vec::new();
         write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
