@@ -18,9 +18,11 @@
 //! G. M. Amdahl, AFIPS Conference Proceedings 30 (1967) 483, applied to stations in series.
 
 mod decision;
+mod knowledge;
 mod station;
 
 pub use decision::{Decision, Outcome, Role, role};
+pub use knowledge::Knowledge;
 pub use station::{Station, stations};
 
 use crate::study::Study;
@@ -91,7 +93,8 @@ impl Comparison {
         let bottleneck = station::bottleneck(&stations);
         let differences: Vec<Difference> =
             (1..policies.len()).map(|policy| difference(scenario, study, &stations, policy)).collect();
-        let decision = Decision::new(scenario, study, &policies);
+        let mut decision = Decision::new(scenario, study, &policies);
+        decision.notes.extend(knowledge::notes(scenario, study, &decision));
         let adaptive = decision.adaptive.and_then(|policy| policy.checked_sub(1));
         let headline = adaptive.or((!differences.is_empty()).then_some(0));
         Self { policies, differences, stations, bottleneck, headline, decision }

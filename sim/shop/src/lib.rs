@@ -121,11 +121,14 @@ pub struct Shop<'a, R = RunLog> {
 /// assert!(log.passes.len() > 1000);
 /// ```
 pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
-    Shop::new(scenario, policy, replication)?.run()
+    let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+    let world = scenario.drawn(replication)?;
+    Shop::with_recorder(&world, resolved, replication, RunLog::default())?.run()
 }
 
 impl<'a> Shop<'a, RunLog> {
-    /// A shop at time zero that keeps a full log.
+    /// A shop at time zero that keeps a full log. Tools have the parameters of the scenario as it is; those of a replication
+    /// whose tools have draws are in [`Scenario::drawn`].
     ///
     /// # Errors
     /// [`ShopError`] for indices that point nowhere and for policies that cannot be resolved.
