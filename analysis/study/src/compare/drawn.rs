@@ -12,7 +12,7 @@ use toolroom_scenario::Scenario;
 /// Variance components of a one-way layout; value of perfect information under a normal distribution: H. Raiffa,
 /// R. Schlaifer, Applied Statistical Decision Theory, Harvard 1961, section 5.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Knowledge {
+pub struct DrawnDifference {
     /// Mean difference over the draws.
     pub difference: f64,
     /// Standard deviation of the difference from draw to draw, without what simulation adds; zero where it adds all of it.
@@ -21,15 +21,15 @@ pub struct Knowledge {
     pub se_simulation: f64,
 }
 
-impl Knowledge {
+impl DrawnDifference {
     /// Mean difference and standard error within each draw; `None` for fewer than two draws.
     ///
     /// # Examples
     /// ```
-    /// use toolroom_study::compare::Knowledge;
+    /// use toolroom_study::compare::DrawnDifference;
     /// let draws = [-0.9, -0.4, -0.1, -0.7, 0.2, -0.6, -0.3, -0.5];
     /// let errors = [0.15, 0.12, 0.2, 0.14, 0.16, 0.15, 0.13, 0.18];
-    /// let found = Knowledge::of(&draws.into_iter().zip(errors).collect::<Vec<_>>()).unwrap();
+    /// let found = DrawnDifference::of(&draws.into_iter().zip(errors).collect::<Vec<_>>()).unwrap();
     /// assert!((found.sd_parameters - 0.3114683).abs() < 1e-7 && (found.se_simulation - 0.0550426).abs() < 1e-7);
     /// ```
     pub fn of(draws: &[(f64, f64)]) -> Option<Self> {
@@ -63,8 +63,8 @@ impl Knowledge {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_study::compare::Knowledge;
-    /// let found = Knowledge { difference: -0.5, sd_parameters: 0.4, se_simulation: 0.0 };
+    /// use toolroom_study::compare::DrawnDifference;
+    /// let found = DrawnDifference { difference: -0.5, sd_parameters: 0.4, se_simulation: 0.0 };
     /// assert!((found.better() - 0.8943502).abs() < 1e-7);
     /// assert!((found.value_of_information() - 0.02023475).abs() < 1e-8);
     /// ```
@@ -107,7 +107,7 @@ pub(super) fn notes(scenario: &Scenario, study: &Study, decision: &Decision) -> 
     };
     let (own, other) = (study.values(adaptive, cost), study.values(rival, cost));
     let differences: Vec<f64> = own.iter().zip(&other).map(|(own, other)| own - other).collect();
-    let Some(found) = Knowledge::of_replications(&differences, per_draw as usize) else {
+    let Some(found) = DrawnDifference::of_replications(&differences, per_draw as usize) else {
         notes.push(format!(
             "the parameters are drawn from a posterior; with fewer than two draws of {per_draw} replications the interval \
              does not tell what they leave open: take {} replications or more",
