@@ -11,6 +11,8 @@ use toolroom_process::{AnyRecord, Process as _, unit};
 const EDGE_SCATTER: &str = toolroom_wear::EDGE_SCATTER_NAME;
 /// Name of the error of wear readings among the columns; a shop has its own sensor sheet.
 const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
+/// Greatest scatter of edges, as in [`toolroom_wear::Scatter`].
+const MOST_SCATTER: f64 = 2.0;
 /// Parts of the draws of which each round takes one (assumption: a comparison seldom has fewer than eight draws).
 const PARTS: usize = 8;
 /// Steps of the power iteration for the first principal component; only the order along it matters.
@@ -119,8 +121,8 @@ impl Posterior {
                 let value = field.map_or(number, |field| unit::convert(number, unit, field.unit));
                 match field {
                     Some(field) => field.check(value).map_err(|reason| refuse(&reason.to_string()))?,
-                    None if (0.0..=3.0).contains(&value) => {}
-                    None => return Err(refuse("a scatter lies between 0 and 3")),
+                    None if (0.0..=MOST_SCATTER).contains(&value) => {}
+                    None => return Err(refuse("a scatter lies between 0 and 2")),
                 }
                 draw.push(value);
             }

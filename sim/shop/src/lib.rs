@@ -273,7 +273,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// Goes on under another policy of the scenario: the branch of a snapshot. Edges stay in
-    /// the machines; a controller that observes measures each of them once when it takes over.
+    /// the machines; a controller that observes measures each of them once when it takes over. The policy is worked out on
+    /// the scenario of this shop, which in a world of [`Scenario::drawn`] is the draw.
     ///
     /// # Errors
     /// [`ShopError`] for an unknown policy and one that cannot be resolved.
