@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod calibrate;
+mod calibration_data;
 mod files;
 mod gap;
 mod import;
@@ -12,6 +13,7 @@ mod planning;
 mod program;
 
 pub use calibrate::CalibrateArgs;
+pub use calibration_data::CalibrationData;
 pub use files::{CheckArgs, NewArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
@@ -141,6 +143,7 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
     /// A parameter set from what a shop knows of its own tools
     #[command(before_help = "Examples:
   toolroom calibrate turning --life \"15 min\" --at \"200 m/min\" --feed \"0.25 mm/rev\" --out first.toml
+  toolroom calibrate turning --model c45_t15k6 --data wear.csv --limit \"0.3 mm\" --out my.toml
   toolroom check first.toml                 every value with where it comes from
   toolroom point turning --tool first.toml --set cutting_speed=\"250 m/min\"")]
     Calibrate(CalibrateArgs),
@@ -562,7 +565,7 @@ pub struct Statistics {
 }
 
 /// How a study is run and where it goes.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct StudyArgs {
     /// Only this policy, repeatable; the first is the baseline
     #[arg(long, value_name = "NAME")]
@@ -636,6 +639,12 @@ pub struct CompareArgs {
     /// Number of shards, one a replication if left out
     #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub shards: Option<u64>,
+    /// Tune the policies on a seed of their own before they are compared, as [tune] of the scenario says
+    #[arg(long, conflicts_with = "plan")]
+    pub tune: bool,
+    /// Compare the settings of the file even where it has a section [tune]
+    #[arg(long, conflicts_with = "tune")]
+    pub no_tune: bool,
 }
 
 #[derive(Args, Debug)]

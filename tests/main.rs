@@ -2,6 +2,7 @@
 
 mod architecture;
 mod blind;
+mod calibration;
 mod cli;
 mod determinism;
 mod examples;
@@ -19,5 +20,6 @@ mod planning;
 mod programs;
 mod report;
 mod self_null;
+mod tuning;
 mod withheld;
 mod withheld_grinding_milling;

@@ -16,10 +16,14 @@
 //! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
 //! | [`Curve`] | flank wear over time at one condition |
 //! | [`WearModel`] | readings and lives under a law |
+//! | [`ForceModel`] | cutting force against wear |
 //! | [`Model`] | what the inference needs of any model |
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
 //! | [`Identifiability`] | what the data determine, and what only the prior says |
 //! | [`leave_edges_out`], [`Coverage`], [`Choice`] | predictions of edges by the others, and the law that they speak for |
+//! | [`Measured`] | records brought into this form, with what is to be said of them |
+//! | [`Calibration`], [`Request`] | all of it in one go: text, JSON, draws, the parameter set |
+//! | [`CalibrationStudy`], [`StudyResult`] | the same from files |
 //!
 //! Times are in min, wear in mm, other values in the units of parameter files.
 //!
@@ -27,11 +31,13 @@
 //! - The tool body's temperature follows at once, as in lives by quadrature.
 //! - An edge's level acts on the whole rate; it is not split into a mechanical and a thermal part.
 
+mod calibration;
 mod choice;
 mod curve;
 mod edge;
 mod ensemble;
 mod fit;
+mod force;
 mod identify;
 mod law;
 mod left_out;
@@ -39,13 +45,20 @@ mod model;
 mod normal;
 mod parameter;
 mod pareto;
+mod report;
 mod sample;
+mod set_file;
+mod study;
+mod summary;
+mod treatment;
 mod wear_model;
 
+pub use calibration::{Calibration, CalibrationError, ForceFit, LawFit, LifeAt, Request, life_at};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
 pub use edge::{Common, Edge, InLife, Life, Stretch};
 pub use fit::{Maximum, maximise};
+pub use force::{FORCE_NOISE, FORCE_SCATTER, ForceModel, ForceReading};
 pub use identify::{Identifiability, Product, Undetermined};
 pub use law::Law;
 pub use left_out::{Coverage, LeftOut, leave_edges_out};
@@ -53,4 +66,6 @@ pub use model::Model;
 pub use parameter::{Parameter, Prior, Scale};
 pub use pareto::Weights;
 pub use sample::{Method, Posterior, sample};
+pub use study::{CalibrationStudy, Refusal, StudyResult};
+pub use treatment::{DataError, End, Measured};
 pub use wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};

@@ -1,10 +1,64 @@
 //! The nominal cycle time of a part program, by tool and by block.
 
+use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use toolroom_process::Record;
 use toolroom_process::table::Cell;
 use toolroom_program::{AXES, Block, Blocks, Control, Drives, ProgramError, Timer};
+
+/// Why a change of drives or control was refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DriveError {
+    /// A value of the control.
+    #[error("{0}")]
+    Control(String),
+    /// A value of the drives.
+    #[error(transparent)]
+    Drives(#[from] ChangeError),
+}
+
+impl DriveError {
+    /// The likely way out.
+    pub fn fix(&self) -> String {
+        match self {
+            Self::Control(_) => format!("of the control there are {}", Control::KEYS),
+            Self::Drives(error @ ChangeError::NoField { .. }) => format!("{}, control.…", error.fix()),
+            Self::Drives(error) => error.fix(),
+        }
+    }
+}
+
+/// Changes drives, or the control where the name begins with `control.`, by `name=value`.
+///
+/// # Errors
+/// [`DriveError`]: a name that neither has, or a value that it refuses.
+///
+/// ```
+/// use toolroom_planning::program::set_drive;
+/// use toolroom_program::{Control, Drives};
+/// let (mut drives, mut control) = (Drives::default(), Control::default());
+/// set_drive(&mut drives, &mut control, "tool_change_time=6 s").unwrap();
+/// set_drive(&mut drives, &mut control, "control.m.29=0.3 s").unwrap();
+/// assert_eq!((drives.tool_change_time, control.m[&29]), (6.0, 0.3));
+/// let error = set_drive(&mut drives, &mut control, "jerk=1 s").unwrap_err();
+/// assert!(error.fix().contains("jerk_time"));
+/// ```
+pub fn set_drive(drives: &mut Drives, control: &mut Control, change: &str) -> Result<(), DriveError> {
+    let (name, value) = parts(change)?;
+    match name.strip_prefix("control.") {
+        Some(key) => control.set(key, value).map_err(DriveError::Control),
+        None => Ok(assign(drives, name, value)?),
+    }
+}
+
+/// Names of the values that [`set_drive`] changes, in words.
+pub fn drive_names() -> String {
+    let drives: Vec<&str> = Drives::<f64>::FIELDS.iter().map(|field| field.name).collect();
+    format!("drives and changer ({}) or control (control. before {})", drives.join(", "), Control::KEYS)
+}
 
 /// The time of a part program. It keeps no motions, and blocks only where a table of them is asked for.
 #[derive(Clone, Debug)]
@@ -48,7 +102,7 @@ struct Row {
     total: f64,
 }
 
-/// Lines of motions from unknown places that are kept.
+/// Greatest number of lines of motions from unknown places that are kept, so that memory stays bounded (assumption).
 const UNKNOWN: usize = 1000;
 
 impl CycleTime {
@@ -121,7 +175,7 @@ impl CycleTime {
         &self.unknown
     }
 
-    /// What the reader noticed, by line.
+    /// What the reader noticed, with its line, from 1.
     pub fn notes(&self) -> &[(usize, String)] {
         &self.notes
     }
@@ -135,7 +189,8 @@ impl CycleTime {
         self.shares.iter().map(of).sum()
     }
 
-    /// Times for programs: of the whole and by tool. The parts add up to the cycle time.
+    /// Times for programs: of the whole and by tool. Every key names its unit; `rotary_end` is in degrees. The parts add up to
+    /// the cycle time.
     pub fn json(&self) -> Value {
         let rows: Vec<Value> = self.shares.iter().map(Share::json).collect();
         let notes: Vec<Value> = self.notes.iter().map(|(line, text)| json!({ "line": line, "text": text })).collect();
@@ -170,7 +225,7 @@ impl CycleTime {
         })
     }
 
-    /// Times by tool for a terminal.
+    /// Times by tool for a terminal, s.
     pub fn text(&self) -> String {
         let mut text = format!(
             "{:>6} {:>8} {:>10} {:>10} {:>9} {:>8} {:>6} {:>11}",
@@ -189,7 +244,7 @@ impl CycleTime {
         text
     }
 
-    /// Times by block as CSV; empty where no table was asked for.
+    /// Times by block as CSV, s; only the header where no table was asked for.
     pub fn table(&self) -> String {
         let columns =
             ["line", "tool", "feed_time [s]", "rapid_time [s]", "dwell [s]", "tool_change", "holes", "time [s]"];

@@ -18,6 +18,7 @@ pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
+use crate::tune::Tuning;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -56,6 +57,8 @@ pub struct StudyOptions {
     pub stop_after: Option<u32>,
     /// What an earlier, stopped run of the same study finished.
     pub earlier: Option<Finished>,
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
 }
 
 impl StudyOptions {
@@ -70,6 +73,7 @@ impl StudyOptions {
             known: Arc::default(),
             stop_after: None,
             earlier: None,
+            tuning: None,
         }
     }
 }
@@ -164,6 +168,8 @@ pub struct Study {
     pub first_logs: Vec<RunLog>,
     /// Edges of the lathes over all replications, by policy.
     pub edge_lives: Vec<Vec<EdgeLife>>,
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
     /// By policy and replication.
     values: Vec<Vec<Vec<f64>>>,
 }
@@ -267,7 +273,8 @@ pub fn run_study_as_far(
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
+        let world = scenario.drawn(replication)?;
+        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
         unless_stopped(shop, scenario.horizon, stop)
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
@@ -278,7 +285,11 @@ const LOOKS: u32 = 256;
 
 /// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
 /// nothing of a run that goes on.
-fn unless_stopped(mut shop: Shop<'_, RunLog>, horizon: f64, stop: &AtomicBool) -> Result<Option<RunLog>, ShopError> {
+pub(crate) fn unless_stopped(
+    mut shop: Shop<'_, RunLog>,
+    horizon: f64,
+    stop: &AtomicBool,
+) -> Result<Option<RunLog>, ShopError> {
     for look in 1..LOOKS {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -308,7 +319,9 @@ impl StoppedShop {
     /// # Errors
     /// [`ShopError`] where the shop could not even be opened.
     pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+        let resolved = Arc::new(ResolvedPolicy::of(scenario, self.policy)?);
+        let world = scenario.drawn(self.replication)?;
+        Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
     }
 }
 
@@ -410,6 +423,7 @@ where
         digest: FNV_OFFSET,
         first_logs: Vec::new(),
         edge_lives: vec![Vec::new(); count],
+        tuning: options.tuning.clone(),
         values: vec![Vec::new(); count],
     };
     if let Some(earlier) = &options.earlier {

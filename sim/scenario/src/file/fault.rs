@@ -145,6 +145,14 @@ pub enum ScenarioFault {
         /// What was read.
         read: String,
     },
+    /// Draws of a posterior that a tool cannot take.
+    #[error("draws \"{file}\": {reason}")]
+    Draws {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -170,6 +178,7 @@ impl ContentFault for ScenarioFault {
             Self::Effect { .. } => "effect",
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
+            Self::Draws { .. } => "draws",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -188,6 +197,7 @@ impl ContentFault for ScenarioFault {
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
+            Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
             Self::DateWithoutStart { .. } => "write the time since the start, such as \"12 day\"".to_owned(),
             Self::Structure { file, .. } => {
                 format!(

@@ -3,11 +3,12 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, planned, processes, routing, rules, stability};
+use super::{Output, measured, planned, processes, routing, rules, stability, tune};
 use crate::{
     Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
-    ShiftCalendar, Target, ToolType, Variants,
+    ShiftCalendar, Target, ToolType, TuneRequest, Variants,
 };
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
@@ -63,8 +64,16 @@ fn raw_names<'d>(value: Option<&Value<'d>>) -> Vec<(String, DeTable<'d>)> {
     tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()
 }
 
+/// What a file says.
+pub(super) struct Resolved {
+    pub scenario: Scenario,
+    pub output: Output,
+    pub gap: Option<GapSection>,
+    pub tune: Option<TuneRequest>,
+}
+
 /// Resolves a whole file; `None` only where `[shop]` is no section.
-pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output, Option<GapSection>)> {
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> {
     let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
@@ -79,6 +88,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
+    let seed = shop.as_ref().and_then(|shop| shop.count("seed")).unwrap_or(1);
+    let tune = tune::request(walk, root, seed);
     let deviations = measured::deviations(walk, root, &names);
     let calibrations = measured::calibrations(walk, root, &names);
     let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
@@ -106,7 +117,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let scenario = Scenario {
         name: shop.text("name").unwrap_or_default().to_owned(),
         title: shop.text("title").unwrap_or_default().to_owned(),
-        seed: shop.count("seed").unwrap_or(1),
+        seed,
         replications: shop.count32("replications"),
         horizon: shop.required("horizon"),
         warm_up: shop.required("warm_up"),
@@ -124,7 +135,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         currency,
     };
     planned::policies(walk, &scenario, &places);
-    Some((scenario, output, gap))
+    Some(Resolved { scenario, output, gap, tune })
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.
@@ -300,6 +311,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
         let process = processes::process(walk, &section, &scatter, &effects);
+        let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
         let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
@@ -310,6 +322,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
             scatter,
             structure_scatter,
+            posterior: posterior.map(Arc::new),
         });
         tools.push(NamedTool {
             process: section.chosen("process", ProcessKind::from_word),
