@@ -23,6 +23,7 @@
 //! | [`request`] | what a study was asked to do: the condition for going on with it |
 //! | [`sweep`] | the comparison at several values of one key |
 //! | [`planned`] | comparisons in shards on many hosts |
+//! | [`planner`] | when orders are finished, load by week, queues |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -53,6 +54,7 @@ mod fixture;
 pub mod kpi;
 pub mod logs;
 pub mod planned;
+pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;

@@ -3,6 +3,7 @@
 mod chatter;
 mod difference;
 mod figures;
+mod orders;
 mod quality;
 mod shop;
 mod wear;
@@ -72,6 +73,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if comparison.policies.len() > 1 {
         report = report.section(difference::section(&source)).section(difference::gain_section(&source));
+    }
+    if let Some(orders) = orders::section(&source) {
+        report = report.section(orders);
     }
     if let Some(quality) = quality::section(&source) {
         report = report.section(quality);

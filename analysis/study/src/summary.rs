@@ -5,6 +5,7 @@
 
 use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::kpi::Kpi;
+use crate::planner;
 use crate::study::Study;
 use serde_json::{Map, Value, json};
 use toolroom_scenario::Scenario;
@@ -34,7 +35,7 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             })
         })
         .collect();
-    json!({
+    let mut summary = json!({
         "schema": 1,
         "scenario": scenario.name,
         "title": scenario.title,
@@ -62,7 +63,11 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             "notes": decision.notes,
         },
         "digest": format!("{:016x}", study.digest),
-    })
+    });
+    for (key, value) in planner::json(scenario, study).into_iter().flatten() {
+        summary[key] = value;
+    }
+    summary
 }
 
 /// Mean cutting share of the shop under the baseline.

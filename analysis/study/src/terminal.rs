@@ -3,6 +3,7 @@
 use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::kpi::{Better, Kpi};
+use crate::planner::late_orders;
 use crate::study::Study;
 use crate::summary::cutting_share;
 use std::fmt::Write;
@@ -74,6 +75,7 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
             let _ = writeln!(out, "  {note}");
         }
     }
+    out.push_str(&late_orders(scenario, study));
     if !study.complete {
         let _ = writeln!(out, "stopped early: {} replications are complete", study.replications);
     }

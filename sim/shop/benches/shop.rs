@@ -75,6 +75,7 @@ fn scenario() -> Scenario {
     Scenario {
         name: "bench".to_owned(),
         title: "bench".to_owned(),
+        start: None,
         seed: 1,
         replications: 1,
         horizon: 28_800.0,
@@ -84,6 +85,8 @@ fn scenario() -> Scenario {
         tools: Vec::new(),
         parts: Vec::new(),
         arrivals: Vec::new(),
+        orders: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
@@ -124,6 +127,8 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
         arrivals: (0..60)
             .map(|part| Arrival { part, pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 } })
             .collect(),
+        orders: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![dispatch],
         ..scenario()
     }
