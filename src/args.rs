@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod calibrate;
+mod calibration_data;
 mod files;
 mod gap;
 mod import;
@@ -12,6 +13,7 @@ mod planning;
 mod program;
 
 pub use calibrate::CalibrateArgs;
+pub use calibration_data::CalibrationData;
 pub use files::{CheckArgs, NewArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
@@ -141,6 +143,7 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
     /// A parameter set from what a shop knows of its own tools
     #[command(before_help = "Examples:
   toolroom calibrate turning --life \"15 min\" --at \"200 m/min\" --feed \"0.25 mm/rev\" --out first.toml
+  toolroom calibrate turning --model c45_t15k6 --data wear.csv --limit \"0.3 mm\" --out my.toml
   toolroom check first.toml                 every value with where it comes from
   toolroom point turning --tool first.toml --set cutting_speed=\"250 m/min\"")]
     Calibrate(CalibrateArgs),

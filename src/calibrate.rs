@@ -1,18 +1,29 @@
 //! `toolroom calibrate`: a parameter set from what a shop knows.
 
+mod data;
+
 use crate::args::CalibrateArgs;
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use toolroom_wear::{FirstSet, KnownLife};
 
+/// Flank wear at which an edge is spent where nothing else is said (ISO 3685, even wear).
+const LIMIT: &str = "0.3 mm";
+
 pub fn run(args: &CalibrateArgs, voice: &Voice) -> Result<(), Failure> {
+    if let Some(records) = &args.measured.data {
+        return data::run(&args.measured, records, &args.out, args.limit.as_deref(), voice);
+    }
+    let (Some(life), Some(at)) = (&args.life, &args.at) else {
+        return Err(Failure::argument("neither --life with --at nor --data is given", "toolroom calibrate --help"));
+    };
     let first = FirstSet::read(&KnownLife {
-        life: &args.life,
-        cutting_speed: &args.at,
+        life,
+        cutting_speed: at,
         feed: &args.feed,
         depth_of_cut: &args.depth,
-        wear_limit: &args.limit,
+        wear_limit: args.limit.as_deref().unwrap_or(LIMIT),
         tool_material: &args.tool_material,
         iso513: &args.material,
     })

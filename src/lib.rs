@@ -15,6 +15,7 @@
 //! | lag and stiffnesses from trials | [`planning::identification::IdentificationStudy`] | `toolroom identify` |
 //! | a stability chart | [`planning::lobes::ChartStudy`] | `toolroom lobes` |
 //! | the blind benchmark | [`blind::diagnose`] | `toolroom gap blind` |
+//! | parameters from measured edges | [`calibrate::Calibration`] | `toolroom calibrate --data` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
 //! | a diagnosis with its documents | [`gap_study::GapStudy`] | `toolroom gap diagnose` |
 //! | a process at one point | [`planning::point::Point`] | `toolroom point` |
@@ -31,6 +32,7 @@
 //! the caller writes where they belong.
 
 pub use toolroom_blind as blind;
+pub use toolroom_calibrate as calibrate;
 pub use toolroom_chart as chart;
 pub use toolroom_chatter as chatter;
 pub use toolroom_contour as contour;

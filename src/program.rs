@@ -20,7 +20,7 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     for path in args.blocks.iter().chain(&args.out) {
         files.check(path)?;
     }
-    let mut control = control(&args.file, args.units.as_deref());
+    let mut control = Control::of_file(&args.file, args.units.as_deref().and_then(Units::named));
     control.dialect = args.dialect.as_deref().and_then(Dialect::named);
     control.steps = args.steps;
     for number in &args.skip {
@@ -72,17 +72,6 @@ pub fn read(file: &Path) -> Result<String, Failure> {
     let name = file.display();
     let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// The control of a program in a file: its subprograms stand beside it.
-pub fn control(file: &Path, units: Option<&str>) -> Control {
-    let folder = file.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
-    Control {
-        units: units.and_then(Units::named),
-        extension: file.extension().map(|extension| extension.to_string_lossy().into_owned()),
-        library: folder.map(Path::to_path_buf),
-        ..Control::default()
-    }
 }
 
 /// Drives with the values of `--set`; those of the control go there.

@@ -2,6 +2,7 @@
 
 mod architecture;
 mod blind;
+mod calibration;
 mod cli;
 mod determinism;
 mod examples;

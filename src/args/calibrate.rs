@@ -1,5 +1,6 @@
 //! Arguments of `toolroom calibrate`.
 
+use super::calibration_data::CalibrationData;
 use clap::Args;
 use clap::builder::PossibleValuesParser as Words;
 use std::path::PathBuf;
@@ -11,11 +12,11 @@ pub struct CalibrateArgs {
     #[arg(value_parser = Words::new(["turning"]))]
     pub process: String,
     /// About how long an edge lasts, such as "15 min"
-    #[arg(long, value_name = "TIME")]
-    pub life: String,
+    #[arg(long, value_name = "TIME", requires = "at", required_unless_present = "data")]
+    pub life: Option<String>,
     /// Cutting speed at which it lasts that long
-    #[arg(long, value_name = "SPEED")]
-    pub at: String,
+    #[arg(long, value_name = "SPEED", requires = "life")]
+    pub at: Option<String>,
     /// Feed per revolution there
     #[arg(long, value_name = "LENGTH", default_value = "0.25 mm/rev")]
     pub feed: String,
@@ -28,10 +29,12 @@ pub struct CalibrateArgs {
     /// ISO 513 letter of the work material
     #[arg(long, value_name = "LETTER", default_value = "P", value_parser = Words::new(ISO_513))]
     pub material: String,
-    /// Flank wear at which an edge is spent
-    #[arg(long, value_name = "LENGTH", default_value = "0.3 mm")]
-    pub limit: String,
+    /// Flank wear at which an edge is spent; 0.3 mm, or with --data that of the set
+    #[arg(long, value_name = "LENGTH")]
+    pub limit: Option<String>,
     /// Parameter set to write
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    #[command(flatten)]
+    pub measured: CalibrationData,
 }

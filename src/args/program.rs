@@ -13,8 +13,8 @@ pub struct ProgramArgs {
     pub dialect: Option<String>,
     /// Replace a value of drives and changer (rapid_speed, tool_change_time, inverse_acceleration,
     /// inverse_rapid_acceleration, corner_deviation, jerk_time, feed_settling, rapid_settling, hole_dwell)
-    /// or of the control (control.units, control.decimal, control.peck_clearance, control.rotary_feed, control.m.29,
-    /// control.g.411), repeatable
+    /// or of the control (control.units, control.decimal, control.peck_clearance, control.rotary_feed, control.feed_at,
+    /// control.m.29, control.g.411), repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Unit of lengths and feeds of a program that names none
@@ -30,7 +30,7 @@ pub struct ProgramArgs {
     #[arg(long, value_name = "TOOL=DIAMETER")]
     pub tool: Vec<String>,
     /// Greatest number of blocks that may run
-    #[arg(long, value_name = "COUNT", default_value_t = 10_000_000)]
+    #[arg(long, value_name = "COUNT", default_value_t = toolroom_program::Control::STEPS)]
     pub steps: u64,
     /// Write the motions for another control, to the file of --out
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES, requires = "out")]

@@ -114,12 +114,8 @@ fn several(
         return Ok(());
     }
     std::fs::create_dir_all(&args.out).map_err(|source| Failure::Unwritable { path: args.out.clone(), source })?;
-    for (path, is, text) in &texts {
-        if *is == "as it was" {
-            files.put_marked(path, text, is_marked)?;
-        } else {
-            put(files, path, text)?;
-        }
+    for (path, _, text) in &texts {
+        put(files, path, text)?;
     }
     if voice.json {
         let written: Vec<Value> =

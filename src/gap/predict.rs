@@ -8,6 +8,7 @@ use crate::speak::Voice;
 use serde_json::json;
 use toolroom_apply::{Prediction, predictions};
 use toolroom_gap_study::tables;
+use toolroom_process::table::{Cell, csv_text};
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
@@ -25,12 +26,8 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         let id = |row: usize| ids.and_then(|ids| ids.get(row)).cloned().unwrap_or_else(|| (row + 1).to_string());
         rows.extend(asked.parts.iter().flat_map(|part| predictions(part.as_ref())).map(|own| (id(own.row), own)));
     }
-    let mut text = "operation_id,channel,unit,measured,predicted,standard_deviation\n".to_owned();
-    for (id, own) in &rows {
-        let id = if id.contains([',', '"']) { format!("\"{}\"", id.replace('"', "\"\"")) } else { id.clone() };
-        let Prediction { channel, unit, measured, value, standard_deviation, .. } = own;
-        text.push_str(&format!("{id},{channel},{unit},{measured},{value},{standard_deviation}\n"));
-    }
+    let header = ["operation_id", "channel", "unit", "measured", "predicted", "standard_deviation"];
+    let text = csv_text(header, rows.iter().map(cells)).expect("every row is as long as the header");
     if let Some(out) = &args.out {
         let path = out.join("predictions.csv");
         std::fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.clone(), source })?;
@@ -53,4 +50,15 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
         return voice.json(&json!({ "schema": 1, "predictions": list }));
     }
     voice.data(text.trim_end())
+}
+
+fn cells((id, own): &(String, Prediction)) -> [Cell<'_>; 6] {
+    [
+        id.into(),
+        own.channel.into(),
+        own.unit.into(),
+        own.measured.into(),
+        own.value.into(),
+        own.standard_deviation.into(),
+    ]
 }

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_process::unit;
-use toolroom_program::{Drives, Program};
+use toolroom_program::{Control, Drives, Program, Units};
 use toolroom_records::mtconnect::{
     Role, RoleError, Run, Session, Untimed, events, parse_shdr, runs, sessions, stretches, summary, whole,
 };
@@ -80,8 +80,9 @@ fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
 fn timed(args: &MtconnectArgs, nc: &Path, own: &[Run], voice: &Voice) -> Result<Records, Failure> {
     let name = nc.display().to_string();
     let text = program::read(nc)?;
-    let program = Program::read(&text, &program::control(nc, args.units.as_deref()))
-        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    let control = Control::of_file(nc, args.units.as_deref().and_then(Units::named));
+    let program =
+        Program::read(&text, &control).map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     let least = unit::quantity(&args.stretch, "s")
         .map_err(|error| Failure::argument(format!("--stretch: {error}"), "write --stretch \"10 s\""))?;
     let list: Vec<&Run> = own.iter().collect();

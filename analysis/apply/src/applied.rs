@@ -2,11 +2,8 @@
 
 use crate::predict::{Prediction, at};
 use nalgebra::DMatrix;
-use toolroom_gap::{Bare, Basis, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations};
+use toolroom_gap::{Bare, Basis, EFFECT_PRIOR, Forward, Linear, Movable, Point, WrittenEffect, fit, normal_equations};
 use toolroom_scenario::{Calibration, Moved};
-
-/// Prior standard deviation of an effect, in ordinary sizes: all but flat, as in the diagnosis.
-const EFFECT_PRIOR: f64 = 20.0;
 
 /// A constant that the applied point moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +65,7 @@ pub fn applied_to(
     let keep = |name: &str, allowance: bool| !allowance && frame.words.of(name).is_some();
     let bare = Bare::keeping(model, keep);
     let (calibrated, _) = fitted(&bare, basis, &[]);
-    let (point, linear) = if active.is_empty() { fitted(&bare, basis, &[]) } else { fitted(&bare, basis, active) };
+    let (point, linear) = fitted(&bare, basis, active);
     let own = bare.frame();
     let names: Vec<(&str, f64)> = own
         .parameters
@@ -98,7 +95,7 @@ pub fn applied_to(
         let value = match before.map(|own| own.moved) {
             Some(Moved::Factor(factor)) if !movable.summand => value / factor,
             Some(Moved::Summand(summand)) if movable.summand => value - summand,
-            _ => value,
+            Some(Moved::Factor(_) | Moved::Summand(_)) | None => value,
         };
         let standard_error = covariance[(i, i)].max(0.0).sqrt();
         let prior = before.and_then(|own| own.prior).unwrap_or(*deviation);

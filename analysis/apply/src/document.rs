@@ -4,7 +4,8 @@ use crate::applied::{Applied, Constant, Found};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_effects::Effect;
-use toolroom_gap::WrittenEffect;
+use toolroom_gap::{NINETY, WrittenEffect};
+use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
 use toolroom_records::Records;
 use toolroom_scenario::effects::SHOP_EFFECTS;
@@ -174,10 +175,7 @@ pub fn document(mut document: Value, processes: &[Process<'_>], data: (String, u
     document
 }
 
-/// Normal quantile of the upper end of a 90 % interval.
-const NINETY: f64 = 1.644_853_626_951_472_7;
-
-/// The table `predictions`: name, unit and values of each column.
+/// The rows of the table `predictions`, part by part.
 pub fn predictions_of(records: &Records, parts: &[Applied]) -> Vec<PredictionRow> {
     let id = |row: usize| {
         let texts = ["operation_id", "trial_id"].iter().find_map(|name| records.texts(name));
@@ -225,28 +223,33 @@ pub struct PredictionRow {
 }
 
 impl PredictionRow {
-    /// Header and cells as text.
+    /// The table as text.
     pub fn csv(rows: &[Self]) -> String {
-        let mut text =
-            "operation_id,channel,unit,measured,nominal,calibrated,applied,standard_deviation,used\n".to_owned();
-        for own in rows {
-            let id = if own.operation_id.contains([',', '"']) {
-                format!("\"{}\"", own.operation_id.replace('"', "\"\""))
-            } else {
-                own.operation_id.clone()
-            };
-            text.push_str(&format!(
-                "{id},{},{},{},{},{},{},{},{}\n",
-                own.channel,
-                own.unit,
-                own.measured,
-                own.nominal,
-                own.calibrated,
-                own.applied,
-                own.standard_deviation,
-                own.used
-            ));
-        }
-        text
+        let header = [
+            "operation_id",
+            "channel",
+            "unit",
+            "measured",
+            "nominal",
+            "calibrated",
+            "applied",
+            "standard_deviation",
+            "used",
+        ];
+        csv_text(header, rows.iter().map(Self::cells)).expect("every row is as long as the header")
+    }
+
+    fn cells(&self) -> [Cell<'_>; 9] {
+        [
+            (&self.operation_id).into(),
+            (&self.channel).into(),
+            (&self.unit).into(),
+            self.measured.into(),
+            self.nominal.into(),
+            self.calibrated.into(),
+            self.applied.into(),
+            self.standard_deviation.into(),
+            self.used.into(),
+        ]
     }
 }

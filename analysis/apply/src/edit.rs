@@ -3,11 +3,11 @@
 use crate::constants::calibrate;
 use crate::effects::{of_shop, of_tool};
 use crate::error::ApplyError;
-use crate::hash::model_hash;
+use crate::hash::{BYTE_ORDER_MARK, model_hash, parsed, unmark};
 use crate::program;
 use crate::values::unreadable;
 use serde_json::Value;
-use toml_edit::{DocumentMut, Item};
+use toml_edit::Item;
 use toolroom_effects::Effect;
 use toolroom_scenario::Deviation;
 
@@ -60,10 +60,7 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
     if diagnosed != found {
         return Err(ApplyError::Model { diagnosed, found });
     }
-    let bare = request.text.strip_prefix('\u{feff}');
-    let text = bare.unwrap_or(request.text);
-    let mut document: DocumentMut =
-        text.parse().map_err(|error: toml_edit::TomlError| ApplyError::Text { message: error.to_string() })?;
+    let mut document = parsed(request.text)?;
     let list = |key: &str| diagnosis["applied"][key].as_array().into_iter().flatten().filter(mine).collect::<Vec<_>>();
     let wanted = |own: &&&Value| {
         let id = own["id"].as_str().unwrap_or_default();
@@ -83,9 +80,7 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         .and_then(Item::as_array)
         .map(|all| all.iter().filter_map(|own| own.as_str().map(str::to_owned)).collect())
         .unwrap_or_default();
-    if let Some(gap) = document.get_mut("gap").and_then(Item::as_table_like_mut) {
-        gap.remove("applied");
-    }
+    unmark(&mut document);
     let own = diagnosis["data"]["hash"].as_str().unwrap_or_default().to_owned();
     if !own.is_empty() && !data.contains(&own) {
         data.push(own);
@@ -115,6 +110,7 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         let text = |key: &str| own[key].as_str().unwrap_or_default();
         changes.constants.push(format!("{} of {}", text("parameter"), text("target")));
     }
-    changes.text = format!("{}{document}", if bare.is_some() { "\u{feff}" } else { "" });
+    let mark = request.text.chars().next().filter(|first| *first == BYTE_ORDER_MARK);
+    changes.text = mark.into_iter().collect::<String>() + &document.to_string();
     Ok(changes)
 }

@@ -6,6 +6,9 @@ use std::fmt::Write;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use toolroom_shards::fingerprint;
 
+/// What some editors begin a file with.
+pub(crate) const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Hash of a model file with the values of `--set`: whitespace, comments, the order of keys and the mark of an
 /// earlier `gap apply` do not count.
 ///
@@ -19,18 +22,27 @@ use toolroom_shards::fingerprint;
 /// assert_ne!(model_hash(a, &[]), model_hash(a, &["gap.force=0.2".to_owned()]));
 /// ```
 pub fn model_hash(text: &str, overrides: &[String]) -> Result<String, ApplyError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut document: DocumentMut =
-        text.parse().map_err(|error: toml_edit::TomlError| ApplyError::Text { message: error.to_string() })?;
-    if let Some(gap) = document.get_mut("gap").and_then(Item::as_table_like_mut) {
-        gap.remove("applied");
-    }
+    let mut document = parsed(text)?;
+    unmark(&mut document);
     let mut canonical = String::new();
     table(document.as_table(), &mut canonical);
     for own in overrides {
         let _ = write!(canonical, "\n{own}");
     }
     Ok(fingerprint(canonical.as_bytes()))
+}
+
+/// A model, whether or not it begins with a byte order mark.
+pub(crate) fn parsed(text: &str) -> Result<DocumentMut, ApplyError> {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+    text.parse().map_err(|error: toml_edit::TomlError| ApplyError::Text { message: error.to_string() })
+}
+
+/// Takes the mark of an earlier `gap apply` away.
+pub(crate) fn unmark(document: &mut DocumentMut) {
+    if let Some(gap) = document.get_mut("gap").and_then(Item::as_table_like_mut) {
+        gap.remove("applied");
+    }
 }
 
 fn table(of: &dyn TableLike, out: &mut String) {

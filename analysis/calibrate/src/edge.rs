@@ -162,32 +162,7 @@ impl Common<'_> {
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
         let mut at = |z: f64| self.ln_joint(edge, &read, times.as_deref(), z, &mut predicted);
-        let mut best = (0.0, f64::NEG_INFINITY, 0.0, 1.0);
-        for start in 0..STARTS {
-            let z = FARTHEST * (2.0 * start as f64 / (STARTS - 1) as f64 - 1.0);
-            let (density, gradient, curvature) = at(z);
-            if density > best.1 {
-                best = (z, density, gradient, curvature);
-            }
-        }
-        let (mut z, mut density, mut gradient, mut curvature) = best;
-        for _ in 0..20 {
-            let mut step = gradient / curvature;
-            let mut moved = false;
-            for _ in 0..12 {
-                let next = at(z + step);
-                if next.1.is_finite() && next.0 >= density {
-                    z += step;
-                    (density, gradient, curvature) = next;
-                    moved = true;
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !moved || step.abs() * curvature.sqrt() < 1e-4 {
-                break;
-            }
-        }
+        let (z, (density, _, curvature)) = mode(&mut at);
         let width = std::f64::consts::SQRT_2 / curvature.sqrt();
         let mut terms = [0.0; 9];
         for (index, (node, weight)) in HERMITE.iter().enumerate() {
@@ -198,6 +173,15 @@ impl Common<'_> {
             }
         }
         width.ln() + ln_sum(&terms)
+    }
+
+    /// The level at which the readings of an edge are most probable together with the level itself.
+    pub(crate) fn level(&self, edge: &Edge) -> f64 {
+        let read: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
+        let times = self.in_life.map(|_| reading_times(edge));
+        let mut predicted = Predicted::default();
+        let (z, _) = mode(&mut |z| self.ln_joint(edge, &read, times.as_deref(), z, &mut predicted));
+        (self.scatter * z).exp()
     }
 
     /// Readings of another edge that is cut and read as this one.
@@ -268,6 +252,40 @@ impl Common<'_> {
             reading + pace[i] * pace[j] * noise.covariance(times[i], times[j])
         })
     }
+}
+
+/// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
+type Joint = (f64, f64, f64);
+
+/// The most probable standardised level of an edge, and the density there.
+fn mode(at: &mut dyn FnMut(f64) -> Joint) -> (f64, Joint) {
+    let starts = (0..STARTS).map(|start| FARTHEST * (2.0 * start as f64 / (STARTS - 1) as f64 - 1.0));
+    let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
+    for z in starts {
+        let there = at(z);
+        if there.0 > best.1.0 {
+            best = (z, there);
+        }
+    }
+    let (mut z, mut here) = best;
+    for _ in 0..20 {
+        let mut step = here.1 / here.2;
+        let mut moved = false;
+        for _ in 0..12 {
+            let next = at(z + step);
+            if next.0.is_finite() && next.0 >= here.0 {
+                z += step;
+                here = next;
+                moved = true;
+                break;
+            }
+            step *= 0.5;
+        }
+        if !moved || step.abs() * here.2.sqrt() < 1e-4 {
+            break;
+        }
+    }
+    (z, here)
 }
 
 fn ln_normal(factor: &Cholesky<f64, Dyn>, off: &DVector<f64>) -> f64 {

@@ -20,6 +20,9 @@
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
 //! | [`Identifiability`] | what the data determine, and what only the prior says |
 //! | [`leave_edges_out`], [`Coverage`], [`Choice`] | predictions of edges by the others, and the law that they speak for |
+//! | [`Measured`] | records brought into this form, with what is to be said of them |
+//! | [`Calibration`], [`Request`] | all of it in one go: text, JSON, draws, the parameter set |
+//! | [`CalibrationStudy`], [`StudyResult`] | the same from files |
 //!
 //! Times are in min, wear in mm, other values in the units of parameter files.
 //!
@@ -27,6 +30,7 @@
 //! - The tool body's temperature follows at once, as in lives by quadrature.
 //! - An edge's level acts on the whole rate; it is not split into a mechanical and a thermal part.
 
+mod calibration;
 mod choice;
 mod curve;
 mod edge;
@@ -39,9 +43,15 @@ mod model;
 mod normal;
 mod parameter;
 mod pareto;
+mod report;
 mod sample;
+mod set_file;
+mod study;
+mod summary;
+mod treatment;
 mod wear_model;
 
+pub use calibration::{Calibration, CalibrationError, LawFit, LifeAt, Request, life_at};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
 pub use edge::{Common, Edge, InLife, Life, Stretch};
@@ -53,4 +63,6 @@ pub use model::Model;
 pub use parameter::{Parameter, Prior, Scale};
 pub use pareto::Weights;
 pub use sample::{Method, Posterior, sample};
+pub use study::{CalibrationStudy, Refusal, StudyResult};
+pub use treatment::{DataError, End, Measured};
 pub use wear_model::{EDGE_SCATTER, READING_NOISE, WearModel};

@@ -1,7 +1,7 @@
 //! The model of wear readings and lives.
 
 use crate::curve::Curve;
-use crate::edge::{Common, Edge, InLife};
+use crate::edge::{Common, Edge, InLife, Predicted};
 use crate::law::{Law, ending_at, with_values};
 use crate::model::Model;
 use crate::parameter::{Parameter, Prior, Scale};
@@ -52,8 +52,8 @@ pub const READING_NOISE: &str = toolroom_wear::READING_NOISE_NAME;
 
 impl WearModel {
     /// The model of `edges`, which were cut at `conditions`. What the law does not say is taken from `base`; `limit` in
-    /// mm is the flank wear at which lives end. The tilt of Taylor's wear curve is fixed at zero until a prior is set for
-    /// it.
+    /// mm is the flank wear at which lives end. The tilt of Taylor's wear curve is fixed at zero: with the contrast
+    /// free as well, few designs tell the two apart.
     pub fn new(law: Law, base: &Pair, conditions: Vec<Cut>, edges: Vec<Edge>, limit: f64) -> Self {
         let template = ending_at(law.template(base), limit);
         let mut parameters = law.parameters(&template);
@@ -98,14 +98,25 @@ impl WearModel {
         true
     }
 
+    /// Whether a parameter of the law of this name is fixed already.
+    pub fn fixed(&self, name: &str) -> bool {
+        let all = self.law.parameters(&self.template);
+        let slot = all.iter().position(|parameter| parameter.name == name).map(|index| self.slots[index]);
+        matches!(slot, Some(Slot::Fixed(_)))
+    }
+
     fn index(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|parameter| parameter.name == name)
     }
 
-    /// Sets the prior of a parameter; `false` where there is none of this name.
+    /// Sets the prior of a free parameter; a mean of NaN keeps the present one. `false` where none of this name is free.
     pub fn set_prior(&mut self, name: &str, prior: Prior) -> bool {
         let found = self.parameters.iter_mut().find(|parameter| parameter.name == name);
-        found.map(|parameter| parameter.prior = prior).is_some()
+        let set = |parameter: &mut Parameter| {
+            let mean = if prior.mean.is_nan() { parameter.prior.mean } else { prior.mean };
+            parameter.prior = Prior { mean, ..prior };
+        };
+        found.map(set).is_some()
     }
 
     /// Sets the noise of the rate within a life.
@@ -116,6 +127,11 @@ impl WearModel {
     /// The edges.
     pub fn measured(&self) -> &[Edge] {
         &self.edges
+    }
+
+    /// The set from which everything comes that the law does not say.
+    pub(crate) fn base(&self) -> &Pair {
+        &self.base
     }
 
     /// Curves of all conditions that some edges met.
@@ -151,6 +167,22 @@ impl WearModel {
     /// Life in min of an edge of median level under a cut.
     pub fn life(&self, u: &[f64], cut: &Cut) -> f64 {
         self.curve(cut, &self.pair(u)).time(self.limit)
+    }
+
+    /// The level of an edge at which its readings are most probable together with the level itself.
+    pub(crate) fn level(&self, u: &[f64], edge: &Edge) -> f64 {
+        let all = self.edges.iter().position(|other| other.name == edge.name);
+        let curves = self.curves(u, &all.into_iter().collect::<Vec<_>>());
+        self.common(u, &curves).level(edge)
+    }
+
+    /// Wear at the readings of an edge at a level, mm.
+    pub(crate) fn course(&self, u: &[f64], edge: &Edge, level: f64) -> Vec<f64> {
+        let all = self.edges.iter().position(|other| other.name == edge.name);
+        let curves = self.curves(u, &all.into_iter().collect::<Vec<_>>());
+        let mut predicted = Predicted::default();
+        self.common(u, &curves).predict(edge, level, &mut predicted);
+        predicted.wear
     }
 
     fn common<'a>(&self, u: &[f64], curves: &'a [Curve]) -> Common<'a> {

@@ -7,6 +7,7 @@ use crate::{DAY, WEEK};
 use std::collections::{BTreeMap, BTreeSet};
 use toolroom_chart::page::Figure;
 use toolroom_chart::{Axis, ColourMap, HeatMap, Plot, Style, Waterfall};
+use toolroom_gap::NINETY;
 
 /// Points of one cloud.
 const CLOUD: usize = 1500;
@@ -14,8 +15,6 @@ const CLOUD: usize = 1500;
 const STEPS: usize = 60;
 /// Scores of the map beyond this have the same colour.
 const FARTHEST: f64 = 8.0;
-/// Normal quantile of a band that holds 90 %.
-const NINETY: f64 = 1.645;
 
 /// Measured against predicted values of a channel, before and after, with the line of equality and the band that holds
 /// 90 % of what is left.

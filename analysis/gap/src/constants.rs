@@ -160,7 +160,7 @@ pub(super) const NEIGHBOURS: f64 = 0.5;
 // Intervals of closure.
 
 /// Normal quantile of a 90 % interval, in standard deviations (1). Derivation: 5 % lie beyond each end.
-pub(super) const NINETY: f64 = 1.645;
+pub const NINETY: f64 = 1.645;
 /// Factor on an interval of closure where the groups are too few for Student's quantile (1). Assumption: it is
 /// wide enough that one group decides nothing.
 pub(super) const TOO_FEW: f64 = 3.0;

@@ -104,7 +104,7 @@ pub struct Closure {
     /// Share of what could be closed at all: of the mean square above the noise floor, at most 1. No number where less
     /// than a fifth of the mean square lies above it.
     pub of_closable: f64,
-    /// Four measures of the same readings, none of which counts a far one less than it is but where it says so.
+    /// Other measures of the same readings; a far reading counts as it is except where a measure says otherwise.
     pub measures: Measures,
 }
 
@@ -257,7 +257,7 @@ pub struct Ranked {
     pub left_out: [f64; 2],
 }
 
-fn number(value: f64) -> Value {
+pub(super) fn number(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { Value::Null }
 }
 

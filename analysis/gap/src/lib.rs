@@ -75,7 +75,7 @@ pub use basis::Basis;
 pub use catalogue::report_units;
 pub use channels::diagnose_parts;
 pub use closure::Outside;
-pub use constants::FEWEST_GROUPS;
+pub use constants::{FEWEST_GROUPS, NINETY};
 pub use decide::Decision;
 pub use diagnose::{Diagnosed, diagnose, diagnose_by};
 pub use diagnosis::{
@@ -94,7 +94,7 @@ pub use noise::Noise;
 pub use processes::{Answers, diagnose_processes, diagnosed_processes};
 pub use rules::{RULES, Refusal, Rule};
 pub use score::Scores;
-pub use toolroom_evidence::{Evidence, Gram};
+pub use toolroom_evidence::{EFFECT_PRIOR, Evidence, Gram};
 pub use toolroom_nominal::{
     Asked, Candidate, Channel, Covariate, Direction, Discrepancy, Discrepant, EMPIRICAL_EFFECTS, EmpiricalSizes,
     Forward, Frame, Local, Measured, ModelFileError, Movable, NominalModel, NominalProcess, Observation, On, Parameter,

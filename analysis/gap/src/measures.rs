@@ -1,8 +1,10 @@
-//! How far a gap shrinks, in four numbers that say different things about the same readings.
+//! How far a gap shrinks, in numbers that say different things about the same readings.
 //!
 //! A sum is what a planner asks for, and one reading may rule it; so the readings that stand far apart are named and the
 //! sum is shown without them, too. A root mean square asks for the spread, a robust loss for the ordinary reading.
 
+use super::diagnosis::number;
+use super::noise::HUBER;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use toolroom_statistics::median;
@@ -13,8 +15,6 @@ const FAR: f64 = 6.0;
 /// Residual of such a reading over the median of its kind (1). Assumption: where all readings are far off, none of them
 /// stands apart.
 const BEYOND: f64 = 5.0;
-/// Standard deviations from which the robust loss is linear (1). Assumption, as for the noise.
-const HUBER: f64 = 2.5;
 /// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
 /// is known to a tenth.
 pub(super) const CLOSABLE: f64 = 0.2;
@@ -39,7 +39,7 @@ impl Left {
     }
 }
 
-/// Four measures of how far a gap shrinks; `NaN` where there is no gap of that kind.
+/// Measures of how far a gap shrinks; `NaN` where there is no gap of that kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measures {
     /// `1 − |Σ after| / |Σ before|`.
@@ -97,9 +97,8 @@ impl Measures {
         }
     }
 
-    /// The four measures as `closure` of `diagnosis.json` shows them.
+    /// The measures as `closure` of `diagnosis.json` shows them.
     pub(super) fn json(&self) -> Value {
-        let number = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
         json!({
             "mean": number(self.mean), "mean_without_apart": number(self.mean_without_apart), "rms": number(self.rms),
             "robust": number(self.robust), "of_closable": number(self.of_closable),
@@ -107,7 +106,7 @@ impl Measures {
     }
 }
 
-/// Huber's loss of a standardised residual.
+/// Huber's loss of a standardised residual: linear where the noise counts a reading less, too.
 fn huber(standard: f64) -> f64 {
     let size = standard.abs();
     if size <= HUBER { 0.5 * size * size } else { HUBER * (size - 0.5 * HUBER) }

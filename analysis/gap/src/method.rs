@@ -45,35 +45,30 @@ pub struct Bare<'a> {
 
 impl<'a> Bare<'a> {
     /// The model with the parts that `method` keeps.
-    pub fn new(model: &'a dyn Forward, method: Method) -> Self {
-        let mut frame = model.frame().clone();
-        let stays = |allowance: bool| method.allowance || !allowance;
-        let parameters = (0..frame.parameters.len()).filter(|i| stays(frame.parameters[*i].allowance)).collect();
-        let surfaces = (0..frame.surfaces.len()).filter(|i| stays(frame.surfaces[*i].allowance)).collect();
-        frame.parameters.retain(|parameter| stays(parameter.allowance));
-        frame.surfaces.retain(|surface| stays(surface.allowance));
+    pub(super) fn new(model: &'a dyn Forward, method: Method) -> Self {
+        let mut bare = Self::keeping(model, |_, allowance| method.allowance || !allowance);
         if !method.allowance {
-            frame.discrepancy = None;
+            bare.frame.discrepancy = None;
         }
         if !method.scatter {
-            frame.locals.clear();
+            bare.frame.locals.clear();
         }
-        Self { model, frame, kept: [parameters, surfaces] }
+        bare
     }
 
     /// The model with those parameters and surfaces only for which `keep` says so: it is asked for a name and
     /// whether that is part of the form allowance.
     pub fn keeping(model: &'a dyn Forward, keep: impl Fn(&str, bool) -> bool) -> Self {
         let mut frame = model.frame().clone();
-        let parameters = frame.parameters.iter().map(|own| keep(&own.name, own.allowance)).collect::<Vec<_>>();
-        let surfaces = frame.surfaces.iter().map(|own| keep(&own.name, own.allowance)).collect::<Vec<_>>();
-        let kept = |all: &[bool]| (0..all.len()).filter(|i| all[*i]).collect::<Vec<_>>();
-        let both = [kept(&parameters), kept(&surfaces)];
-        let mut at = parameters.into_iter();
-        frame.parameters.retain(|_| at.next().unwrap_or(false));
-        let mut at = surfaces.into_iter();
-        frame.surfaces.retain(|_| at.next().unwrap_or(false));
-        Self { model, frame, kept: both }
+        let parameters = (0..frame.parameters.len())
+            .filter(|i| keep(&frame.parameters[*i].name, frame.parameters[*i].allowance))
+            .collect();
+        let surfaces = (0..frame.surfaces.len())
+            .filter(|i| keep(&frame.surfaces[*i].name, frame.surfaces[*i].allowance))
+            .collect();
+        frame.parameters.retain(|own| keep(&own.name, own.allowance));
+        frame.surfaces.retain(|own| keep(&own.name, own.allowance));
+        Self { model, frame, kept: [parameters, surfaces] }
     }
 
     /// The point of the whole model: what was left out is zero.

@@ -6,7 +6,7 @@ use super::{Candidate, Channel};
 use toolroom_effects::{Effect, Effects, Search};
 use toolroom_records::Records;
 use toolroom_scenario::effects::SHOP_EFFECTS;
-use toolroom_scenario::{SCOPE_NAMES, Scope};
+use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope};
 
 /// Which prior a constant has.
 pub(super) enum Prior {
@@ -64,9 +64,6 @@ pub(super) struct Seen<'a> {
     pub durations: &'a [f64],
     pub channels: &'a [Channel],
 }
-
-/// Mean duration of a stop that nobody books, s.
-const STOP: f64 = 20.0;
 
 /// Candidates of a process that can show in the recorded channels at all, and effects that are not tried.
 pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candidate, Action)>, Vec<Untried>) {
@@ -157,6 +154,6 @@ pub(super) fn delays(records: &Records, groups: &[usize], durations: &[f64]) -> 
         let known = |stops: &f64| if stops.is_finite() { *stops } else { 0.0 };
         add("feed_hold", String::new(), 20.0, stops.iter().map(known).collect());
     }
-    add("micro_stops", String::new(), 1.0 / 600.0, durations.iter().map(|time| time * STOP).collect());
+    add("micro_stops", String::new(), 1.0 / 600.0, durations.iter().map(|time| time * MICRO_STOP).collect());
     list
 }

@@ -23,9 +23,6 @@ pub struct Stated {
     pub parts: Vec<String>,
     /// Hashes of the records that the calibration has seen.
     pub seen: Vec<String>,
-    /// Whether the records were not seen by the calibration: then it is where their fit starts and as certain as
-    /// it was left; else they count once, with the spread before any data.
-    pub fresh: bool,
 }
 
 impl Stated {
@@ -43,7 +40,6 @@ impl Stated {
             handling: scenario.machines.iter().map(handling).collect(),
             parts: scenario.parts.iter().map(|part| part.name.clone()).collect(),
             seen: Vec::new(),
-            fresh: true,
         }
     }
 
@@ -74,12 +70,12 @@ impl Stated {
     }
 
     /// Spread of a calibration before these records: as its file says, or as it was left by other records.
-    pub fn spread(&self, own: &Calibration, default: f64) -> f64 {
+    pub fn spread(own: &Calibration, default: f64) -> f64 {
         let prior = own.prior.filter(|prior| *prior > 0.0).unwrap_or(default);
         match own.standard_error {
             // A quarter of the prior stays: what one set of records shows another may not (assumption).
-            Some(error) if self.fresh => error.hypot(0.25 * prior),
-            _ => prior,
+            Some(error) => error.hypot(0.25 * prior),
+            None => prior,
         }
     }
 
@@ -154,13 +150,13 @@ impl Words {
         for (name, movable) in &words.movable {
             for (i, parameter) in frame.parameters.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
                 if let Some((own, value)) = stated.take(movable) {
-                    parameter.deviation = stated.spread(&own, parameter.deviation);
+                    parameter.deviation = Stated::spread(&own, parameter.deviation);
                     found.parameters.push((i, value / parameter.deviation));
                 }
             }
             for (i, surface) in frame.surfaces.iter_mut().enumerate().filter(|(_, own)| own.name == *name) {
                 if let Some((own, value)) = stated.take(movable) {
-                    surface.deviation = stated.spread(&own, surface.deviation);
+                    surface.deviation = Stated::spread(&own, surface.deviation);
                     found.surfaces.push((i, value / surface.deviation));
                 }
             }

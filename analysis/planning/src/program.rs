@@ -48,7 +48,7 @@ struct Row {
     total: f64,
 }
 
-/// Lines of motions from unknown places that are kept.
+/// Greatest number of lines of motions from unknown places that are kept, so that memory stays bounded (assumption).
 const UNKNOWN: usize = 1000;
 
 impl CycleTime {
@@ -121,7 +121,7 @@ impl CycleTime {
         &self.unknown
     }
 
-    /// What the reader noticed, by line.
+    /// What the reader noticed, with its line, from 1.
     pub fn notes(&self) -> &[(usize, String)] {
         &self.notes
     }
@@ -135,7 +135,8 @@ impl CycleTime {
         self.shares.iter().map(of).sum()
     }
 
-    /// Times for programs: of the whole and by tool. The parts add up to the cycle time.
+    /// Times for programs: of the whole and by tool. Every key names its unit; `rotary_end` is in degrees. The parts add up to
+    /// the cycle time.
     pub fn json(&self) -> Value {
         let rows: Vec<Value> = self.shares.iter().map(Share::json).collect();
         let notes: Vec<Value> = self.notes.iter().map(|(line, text)| json!({ "line": line, "text": text })).collect();
@@ -170,7 +171,7 @@ impl CycleTime {
         })
     }
 
-    /// Times by tool for a terminal.
+    /// Times by tool for a terminal, s.
     pub fn text(&self) -> String {
         let mut text = format!(
             "{:>6} {:>8} {:>10} {:>10} {:>9} {:>8} {:>6} {:>11}",
@@ -189,7 +190,7 @@ impl CycleTime {
         text
     }
 
-    /// Times by block as CSV; empty where no table was asked for.
+    /// Times by block as CSV, s; only the header where no table was asked for.
     pub fn table(&self) -> String {
         let columns =
             ["line", "tool", "feed_time [s]", "rapid_time [s]", "dwell [s]", "tool_change", "holes", "time [s]"];

@@ -308,8 +308,17 @@ pub(crate) fn start_values(
         let value = match variable.value_type {
             ValueType::String if count == 1 => CString::new(text.as_str()).ok().map(StartValue::Text),
             ValueType::String | ValueType::Binary | ValueType::Clock => None,
-            _ if variable.causality == "structuralParameter" => number(text.trim()).map(StartValue::Structure),
-            _ => numbers().filter(|numbers| numbers.len() == count as usize).map(StartValue::Numbers),
+            ValueType::Float64
+            | ValueType::Float32
+            | ValueType::Integer(..)
+            | ValueType::Boolean
+            | ValueType::Enumeration => {
+                if variable.causality == "structuralParameter" {
+                    number(text.trim()).map(StartValue::Structure)
+                } else {
+                    numbers().filter(|numbers| numbers.len() == count as usize).map(StartValue::Numbers)
+                }
+            }
         };
         values.push((port, value.ok_or_else(refused)?));
     }

@@ -71,14 +71,16 @@ pub enum ChatterError {
     /// The spindle is too slow for the period map and too fast for the envelope of the lobes.
     #[error(
         "the spindle is too slow for the period map and too fast for the envelope of the lobes: the fastest mode swings \
-         {waves:.0} times in a pass of a tooth, and the teeth turn {turn:.2} rad while the slowest vibration decays; at most \
-         400 times or 0.02 rad are answered"
+         {waves:.0} times in a pass of a tooth, and the least damped one hardly decays in it; ask above {least_rpm:.3} rpm or \
+         below {greatest_rpm:.3} rpm, or leave out modes of little compliance that are the fastest or the least damped"
     )]
     TooSlow {
         /// Oscillations of the fastest mode in one pass of a tooth.
         waves: f64,
-        /// Angle (rad) by which the teeth turn while the vibration that lasts longest decays to 1/e.
-        turn: f64,
+        /// Spindle speed (rpm) from which on the period map answers.
+        least_rpm: f64,
+        /// Spindle speed (rpm) up to which the envelope answers.
+        greatest_rpm: f64,
     },
     /// The eigenvalue iteration did not reach its tolerance; nothing is reported instead.
     #[error("the dominant multiplier was not found: residual {residual}")]

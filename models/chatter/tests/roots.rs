@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use std::f64::consts::TAU;
-use toolroom_chatter::{Mode, SpeedVariation, Turning};
+use toolroom_chatter::{ChatterError, Mode, SpeedVariation, Turning};
 
 fn cut(frequencies: &[f64], damping_ratio: f64, process_damping: f64, force_angle: f64) -> Turning {
     let modes = frequencies.iter().enumerate().map(|(i, frequency)| Mode {
@@ -58,6 +58,34 @@ proptest! {
             }
             let neutral = cut.verdict(speed, limit.depth).unwrap();
             prop_assert!((neutral.spectral_radius - 1.0).abs() < 1e-7, "{}", neutral.spectral_radius);
+        }
+    }
+}
+
+#[test]
+fn any_damping_is_answered_and_what_is_none_is_refused() {
+    // From cuts that hardly rub to lands that a cut never has, with the modes' shares of the force in phase and against.
+    for angles in [[0.0, 0.0], [0.9, -0.6], [0.9, -1.2]] {
+        let modes = [720.0, 227.0].into_iter().zip(angles).map(|(natural_frequency, angle): (f64, f64)| Mode {
+            direction: [angle.cos(), angle.sin()],
+            natural_frequency,
+            damping_ratio: 0.03,
+            stiffness: 6e7,
+        });
+        let bare = Turning { force_angle: 1.2, ..Turning::orthogonal(modes.collect(), 1.1e9, 0.04) };
+        let unit = Turning { process_damping: 1.0, ..bare };
+        for rpm in [1.0, 60.0, 1591.0] {
+            let speed = rpm / 60.0 * TAU;
+            let damped = |ratio: f64| {
+                Turning { process_damping: ratio * speed / unit.always_stable_below(), ..unit.clone() }.limit(speed)
+            };
+            for power in -12..15 {
+                let limit = damped(10f64.powi(power));
+                assert!(matches!(limit, Ok(_) | Err(ChatterError::NoLimit { .. })), "{rpm} rpm, 1e{power}: {limit:?}");
+            }
+            for beyond in [1e16, 1e100, 1e200] {
+                assert!(matches!(damped(beyond), Err(ChatterError::OutOfRange { .. })), "{rpm} rpm, {beyond}");
+            }
         }
     }
 }

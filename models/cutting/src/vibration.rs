@@ -22,8 +22,8 @@ record! {
     ///
     /// | quantity | equation |
     /// |---|---|
-    /// | coefficient | `K (1 + coefficient_growth · wear_ratio)` |
-    /// | process damping | `C_i + indentation_force · VB²/2` |
+    /// | coefficient | `K (1 + coefficient_growth · wear_ratio)`, the ratio at most 20 |
+    /// | process damping | `C_i + indentation_force · VB²/2`, VB at most 10 mm |
     /// | wear under chatter | `· (<F^wear_power>/F0^wear_power)^wear_exponent` |
     ///
     /// The mean force does not change under chatter, so wear can only follow a convex function of
@@ -42,6 +42,25 @@ record! {
         wear_power: Real = 2.0, 2.0..=3.0;
         /// Exponent of the mean power, s; 0 leaves wear alone.
         wear_exponent: Real = 1.0, 0.0..=5.0;
+    }
+}
+
+/// Longest flank land whose indentation damps (m). Assumption: some ten times the criteria of ISO 3685; an edge so worn
+/// is gone, and only a step of the integration that is given up asks for it.
+const LONGEST_LAND: f64 = 10e-3;
+
+/// Greatest ratio of wear to its limit with which the coefficient grows (1). Assumption, as for [`LONGEST_LAND`].
+const GREATEST_WEAR_RATIO: f64 = 20.0;
+
+impl Regeneration {
+    /// Factor of wear on the cutting coefficient, at a `wear_ratio` of the wear to its limit.
+    fn coefficient_factor(&self, wear_ratio: f64) -> f64 {
+        1.0 + self.coefficient_growth * wear_ratio.min(GREATEST_WEAR_RATIO)
+    }
+
+    /// Process damping by the land of an edge with `flank_wear` (m), in N/m.
+    fn land_damping(&self, flank_wear: f64) -> f64 {
+        0.5 * self.indentation_force * flank_wear.min(LONGEST_LAND).powi(2)
     }
 }
 

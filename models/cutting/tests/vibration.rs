@@ -274,3 +274,19 @@ fn the_middle_of_a_bar_chatters_and_its_time_counts() {
     assert!((parts.chatter_time - whole.chatter_time).abs() < 0.2, "{} {}", parts.chatter_time, whole.chatter_time);
     assert!((parts.flank_wear / whole.flank_wear - 1.0).abs() < 1e-3);
 }
+
+/// A step of the integration that runs away asks with a wear that no edge has; it costs no more than any other.
+#[test]
+fn an_edge_beyond_all_wear_is_judged_as_the_most_worn_one() {
+    let margin = |depth_of_cut: f64, flank_wear: f64| {
+        let turning = turning();
+        let state = TurningState { flank_wear, ..turning.initial() };
+        turning.output(&state, &turned(depth_of_cut)).stability_margin
+    };
+    for depth_of_cut in [0.2e-3, 1.2e-3] {
+        assert!(margin(depth_of_cut, 20e-3).is_finite());
+        for flank_wear in [1.0, 1e10, 1e40, 1e150] {
+            assert_eq!(margin(depth_of_cut, flank_wear), margin(depth_of_cut, 20e-3), "{flank_wear} m");
+        }
+    }
+}

@@ -21,7 +21,7 @@ pub struct Block {
     pub auxiliary_time: f64,
     /// Whether the tool is changed.
     pub tool_change: bool,
-    /// Holes of a canned cycle.
+    /// Number of holes of a canned cycle.
     pub holes: u32,
     /// Whether it has auxiliary functions: spindle, coolant, stops, functions of the machine.
     pub auxiliary: bool,
@@ -71,7 +71,7 @@ impl Block {
 pub struct Program {
     /// Blocks in the order in which they ran.
     pub blocks: Vec<Block>,
-    /// Lines of motions whose length is not known because they come from a reference point or another coordinate
+    /// Lines, from 1, of motions whose length is not known because they come from a reference point or another coordinate
     /// system: they count with the axes that are known.
     pub unknown: Vec<usize>,
 }
@@ -159,7 +159,7 @@ impl Iterator for Blocks {
     }
 }
 
-/// Greatest number of motions of a block that is handed on whole.
+/// Greatest number of motions of a block that is handed on whole: some ten megabytes (assumption).
 const PART: usize = 100_000;
 
 impl Program {
@@ -182,7 +182,7 @@ impl Program {
         Ok(program)
     }
 
-    /// Time of each block, s; see [`Timer`].
+    /// Time of each block with `drives`, s; see [`Timer`].
     pub fn times(&self, drives: &Drives) -> Vec<f64> {
         let mut times = vec![0.0; self.blocks.len()];
         let mut timer = Timer::new(drives);

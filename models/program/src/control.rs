@@ -2,7 +2,7 @@
 
 use crate::Dialect;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toolroom_process::unit;
 
 /// Unit of the lengths of a program that does not name one.
@@ -15,19 +15,17 @@ pub enum Units {
 }
 
 impl Units {
-    /// Words for files and options, in the order of [`Units::named`].
+    /// Words for files and options, in the order of the variants.
     pub const NAMES: [&'static str; 2] = ["mm", "inch"];
 
-    /// The unit of a name of [`Units::NAMES`].
+    const ALL: [Self; 2] = [Self::Millimetre, Self::Inch];
+
+    /// The unit of a name of [`Units::NAMES`]; `None` for another name.
     pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "mm" => Some(Self::Millimetre),
-            "inch" => Some(Self::Inch),
-            _ => None,
-        }
+        Self::NAMES.iter().position(|known| *known == name).map(|index| Self::ALL[index])
     }
 
-    /// mm.
+    /// Length of the unit, mm; an inch by its definition.
     pub(crate) fn scale(self) -> f64 {
         match self {
             Self::Millimetre => 1.0,
@@ -48,22 +46,23 @@ pub struct Control {
     /// Whether a number without a decimal point counts least increments, 0.001 mm or 0.0001 in, as on old Fanuc
     /// controls, instead of whole units.
     pub least_increment: bool,
-    /// Numbers of block skip that are switched on, by index 1 to 9.
+    /// Switches of block skip that are on, by their number from 1 to 9; index 0 says nothing.
     pub skip: [bool; 10],
-    /// Position at the start, mm and degrees, of X Y Z A B C U V W; `None` is unknown.
+    /// Position at the start in the order and units of [`Axes`](crate::Axes), X of a lathe as a diameter; `None` is
+    /// unknown.
     pub start: [Option<f64>; 9],
-    /// Greatest number of blocks that may run.
+    /// Greatest number of blocks and statements that may run.
     pub steps: u64,
     /// Distance above the last depth at which a peck begins and by which G73 retracts, mm. Where it is not given 0.254 mm
     /// on LinuxCNC and 1 mm elsewhere, which is an assumption.
     pub peck_clearance: Option<f64>,
     /// Whether F is a speed of all axes together, where linear and rotary axes move at once.
     pub rotary_feed_all_axes: bool,
-    /// Times of M codes, s.
+    /// Times of M codes, s, by their number.
     pub m: BTreeMap<u32, f64>,
     /// Times of G codes that are not understood, s, by ten times their number.
     pub g: BTreeMap<u32, f64>,
-    /// Diameters of tools by number or by D, mm.
+    /// Diameters of tools, mm, by number or by D.
     pub diameters: BTreeMap<u32, f64>,
     /// Folder of subprograms in files of their own.
     pub library: Option<PathBuf>,
@@ -80,7 +79,7 @@ impl Default for Control {
             least_increment: false,
             skip: [false; 10],
             start: [None; 9],
-            steps: 10_000_000,
+            steps: Self::STEPS,
             peck_clearance: None,
             rotary_feed_all_axes: false,
             m: BTreeMap::new(),
@@ -93,6 +92,21 @@ impl Default for Control {
 }
 
 impl Control {
+    /// Greatest number of blocks and statements that may run where nothing else is said: some hours at a thousand a second
+    /// (assumption).
+    pub const STEPS: u64 = 10_000_000;
+
+    /// The control of a program in `file`, whose lengths are `units` where it does not say: the ending of the file is a sign
+    /// of the language, and its subprograms stand beside it.
+    pub fn of_file(file: &Path, units: Option<Units>) -> Self {
+        Self {
+            units,
+            extension: file.extension().map(|extension| extension.to_string_lossy().into_owned()),
+            library: file.parent().map(Path::to_path_buf),
+            ..Self::default()
+        }
+    }
+
     /// A control of a language, with lengths in millimetres where a program does not say.
     pub fn of(dialect: Dialect) -> Self {
         Self { dialect: Some(dialect), ..Self::default() }
@@ -115,7 +129,7 @@ impl Control {
         Ok(())
     }
 
-    /// Takes the diameter of a tool such as `D1=10 mm`.
+    /// Takes the diameter of a tool such as `D1=10 mm`, from 0 to 1000 mm.
     ///
     /// # Errors
     /// What is wrong with the text.
@@ -130,7 +144,7 @@ impl Control {
         Ok(())
     }
 
-    /// Clearance of pecks where a control has none of its own, mm.
+    /// Clearance of pecks where a control has none of its own, mm; 1 mm is an assumption.
     pub(crate) fn clearance(&self) -> f64 {
         self.peck_clearance.unwrap_or(1.0)
     }
@@ -138,7 +152,8 @@ impl Control {
     /// Keys of [`Control::set`].
     pub const KEYS: &'static str = "units, decimal, peck_clearance, rotary_feed, feed_at, m.NUMBER, g.NUMBER";
 
-    /// Sets a value by its key.
+    /// Sets a value by its key, one of [`Control::KEYS`]: a word, or a number with its unit, a length for the clearance and a
+    /// time for `m.NUMBER` and `g.NUMBER`, from 0 to 1e6 m or s.
     ///
     /// # Errors
     /// What is wrong with key or value.
@@ -166,7 +181,7 @@ impl Control {
             }
         };
         match key {
-            "units" => self.units = Some([Units::Millimetre, Units::Inch][choice(Units::NAMES)?]),
+            "units" => self.units = Some(Units::ALL[choice(Units::NAMES)?]),
             "decimal" => self.least_increment = choice(["calculator", "least_increment"])? == 1,
             "rotary_feed" => self.rotary_feed_all_axes = choice(["linear_axes", "all_axes"])? == 1,
             "feed_at" => self.feed_at_contour = choice(["centre", "contour"])? == 1,

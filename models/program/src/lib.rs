@@ -19,6 +19,10 @@
 //! A word that is not understood could move an axis or take time. So every word of a block has to be understood, or
 //! the program is refused.
 //!
+//! # Units
+//! Lengths and positions are mm and degrees, as in programs; angles of arcs are rad, times s, speeds of the spindle rpm.
+//! [`Drives`] and `rapid_speed` are SI, as all records are: m/s, m and s²/m.
+//!
 //! # What is not modelled
 //! Motions of five axes with control of the tool's tip, tilted planes, probing, contour cycles of the controls, mill-turn.
 //! Reference points and work offsets that a program does not state: axes that come from there count as standing.

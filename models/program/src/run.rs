@@ -7,7 +7,7 @@ use crate::iso::Iso;
 use crate::kernel::Kernel;
 use crate::klartext::Klartext;
 use crate::library::Library;
-use crate::motion::{AXES, Event};
+use crate::motion::Event;
 use crate::siemens::Siemens;
 use std::ops::Range;
 
@@ -109,20 +109,10 @@ impl Run {
         &self.kernel.notes
     }
 
-    /// Number of blocks and statements that have run.
-    pub fn steps(&self) -> u64 {
-        self.steps
-    }
-
     /// Position of each axis up to now, mm and degrees; X of a lathe as a diameter. `None` where not known.
     pub fn position(&self) -> [Option<f64>; 9] {
         let diameter = |axis: usize| if self.kernel.lathe && axis == 0 { 2.0 } else { 1.0 };
         std::array::from_fn(|axis| self.kernel.known[axis].then(|| diameter(axis) * self.kernel.at[axis]))
-    }
-
-    /// Letters of the axes whose place is known.
-    pub fn axes(&self) -> String {
-        AXES.iter().zip(self.kernel.known).filter(|(_, known)| *known).map(|(letter, _)| *letter).collect()
     }
 
     fn error(&self, fault: Fault) -> ProgramError {

@@ -21,7 +21,7 @@ pub enum StretchKind {
 pub struct Stretch {
     /// What they do.
     pub kind: StretchKind,
-    /// Indices of the blocks.
+    /// Indices of the blocks in [`Program::blocks`].
     pub blocks: Range<usize>,
 }
 
@@ -41,7 +41,7 @@ fn kind(block: &Block) -> Option<StretchKind> {
 
 impl Program {
     /// Stretches of the program: tool changes, auxiliary functions, holes, and motions of at least
-    /// `least` seconds each at `rapid_speed`, where there are so many.
+    /// `least` s each at a rapid speed of each axis of `rapid_speed` m/s, where there are so many.
     ///
     /// ```
     /// use toolroom_program::{Control, Program};

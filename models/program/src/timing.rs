@@ -179,13 +179,13 @@ impl Timer {
         self.steps.drain(..count);
     }
 
-    /// The program ends: everything that is left comes to rest.
+    /// The program ends: everything that is left comes to rest; `done` gets its times as in [`block`](Self::block).
     pub fn finish(&mut self, done: &mut Vec<(usize, f64)>) {
         self.rest(done);
     }
 }
 
-/// Speeds before each step and behind the last.
+/// Speeds before each step and behind the last, m/s, by `acceleration`, m/s², and corner `deviation`, m.
 fn joints(steps: &[Step], entry: f64, acceleration: f64, deviation: f64) -> Vec<f64> {
     let mut joints = vec![0.0; steps.len() + 1];
     joints[0] = entry;
@@ -193,6 +193,7 @@ fn joints(steps: &[Step], entry: f64, acceleration: f64, deviation: f64) -> Vec<
         let (before, after) = (&steps[i - 1], &steps[i]);
         let dot: f64 = before.end.iter().zip(after.start).map(|(a, b)| a * b).sum();
         let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
+        // Without a turn the speed is that of the motions, whatever the rounding of `half`.
         let corner = (acceleration * deviation * half / (1.0 - half).max(1e-15)).sqrt();
         joints[i] = corner.min(before.top).min(after.top);
     }
@@ -208,7 +209,9 @@ fn joints(steps: &[Step], entry: f64, acceleration: f64, deviation: f64) -> Vec<
 
 /// How a drive changes its speed.
 struct Ramp {
+    /// m/s².
     acceleration: f64,
+    /// s.
     jerk_time: f64,
 }
 
@@ -216,7 +219,7 @@ struct Ramp {
 const HALVINGS: usize = 17;
 
 impl Ramp {
-    /// Time of a change of speed.
+    /// Time of a change of speed by `change` m/s, s.
     fn time(&self, change: f64) -> f64 {
         let full = self.acceleration * self.jerk_time;
         if change >= full {
@@ -226,13 +229,13 @@ impl Ramp {
         }
     }
 
-    /// Times and ways of the ramps from `start` over `peak` to `end`; their speed is symmetric.
+    /// Time, s, and way, m, of the ramps from `start` over `peak` to `end`; their speed is symmetric.
     fn both(&self, start: f64, peak: f64, end: f64) -> (f64, f64) {
         let (up, down) = (self.time((peak - start).max(0.0)), self.time((peak - end).max(0.0)));
         (up + down, 0.5 * (start + peak) * up + 0.5 * (peak + end) * down)
     }
 
-    /// Time of a way from speed `start` over at most `top` to `end`.
+    /// Time of a `way`, m, from speed `start` over at most `top` to `end`, m/s, in s.
     fn time_of(&self, way: f64, top: f64, start: f64, end: f64) -> f64 {
         let squares = start * start + end * end;
         let mut peak = top.min((self.acceleration * way + 0.5 * squares).sqrt());

@@ -191,7 +191,8 @@ fn the_centre_of_the_cutter_runs_beside_the_contour() {
     let square =
         "G21 G90 G17\nG0 X-20 Y-20 Z0\nG1 F600\nG41 D1 X0 Y-20\nX0 Y0\nY40\nX40\nY0\nX-20\nG40 G1 X-20 Y-20\nM2";
     let found = sums(square, &control).expect("a program");
-    assert!(found.length > 200.0 && found.length < 300.0, "{}", found.length);
+    // In, along five sides at 5 mm from the square, three quarters about its corners, out.
+    close("square", found.length, 15.0 + 60.0 + 40.0 + 40.0 + 60.0 + 15.0 + 7.5 * std::f64::consts::PI);
     // Inside a square of 40 mm a cutter of 10 mm runs along one of 30 mm.
     let inside = "G21 G90 G17\nG0 X20 Y20 Z0\nG1 F600\nG41 D1 X20 Y0\nX40\nY40\nX0\nY0\nX20\nG40 X20 Y20\nM2";
     let found = sums(inside, &control).expect("a program");

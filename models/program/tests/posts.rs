@@ -36,7 +36,7 @@ fn comes_back(text: &str, source: &Control) {
         for (a, b) in original.iter().zip(&read) {
             for axis in 0..6 {
                 let gap = (a.end[axis] - b.end[axis]).abs();
-                // The end of a helix in Klartext follows from its rounded centre.
+                // Half a unit of the fourth decimal; the end of a helix in Klartext follows from its rounded pole.
                 let most = if target == Dialect::Heidenhain { 2e-4 } else { 0.6e-4 };
                 assert!(gap < most, "{} axis {axis}: {gap}\n{a:?}\n{b:?}\n{written}", target.name());
             }

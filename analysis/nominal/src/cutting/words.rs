@@ -2,16 +2,15 @@
 
 use super::{Action, Change, Cutting, Fixed, Nominal};
 use crate::cutting_effects::id_of;
+use crate::features::first_of_group;
 use crate::stated::{Movable, Stated, Words, occasion};
 use crate::{Candidate, Parameter, Surface, WrittenEffect};
 use toolroom_effects::Effect;
 use toolroom_records::Records;
-use toolroom_scenario::{Moved, Scope, Target};
+use toolroom_scenario::{MICRO_STOP, Moved, Scope, Target};
 
 /// Spread of a calibration that no parameter of the model has, where the file gives none (assumption).
 const UNKNOWN: f64 = 0.05;
-/// Mean duration of a stop that nobody books, s.
-const STOP: f64 = 20.0;
 
 impl<P: Nominal> Cutting<P> {
     /// Takes over what the file states about these rows.
@@ -115,7 +114,7 @@ impl<P: Nominal> Cutting<P> {
         let Some(channel) = self.frame.measured.channels.iter().position(|channel| channel.name == "cycle_time") else {
             return;
         };
-        let firsts = crate::features::first_of_group(&self.frame.measured.group_of_row);
+        let firsts = first_of_group(&self.frame.measured.group_of_row);
         for own in &stated.deviations {
             let scope = stated.normal(&own.scope);
             let same = |(i, candidate): (usize, &Candidate)| {
@@ -131,7 +130,7 @@ impl<P: Nominal> Cutting<P> {
                     "feed_override" => Some(self.durations[row]),
                     "operator_delay" => Some(1.0),
                     "tool_change_delay" => Some(firsts[row]),
-                    "micro_stops" => Some(STOP * self.durations[row]),
+                    "micro_stops" => Some(MICRO_STOP * self.durations[row]),
                     "feed_hold" => Some(own.share),
                     _ => None,
                 };

@@ -119,24 +119,17 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
         let text = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
-            Ok(text) => match Program::read(&text, &control(&path, section.text("units"))) {
-                Ok(program) => model.programs.push((name.to_owned(), program)),
-                Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
-            },
+            Ok(text) => {
+                let control = Control::of_file(&path, section.text("units").and_then(Units::named));
+                match Program::read(&text, &control) {
+                    Ok(program) => model.programs.push((name.to_owned(), program)),
+                    Err(reason) => walk.fault(span, PartProgramFault { file, reason }),
+                }
+            }
             Err(error) => walk.fault(span, Fault::Unreadable { file, reason: error.kind() }),
         }
     }
     model
-}
-
-/// The control of a program in a file: its subprograms stand beside it.
-fn control(path: &Path, units: Option<&str>) -> Control {
-    Control {
-        units: units.and_then(Units::named),
-        extension: path.extension().map(|extension| extension.to_string_lossy().into_owned()),
-        library: path.parent().map(Path::to_path_buf),
-        ..Control::default()
-    }
 }
 
 /// Sets the fields of a record that `form` has as keys.

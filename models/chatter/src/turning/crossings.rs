@@ -234,7 +234,7 @@ mod tests {
                 stiffness: *stiffness,
             });
             let cut = Turning { force_angle, process_damping, ..Turning::orthogonal(modes.collect(), 1.5e9, 0.04) };
-            let line = LoopGain::new(&cut, speed);
+            let line = LoopGain::new(&cut, speed).unwrap();
             let crossings = Crossings::new(&line);
             let found = crossings.up_to(2e-2 * line.stiff_width());
             let mut unstable = 0;

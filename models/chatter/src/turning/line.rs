@@ -2,8 +2,14 @@
 
 use super::Turning;
 use super::oriented::Oriented;
+use crate::error::{ChatterError, positive, within};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
+
+/// Greatest ratio of the process damping to the cutting force at the fastest mode, `w C_i/(V K_f)`. Assumption: a cut
+/// that is damped that much more than it is excited is none, and the frequencies of its neutral vibrations, which go
+/// with the ratio, stay far from the end of the numbers.
+const GREATEST_DAMPING: f64 = 1e15;
 
 /// The loop gain per width, `L(i w) = G(i w) [K_f (1 − exp(−i w tau)) + i w C_i/V]` (1/m): the cut has a neutral
 /// vibration of frequency w at the width b where `1 + b L = 0`.
@@ -45,18 +51,24 @@ pub(super) struct Bounds {
 }
 
 impl LoopGain {
-    pub fn new(cut: &Turning, spindle_speed: f64) -> Self {
+    /// # Errors
+    /// A cut that is none; a speed that is not positive, or so low that process damping is all that there is.
+    pub fn new(cut: &Turning, spindle_speed: f64) -> Result<Self, ChatterError> {
+        cut.check()?;
+        positive("spindle_speed", spindle_speed)?;
+        let damping_ratio = cut.always_stable_below() / spindle_speed;
+        within("process damping over the cutting force", damping_ratio, 0.0, GREATEST_DAMPING)?;
         let pole = |mode: &super::oriented::OrientedMode| {
             let decay = 0.5 * mode.damping;
             let damped = (mode.frequency * mode.frequency - decay * decay).sqrt();
             Pole { inertance: mode.inertance, decay, damped, frequency: mode.frequency }
         };
-        Self {
+        Ok(Self {
             modes: Oriented::new(cut).0.iter().map(pole).collect(),
             slope: cut.force_slope(),
             damping: cut.damping_slope(spindle_speed),
             tau: TAU / spindle_speed,
-        }
+        })
     }
 
     /// Resonances (rad/s), ascending.

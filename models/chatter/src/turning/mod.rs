@@ -174,9 +174,7 @@ impl Turning {
     /// A cut that is none, a speed that is not positive; [`ChatterError::NoLimit`] where process damping keeps every
     /// width stable, up to that at which the cut is a thousand times as stiff as the structure.
     pub fn limit(&self, spindle_speed: f64) -> Result<StabilityLimit, ChatterError> {
-        self.check()?;
-        positive("spindle_speed", spindle_speed)?;
-        let line = LoopGain::new(self, spindle_speed);
+        let line = LoopGain::new(self, spindle_speed)?;
         let searched = line.stiff_width();
         let least = Crossings::new(&line).least(searched).ok_or(ChatterError::NoLimit { searched })?;
         Ok(least.limit())
@@ -192,10 +190,8 @@ impl Turning {
     /// frequencies at which roots cross the imaginary axis do not depend on it. All of them are isolated; a root crosses
     /// to the right where the imaginary part of the loop gain rises.
     pub fn stable_intervals(&self, spindle_speed: f64, greatest: f64) -> Result<StableIntervals, ChatterError> {
-        self.check()?;
-        positive("spindle_speed", spindle_speed)?;
+        let line = LoopGain::new(self, spindle_speed)?;
         positive("greatest width", greatest)?;
-        let line = LoopGain::new(self, spindle_speed);
         Ok(stable_intervals(&Crossings::new(&line).up_to(greatest), greatest))
     }
 }

@@ -4,7 +4,7 @@ use super::Turning;
 use super::crossings::{Crossings, NeutralVibration};
 use super::line::LoopGain;
 use super::oriented::Oriented;
-use crate::error::{ChatterError, positive, within};
+use crate::error::{ChatterError, within};
 use crate::structure::last_to_decay;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -65,13 +65,13 @@ impl<'a> TurningAtSpeed<'a> {
     /// For widths up to `greatest` (m) at `spindle_speed` (rad/s).
     ///
     /// # Errors
-    /// A cut that is none; a speed that is not positive; a width that is negative or not finite.
+    /// A cut that is none; a speed that is not positive; a width that is negative or makes the cut more than a thousand
+    /// times as stiff as the structure.
     pub fn new(cut: &'a Turning, spindle_speed: f64, greatest: f64) -> Result<Self, ChatterError> {
-        cut.check()?;
-        positive("spindle_speed", spindle_speed)?;
-        within("width", greatest, 0.0, f64::MAX)?;
+        let line = LoopGain::new(cut, spindle_speed)?;
+        // Beyond, the vibrations that a cut could have are without number.
+        within("width", greatest, 0.0, line.stiff_width())?;
         // Somewhat beyond, where the vibration lies that a stable cut is nearest to.
-        let line = LoopGain::new(cut, spindle_speed);
         let vibrations = Crossings::new(&line).up_to(greatest * BEYOND);
         Ok(Self { cut, structure: Oriented::new(cut), spindle_speed, stiff_width: line.stiff_width(), vibrations })
     }

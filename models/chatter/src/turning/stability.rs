@@ -66,8 +66,8 @@ impl Turning {
     /// radius is that of one revolution, exact to rounding.
     ///
     /// # Errors
-    /// A cut that is none; a speed that is not positive; a width that is negative or not finite;
-    /// an eigenvalue that did not converge.
+    /// A cut that is none; a speed that is not positive; a width that is negative or makes the cut more than a thousand
+    /// times as stiff as the structure; an eigenvalue that did not converge.
     pub fn verdict(&self, spindle_speed: f64, width: f64) -> Result<StabilityVerdict, ChatterError> {
         let mut verdict = self.verdict_without_margin(spindle_speed, width)?;
         verdict.margin = match self.limit(spindle_speed) {

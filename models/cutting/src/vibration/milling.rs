@@ -106,8 +106,8 @@ impl MillingStructure {
 
     /// Tangential coefficient of the worn edge (Pa) and process damping over it (m).
     fn worn(&self, at: &Tooth) -> (f64, f64) {
-        let tangential = at.tangential * (1.0 + self.regeneration.coefficient_growth * at.wear_ratio);
-        let land = 0.5 * self.regeneration.indentation_force * at.flank_wear * at.flank_wear;
+        let tangential = at.tangential * self.regeneration.coefficient_factor(at.wear_ratio);
+        let land = self.regeneration.land_damping(at.flank_wear);
         (tangential, (self.process_damping + at.process_damping + land) / tangential)
     }
 

@@ -136,13 +136,12 @@ impl TurningStructure {
 
     /// Process damping of a worn edge (N/m).
     fn process_damping(&self, at: &Edge) -> f64 {
-        let land = self.regeneration.indentation_force * at.flank_wear * at.flank_wear;
-        self.cut.process_damping + at.process_damping + 0.5 * land
+        self.cut.process_damping + at.process_damping + self.regeneration.land_damping(at.flank_wear)
     }
 
     /// Factor of wear, hardness and effects on the cutting coefficient.
     fn coefficient(&self, at: &Edge) -> f64 {
-        at.coefficient * (1.0 + self.regeneration.coefficient_growth * at.wear_ratio)
+        at.coefficient * self.regeneration.coefficient_factor(at.wear_ratio)
     }
 
     /// Process damping over the coefficient (m), in the grades at which it is judged: coarse

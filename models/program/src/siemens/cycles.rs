@@ -9,10 +9,39 @@ use crate::error::Fault;
 use crate::hole::{Clearance, Exit, Hole, PECKS, Pecks, stops};
 use crate::kernel::{FeedMode, Kernel, Target};
 
-/// A cycle that every motion calls.
+/// Drilling cycles that are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cycle {
+    Drill,
+    Counterbore,
+    DeepHole,
+    RigidTap,
+    CompensatedTap,
+    Ream,
+    Bore,
+}
+
+impl Cycle {
+    const NAMES: [(&'static str, Self); 7] = [
+        ("CYCLE81", Self::Drill),
+        ("CYCLE82", Self::Counterbore),
+        ("CYCLE83", Self::DeepHole),
+        ("CYCLE84", Self::RigidTap),
+        ("CYCLE840", Self::CompensatedTap),
+        ("CYCLE85", Self::Ream),
+        ("CYCLE86", Self::Bore),
+    ];
+
+    fn named(name: &str) -> Option<(&'static str, Self)> {
+        Self::NAMES.into_iter().find(|(known, _)| *known == name)
+    }
+}
+
+/// A cycle with its values, which every motion calls.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Modal {
-    name: String,
+    name: &'static str,
+    cycle: Cycle,
     values: Vec<Option<f64>>,
 }
 
@@ -54,15 +83,15 @@ impl Siemens {
         modal: bool,
         kernel: &mut Kernel,
     ) -> Result<(), Fault> {
-        match name {
-            "CYCLE81" | "CYCLE82" | "CYCLE83" | "CYCLE84" | "CYCLE840" | "CYCLE85" | "CYCLE86" => {
-                let own = Modal { name: name.to_owned(), values: list.to_vec() };
-                if modal {
-                    self.modal = Some(own);
-                    return Ok(());
-                }
-                self.bore(&own, kernel)
+        if let Some((name, cycle)) = Cycle::named(name) {
+            let own = Modal { name, cycle, values: list.to_vec() };
+            if modal {
+                self.modal = Some(own);
+                return Ok(());
             }
+            return self.bore(&own, kernel);
+        }
+        match name {
             "HOLES1" | "HOLES2" => self.pattern(name, list, kernel),
             _ if name.starts_with("CYCLE")
                 || name.starts_with("POCKET")
@@ -80,7 +109,7 @@ impl Siemens {
     }
 
     pub(super) fn bore(&mut self, modal: &Modal, kernel: &mut Kernel) -> Result<(), Fault> {
-        let (name, list) = (modal.name.as_str(), &modal.values);
+        let (name, list) = (modal.name, &modal.values);
         let given = |index: usize| list.get(index).copied().flatten();
         let length = |index: usize| given(index).map(|value| kernel.length(value)).transpose();
         let needed =
@@ -101,10 +130,10 @@ impl Siemens {
         let mut hole =
             Hole { reference, bottom, level: retract, pecks: None, dwell: 0.0, exit: Exit::Rapid, feed: None };
         let seconds = |index: usize| given(index).unwrap_or(0.0).max(0.0);
-        match name {
-            "CYCLE81" => {}
-            "CYCLE82" => hole.dwell = seconds(5),
-            "CYCLE83" => {
+        match modal.cycle {
+            Cycle::Drill => {}
+            Cycle::Counterbore => hole.dwell = seconds(5),
+            Cycle::DeepHole => {
                 let first = match (length(5)?, length(6)?) {
                     (_, Some(depth)) if depth != 0.0 => depth.abs(),
                     (Some(depth), _) => surface - depth,
@@ -130,8 +159,8 @@ impl Siemens {
                     inside: seconds(8),
                 });
             }
-            "CYCLE84" | "CYCLE840" => return self.tap(name, list, hole, kernel),
-            "CYCLE85" => {
+            Cycle::RigidTap | Cycle::CompensatedTap => return self.tap(modal, hole, kernel),
+            Cycle::Ream => {
                 hole.dwell = seconds(5);
                 hole.feed = Some(needed(6, "FFR, the feed")?);
                 hole.exit = Exit::FeedOf(needed(7, "RFF, the feed of retraction")?);
@@ -139,7 +168,7 @@ impl Siemens {
                     return Err(Fault::new("CYCLE85 is followed with feeds a minute (G94)"));
                 }
             }
-            _ => {
+            Cycle::Bore => {
                 hole.dwell = seconds(5);
                 let (x, y) = (length(7)?.unwrap_or(0.0), length(8)?.unwrap_or(0.0));
                 hole.exit = if x == 0.0 && y == 0.0 { Exit::Stopped } else { Exit::Shifted([x, y]) };
@@ -148,9 +177,10 @@ impl Siemens {
         kernel.hole(&hole)
     }
 
-    fn tap(&mut self, name: &str, list: &[Option<f64>], mut hole: Hole, kernel: &mut Kernel) -> Result<(), Fault> {
+    fn tap(&mut self, modal: &Modal, mut hole: Hole, kernel: &mut Kernel) -> Result<(), Fault> {
+        let (name, list) = (modal.name, &modal.values);
         let given = |index: usize| list.get(index).copied().flatten();
-        let rigid = name == "CYCLE84";
+        let rigid = modal.cycle == Cycle::RigidTap;
         let (size, pitch) = if rigid { (given(7), given(8)) } else { (given(9), given(10)) };
         let by_size = |size: f64| {
             let found = THREADS.iter().find(|(diameter, _)| *diameter == size.abs()).map(|(_, pitch)| *pitch);

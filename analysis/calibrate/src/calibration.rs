@@ -1,0 +1,282 @@
+//! A calibration from data to answers.
+
+use crate::choice::{Choice, Verdict};
+use crate::fit::Maximum;
+use crate::identify::Identifiability;
+use crate::law::Law;
+use crate::left_out::{Coverage, LeftOut, leave_edges_out};
+use crate::model::Model;
+use crate::parameter::Prior;
+use crate::sample::{Posterior, maxima, sample};
+use crate::treatment::Measured;
+use crate::wear_model::{EDGE_SCATTER, WearModel};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use toolroom_numerics::order_quantile;
+use toolroom_wear::{Cut, Pair};
+
+/// Least edges at which the coverage of left-out readings is judged.
+const JUDGED: usize = 8;
+/// Coverage of the 90 % band that is no reason for a warning.
+const COVERED: std::ops::RangeInclusive<f64> = 0.75..=0.99;
+
+/// What a calibration is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Request {
+    /// Laws to be compared; one is taken as given.
+    pub laws: Vec<Law>,
+    /// Flank wear at which an edge is worn out, mm.
+    pub limit: f64,
+    /// Parameters fixed at values in their units, by name.
+    pub fixed: Vec<(String, f64)>,
+    /// Priors in working coordinates, by name; a mean of NaN keeps the one that the set gives.
+    pub priors: Vec<(String, Prior)>,
+    /// Draws of the posterior.
+    pub draws: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+/// Why nothing could be calibrated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// A parameter that no law has.
+    #[error("no parameter `{name}`; there are {known}")]
+    Parameter {
+        /// What was read.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The density of no start is finite.
+    #[error("the law {0} cannot describe these data at any start; check units and times")]
+    NoDensity(&'static str),
+}
+
+/// A law fitted to all edges.
+#[derive(Clone, Debug)]
+pub struct LawFit {
+    /// The model.
+    pub model: WearModel,
+    /// Its maximum.
+    pub maximum: Maximum,
+    /// Its predictions of edges left out.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Life at a cut, min.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LifeAt {
+    /// The cut.
+    pub cut: Cut,
+    /// Median over the draws of the life of an edge of median level.
+    pub median: f64,
+    /// 5 % and 95 % points of the same.
+    pub ci90: [f64; 2],
+    /// 5 % and 95 % points of the life of the next edge.
+    pub next_edge90: [f64; 2],
+    /// Whether edges were cut at such a speed.
+    pub tested: bool,
+}
+
+/// The result of a calibration.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// The data.
+    pub measured: Measured,
+    /// What was wanted.
+    pub request: Request,
+    /// The choice of the law.
+    pub choice: Choice,
+    /// Every law.
+    pub fits: Vec<LawFit>,
+    /// The posterior of the law that the set carries.
+    pub posterior: Posterior,
+    /// What the data determine of it.
+    pub identifiability: Identifiability,
+    /// How often its predictions of edges left out hold.
+    pub coverage: Coverage,
+    /// Lives at the tested speeds and between them.
+    pub lives: Vec<LifeAt>,
+    /// Speed in m/min at which the life is known best, with the standard deviation of its logarithm there.
+    pub best_known: (f64, f64),
+}
+
+impl Calibration {
+    /// Calibrates on measured edges; what the law does not say is taken from `base`.
+    ///
+    /// # Errors
+    /// [`CalibrationError`]: an unknown parameter, data that no law can describe.
+    ///
+    /// # Panics
+    /// Where the request names no law.
+    pub fn new(measured: Measured, base: &Pair, request: Request) -> Result<Self, CalibrationError> {
+        let mut models = Vec::new();
+        for law in &request.laws {
+            models.push(WearModel::new(*law, base, measured.conditions.clone(), measured.edges.clone(), request.limit));
+        }
+        apply(&mut models, &request)?;
+        let all: Vec<usize> = (0..measured.edges.len()).collect();
+        let mut fits = Vec::new();
+        for model in models {
+            let found = maxima(&model, &all, request.seed);
+            let (maximum, _) = found.ok_or(CalibrationError::NoDensity(model.law.group()))?;
+            let left_out = leave_edges_out(&model, &maximum, request.seed);
+            fits.push(LawFit { model, maximum, left_out });
+        }
+        let candidates: Vec<(Law, Vec<LeftOut>)> =
+            fits.iter().map(|fit| (fit.model.law, fit.left_out.clone())).collect();
+        let choice = Choice::of(&candidates, &measured.speeds());
+        let carried = fits.iter().find(|fit| fit.model.law == choice.law).expect("the choice is one of the laws");
+        let posterior = sample(&carried.model, &all, request.draws, request.seed);
+        let posterior = posterior.ok_or(CalibrationError::NoDensity(choice.law.group()))?;
+        let identifiability = Identifiability::of(&carried.model, &posterior);
+        let coverage = Coverage::of(&carried.left_out);
+        let lives = lives(&carried.model, &posterior, &measured, request.seed);
+        let best_known = best_known(&carried.model, &posterior, &measured);
+        Ok(Self { measured, request, choice, fits, posterior, identifiability, coverage, lives, best_known })
+    }
+
+    /// The fit of the law that the set carries.
+    pub fn carried(&self) -> &LawFit {
+        self.fits.iter().find(|fit| fit.model.law == self.choice.law).expect("the choice is one of the laws")
+    }
+
+    /// Whether the law or a parameter of the carried law is undetermined.
+    pub fn undetermined(&self) -> bool {
+        let parameters = 0..self.carried().model.parameters().len();
+        self.choice.verdict == Verdict::CannotTell
+            || parameters.into_iter().any(|i| !self.identifiability.determined(i))
+    }
+
+    /// Remarks on the result that a reader must not miss.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.coverage.edges >= JUDGED && !COVERED.contains(&self.coverage.inside90) {
+            let inside = 100.0 * self.coverage.inside90;
+            warnings.push(format!(
+                "{inside:.0} % of the readings of edges left out lie in their 90 % bands: the intervals cannot be relied on"
+            ));
+        }
+        if !self.posterior.modes.is_empty() {
+            let count = self.posterior.modes.len();
+            warnings
+                .push(format!("{count} more maximum(s) of the posterior within 5 logarithms: the ensemble was used"));
+        }
+        if self.posterior.split_r > 1.01 {
+            warnings.push(format!(
+                "the ensemble has not converged (split R-hat {:.3}): take more data",
+                self.posterior.split_r
+            ));
+        }
+        warnings
+    }
+}
+
+fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationError> {
+    let unknown = |name: &str, models: &[WearModel]| {
+        let mut known: Vec<String> =
+            models.iter().flat_map(|model| model.parameters().iter().map(|parameter| parameter.name.clone())).collect();
+        known.sort();
+        known.dedup();
+        CalibrationError::Parameter { name: name.to_owned(), known: known.join(", ") }
+    };
+    for (name, prior) in &request.priors {
+        let mut found = false;
+        for model in models.iter_mut() {
+            found |= model.set_prior(name, *prior) || model.fixed(name);
+        }
+        if !found {
+            return Err(unknown(name, models));
+        }
+    }
+    for (name, value) in &request.fixed {
+        let mut found = false;
+        for model in models.iter_mut() {
+            let full = format!("{}.{name}", model.law.group());
+            found |= model.fix(name, *value) || model.fix(&full, *value) || model.fixed(name) || model.fixed(&full);
+        }
+        if !found {
+            return Err(unknown(name, models));
+        }
+    }
+    Ok(())
+}
+
+/// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often.
+fn lives(model: &WearModel, posterior: &Posterior, measured: &Measured, seed: u64) -> Vec<LifeAt> {
+    let reference = usual_cut(measured);
+    let mut speeds: Vec<f64> = measured.conditions.iter().map(|cut| cut.cutting_speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let between: Vec<f64> = speeds.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let tested = |speed: &f64| speeds.contains(speed);
+    let mut wanted: Vec<f64> = speeds.iter().chain(&between).copied().collect();
+    wanted.sort_by(f64::total_cmp);
+    wanted.iter().map(|speed| life_at(model, posterior, &reference.at_speed(*speed), tested(speed), seed)).collect()
+}
+
+/// Life at a cut over the draws of a posterior.
+pub fn life_at(model: &WearModel, posterior: &Posterior, cut: &Cut, tested: bool, seed: u64) -> LifeAt {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let scatter = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER);
+    let mut levels: Vec<f64> = posterior.draws.iter().map(|draw| model.life(draw.as_slice(), cut)).collect();
+    let mut next: Vec<f64> = posterior
+        .draws
+        .iter()
+        .zip(&levels)
+        .map(|(draw, life)| {
+            let z: f64 = StandardNormal.sample(&mut random);
+            life * (z * scatter.map_or(0.0, |index| draw[index].exp())).exp()
+        })
+        .collect();
+    levels.sort_by(f64::total_cmp);
+    next.sort_by(f64::total_cmp);
+    let at = order_quantile;
+    LifeAt {
+        cut: *cut,
+        median: at(&levels, 0.5),
+        ci90: [at(&levels, 0.05), at(&levels, 0.95)],
+        next_edge90: [at(&next, 0.05), at(&next, 0.95)],
+        tested,
+    }
+}
+
+/// The feed and depth of most edges.
+fn usual_cut(measured: &Measured) -> Cut {
+    let condition = |edge: &crate::edge::Edge| {
+        edge.stretches.first().map(|stretch| stretch.condition).or(edge.life.map(|(condition, _)| condition))
+    };
+    let mut best = (0, 0);
+    for (index, cut) in measured.conditions.iter().enumerate() {
+        let same = |other: &Cut| other.feed_per_rev == cut.feed_per_rev && other.depth_of_cut == cut.depth_of_cut;
+        let count = measured
+            .edges
+            .iter()
+            .filter(|edge| condition(edge).is_some_and(|at| same(&measured.conditions[at])))
+            .count();
+        if count > best.1 {
+            best = (index, count);
+        }
+    }
+    measured.conditions[best.0]
+}
+
+/// The speed within a factor 1.5 of the tested range at which the life is known best.
+fn best_known(model: &WearModel, posterior: &Posterior, measured: &Measured) -> (f64, f64) {
+    let cut = usual_cut(measured);
+    let speeds = measured.speeds();
+    let (low, high) = speeds.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), speed| (a.min(*speed), b.max(*speed)));
+    let (low, high) = (low / 1.5, high * 1.5);
+    let few = &posterior.draws[..posterior.draws.len().min(200)];
+    let spread = |speed: f64| {
+        let cut = cut.at_speed(speed / 60.0);
+        let lives: Vec<f64> = few.iter().map(|draw| model.life(draw.as_slice(), &cut).ln()).collect();
+        let mean = lives.iter().sum::<f64>() / lives.len() as f64;
+        (lives.iter().map(|life| (life - mean).powi(2)).sum::<f64>() / (lives.len() - 1) as f64).sqrt()
+    };
+    let steps = (0..=24).map(|step| low * (high / low).powf(f64::from(step) / 24.0));
+    steps.map(|speed| (speed, spread(speed))).min_by(|a, b| a.1.total_cmp(&b.1)).expect("there are steps")
+}

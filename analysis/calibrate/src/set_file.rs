@@ -1,0 +1,86 @@
+//! The calibrated parameter set as a file.
+
+use crate::calibration::Calibration;
+use crate::model::Model;
+use crate::parameter::Scale;
+use crate::wear_model::{EDGE_SCATTER, READING_NOISE};
+use std::fmt::Write as _;
+
+/// A number to the seven digits that files give.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.6e}").parse().unwrap_or(value)
+}
+
+impl Calibration {
+    /// The set of the maximum as a file based on the set `based_on`, a shipped name or a path. `[prior]` holds the
+    /// posterior, for the next round.
+    ///
+    /// What edges differ by is all in the scatter of edges here; scatter of hardness and allowance cannot be told apart
+    /// from it and is set to zero, so that a shop does not count it twice.
+    pub fn set_file(&self, name: &str, based_on: &str) -> String {
+        let fit = self.carried();
+        let model = &fit.model;
+        let u = self.posterior.map.u.as_slice();
+        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        let source = format!("calibrated: {} edges, {} readings", self.measured.edges.len(), self.measured.readings());
+        let mut text = String::new();
+        let _ = writeln!(text, "# {}", self.sentence());
+        let _ = writeln!(
+            text,
+            "schema = 1\nname = {}\ntitle = {}",
+            quoted(name),
+            quoted(&format!("{source}, based on {based_on}"))
+        );
+        let law = self.choice.law.group();
+        let _ = writeln!(text, "process = \"turning\"\nbased_on = {}\nlaw = \"{law}\"", quoted(based_on));
+        let _ = writeln!(text, "\n[parameters.{law}]");
+        let mut pair = model.pair(u);
+        let mut based = model.base().law;
+        let same_law = based.group() == law;
+        let (record, based) = (pair.law.record_mut(), based.record_mut());
+        for (index, field) in record.fields().iter().enumerate() {
+            let value = record.value(index).unwrap_or(field.start);
+            let name = format!("{law}.{}", field.name);
+            let calibrated = model.parameters().iter().any(|parameter| parameter.name == name);
+            // What the file does not state comes from the set on which it is based.
+            if !calibrated && same_law && based.value(index) == Some(value) {
+                continue;
+            }
+            let number = rounded(field.to_display(value));
+            let value =
+                if field.display == "1" { format!("{number:?}") } else { format!("\"{number:?} {}\"", field.display) };
+            let source = if calibrated { source.as_str() } else { "not fitted: value of this calibration" };
+            let _ = writeln!(text, "{} = {{ value = {value}, source = {} }}", field.name, quoted(source));
+        }
+        let _ = writeln!(text, "\n[parameters.limits]");
+        let limit = self.request.limit;
+        let _ = writeln!(text, "wear_limit = {{ value = \"{limit:?} mm\", source = \"limit of the calibration\" }}");
+        let _ = writeln!(text, "\n[prior]");
+        for (index, parameter) in model.parameters().iter().enumerate() {
+            if [EDGE_SCATTER, READING_NOISE].contains(&parameter.name.as_str()) {
+                continue;
+            }
+            let deviation = self.posterior.deviation(index);
+            let value = parameter.scale.value(u[index]);
+            let spread = match parameter.scale {
+                Scale::Logarithm => format!("factor = {:?}", rounded(deviation.exp())),
+                Scale::Plain => format!("deviation = {:?}", rounded(deviation)),
+                // To first order at the maximum.
+                Scale::Contrast | Scale::Tilt => {
+                    let step = 1e-4;
+                    let slope = (parameter.scale.value(u[index] + step) - value) / step;
+                    format!("deviation = {:?}", rounded(deviation * slope))
+                }
+            };
+            let _ = writeln!(text, "{} = {{ {spread} }}", quoted(&parameter.name));
+        }
+        if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER) {
+            let _ = writeln!(text, "\n[scatter]\ncommon_wear = {:?}", rounded(u[index].exp()));
+            let _ = writeln!(
+                text,
+                "mechanical_wear = 0.0\nthermal_wear = 0.0\nbatch_hardness = 0.0\npiece_hardness = 0.0\nallowance = \"0 mm\""
+            );
+        }
+        text
+    }
+}

@@ -1,0 +1,270 @@
+//! A calibration as JSON and as text.
+
+use crate::calibration::Calibration;
+use crate::choice::Verdict;
+use crate::model::Model;
+use crate::parameter::{Parameter, Scale};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use toolroom_chart::number;
+
+/// A value in its unit of files, with its interval.
+fn values(calibration: &Calibration, index: usize, parameter: &Parameter) -> (f64, f64, [f64; 2]) {
+    let posterior = &calibration.posterior;
+    let value = |u: f64| parameter.scale.value(u);
+    let draws = posterior.draws.iter().map(|draw| value(draw[index]));
+    let mean = draws.sum::<f64>() / posterior.draws.len() as f64;
+    let ends = [posterior.quantile(index, 0.05), posterior.quantile(index, 0.95)].map(value);
+    (value(posterior.map.u[index]), mean, ends)
+}
+
+/// Name with the unit, as JSON keys and table headers have it.
+pub(crate) fn with_unit(parameter: &Parameter) -> String {
+    if parameter.unit == "1" { parameter.name.clone() } else { format!("{} [{}]", parameter.name, parameter.unit) }
+}
+
+impl Calibration {
+    /// The result for programs.
+    pub fn json(&self) -> Value {
+        let fit = self.carried();
+        let parameters = fit.model.parameters();
+        let name = |index: usize| parameters[index].name.clone();
+        let mut ends: BTreeMap<&str, usize> = BTreeMap::new();
+        self.measured.ends.iter().for_each(|end| *ends.entry(end.name()).or_default() += 1);
+        let scores: Map<String, Value> = self
+            .choice
+            .scores
+            .iter()
+            .map(|score| {
+                let value =
+                    json!({ "elpd": score.elpd, "margin": score.margin, "se": score.error, "weight": score.weight });
+                (score.law.group().to_owned(), value)
+            })
+            .collect();
+        let densities: Map<String, Value> =
+            self.fits.iter().map(|fit| (fit.model.law.group().to_owned(), json!(fit.maximum.ln_density))).collect();
+        let listed: Vec<Value> = parameters
+            .iter()
+            .enumerate()
+            .map(|(index, parameter)| {
+                let (map, mean, ci90) = values(self, index, parameter);
+                let key = if parameter.scale == Scale::Logarithm { "sd_ln" } else { "sd" };
+                let centre = parameter.scale.value(parameter.prior.mean);
+                let posterior = &self.posterior;
+                json!({
+                    "name": parameter.name, "unit": parameter.unit, "map": map, "mean": mean, "ci90": ci90,
+                    "coordinate": {
+                        "map": posterior.map.u[index], "mean": posterior.mean[index], "sd": posterior.deviation(index),
+                        "ci90": [posterior.quantile(index, 0.05), posterior.quantile(index, 0.95)],
+                    },
+                    "prior": { "mean": centre, key: parameter.prior.deviation },
+                    "shrink": self.identifiability.shrink[index],
+                    "determined": self.identifiability.determined(index),
+                })
+            })
+            .collect();
+        let undetermined: Vec<Value> = self
+            .identifiability
+            .undetermined
+            .iter()
+            .map(|direction| {
+                let parts: Map<String, Value> =
+                    direction.direction.iter().map(|(index, part)| (name(*index), json!(part))).collect();
+                let lift: Vec<&str> =
+                    direction.direction.iter().map(|(index, _)| parameters[*index].lift.as_str()).collect();
+                json!({ "direction": parts, "variance_left": direction.variance_left, "lift": lift.join("; ") })
+            })
+            .collect();
+        let correlations: Vec<Value> =
+            self.identifiability.correlations.iter().map(|(a, b, r)| json!([name(*a), name(*b), r])).collect();
+        let products: Vec<Value> = self
+            .identifiability
+            .products
+            .iter()
+            .map(|product| {
+                json!({
+                    "parameters": product.pair.map(name), "exponents": product.exponents, "mean": product.mean,
+                    "sd": product.deviation,
+                })
+            })
+            .collect();
+        let scatter = parameters.iter().position(|parameter| parameter.name == crate::EDGE_SCATTER);
+        let scatter = scatter.map(|index| {
+            let (map, _, ci90) = values(self, index, &parameters[index]);
+            json!({ "value": map, "ci90": ci90 })
+        });
+        let life: Vec<Value> = self
+            .lives
+            .iter()
+            .map(|life| {
+                json!({
+                    "cutting_speed [m/min]": life.cut.cutting_speed * 60.0,
+                    "feed_per_rev [mm]": life.cut.feed_per_rev * 1e3,
+                    "depth_of_cut [mm]": life.cut.depth_of_cut * 1e3,
+                    "median [min]": life.median, "ci90": life.ci90, "next_edge90": life.next_edge90,
+                    "tested": life.tested,
+                })
+            })
+            .collect();
+        let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
+        let notes: Vec<&String> = self.measured.notes.iter().collect();
+        let worst = self.coverage.worst.map(|edge| self.measured.edges[edge].name.clone());
+        json!({
+            "schema": 1, "process": "turning", "law": self.choice.law.group(),
+            "wear_limit [mm]": self.request.limit,
+            "choice": {
+                "verdict": self.choice.verdict.name(),
+                "class": self.choice.class.iter().map(|law| law.group()).collect::<Vec<_>>(),
+                "reason": self.choice.reason, "scores": scores, "ln_posterior": densities,
+            },
+            "edges": self.measured.edges.len(), "readings": self.measured.readings(), "ends": ends,
+            "parameters": listed, "correlations": correlations, "products": products, "undetermined": undetermined,
+            "best_known": { "cutting_speed [m/min]": self.best_known.0, "sd_ln_life": self.best_known.1 },
+            "sampling": {
+                "method": self.posterior.method.name(), "draws": self.posterior.draws.len(),
+                "effective": self.posterior.effective, "pareto_k": finite(self.posterior.pareto_k),
+                "split_r": finite(self.posterior.split_r), "seed": self.request.seed,
+            },
+            "coverage": {
+                "edges_left_out": self.coverage.edges, "readings": self.coverage.readings,
+                "inside50": finite(self.coverage.inside50), "inside90": finite(self.coverage.inside90),
+                "histogram": self.coverage.histogram, "worst_edge": worst,
+            },
+            "scatter": { "common_wear": scatter },
+            "life": life, "refusals": self.measured.refusals, "warnings": self.warnings(), "notes": notes,
+        })
+    }
+
+    /// The verdict in a sentence.
+    pub fn sentence(&self) -> String {
+        let law = self.choice.law.group();
+        match self.choice.verdict {
+            Verdict::Given => format!("law given: {law}"),
+            Verdict::Chosen => {
+                let second = &self.choice.scores[1];
+                format!(
+                    "law chosen: {law}, ahead of {} by {:.1} ± {:.1} logarithms on edges left out",
+                    second.law.group(),
+                    second.margin,
+                    second.error
+                )
+            }
+            Verdict::CannotTell => {
+                let class: Vec<&str> = self.choice.class.iter().map(|law| law.group()).collect();
+                let reason = self.choice.reason.as_ref().map(|reason| format!("; {reason}")).unwrap_or_default();
+                format!("law: cannot tell among {}; the set carries {law}, the simplest{reason}", class.join(", "))
+            }
+        }
+    }
+
+    /// The result for people.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        let measured = &self.measured;
+        let _ = writeln!(text, "{} edges, {} readings of wear", measured.edges.len(), measured.readings());
+        for warning in self.warnings() {
+            let _ = writeln!(text, "warning: {warning}");
+        }
+        let _ = writeln!(text, "{}", self.sentence());
+        for refusal in &measured.refusals {
+            let _ = writeln!(text, "cannot tell: {refusal}");
+        }
+        for note in &measured.notes {
+            let _ = writeln!(text, "note: {note}");
+        }
+        let parameters = self.carried().model.parameters();
+        let width = parameters.iter().map(|parameter| with_unit(parameter).len()).max().unwrap_or(0);
+        let _ = writeln!(text, "\n{:width$}  {:>9}  {:>21}  {:>13}", "parameter", "MAP", "90 %", "prior left");
+        for (index, parameter) in parameters.iter().enumerate() {
+            let (map, _, [low, high]) = values(self, index, parameter);
+            let left = self.identifiability.shrink[index];
+            let mark = if self.identifiability.determined(index) { "" } else { "  not determined" };
+            let _ = writeln!(
+                text,
+                "{:width$}  {map:>9.4}  {low:>9.4} … {high:>9.4}  {left:>13.2}{mark}",
+                with_unit(parameter)
+            );
+        }
+        for direction in &self.identifiability.undetermined {
+            let parts: Vec<String> = direction
+                .direction
+                .iter()
+                .map(|(index, part)| {
+                    let name = &parameters[*index].name;
+                    if direction.direction.len() == 1 { name.clone() } else { format!("{part:+.2}·{name}") }
+                })
+                .collect();
+            let lift: Vec<&str> =
+                direction.direction.iter().map(|(index, _)| parameters[*index].lift.as_str()).collect();
+            let left = direction.variance_left;
+            let _ = writeln!(
+                text,
+                "not determined by your data: {} ({left:.2} of the prior variance left); to lift it: {}",
+                parts.join(" "),
+                lift.join("; ")
+            );
+        }
+        for product in &self.identifiability.products {
+            let [a, b] = product.pair.map(|index| parameters[index].name.as_str());
+            let [x, y] = product.exponents;
+            let percent = 100.0 * product.deviation;
+            let _ = writeln!(
+                text,
+                "your data fix {x:+.2}·{a} {y:+.2}·{b} (coordinates) to ±{percent:.1} %, not either of them"
+            );
+        }
+        let (speed, deviation) = self.best_known;
+        let _ = writeln!(
+            text,
+            "the life is known best at {speed:.0} m/min, to ±{:.0} % (one deviation)",
+            100.0 * deviation
+        );
+        let cut = self.lives[0].cut;
+        let _ = writeln!(
+            text,
+            "\nlife at {} mm/rev and {} mm, to a flank wear of {} mm\n{:>8}  {:>9}  {:>19}  {:>19}",
+            number(cut.feed_per_rev * 1e3, 3),
+            number(cut.depth_of_cut * 1e3, 3),
+            number(self.request.limit, 3),
+            "m/min",
+            "life, min",
+            "90 %",
+            "next edge, 90 %"
+        );
+        for life in &self.lives {
+            let _ = writeln!(
+                text,
+                "{:>8.0}  {:>9.1}  {:>8.1} … {:>8.1}  {:>8.1} … {:>8.1}{}",
+                life.cut.cutting_speed * 60.0,
+                life.median,
+                life.ci90[0],
+                life.ci90[1],
+                life.next_edge90[0],
+                life.next_edge90[1],
+                if life.tested { "" } else { "  not tested" }
+            );
+        }
+        if self.coverage.readings > 0 {
+            let _ = writeln!(
+                text,
+                "\nreadings of edges left out within their 90 % band: {:.0} %",
+                100.0 * self.coverage.inside90
+            );
+        }
+        text
+    }
+
+    /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
+    pub fn draw_columns(&self) -> Vec<String> {
+        self.carried().model.parameters().iter().map(with_unit).collect()
+    }
+
+    /// The draws in units of files, in the order of [`Calibration::draw_columns`].
+    pub fn draws(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        let model = &self.carried().model;
+        self.posterior.draws.iter().map(|draw| {
+            model.parameters().iter().zip(draw.iter()).map(|(parameter, u)| parameter.scale.value(*u)).collect()
+        })
+    }
+}

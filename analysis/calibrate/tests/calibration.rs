@@ -1,0 +1,107 @@
+//! From records to answers, on records that a law made.
+
+use nalgebra::DVector;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::fmt::Write as _;
+use toolroom_calibrate::{
+    Calibration, CalibrationError, DataError, Edge, Law, Life, Measured, Model, Request, Stretch, Verdict, WearModel,
+};
+use toolroom_records::{RecordKind, Records, parse_csv};
+use toolroom_wear::{Cut, Pair};
+
+const HEADER: &str = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],\
+                      cutting_time [min],flank_wear [mm],edge_end\n";
+
+fn base() -> Pair {
+    Pair::named("c45_t15k6").expect("shipped")
+}
+
+fn records(rows: &str) -> Records {
+    parse_csv("wear.csv", format!("{HEADER}{rows}").as_bytes(), RecordKind::Turning).expect("records").0
+}
+
+/// Rows of edges at some speeds that wear by Taylor's law.
+fn made(speeds: &[f64]) -> String {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let conditions: Vec<Cut> = speeds.iter().map(|speed| Cut::nominal(speed / 60.0, 0.3e-3, 1.5e-3)).collect();
+    let mut rows = String::new();
+    for (index, speed) in speeds.iter().enumerate() {
+        let time = 4.0 * (220.0 / speed).powi(5);
+        let edge = Edge {
+            name: format!("E{index}"),
+            stretches: vec![Stretch { condition: index, time, wear: Some(0.0) }; 8],
+            life: None,
+        };
+        let model = WearModel::new(Law::ExtendedTaylor, &base(), conditions.clone(), vec![edge], 0.3);
+        let names: Vec<&str> = model.parameters().iter().map(|parameter| parameter.name.as_str()).collect();
+        let truth = names.iter().zip(model.parameters()).map(|(name, parameter)| match *name {
+            "extended_taylor.reference_life" => 60f64.ln(),
+            "edge_scatter" => 0.15f64.ln(),
+            "reading_noise" => 0.008f64.ln(),
+            _ => parameter.prior.mean,
+        });
+        let truth = DVector::from_iterator(names.len(), truth);
+        for (reading, wear) in model.replicate(truth.as_slice(), 0, &mut random).iter().enumerate() {
+            let sequence = reading + 1;
+            let _ = writeln!(rows, "O{index}{reading},L1,E{index},{sequence},{speed},0.3,1.5,{time},{wear:.4},");
+        }
+    }
+    rows
+}
+
+fn request(laws: &[Law]) -> Request {
+    Request { laws: laws.to_vec(), limit: 0.3, fixed: Vec::new(), priors: Vec::new(), draws: 1000, seed: 3 }
+}
+
+#[test]
+fn edges_that_did_not_wear_out_are_censored_and_the_rest_is_said() {
+    let rows = "1,L1,A,1,200,0.3,1.5,5,,\n2,L1,A,2,200,0.3,1.5,6,,worn\n\
+                3,L1,B,1,200,0.3,1.5,4,,chipped\n\
+                4,L1,C,2,200,0.3,1.5,4,0.10,\n5,L1,C,1,200,0.3,1.5,4,0.20,\n6,L1,C,3,200,0.3,1.5,4,0.05,\n";
+    let measured = Measured::of(&records(rows), 0.3).expect("edges");
+    assert_eq!(measured.edges[0].life, Some((0, Life::Exact(11.0))));
+    assert_eq!(measured.edges[1].life, Some((0, Life::Censored(4.0))));
+    let read: Vec<f64> = measured.edges[2].stretches.iter().filter_map(|stretch| stretch.wear).collect();
+    assert!((read[0] - 0.20).abs() < 1e-12, "rows are in the order of their sequence: {read:?}");
+    assert!(
+        measured.notes.iter().any(|note| note.contains("wear falls from 0.200 to 0.100 mm")),
+        "{:?}",
+        measured.notes
+    );
+    assert!(measured.notes.iter().any(|note| note.starts_with("1 edges without edge_end")), "{:?}", measured.notes);
+    assert!(measured.refusals.iter().any(|refusal| refusal.starts_with("one cutting speed (200 m/min)")));
+    let wrong = Measured::of(&records("1,L1,A,1,200,0.3,1.5,5,0.1,blunt\n"), 0.3);
+    assert!(matches!(wrong, Err(DataError::End { .. })), "{wrong:?}");
+}
+
+#[test]
+fn a_calibration_finds_what_made_the_records_and_says_what_it_cannot_know() {
+    let measured = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
+    let found = Calibration::new(measured, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
+    assert_eq!((found.choice.verdict, found.choice.law), (Verdict::Chosen, Law::ExtendedTaylor));
+    let json = found.json();
+    let named = |name: &str| {
+        let list = json["parameters"].as_array().expect("a list");
+        list.iter().find(|parameter| parameter["name"] == name).expect("named").clone()
+    };
+    let life = named("extended_taylor.reference_life");
+    let inside = |value: f64| (life["ci90"][0].as_f64() < Some(value)) && (Some(value) < life["ci90"][1].as_f64());
+    assert!(inside(60.0), "{life}");
+    assert_eq!(named("extended_taylor.feed_exponent")["determined"], false);
+    assert!(found.undetermined());
+    assert!(found.text().contains("vary feed_per_rev"), "{}", found.text());
+    let set = found.set_file("ours", "c45_t15k6");
+    assert!(set.contains("law = \"extended_taylor\"") && set.contains("[scatter]\ncommon_wear = "), "{set}");
+    let again = Measured::of(&records(&made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0])), 0.3).expect("edges");
+    let again = Calibration::new(again, &base(), request(&[Law::ExtendedTaylor, Law::Usui])).expect("a calibration");
+    assert_eq!(json, again.json(), "the same seed gives the same answers");
+}
+
+#[test]
+fn a_parameter_that_no_law_has_is_refused_by_name() {
+    let measured = Measured::of(&records(&made(&[200.0, 250.0])), 0.3).expect("edges");
+    let wrong = Request { fixed: vec![("stage_tlit".to_owned(), 0.0)], ..request(&[Law::ExtendedTaylor]) };
+    let refused = Calibration::new(measured, &base(), wrong);
+    assert!(matches!(&refused, Err(CalibrationError::Parameter { name, .. }) if name == "stage_tlit"), "{refused:?}");
+}

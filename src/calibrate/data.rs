@@ -1,0 +1,62 @@
+//! `toolroom calibrate --data`: a parameter set with uncertainty from measured edges.
+
+use crate::args::CalibrationData;
+use crate::failure::Failure;
+use crate::output::{Files, provenance};
+use crate::speak::Voice;
+use std::path::{Path, PathBuf};
+use toolroom_calibrate::{CalibrationStudy, Verdict};
+
+pub fn run(args: &CalibrationData, data: &Path, out: &Path, limit: Option<&str>, voice: &Voice) -> Result<(), Failure> {
+    let study = CalibrationStudy {
+        data: data.to_owned(),
+        map: args.map.clone(),
+        model: args.model.clone().unwrap_or_default(),
+        limit: limit.map(str::to_owned),
+        laws: args.law.clone(),
+        fixed: args.fix.clone(),
+        draws: args.draws,
+        seed: args.seed,
+    };
+    let stem = out.file_stem().map_or_else(|| "my".into(), |stem| stem.to_string_lossy().into_owned());
+    let beside = |ending: &str| out.with_file_name(format!("{stem}{ending}"));
+    let places = [out.to_owned(), beside("-posterior.parquet"), beside("-calibration.json"), beside("-report.html")];
+    let inputs = study.inputs();
+    let files = Files::new(inputs.iter().map(PathBuf::as_path), voice.force);
+    places.iter().try_for_each(|place| files.check(place))?;
+    let result =
+        study.run(&toolroom_parquet::read_cells).map_err(|refusal| Failure::argument(&refusal.reason, &refusal.fix))?;
+    let calibration = &result.calibration;
+    voice.say(result.read.to_string().trim_end());
+    if let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+    }
+    files.put(&places[0], calibration.set_file(&stem, &result.based_on).as_bytes())?;
+    let draws = files.begin(&places[1])?;
+    let file = draws.file.try_clone().map_err(|source| Failure::Unwritable { path: places[1].clone(), source })?;
+    let written = result.write_draws(file, &toolroom_parquet::create);
+    written.map_err(|error| Failure::Work { message: format!("{}: {error}", places[1].display()) })?;
+    files.end(draws)?;
+    let json = calibration.json();
+    let text = serde_json::to_string_pretty(&json).map_err(Failure::Json)? + "\n";
+    files.put(&places[2], text.as_bytes())?;
+    let bytes = std::fs::read(data).unwrap_or_default();
+    let words = ["--model".to_owned(), study.model.clone()];
+    let origin =
+        provenance("calibrate turning --data", &[(data.display().to_string(), &bytes)], words, Some(args.seed));
+    files.put(&places[3], calibration.report().provenance(origin).html().as_bytes())?;
+    if voice.json {
+        voice.json(&json)?;
+    } else {
+        voice.data(calibration.text().trim_end())?;
+    }
+    places.iter().for_each(|place| voice.say(format_args!("wrote {}", place.display())));
+    if args.strict && calibration.undetermined() {
+        let what = match calibration.choice.verdict {
+            Verdict::CannotTell => "the law",
+            Verdict::Chosen | Verdict::Given => "a parameter",
+        };
+        return Err(Failure::Work { message: format!("--strict: {what} is not determined by these data") });
+    }
+    Ok(())
+}

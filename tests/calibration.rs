@@ -1,0 +1,88 @@
+//! Calibration on one's own tools: from a table of wear readings to a set that shops accept, with what it does not tell.
+
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+fn toolroom(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_toolroom"))
+        .args(arguments)
+        .env("NO_COLOR", "1")
+        .current_dir(folder)
+        .output()
+        .expect("the binary runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Six edges at three speeds whose life is 30 min · (220 m/min / v)⁴ to 0.3 mm, worn evenly over time, with levels and
+/// reading errors of a fixed pattern; `unit` in mm is that of the wear readings.
+fn wear(unit: f64, header: &str) -> String {
+    let mut table = format!(
+        "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],{header},edge_end\n"
+    );
+    for (edge, (speed, level)) in
+        [(180.0, 1.1), (180.0, 0.9), (220.0, 0.95), (220.0, 1.05), (280.0, 1.0), (280.0, 1.1)].into_iter().enumerate()
+    {
+        let life = 30.0 * (220.0_f64 / speed).powi(4) / level;
+        for reading in 1..=8_u32 {
+            let error = [0.004, -0.006, 0.008, -0.003][(edge + reading as usize) % 4];
+            let wear = (0.3 * f64::from(reading) / 8.0 + error) / unit;
+            let end = if reading == 8 { "worn" } else { "" };
+            let time = life / 8.0;
+            let _ = writeln!(table, "O{edge}-{reading},L1,E{edge},{reading},{speed},0.3,1.5,{time:.4},{wear:.5},{end}");
+        }
+    }
+    table
+}
+
+#[test]
+fn wear_readings_become_a_set_with_intervals_that_shops_accept() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("wear.csv"), wear(1.0, "flank_wear [mm]")).expect("a table");
+    let command =
+        ["calibrate", "turning", "--model", "c45_t15k6", "--data", "wear.csv", "--limit", "0.3 mm", "--out", "my.toml"];
+    let output = toolroom(folder, &[&command[..], &["--json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&answer["edges"], &answer["readings"], &answer["ends"]["worn"]), (&6.into(), &48.into(), &6.into()));
+    let life = answer["life"].as_array().expect("lives").iter();
+    let life =
+        life.clone().find(|life| life["cutting_speed [m/min]"].as_f64().is_some_and(|v| (v - 220.0).abs() < 1e-9));
+    let life = &life.expect("a tested speed")["ci90"];
+    assert!(life[0].as_f64() < Some(30.0) && Some(30.0) < life[1].as_f64(), "{life}");
+    for file in ["my.toml", "my-posterior.parquet", "my-calibration.json", "my-report.html"] {
+        assert!(folder.join(file).exists(), "{file}");
+    }
+    let checked = toolroom(folder, &["check", "my.toml"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    let point = toolroom(folder, &["point", "turning", "--tool", "my.toml", "--json"]);
+    assert_eq!(point.status.code(), Some(0), "{}", text(&point.stderr));
+    // Feed and depth do not vary, so that not everything is determined; the files are written all the same.
+    let strict = toolroom(folder, &[&command[..], &["--law", "extended_taylor", "--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(1), "{}", text(&strict.stderr));
+    assert!(text(&strict.stdout).contains("vary feed_per_rev"), "{}", text(&strict.stdout));
+}
+
+#[test]
+fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("unit.csv"), wear(1.0, "flank_wear [um]")).expect("a table");
+    let mut words = wear(1.0, "flank_wear [mm]");
+    words = words.replace(",worn", ",blunt");
+    fs::write(folder.join("words.csv"), words).expect("a table");
+    for (file, reason) in [("unit.csv", "check its unit"), ("words.csv", "`blunt`"), ("none.csv", "none.csv")] {
+        let output =
+            toolroom(folder, &["calibrate", "turning", "--model", "c45_t15k6", "--data", file, "--out", "my.toml"]);
+        let message = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && message.contains(reason), "{file}: {message}");
+        assert!(!folder.join("my.toml").exists(), "{file}");
+    }
+}
