@@ -21,6 +21,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         unload_time: Distribution::Constant(0.0),
         tool_change_time: 120.0,
         setup_time: 600.0,
+        setup_at_start: None,
         magazine: 20,
         refill_time: 300.0,
         speed_range: (0.1, 10.0),
@@ -127,8 +128,6 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
         arrivals: (0..60)
             .map(|part| Arrival { part, pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 } })
             .collect(),
-        orders: Vec::new(),
-        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![dispatch],
         ..scenario()
     }
