@@ -14,6 +14,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod change;
 mod codes;
 pub mod contour;
 pub mod cycle;
@@ -23,4 +24,5 @@ pub mod point;
 pub mod program;
 mod tables;
 
+pub use change::ChangeError;
 pub use codes::CODES;
