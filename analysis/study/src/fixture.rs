@@ -39,6 +39,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
         dressing_time: 30.0,
         scatter: Default::default(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 

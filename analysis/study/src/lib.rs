@@ -15,6 +15,7 @@
 //! | [`kpi`] | key figures of one run, ISO 22400-2 time elements |
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
+//! | [`draws`] | draws of a posterior from Parquet files, for scenarios |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
@@ -49,6 +50,7 @@
 
 pub mod compare;
 pub mod difference;
+pub mod draws;
 mod figure;
 #[cfg(test)]
 mod fixture;

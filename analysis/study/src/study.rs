@@ -279,7 +279,8 @@ pub fn run_study_as_far(
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
+        let world = scenario.drawn(replication)?;
+        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
         unless_stopped(shop, scenario.horizon, stop)
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
@@ -324,7 +325,9 @@ impl StoppedShop {
     /// # Errors
     /// [`ShopError`] where the shop could not even be opened.
     pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+        let resolved = Arc::new(ResolvedPolicy::of(scenario, self.policy)?);
+        let world = scenario.drawn(self.replication)?;
+        Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
     }
 }
 

@@ -36,6 +36,7 @@ mod order;
 mod part;
 pub mod policies;
 mod policy;
+mod posterior;
 mod scope;
 mod stability;
 mod station;
@@ -54,12 +55,15 @@ pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use order::{MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
+
+use std::borrow::Cow;
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]
@@ -110,6 +114,33 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// Replications that one draw of a posterior serves: one where a single policy is looked at; four where policies are
+    /// compared, so that what the data leave open can be told from what chance does within one draw (assumption: four give
+    /// three degrees of freedom for the latter, and cost as few draws as possible).
+    pub fn replications_per_draw(&self) -> u32 {
+        if self.policies.len() > 1 { 4 } else { 1 }
+    }
+
+    /// The true world of a replication: tools whose parameters come from a posterior take one of its draws, the same under
+    /// every policy. Policies are worked out on the scenario itself, which has the values of the sets: controllers
+    /// believe those and not the draw.
+    ///
+    /// # Errors
+    /// [`ResolveError::Draw`](policies::ResolveError::Draw) where a draw gives a process that contradicts itself.
+    pub fn drawn(&self, replication: u32) -> Result<Cow<'_, Self>, policies::ResolveError> {
+        if self.tools.iter().all(|tool| tool.posterior.is_none()) {
+            return Ok(Cow::Borrowed(self));
+        }
+        let number = replication / self.replications_per_draw();
+        let mut world = self.clone();
+        for tool in &mut world.tools {
+            *tool = tool
+                .drawn(self.seed, number, &self.calibrations)
+                .map_err(|reason| policies::ResolveError::Draw { tool: tool.name.clone(), replication, reason })?;
+        }
+        Ok(Cow::Owned(world))
+    }
+
     /// Rules of the queue of a machine.
     pub fn rules(&self, machine: usize) -> &[DispatchRule] {
         self.machines[machine].rules.as_deref().unwrap_or(&self.dispatch)

@@ -42,6 +42,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
         dressing_time: 90.0,
         scatter: Scatter::shop(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 

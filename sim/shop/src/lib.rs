@@ -125,11 +125,14 @@ pub struct Shop<'a, R = RunLog> {
 /// assert!(log.passes.len() > 1000);
 /// ```
 pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
-    Shop::new(scenario, policy, replication)?.run()
+    let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+    let world = scenario.drawn(replication)?;
+    Shop::with_recorder(&world, resolved, replication, RunLog::default())?.run()
 }
 
 impl<'a> Shop<'a, RunLog> {
-    /// A shop at time zero that keeps a full log.
+    /// A shop at time zero that keeps a full log. Tools have the parameters of the scenario as it is; those of a replication
+    /// whose tools have draws are in [`Scenario::drawn`].
     ///
     /// # Errors
     /// [`ShopError`] for indices that point nowhere and for policies that cannot be resolved.
@@ -279,7 +282,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// Goes on under another policy of the scenario: the branch of a snapshot. Edges stay in
-    /// the machines; a controller that observes measures each of them once when it takes over.
+    /// the machines; a controller that observes measures each of them once when it takes over. The policy is worked out on
+    /// the scenario of this shop, which in a world of [`Scenario::drawn`] is the draw.
     ///
     /// # Errors
     /// [`ShopError`] for an unknown policy and one that cannot be resolved.

@@ -38,8 +38,11 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
     let tasks: Vec<(u32, usize)> =
         (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default());
-        let log = shop.and_then(Shop::run).map_err(|source| stopped(scenario, policy, replication, source))?;
+        let run = || {
+            let world = scenario.drawn(replication)?;
+            Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+        };
+        let log = run().map_err(|source| stopped(scenario, policy, replication, source))?;
         Ok(StoredRun {
             policy,
             replication,

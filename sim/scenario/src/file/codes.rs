@@ -72,6 +72,10 @@ pub const CODES: &[(&str, &str)] = &[
         "A row of a table that the scenario names under [tables] is at fault. The message names file, line and column; the keys are those of the section in the scenario, the first line names them.",
     ),
     (
+        "draws",
+        "`parameters_from` names draws of a posterior, a Parquet table that `toolroom calibrate --data` writes beside the set: a column `group.parameter [unit]` for each parameter of the process, `edge_scatter`, `law` and `weight`. The parameter set of the tool has the same wear law, `parameters` states none of the same values, and all draws have the same weight. Each replication takes one draw, the same under every policy; policies believe the set. docs/calibration.md shows the way.",
+    ),
+    (
         "calibration",
         "A calibration moves a constant of the process of a tool (`parameter = \"force.specific_force\"`, `target = \"tool insert\"`), or a value of the shop; the moved value stays within the range of the constant.",
     ),

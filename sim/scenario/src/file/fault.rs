@@ -185,6 +185,14 @@ pub enum ScenarioFault {
         /// What to do about it.
         fix: Option<String>,
     },
+    /// Draws of a posterior that a tool cannot take.
+    #[error("draws \"{file}\": {reason}")]
+    Draws {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -214,6 +222,7 @@ impl ContentFault for ScenarioFault {
             Self::CalendarEmpty { .. } => "calendar-empty",
             Self::OrderOutside { .. } => "order-beyond-horizon",
             Self::TableCell { .. } => "table-cell",
+            Self::Draws { .. } => "draws",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -240,6 +249,7 @@ impl ContentFault for ScenarioFault {
             Self::CalendarEmpty { .. } => "give a day of `week` its shifts, or overtime".to_owned(),
             Self::OrderOutside { .. } => "lengthen `horizon`, move `start`, or take the order out".to_owned(),
             Self::TableCell { fix, .. } => return fix.clone(),
+            Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"

@@ -185,6 +185,11 @@ static TOOL: Form = Form {
             Kind::Name,
             "Tool and work material: name of a parameter set of the process; due unless a unit is named",
         ),
+        Key::optional(
+            "parameters_from",
+            Kind::Text,
+            "Draws of a calibration, a Parquet table beside this file: each replication takes one, the same under every policy",
+        ),
         Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
             .when("process", ProcessKind::CUTTING),
         Key::optional("wiring", Kind::Table(&WIRING), "Which variable of the unit stands for which quantity")

@@ -9,6 +9,7 @@ use crate::{
     Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target, ToolType,
     TuneRequest, Variants,
 };
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
@@ -278,6 +279,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
         let process = processes::process(walk, &section, &scatter, &effects);
+        let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
         let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
@@ -288,6 +290,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
             scatter,
             structure_scatter,
+            posterior: posterior.map(Arc::new),
         });
         tools.push(NamedTool {
             process: section.chosen("process", ProcessKind::from_word),

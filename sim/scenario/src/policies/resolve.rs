@@ -284,6 +284,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         dressing_time: 0.0,
         scatter: toolroom_wear::Scatter::shop(),
         structure_scatter: Default::default(),
+        posterior: None,
     };
     let machine = MachineType {
         name: "lathe".to_owned(),

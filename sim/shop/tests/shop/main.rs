@@ -9,6 +9,7 @@ mod conservation;
 mod contours;
 mod cycles;
 mod dispatching;
+mod draws;
 mod grinding;
 #[path = "../../../kernel/tests/kernel/instances.rs"]
 mod instances;

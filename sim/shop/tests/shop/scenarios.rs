@@ -107,6 +107,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
         dressing_time: 0.0,
         scatter: Scatter::none(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 
