@@ -7,9 +7,7 @@ use crate::speak::Voice;
 use crate::study::default_out;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_contour::EdgeLife;
-use toolroom_planning::contour::{NAMES, StudyOptions, Task, files, studies, summary, text};
-use toolroom_process::unit;
+use toolroom_planning::contour::{NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
@@ -41,19 +39,11 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 fn options(args: &ContourArgs) -> Result<StudyOptions, Failure> {
-    let edge = args.edge.as_ref().map(|text| {
-        let refuse = |reason: String| {
-            Failure::argument(
-                format_args!("--edge {text}: {reason}"),
-                "write for example --edge 0.3 or --edge \"30 %\"",
-            )
-        };
-        let remaining = unit::quantity(text, "1").map_err(|error| refuse(error.to_string()))?;
-        if !(0.0..=1.0).contains(&remaining) {
-            return Err(refuse("a share from 0 to 1 is due".to_owned()));
-        }
-        Ok(EdgeLife { remaining, ..EdgeLife::default() })
-    });
+    let help = "write for example --edge 0.3 or --edge \"30 %\"";
+    let edge = args
+        .edge
+        .as_ref()
+        .map(|text| edge_life(text).map_err(|reason| Failure::argument(format_args!("--edge {text}: {reason}"), help)));
     Ok(StudyOptions {
         passes: args.pass.clone(),
         ramps: args.ramps,

@@ -10,7 +10,7 @@ use toolroom_scenario::file;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
     let all = || {
-        [CODES, file::CODES, program::CODES, toolroom_planning::CODES, toolroom_watch::CODES]
+        [CODES, file::CODES, program::CODES, toolroom_kinds::CODES, toolroom_planning::CODES, toolroom_watch::CODES]
             .into_iter()
             .flatten()
             .copied()

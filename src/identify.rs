@@ -8,10 +8,8 @@ use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_form::nearest;
 use toolroom_infeed::{Basis, IdentifyOptions};
-use toolroom_planning::identification::{IdentificationStudy, NAMES, Table, TrialsError};
-use toolroom_process::{AnyRecord, unit};
+use toolroom_planning::identification::{IdentificationStudy, NAMES, Table, TrialsError, measurement_errors};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &IdentifyArgs, voice: &Voice) -> Result<(), Failure> {
@@ -77,27 +75,9 @@ fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
         IdentifyBasis::Stock => Basis::Stock,
         IdentifyBasis::Force => Basis::Force,
     };
-    let mut options = IdentifyOptions { basis, resamples: args.resamples, seed: args.seed, ..Default::default() };
-    let errors: &mut dyn AnyRecord = &mut options.errors;
-    for change in &args.error {
-        let (key, value) = change.split_once('=').unwrap_or((change, ""));
-        let fields = errors.fields();
-        let Some(index) = fields.iter().position(|field| field.name == key.trim()) else {
-            let known: Vec<&str> = fields.iter().map(|field| field.name).collect();
-            let near =
-                nearest(key, known.iter().copied()).map_or(String::new(), |near| format!("did you mean `{near}`? "));
-            let help = format!("{near}measurements: {}", known.join(", "));
-            return Err(Failure::argument(format_args!("--error: there is no measurement `{key}`"), help));
-        };
-        let field = &fields[index];
-        let help =
-            format!("write for example --error {}=\"{} {}\"", field.name, field.to_display(field.start), field.display);
-        let read = unit::quantity(value, field.unit)
-            .map_err(|error| Failure::argument(format_args!("--error {key}: {error}"), &help))?;
-        field.check(read).map_err(|error| Failure::argument(format_args!("--error {error}"), &help))?;
-        errors.set_value(index, read);
-    }
-    Ok(options)
+    let errors = measurement_errors(&args.error)
+        .map_err(|error| Failure::argument(format_args!("--error: {error}"), error.fix()))?;
+    Ok(IdentifyOptions { basis, resamples: args.resamples, seed: args.seed, errors })
 }
 
 fn read(path: &Path) -> Result<Table, Failure> {

@@ -6,8 +6,7 @@ use crate::output::Files;
 use crate::speak::Voice;
 use std::fs;
 use std::path::Path;
-use toolroom_planning::program::CycleTime;
-use toolroom_process::{AnyRecord, Record, unit};
+use toolroom_planning::program::{CycleTime, set_drive};
 use toolroom_program::{Control, Dialect, Drives, Units, post};
 
 /// What a refused program is about.
@@ -34,7 +33,11 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         let fault = |error| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");
         control.set_tool(text).map_err(fault)?;
     }
-    let drives = drives(&args.set, &mut control)?;
+    let mut drives = Drives::default();
+    for text in &args.set {
+        set_drive(&mut drives, &mut control, text)
+            .map_err(|error| Failure::argument(format!("--set {text}: {error}"), error.fix()))?;
+    }
     let cycle = CycleTime::new(&text, &control, &drives, args.blocks.is_some())
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
     if let Some(path) = &args.blocks {
@@ -72,30 +75,4 @@ pub fn read(file: &Path) -> Result<String, Failure> {
     let name = file.display();
     let bytes = fs::read(file).map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// Drives with the values of `--set`; those of the control go there.
-fn drives(set: &[String], control: &mut Control) -> Result<Drives, Failure> {
-    let mut drives = Drives::<f64>::default();
-    let names = || Drives::<f64>::FIELDS.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
-    for text in set {
-        let (key, value) = text.split_once('=').unwrap_or((text, ""));
-        if let Some(key) = key.strip_prefix("control.") {
-            let value = value.trim_matches('"');
-            control.set(key, value).map_err(|error| {
-                Failure::argument(format!("--set {text}: {error}"), format!("there are {}", Control::KEYS))
-            })?;
-            continue;
-        }
-        let index = Drives::<f64>::index_of(key).ok_or_else(|| {
-            Failure::argument(format!("--set {text}: no value `{key}`"), format!("there are {}, control.…", names()))
-        })?;
-        let field = &Drives::<f64>::FIELDS[index];
-        let number = unit::quantity(value, field.unit).map_err(|error| {
-            Failure::argument(format!("--set {text}: {error}"), format!("write {key}=\"1 {}\"", field.display))
-        })?;
-        drives.set_value(index, number);
-    }
-    drives.check().map_err(|error| Failure::argument(error, "see the ranges in the documentation of Drives"))?;
-    Ok(drives)
 }

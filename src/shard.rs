@@ -8,7 +8,7 @@ use crate::stop::{Begun, keeps, tidy};
 use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
-use toolroom_shards::{Plan, ShardError, read_plan, write_plan};
+use toolroom_shards::{Plan, ShardError, Work, read_plan, write_plan};
 use toolroom_study::planned;
 
 pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
@@ -18,7 +18,7 @@ pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
 /// Runs a shard and leaves the plan beside its part.
 pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(path).map_err(refused)?;
-    checked(&plan)?;
+    plan.check(env!("CARGO_PKG_VERSION")).map_err(refused)?;
     fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
     let there = out.join("plan.json");
     if there.exists() {
@@ -35,10 +35,10 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
     let _tidy = tidy(Begun::Partials(out.to_owned()));
     let message = format!("interrupted: shard {number} is not in {}; parts that are there stay", out.display());
     keeps(message, "run the shard again".to_owned());
-    threads.install(|| match plan.kind.as_str() {
-        "compare" => Ok(planned::shard(&plan, number, out)?),
-        "lobes" => lobes::shard(&plan, number, out),
-        _ => life::shard(&plan, number, out),
+    threads.install(|| match plan.kind {
+        Work::Compare => Ok(planned::shard(&plan, number, out)?),
+        Work::Lobes => lobes::shard(&plan, number, out),
+        Work::Life => life::shard(&plan, number, out),
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
     Ok(())
@@ -47,22 +47,6 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
 /// Leaves a plan where `--plan` says.
 pub fn leave(plan: &Plan, path: &Path, files: &Files) -> Result<(), Failure> {
     files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())
-}
-
-/// Refuses plans that this program does not know.
-pub fn checked(plan: &Plan) -> Result<(), Failure> {
-    if !matches!(plan.kind.as_str(), "life" | "compare" | "lobes") || plan.schema != 1 {
-        let message = format!("the plan is of kind \"{}\", schema {}", plan.kind, plan.schema);
-        return Err(Failure::argument(
-            message,
-            "make a plan with toolroom life, compare or lobes FILE --plan plan.json",
-        ));
-    }
-    if plan.version != env!("CARGO_PKG_VERSION") {
-        let message = format!("the plan was made by version {}, this is {}", plan.version, env!("CARGO_PKG_VERSION"));
-        return Err(Failure::argument(message, "use one version for plan, shards and merge"));
-    }
-    plan.check_files().map_err(refused)
 }
 
 /// Threads, 0 for one per processor.
@@ -80,10 +64,6 @@ pub fn refused(error: ShardError) -> Failure {
         ShardError::Rows { .. } => {
             Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
         }
-        ShardError::OtherFile { .. } => {
-            Failure::argument(error, "restore the file, or make a new plan and run all of its shards")
-        }
-        ShardError::NoPlan { .. } => Failure::argument(error, "give the plan another name"),
-        _ => Failure::argument(error, "run the missing shards, or merge the parts of one plan only"),
+        other => Failure::argument(&other, other.fix()),
     }
 }

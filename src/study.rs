@@ -10,8 +10,7 @@ use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
-use toolroom_gap::{Settings, sensor_sheet};
-use toolroom_recording::simulated;
+use toolroom_gap_study::{RECORDED, recorded};
 use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::file::ScenarioFile;
 use toolroom_shop::RunLog;
@@ -21,6 +20,7 @@ use toolroom_study::results::{self, FinishedRun, STOPPED, record};
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
+use toolroom_study::tune::Tuning;
 
 /// A study about to be run.
 pub struct Request<'a> {
@@ -39,6 +39,8 @@ pub struct Request<'a> {
     pub out: PathBuf,
     /// Runs made elsewhere.
     pub known: Arc<KnownRuns>,
+    /// How the settings of the policies in `file` were found.
+    pub tuning: Option<Arc<Tuning>>,
 }
 
 /// Runs, writes, prints.
@@ -52,12 +54,14 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         logged: args.logged.unwrap_or(request.logged),
         known: Arc::clone(&request.known),
         stop_after: args.stop_after,
+        tuning: request.tuning.clone(),
         ..StudyOptions::of(scenario)
     };
     let target = args.out.as_deref().unwrap_or(&request.out);
     let format = format(file, args);
     let version = env!("CARGO_PKG_VERSION");
-    let changes = request.changes.overrides();
+    let tuned = request.tuning.iter().flat_map(|tuning| tuning.changes());
+    let changes = request.changes.overrides().into_iter().chain(tuned).collect();
     let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
     if args.resume && target.exists() {
         let earlier = FinishedRun::read(target)?;
@@ -150,9 +154,6 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
 /// The way on after an interruption.
 const RESUME: &str = "the same command with --resume goes on";
 
-/// Kinds of records that a simulated shop leaves.
-const RECORDED: [RecordKind; 4] = [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop];
-
 /// Where the records of a kind go.
 fn records_file(dir: &Path, kind: RecordKind) -> PathBuf {
     dir.join(kind.file_stem()).with_extension("csv")
@@ -179,18 +180,11 @@ fn record_first(
     voice: &Voice,
 ) -> Result<(), Failure> {
     let Some(log) = log else { return Ok(()) };
-    let sheet = |kind| {
-        sensor_sheet(&request.input, request.file.gap.as_ref(), kind)
-            .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))
-    };
-    let sheets = RECORDED.iter().map(|kind| Ok((*kind, sheet(*kind)?))).collect::<Result<Vec<_>, Failure>>()?;
-    let sensor = |kind: RecordKind, channel: &str| {
-        let own = sheets.iter().find(|(other, _)| *other == kind);
-        own.map_or_else(Settings::default, |(_, settings)| settings.clone()).sensor(channel)
-    };
+    let measured = recorded(&request.input, &request.file, log)
+        .map_err(|error| Failure::argument(error, "give the sensor in the unit of its channel"))?;
     std::fs::create_dir_all(dir).map_err(|source| Failure::Unwritable { path: dir.to_owned(), source })?;
     let mut names = Vec::new();
-    for records in simulated(&request.file.scenario, log, &sensor) {
+    for records in measured {
         let path = records_file(dir, records.kind);
         let mut csv = Vec::new();
         write_csv(&records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
@@ -231,6 +225,9 @@ fn reproduce(request: &Request<'_>) -> String {
     let mut reproduce = format!("toolroom {}", request.command);
     for change in request.changes.overrides() {
         reproduce.push_str(&format!(" --set {}", quoted(&change)));
+    }
+    if request.tuning.is_some() {
+        reproduce.push_str(" --tune");
     }
     for name in &request.args.policy {
         reproduce.push_str(&format!(" --policy {}", quoted(name)));

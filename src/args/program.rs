@@ -2,7 +2,12 @@
 
 use clap::Args;
 use std::path::PathBuf;
+use std::sync::LazyLock;
+use toolroom_planning::program::drive_names;
 use toolroom_program::{Dialect, Units};
+
+/// What `--set` may change.
+static SET: LazyLock<String> = LazyLock::new(|| format!("Replace a value of {}, repeatable", drive_names()));
 
 #[derive(Args, Debug)]
 pub struct ProgramArgs {
@@ -11,11 +16,7 @@ pub struct ProgramArgs {
     /// Language of the program; found from its words where not given
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES)]
     pub dialect: Option<String>,
-    /// Replace a value of drives and changer (rapid_speed, tool_change_time, inverse_acceleration,
-    /// inverse_rapid_acceleration, corner_deviation, jerk_time, feed_settling, rapid_settling, hole_dwell)
-    /// or of the control (control.units, control.decimal, control.peck_clearance, control.rotary_feed, control.feed_at,
-    /// control.m.29, control.g.411), repeatable
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", help = SET.as_str())]
     pub set: Vec<String>,
     /// Unit of lengths and feeds of a program that names none
     #[arg(long, value_name = "UNIT", value_parser = Units::NAMES)]

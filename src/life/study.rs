@@ -14,16 +14,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use toolroom_form::FormFile;
-use toolroom_life::file::{StudyFile, StudyText, parse};
+use toolroom_life::file::{StudyFile, StudyText};
 use toolroom_life::study::report::{Inputs, NAMES, results};
 use toolroom_life::study::run::enough;
 use toolroom_life::study::shard;
 use toolroom_records::table::NewTable;
 use toolroom_shards::{Plan, ShardError, discard, fingerprint, read_plan, write_plan};
 use toolroom_study::study::Progress;
-
-/// Lives of a shard when nobody says how many shards there are.
-const SHARD: u64 = 500_000;
 
 pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     let text = StudyText::open(path)?;
@@ -43,23 +40,8 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
         parsed = text.parse(&overrides)?;
     }
     let study = &parsed.content.study;
-    let all = study.lives.saturating_mul(study.cells.len() as u64);
-    let shards = args.shards.shards.unwrap_or(all.div_ceil(SHARD)).min(study.lives);
-    let plan = Plan {
-        schema: 1,
-        kind: "life".to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        name: study.name.clone(),
-        file: text.file,
-        directory: text.directory.display().to_string(),
-        text: text.text,
-        files: Plan::fingerprints(&parsed.files).map_err(refused)?,
-        overrides,
-        policies: Vec::new(),
-        seed: study.seed,
-        pieces: study.lives,
-        shards,
-    };
+    let plan = shard::plan(env!("CARGO_PKG_VERSION"), text, &parsed, overrides, args.shards.shards).map_err(refused)?;
+    let shards = plan.shards;
     if let Some(target) = &args.shards.plan {
         let inputs = parsed.files.iter().map(AsRef::as_ref).chain([path]);
         leave(&plan, target, &Files::new(inputs, voice.force))?;
@@ -92,6 +74,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
     }
     bar.finish();
     let wall = start.elapsed();
+    let all = study.lives.saturating_mul(study.cells.len() as u64);
     voice.detail(format_args!(
         "{all} lives in {:.2} s, {:.0} a second",
         wall.as_secs_f64(),
@@ -102,7 +85,7 @@ pub fn run(args: &LifeArgs, path: &Path, voice: &Voice) -> Result<(), Failure> {
 
 /// One shard of a planned study.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
-    let content = study_of(plan)?.content;
+    let content = shard::study(plan)?.content;
     shard::run(&content.study, plan, number, out, rows(content.write_lives)).map_err(refused)
 }
 
@@ -114,15 +97,11 @@ pub fn merge(
     statistics: &Statistics,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let parsed = study_of(plan)?;
+    let parsed = shard::study(plan)?;
     let request = request(statistics, parsed.content.costs)?;
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, parsed.files.iter().map(AsRef::as_ref), voice.force)?;
     finish(plan, &parsed, parts, out, &request, voice)
-}
-
-fn study_of(plan: &Plan) -> Result<FormFile<StudyFile>, Failure> {
-    Ok(parse(&plan.file, &plan.text, Path::new(&plan.directory), &plan.overrides)?)
 }
 
 /// Folder of the parts within that of the results.

@@ -11,7 +11,7 @@ use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_form::FormFile;
-use toolroom_planning::lobes::{Columns, LobesFile, NAMES, parse};
+use toolroom_planning::lobes::{self, Columns, LobesFile, NAMES};
 use toolroom_shards::{Computed, Plan, ShardError};
 
 /// `--plan FILE`: the columns of the grid cut into shards.
@@ -22,43 +22,24 @@ pub fn plan(
     target: &Path,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let LobesFile { name, chart, .. } = &file.content;
-    if chart.boundary_only {
+    if file.content.chart.boundary_only {
         let help = "a boundary is traced from column to column and takes no grid; plan it with --set chart.boundary_only=false, or run it here";
         return Err(Failure::argument("a boundary alone cannot be cut into shards", help));
     }
-    let columns = chart.speed.points as u64;
-    let plan = Plan {
-        schema: 1,
-        kind: "lobes".to_owned(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        name: name.clone(),
-        file: input.to_owned(),
-        directory: String::new(),
-        text: file.text.clone(),
-        files: Plan::fingerprints(&file.files).map_err(failed)?,
-        overrides: args.set.clone(),
-        seed: 0,
-        policies: Vec::new(),
-        pieces: columns,
-        shards: args.shards.unwrap_or(16).min(columns),
-    };
+    let version = env!("CARGO_PKG_VERSION");
+    let plan = lobes::plan(version, input, file, args.set.clone(), args.shards).map_err(failed)?;
     let inputs = file.files.iter().map(AsRef::as_ref).chain([Path::new(input)]);
     leave(&plan, target, &Files::new(inputs, voice.force))?;
-    let (shown, shards) = (target.display(), plan.shards);
+    let (shown, shards, columns) = (target.display(), plan.shards, plan.pieces);
     voice.say(format_args!(
         "wrote {shown}: {shards} shards of {columns} columns   next: toolroom lobes --run {shown} --shard 0 --out parts"
     ));
     Ok(())
 }
 
-fn chart_of(plan: &Plan) -> Result<FormFile<LobesFile>, Failure> {
-    Ok(parse(&plan.file, &plan.text, &plan.overrides)?)
-}
-
 /// One shard of a planned chart.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
-    let file = chart_of(plan)?;
+    let file = lobes::chart(plan)?;
     let mut refusal = None;
     let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
         let content = match Columns::new(&file.content, from, to) {
@@ -81,7 +62,7 @@ pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
 /// Merges the parts of a planned chart: the same files and digest as without a plan.
 pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Result<(), Failure> {
     let start = Instant::now();
-    let file = chart_of(plan)?;
+    let file = lobes::chart(plan)?;
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let chart = &file.content.chart;

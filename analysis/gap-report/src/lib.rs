@@ -19,6 +19,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod catalogue;
 mod forms;
 mod minutes;
 mod pictures;
@@ -26,6 +27,7 @@ mod places;
 mod readings;
 mod sentence;
 
+pub use catalogue::{catalogue_json, catalogue_text};
 pub use forms::{Page, html, json, markdown};
 pub use minutes::{Minutes, Rates, Step};
 pub use readings::{Place, ReadChannel, Reading, Readings};

@@ -12,6 +12,7 @@
 //! | [`tables()`], [`Table`] | which model reads which table of a data set |
 //! | [`GapStudy`], [`GapRequest`] | the diagnosis of a data set, with its documents |
 //! | [`figures()`], [`Figure`] | what the effects do to the key figures of a shop |
+//! | [`recorded()`] | a simulated run as the sensors of its file would have recorded it |
 //! | [`GapStudyError`] | why there is none, and the likely fix |
 //!
 //! # What is not modelled
@@ -22,12 +23,14 @@
 mod error;
 mod figures;
 mod known;
+mod recorded;
 mod request;
 mod study;
 mod tables;
 
 pub use error::GapStudyError;
 pub use figures::{Figure, figures, table};
+pub use recorded::{RECORDED, recorded};
 pub use request::{GapRequest, Reading};
 pub use study::{GapStudy, NAMES};
 pub use tables::{Table, tables};

@@ -1,13 +1,12 @@
 //! Why a file was not accepted.
 
 use toolroom_form::ReadError;
-use toolroom_nominal::ModelFileError;
 
 /// Why a file was not accepted.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum KindError {
-    /// The file cannot be opened or decoded, or every fault found in it.
+    /// The file cannot be opened or decoded, or every fault found in it with its place.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A file with no sign of any kind.
@@ -21,25 +20,12 @@ pub enum KindError {
         /// Signs of every kind.
         signs: String,
     },
-    /// A policy under which no run begins.
-    #[error("policy `{policy}`: {reason}")]
-    Policy {
-        /// The policy.
-        policy: String,
-        /// What the shop says.
-        reason: String,
+    /// Values of `--set` for a file whose values belong together.
+    #[error("no value of a {kind} can be changed alone")]
+    Unchangeable {
+        /// The kind of the file.
+        kind: &'static str,
     },
-    /// A parameter set whose values contradict each other.
-    #[error("parameter set `{name}`: {reason}")]
-    Set {
-        /// The set.
-        name: String,
-        /// What its model says.
-        reason: String,
-    },
-    /// A file that is no nominal model.
-    #[error(transparent)]
-    Model(ModelFileError),
 }
 
 impl KindError {
@@ -48,15 +34,7 @@ impl KindError {
         match self {
             Self::Read(_) => "see what is wrong in the file",
             Self::NoSign { .. } => "name the kind with --kind, such as --kind scenario",
-            Self::Policy { .. } => "no run would begin",
-            Self::Set { .. } => "change one of the two values",
-            Self::Model(_) => "see scenarios/gap for nominal models that work",
+            Self::Unchangeable { .. } => "leave --set out, and make the file again with other values",
         }
-    }
-}
-
-impl From<ModelFileError> for KindError {
-    fn from(error: ModelFileError) -> Self {
-        if let ModelFileError::Read(error) = error { Self::Read(error) } else { Self::Model(error) }
     }
 }

@@ -20,7 +20,15 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod error;
+mod places;
+mod plan;
 mod readers;
+
+/// Codes of errors of this crate for `toolroom explain`, each with a longer text.
+pub const CODES: &[(&str, &str)] = &[(
+    "plan",
+    "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
+)];
 
 pub use error::KindError;
 pub use readers::{Checked, Reader, checked};
@@ -141,6 +149,7 @@ pub static KINDS: &[FileKind] = &[
         read: Some(readers::parameter_set),
         form: Described::By(&toolroom_wear::PARAMETER_SET),
     },
+    plan::KIND,
     FileKind {
         word: "diagnosis",
         doc: "diagnosis.json of gap diagnose",
@@ -161,10 +170,18 @@ impl FileKind {
     /// # Errors
     /// The file cannot be read, or has no sign of any kind.
     pub fn of(path: &Path) -> Result<&'static Self, KindError> {
-        let outline = Outline::read(path)?;
-        // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
-        let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
-        known.or(outline.is_broken().then_some(&KINDS[0])).ok_or_else(|| {
+        let text = toolroom_form::text(path)?;
+        let found = if text.trim_start().starts_with('{') {
+            let json: Option<Value> = serde_json::from_str(&text).ok();
+            let has = |sign: &str| json.as_ref().is_some_and(|json| json.get(sign).is_some());
+            KINDS.iter().find(|kind| kind.signs.iter().any(|sign| has(sign))).or(json.is_none().then_some(&plan::KIND))
+        } else {
+            let outline = Outline::of(&text);
+            let known = KINDS.iter().find(|kind| kind.signs.iter().any(|sign| outline.has(sign)));
+            // Every reader of a form tells all slips of a text that is not TOML, and nothing else.
+            known.or(outline.is_broken().then_some(&KINDS[0]))
+        };
+        found.ok_or_else(|| {
             let kinds = KINDS.iter().filter(|kind| kind.read.is_some());
             let signs: Vec<String> = kinds.map(|kind| format!("{} by {}", kind.word, kind.signs.join(", "))).collect();
             KindError::NoSign { file: path.display().to_string(), signs: signs.join("; ") }
@@ -174,7 +191,7 @@ impl FileKind {
     /// The JSON schema.
     ///
     /// # Panics
-    /// Never: the one schema that is a text of its own is JSON, which a test asks.
+    /// Never: schemas that are texts of their own are JSON, which a test asks.
     pub fn schema(&self) -> Value {
         match self.form {
             Described::By(form) => schema(form, &self.title()),

@@ -1,16 +1,17 @@
 //! The reader of each kind: what its verb would refuse before it begins is refused here.
 
 use crate::KindError;
+use crate::places::{header, nominal as nominal_place, parameter, refused};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
-use toolroom_form::{Echo, significant};
+use toolroom_form::{Echo, Refusal, significant};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::contour::{Task, read_setup};
 use toolroom_planning::cycle::CycleDesign;
 use toolroom_records::import::Mapping;
 use toolroom_scenario::file::{self, ScenarioFile};
-use toolroom_wear::{Origin, Pair, ParameterSet, TURNING_SETS};
+use toolroom_wear::{Origin, Pair, ParameterSet, SetError, TURNING_SETS};
 
 /// Reads a file with the values of `--set`.
 pub type Reader = fn(&Path, &[String]) -> Result<Checked, KindError>;
@@ -38,11 +39,14 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
 }
 
 pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let ScenarioFile { scenario, echo, .. } = file::read(path, set)?;
+    let ScenarioFile { scenario, echo, text, .. } = file::read(path, set)?;
     // What `run` would refuse before its first event.
     for (index, policy) in scenario.policies.iter().enumerate() {
-        toolroom_shop::Shop::new(&scenario, index, 0)
-            .map_err(|error| KindError::Policy { policy: policy.name.clone(), reason: error.to_string() })?;
+        toolroom_shop::Shop::new(&scenario, index, 0).map_err(|error| {
+            let refusal =
+                Refusal::new("policy", format_args!("no run of policy `{}` would begin: {error}", policy.name));
+            refused(path, &text, header(&text, "policy", index), refusal)
+        })?;
     }
     let mut result = Map::new();
     result.insert("name".to_owned(), json!(scenario.name));
@@ -112,14 +116,18 @@ pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 }
 
 pub fn nominal(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let model = NominalModel::read(path, set)?;
+    let model = NominalModel::read(path, set).map_err(|error| nominal_place(path, error))?;
     Ok(checked("gap", None, Vec::new(), &format!("a nominal model of {} records", model.kind().name())))
 }
 
 pub fn parameter_set(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let set = ParameterSet::read(path, set, &[&TURNING_SETS, &MILLING_CATALOGUE])?;
-    let refuse =
-        |reason: toolroom_wear::SetError| KindError::Set { name: set.name.clone(), reason: reason.to_string() };
+    let refuse = |error: SetError| {
+        // The file was read before.
+        let text = toolroom_form::text(path).unwrap_or_default();
+        let refusal = Refusal::new("parameter-set", format_args!("parameter set `{}`: {error}", set.name));
+        refused(path, &text, parameter(&text, &error), refusal)
+    };
     let pair = if set.process == "turning" { Some(Pair::of_set(&set).map_err(refuse)?) } else { None };
     if set.process == "milling" {
         Milling::of_set(&set).map_err(refuse)?;

@@ -15,6 +15,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod change;
 mod codes;
 pub mod contour;
 pub mod cycle;
@@ -25,4 +26,5 @@ pub mod point;
 pub mod program;
 mod tables;
 
+pub use change::ChangeError;
 pub use codes::CODES;

@@ -1,10 +1,64 @@
 //! The nominal cycle time of a part program, by tool and by block.
 
+use crate::change::{ChangeError, assign, parts};
 use crate::tables::table;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use toolroom_process::Record;
 use toolroom_process::table::Cell;
 use toolroom_program::{AXES, Block, Blocks, Control, Drives, ProgramError, Timer};
+
+/// Why a change of drives or control was refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DriveError {
+    /// A value of the control.
+    #[error("{0}")]
+    Control(String),
+    /// A value of the drives.
+    #[error(transparent)]
+    Drives(#[from] ChangeError),
+}
+
+impl DriveError {
+    /// The likely way out.
+    pub fn fix(&self) -> String {
+        match self {
+            Self::Control(_) => format!("of the control there are {}", Control::KEYS),
+            Self::Drives(error @ ChangeError::NoField { .. }) => format!("{}, control.…", error.fix()),
+            Self::Drives(error) => error.fix(),
+        }
+    }
+}
+
+/// Changes drives, or the control where the name begins with `control.`, by `name=value`.
+///
+/// # Errors
+/// [`DriveError`]: a name that neither has, or a value that it refuses.
+///
+/// ```
+/// use toolroom_planning::program::set_drive;
+/// use toolroom_program::{Control, Drives};
+/// let (mut drives, mut control) = (Drives::default(), Control::default());
+/// set_drive(&mut drives, &mut control, "tool_change_time=6 s").unwrap();
+/// set_drive(&mut drives, &mut control, "control.m.29=0.3 s").unwrap();
+/// assert_eq!((drives.tool_change_time, control.m[&29]), (6.0, 0.3));
+/// let error = set_drive(&mut drives, &mut control, "jerk=1 s").unwrap_err();
+/// assert!(error.fix().contains("jerk_time"));
+/// ```
+pub fn set_drive(drives: &mut Drives, control: &mut Control, change: &str) -> Result<(), DriveError> {
+    let (name, value) = parts(change)?;
+    match name.strip_prefix("control.") {
+        Some(key) => control.set(key, value).map_err(DriveError::Control),
+        None => Ok(assign(drives, name, value)?),
+    }
+}
+
+/// Names of the values that [`set_drive`] changes, in words.
+pub fn drive_names() -> String {
+    let drives: Vec<&str> = Drives::<f64>::FIELDS.iter().map(|field| field.name).collect();
+    format!("drives and changer ({}) or control (control. before {})", drives.join(", "), Control::KEYS)
+}
 
 /// The time of a part program. It keeps no motions, and blocks only where a table of them is asked for.
 #[derive(Clone, Debug)]

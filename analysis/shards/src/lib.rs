@@ -20,13 +20,39 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
+/// Kind of work that a plan cuts into shards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Work {
+    /// A study of tool lives.
+    Life,
+    /// A comparison of policies.
+    Compare,
+    /// A stability chart.
+    Lobes,
+}
+
+impl Work {
+    /// Its word, which is the verb that makes the plan.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Life => "life",
+            Self::Compare => "compare",
+            Self::Lobes => "lobes",
+        }
+    }
+}
+
+/// Version of the format of plans.
+pub const PLAN: u32 = 1;
+
 /// What is to be run, cut into shards.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan {
     /// Version of the format, 1.
     pub schema: u32,
-    /// Kind of work: `life`, `compare`, `lobes`.
-    pub kind: String,
+    /// Kind of work.
+    pub kind: Work,
     /// Version of the program.
     pub version: String,
     /// Name of the study or scenario.
@@ -70,7 +96,8 @@ impl Plan {
             shards,
         } = self;
         let contents: Vec<&str> = files.iter().map(|(_, fingerprint)| fingerprint.as_str()).collect();
-        let words = [kind, version, name, text, &contents.join("\n"), &overrides.join("\n"), &policies.join("\n")];
+        let words =
+            [kind.word(), version, name, text, &contents.join("\n"), &overrides.join("\n"), &policies.join("\n")];
         let hash = words.iter().fold(FNV_OFFSET, |hash, word| fnv(fnv(hash, word.as_bytes()), &[0]));
         let numbers = [u64::from(*schema), *seed, *pieces, *shards];
         let hash = numbers.iter().fold(hash, |hash, number| fnv(hash, &number.to_le_bytes()));
@@ -85,11 +112,22 @@ impl Plan {
         paths.iter().map(|path| Ok((path.display().to_string(), hash_of(path)?))).collect()
     }
 
-    /// Whether the files that the plan names are still those for which it was made.
+    /// Whether a program of this version can run the plan, and the files that it names are still those for which it
+    /// was made.
     ///
     /// # Errors
-    /// [`ShardError`] for the first that is not, or cannot be read.
-    pub fn check_files(&self) -> Result<(), ShardError> {
+    /// [`ShardError`] for another format or version, a plan of nothing, and the first file that has changed or cannot be
+    /// read.
+    pub fn check(&self, version: &str) -> Result<(), ShardError> {
+        if self.schema != PLAN {
+            return Err(ShardError::OtherFormat { found: self.schema });
+        }
+        if self.version != version {
+            return Err(ShardError::OtherVersion { found: self.version.clone(), expected: version.to_owned() });
+        }
+        if !(1..=self.pieces).contains(&self.shards) {
+            return Err(ShardError::NoPieces { pieces: self.pieces, shards: self.shards });
+        }
         self.files.iter().try_for_each(|(file, fingerprint)| {
             let path = PathBuf::from(file);
             if hash_of(&path)? == *fingerprint { Ok(()) } else { Err(ShardError::OtherFile { path }) }
@@ -179,6 +217,28 @@ pub enum ShardError {
         /// The file.
         path: PathBuf,
     },
+    /// A plan of another format.
+    #[error("the plan has the format {found}, this is {PLAN}")]
+    OtherFormat {
+        /// Its format.
+        found: u32,
+    },
+    /// A plan made by another version of the program.
+    #[error("the plan was made by version {found}, this is {expected}")]
+    OtherVersion {
+        /// Its version.
+        found: String,
+        /// That of the program.
+        expected: String,
+    },
+    /// A plan of which some shard would be empty.
+    #[error("the plan cuts {pieces} pieces of work into {shards} shards, of which each needs a piece")]
+    NoPieces {
+        /// Pieces of work.
+        pieces: u64,
+        /// Shards.
+        shards: u64,
+    },
     /// A shard that the plan does not have.
     #[error("shard {shard} does not exist: the plan has {shards}, numbered from 0")]
     NoSuchShard {
@@ -237,6 +297,50 @@ pub enum ShardError {
         /// The directory.
         path: PathBuf,
     },
+}
+
+impl ShardError {
+    /// The likely way out.
+    pub fn fix(&self) -> &'static str {
+        match self {
+            Self::File { .. } | Self::Rows { .. } => "choose another place, or make room",
+            Self::OtherFormat { .. } | Self::OtherVersion { .. } => "use one version for plan, shards and merge",
+            Self::OtherFile { .. } => "restore the file, or make a new plan and run all of its shards",
+            Self::NoPlan { .. } => "give the plan another name",
+            Self::Damaged { .. } | Self::NoPieces { .. } => {
+                "make a plan with toolroom life, compare or lobes FILE --plan plan.json"
+            }
+            Self::Altered { .. }
+            | Self::Malformed { .. }
+            | Self::NoSuchShard { .. }
+            | Self::OtherPlan { .. }
+            | Self::Missing { .. }
+            | Self::Duplicate { .. }
+            | Self::Changed { .. }
+            | Self::NoParts { .. } => "run the missing shards, or merge the parts of one plan only",
+        }
+    }
+
+    /// The field of the plan that is at fault, where it is one.
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::OtherFormat { .. } => "schema",
+            Self::OtherVersion { .. } => "version",
+            Self::NoPieces { .. } => "shards",
+            Self::OtherFile { .. } | Self::File { .. } => "files",
+            Self::Rows { .. }
+            | Self::NoPlan { .. }
+            | Self::Damaged { .. }
+            | Self::Altered { .. }
+            | Self::Malformed { .. }
+            | Self::NoSuchShard { .. }
+            | Self::OtherPlan { .. }
+            | Self::Missing { .. }
+            | Self::Duplicate { .. }
+            | Self::Changed { .. }
+            | Self::NoParts { .. } => "kind",
+        }
+    }
 }
 
 /// Missing shards that are listed.

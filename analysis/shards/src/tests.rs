@@ -23,7 +23,7 @@ impl Drop for Folder {
 fn plan() -> Plan {
     Plan {
         schema: 1,
-        kind: "life".to_owned(),
+        kind: Work::Life,
         version: "0".to_owned(),
         name: "small".to_owned(),
         file: "small.toml".to_owned(),

@@ -15,6 +15,7 @@
 //! | [`kpi`] | key figures of one run, ISO 22400-2 time elements |
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
+//! | [`draws`] | draws of a posterior from Parquet files, for scenarios |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
@@ -22,7 +23,9 @@
 //! | [`difference`] | two finished runs against each other, paired where they share random numbers |
 //! | [`request`] | what a study was asked to do: the condition for going on with it |
 //! | [`sweep`] | the comparison at several values of one key |
+//! | [`tune`](mod@tune) | the best settings of every policy, found before they are compared |
 //! | [`planned`] | comparisons in shards on many hosts |
+//! | [`planner`] | when orders are finished, load by week, queues |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -39,7 +42,7 @@
 //! # What is not modelled
 //! Steady state is not detected: the warm-up is what the scenario says. Intervals assume that the
 //! replications are independent and their means nearly normal; they are not corrected for comparing
-//! many policies at once, nor for stopping when an interval is narrow. The Amdahl limit knows mean
+//! many policies at once (the verdict between tuned rules is), nor for stopping when an interval is narrow. The Amdahl limit knows mean
 //! loads, not queues. Money is not discounted, and the cost of good parts' material, of sensors and
 //! of programming is left out.
 
@@ -47,12 +50,14 @@
 
 pub mod compare;
 pub mod difference;
+pub mod draws;
 mod figure;
 #[cfg(test)]
 mod fixture;
 pub mod kpi;
 pub mod logs;
 pub mod planned;
+pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;
@@ -61,3 +66,4 @@ pub mod summary;
 pub mod sweep;
 pub mod terminal;
 pub mod trace;
+pub mod tune;

@@ -5,10 +5,7 @@ use crate::study::{KnownRuns, StoredRun, StudyError, stored_digest, stored_runs}
 use std::path::Path;
 use toolroom_form::ReadError;
 use toolroom_scenario::file::{ScenarioFile, parse};
-use toolroom_shards::{Computed, Plan, ShardError};
-
-/// What [`Plan::kind`] says of a comparison.
-pub const KIND: &str = "compare";
+use toolroom_shards::{Computed, PLAN, Plan, ShardError, Work};
 
 /// Why a planned comparison was not computed.
 #[derive(Debug, thiserror::Error)]
@@ -44,8 +41,8 @@ pub fn plan(
     let scenario = &file.scenario;
     let replications = u64::from(scenario.replications);
     Ok(Plan {
-        schema: 1,
-        kind: KIND.to_owned(),
+        schema: PLAN,
+        kind: Work::Compare,
         version: version.to_owned(),
         name: scenario.name.clone(),
         file: name.to_owned(),

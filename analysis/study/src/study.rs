@@ -18,6 +18,8 @@ pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
+use crate::planner::Figures;
+use crate::tune::Tuning;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -56,6 +58,8 @@ pub struct StudyOptions {
     pub stop_after: Option<u32>,
     /// What an earlier, stopped run of the same study finished.
     pub earlier: Option<Finished>,
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
 }
 
 impl StudyOptions {
@@ -70,6 +74,7 @@ impl StudyOptions {
             known: Arc::default(),
             stop_after: None,
             earlier: None,
+            tuning: None,
         }
     }
 }
@@ -164,7 +169,9 @@ pub struct Study {
     pub first_logs: Vec<RunLog>,
     /// Edges of the lathes over all replications, by policy.
     pub edge_lives: Vec<Vec<EdgeLife>>,
-    /// By policy and replication.
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
+    /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Vec<Vec<f64>>>,
 }
 
@@ -185,9 +192,14 @@ impl Study {
         self.values[policy].iter().map(|values| values[kpi]).collect()
     }
 
-    /// Values of all figures in one replication.
+    /// Values of all key figures in one replication.
     pub fn replication(&self, policy: usize, replication: u32) -> &[f64] {
-        &self.values[policy][replication as usize]
+        &self.values[policy][replication as usize][..self.kpis.len()]
+    }
+
+    /// What a planner asks, in one replication, as [`Figures`] says.
+    pub(crate) fn planner_figures(&self, policy: usize, replication: u32) -> &[f64] {
+        &self.values[policy][replication as usize][self.kpis.len()..]
     }
 }
 
@@ -267,7 +279,8 @@ pub fn run_study_as_far(
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
+        let world = scenario.drawn(replication)?;
+        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
         unless_stopped(shop, scenario.horizon, stop)
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
@@ -278,7 +291,11 @@ const LOOKS: u32 = 256;
 
 /// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
 /// nothing of a run that goes on.
-fn unless_stopped(mut shop: Shop<'_, RunLog>, horizon: f64, stop: &AtomicBool) -> Result<Option<RunLog>, ShopError> {
+pub(crate) fn unless_stopped(
+    mut shop: Shop<'_, RunLog>,
+    horizon: f64,
+    stop: &AtomicBool,
+) -> Result<Option<RunLog>, ShopError> {
     for look in 1..LOOKS {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -308,7 +325,9 @@ impl StoppedShop {
     /// # Errors
     /// [`ShopError`] where the shop could not even be opened.
     pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+        let resolved = Arc::new(ResolvedPolicy::of(scenario, self.policy)?);
+        let world = scenario.drawn(self.replication)?;
+        Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
     }
 }
 
@@ -337,6 +356,13 @@ struct Run {
     digest: u64,
     lives: Vec<EdgeLife>,
     log: Option<RunLog>,
+}
+
+/// Key figures of a run, then what a planner asks.
+fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
+    let mut values = kpi::evaluate(scenario, log);
+    values.extend(Figures::of(scenario).evaluate(scenario, log));
+    values
 }
 
 #[cfg(test)]
@@ -379,7 +405,7 @@ where
     // `None` where the run was given up.
     let evaluated = |policy: usize, replication: u32| -> Option<Result<Run, StoppedShop>> {
         let run = |log: RunLog| Run {
-            values: kpi::evaluate(scenario, &log),
+            values: evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),
@@ -410,6 +436,7 @@ where
         digest: FNV_OFFSET,
         first_logs: Vec::new(),
         edge_lives: vec![Vec::new(); count],
+        tuning: options.tuning.clone(),
         values: vec![Vec::new(); count],
     };
     if let Some(earlier) = &options.earlier {

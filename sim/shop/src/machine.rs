@@ -9,7 +9,7 @@ use super::edge::Edge;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
-use toolroom_scenario::policies::ForceReading;
+use toolroom_scenario::policies::{ForceReading, Observer};
 use toolroom_scenario::{DispatchRule, MachineType};
 
 /// A machine of the shop.
@@ -21,12 +21,16 @@ pub struct Machine {
     pub task: Option<Task>,
     /// Edge of every tool, by tool index.
     pub edges: Vec<Option<Edge>>,
+    /// What the controller knew of the edge before, by tool index.
+    pub learnt: Vec<Option<Observer>>,
     /// Edges mounted so far, by tool index.
     pub mounted: Vec<u64>,
     /// Edges left in the magazine.
     pub magazine: u32,
-    /// Setup group it is prepared for.
-    pub setup_group: Option<u32>,
+    /// For what it stands ready.
+    pub ready: Readiness,
+    /// The order and operation for which it is kept, until the last job of that order is through.
+    pub kept_for: Option<(u32, u32)>,
     /// Failures not yet repaired.
     pub failures: u32,
     /// Whether it is out of shift.
@@ -47,6 +51,28 @@ pub struct Machine {
     pub segment: Segment,
     /// What it has learnt about chatter.
     pub reactions: Vec<Reaction>,
+}
+
+/// For what a machine stands ready without a setup.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readiness {
+    /// Whatever comes first.
+    Anything,
+    /// Nothing yet.
+    Nothing,
+    /// A setup group, by number.
+    Group(u32),
+}
+
+impl Readiness {
+    /// Whether work of a setup group needs no setup.
+    pub fn suits(self, group: u32) -> bool {
+        match self {
+            Self::Anything => true,
+            Self::Nothing => false,
+            Self::Group(own) => own == group,
+        }
+    }
 }
 
 /// An operation in a machine.
@@ -201,6 +227,8 @@ pub enum Step {
     ToolChange,
     /// Cutting.
     Pass(Box<Pass>),
+    /// Reading the wear of the edge.
+    Reading,
     /// The program runs longer than its passes.
     Delay,
     /// The feed is held.
@@ -237,6 +265,7 @@ impl Step {
             | Self::Load
             | Self::Work
             | Self::ToolChange
+            | Self::Reading
             | Self::Delay
             | Self::Hold
             | Self::Dressing
@@ -250,7 +279,7 @@ impl Step {
     pub fn state(&self) -> MachineState {
         match self {
             Self::Setup => MachineState::Setup,
-            Self::Load | Self::Unload => MachineState::Handling,
+            Self::Load | Self::Unload | Self::Reading => MachineState::Handling,
             Self::Work => MachineState::Working,
             Self::ToolChange => MachineState::ToolChange,
             Self::Pass(_) | Self::Delay | Self::Hold => MachineState::Cutting,
@@ -261,14 +290,16 @@ impl Step {
 
 impl Machine {
     /// A machine with a full magazine, ready at time zero.
-    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule]) -> Self {
+    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule], ready: Readiness) -> Self {
         Self {
             queue: Queue::of(queue_kind(rules)),
             task: None,
             edges: vec![None; tools],
+            learnt: vec![None; tools],
             mounted: vec![0; tools],
             magazine: kind.magazine,
-            setup_group: None,
+            ready,
+            kept_for: None,
             failures: 0,
             off_shift: false,
             leaving: false,
@@ -287,6 +318,11 @@ impl Machine {
         self.failures == 0 && !self.off_shift
     }
 
+    /// Whether it can take a job now.
+    pub fn is_free(&self) -> bool {
+        self.is_up() && self.task.is_none()
+    }
+
     /// The state that the log should show.
     pub fn current_state(&self) -> MachineState {
         if self.failures > 0 {
@@ -294,7 +330,8 @@ impl Machine {
         } else if self.off_shift {
             MachineState::OffShift
         } else {
-            self.task.as_ref().map_or(MachineState::Idle, |task| task.step.state())
+            let empty = if self.kept_for.is_some() { MachineState::Starved } else { MachineState::Idle };
+            self.task.as_ref().map_or(empty, |task| task.step.state())
         }
     }
 }

@@ -3,11 +3,13 @@
 use super::edge::Outcome;
 use super::run::{Tally, lives};
 use super::{End, Study};
+use crate::file::{StudyFile, StudyText, parse};
 use crate::sample::{Observation, Sample, SampleError};
 use std::fs::File;
 use std::path::Path;
+use toolroom_form::{FormFile, ReadError};
 use toolroom_records::table::{Kind, NewTable, TableError, TableWriter, Value};
-use toolroom_shards::{Computed, Plan, ShardError, at, parts};
+use toolroom_shards::{Computed, PLAN, Plan, ShardError, Work, at, parts};
 
 /// Lives of a cell that are held in memory at once.
 const CHUNK: u64 = 65_536;
@@ -23,6 +25,48 @@ const COLUMNS: [(&str, Kind); 8] = [
     ("end", Kind::Text),
     ("weight", Kind::Real),
 ];
+
+/// Lives of a shard when nobody says how many shards there are.
+const SHARD: u64 = 500_000;
+
+/// The plan of a study that was read from `text` with `overrides`, in at most `shards` parts; of half a million lives
+/// each where that is `None`.
+///
+/// # Errors
+/// A file that the study names cannot be read.
+pub fn plan(
+    version: &str,
+    text: StudyText,
+    file: &FormFile<StudyFile>,
+    overrides: Vec<String>,
+    shards: Option<u64>,
+) -> Result<Plan, ShardError> {
+    let study = &file.content.study;
+    let lives = study.lives.saturating_mul(study.cells.len() as u64);
+    Ok(Plan {
+        schema: PLAN,
+        kind: Work::Life,
+        version: version.to_owned(),
+        name: study.name.clone(),
+        file: text.file,
+        directory: text.directory.display().to_string(),
+        text: text.text,
+        files: Plan::fingerprints(&file.files)?,
+        overrides,
+        policies: Vec::new(),
+        seed: study.seed,
+        pieces: study.lives,
+        shards: shards.unwrap_or(lives.div_ceil(SHARD)).min(study.lives),
+    })
+}
+
+/// The study of a plan.
+///
+/// # Errors
+/// [`ReadError::Faults`] with every fault found.
+pub fn study(plan: &Plan) -> Result<FormFile<StudyFile>, ReadError> {
+    parse(&plan.file, &plan.text, Path::new(&plan.directory), &plan.overrides)
+}
 
 /// Runs a shard into a directory; nothing happens where its part is there already. `rows` starts the
 /// table of its lives; without it their statistics alone are kept.

@@ -6,6 +6,7 @@ use toolroom_contour::{
     Warning,
 };
 use toolroom_form::significant;
+use toolroom_process::unit;
 
 /// Sections beyond which conditions and scatter are not studied: each of their plans is as long
 /// as the plan itself.
@@ -69,6 +70,19 @@ impl PassStudy<'_> {
             }
         }
         warnings
+    }
+}
+
+/// The edge that starts a contour with this share of its life left: `0.3`, `30 %`.
+///
+/// # Errors
+/// What is wrong with the text.
+pub fn edge_life(share: &str) -> Result<EdgeLife, String> {
+    let remaining = unit::quantity(share, "1").map_err(|error| error.to_string())?;
+    if (0.0..=1.0).contains(&remaining) {
+        Ok(EdgeLife { remaining, ..EdgeLife::default() })
+    } else {
+        Err("a share from 0 to 1 is due".to_owned())
     }
 }
 

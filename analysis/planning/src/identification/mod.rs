@@ -11,7 +11,8 @@ mod picture;
 mod tables;
 mod text;
 
-use toolroom_infeed::{Identification, IdentifyError, IdentifyOptions, Trial, identify};
+use crate::change::{ChangeError, assign, parts};
+use toolroom_infeed::{Identification, IdentifyError, IdentifyOptions, MeasurementErrors, Trial, identify};
 
 pub use tables::{Table, TrialsError};
 
@@ -39,4 +40,23 @@ impl IdentificationStudy {
         let found = identify(&trials, &options)?;
         Ok(Self { title: title.into(), trials, options, found })
     }
+}
+
+/// Errors of measurement with changes to those that are assumed, `name=value`.
+///
+/// # Errors
+/// [`ChangeError`]: a measurement that there is none of, or a value that it refuses.
+///
+/// ```
+/// let errors = toolroom_planning::identification::measurement_errors(&["stock=1 um".to_owned()]).unwrap();
+/// assert_eq!(errors.stock, 1e-6);
+/// assert!(toolroom_planning::identification::measurement_errors(&["stok=1 um".to_owned()]).is_err());
+/// ```
+pub fn measurement_errors(changes: &[String]) -> Result<MeasurementErrors, ChangeError> {
+    let mut errors = MeasurementErrors::default();
+    for change in changes {
+        let (name, value) = parts(change)?;
+        assign(&mut errors, name, value)?;
+    }
+    Ok(errors)
 }

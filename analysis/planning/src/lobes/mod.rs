@@ -24,7 +24,7 @@ pub use cut::{Axes, Cut, Quantity};
 pub use file::{Chart, LobesFile, Point, parse, read};
 pub use files::NAMES;
 pub use judgement::{Judged, Judgement, word};
-pub use part::Columns;
+pub use part::{Columns, chart, plan};
 pub use picture::picture;
 pub use place::{PlaceError, PointVerdict};
 pub use study::ChartStudy;

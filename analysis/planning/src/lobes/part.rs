@@ -1,9 +1,48 @@
 //! Columns of a chart, worked out apart from the others.
 
-use super::{Chart, LobesFile};
+use super::{Chart, LobesFile, parse};
 use serde_json::json;
 use toolroom_chatter::{ChatterError, Hole, Lobes, StabilityVerdict};
-use toolroom_shards::fingerprint;
+use toolroom_form::{FormFile, ReadError};
+use toolroom_shards::{PLAN, Plan, ShardError, Work, fingerprint};
+
+/// The plan of a chart that was read as `name` with `overrides`: its columns in at most `shards` parts, 16 where that is
+/// `None`.
+///
+/// # Errors
+/// A file that the chart names cannot be read.
+pub fn plan(
+    version: &str,
+    name: &str,
+    file: &FormFile<LobesFile>,
+    overrides: Vec<String>,
+    shards: Option<u64>,
+) -> Result<Plan, ShardError> {
+    let columns = file.content.chart.speed.points as u64;
+    Ok(Plan {
+        schema: PLAN,
+        kind: Work::Lobes,
+        version: version.to_owned(),
+        name: file.content.name.clone(),
+        file: name.to_owned(),
+        directory: String::new(),
+        text: file.text.clone(),
+        files: Plan::fingerprints(&file.files)?,
+        overrides,
+        seed: 0,
+        policies: Vec::new(),
+        pieces: columns,
+        shards: shards.unwrap_or(16).min(columns),
+    })
+}
+
+/// The chart of a plan.
+///
+/// # Errors
+/// [`ReadError::Faults`] with every fault found.
+pub fn chart(plan: &Plan) -> Result<FormFile<LobesFile>, ReadError> {
+    parse(&plan.file, &plan.text, &plan.overrides)
+}
 
 /// What a shard leaves: verdicts column by column, and where there is none.
 #[derive(Debug, serde::Serialize, serde::Deserialize)]

@@ -1,10 +1,10 @@
 //! Why a point cannot be evaluated.
 
-use std::fmt::Display;
+use crate::change::ChangeError;
 use toolroom_effects::EffectError;
 use toolroom_form::nearest;
+use toolroom_process::ModelError;
 use toolroom_process::unit::UnitError;
-use toolroom_process::{Field, ModelError};
 
 /// Why a point cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
@@ -19,12 +19,9 @@ pub enum PointError {
     /// A parameter set of grinding.
     #[error(transparent)]
     Set(#[from] toolroom_infeed::SetError),
-    /// A change without `=`.
-    #[error("`{text}` is not of the form key=value")]
-    NoChange {
-        /// The change.
-        text: String,
-    },
+    /// A change that is none, or that the field refuses.
+    #[error("--set {0}")]
+    Change(#[from] ChangeError),
     /// A group of parameters that the process does not have.
     #[error("there is no parameter group `{group}`")]
     NoGroup {
@@ -53,22 +50,6 @@ pub enum PointError {
         /// Inputs and states that there are.
         known: Vec<&'static str>,
     },
-    /// A value that is no quantity of its field.
-    #[error("--set {}: {source}", field.name)]
-    Unit {
-        /// The field.
-        field: &'static Field,
-        /// What is wrong with the text.
-        source: UnitError,
-    },
-    /// A value out of the range of its field.
-    #[error("--set {source}")]
-    OutOfRange {
-        /// The field.
-        field: &'static Field,
-        /// The range.
-        source: ModelError,
-    },
     /// A time of the advance that is none.
     #[error("--advance: {0}")]
     AdvanceTime(UnitError),
@@ -83,16 +64,12 @@ impl PointError {
         match self {
             Self::Effect(_) => "see toolroom effects".to_owned(),
             Self::Pair(_) | Self::Set(_) => "give --tool SET".to_owned(),
-            Self::NoChange { .. } => "--set cutting_speed=\"40 m/min\"".to_owned(),
+            Self::Change(error) => error.fix(),
             Self::NoGroup { known, .. } | Self::NoParameter { known, .. } => known.join(", "),
             Self::NoValue { key, known, .. } => {
                 let near = nearest(key, known.iter().copied());
                 let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
                 format!("{near}inputs and states: {}; parameters as group.name", known.join(", "))
-            }
-            Self::Unit { field, .. } | Self::OutOfRange { field, .. } => {
-                let unit: &dyn Display = if field.display == "1" { &"a bare number" } else { &field.display };
-                format!("{} is in {unit}", field.name)
             }
             Self::AdvanceTime(_) => "--advance \"10 s\"".to_owned(),
             Self::Advance(_) => "see the ranges above".to_owned(),

@@ -1,8 +1,9 @@
 //! Changes of inputs, states and parameters as text, the advance, and every value read.
 
 use super::{Point, PointError, PointOptions};
+use crate::change::{ChangeError, assign, parts};
 use serde_json::{Value, json};
-use toolroom_process::{AnyRecord, Field, Process, Record, unit};
+use toolroom_process::{AnyRecord, Process, Record, unit};
 
 /// Applies every change to input, state or parameters, advances, and reads everything.
 pub fn evaluate<P: Process>(
@@ -10,11 +11,7 @@ pub fn evaluate<P: Process>(
     mut input: P::Input,
     options: &PointOptions,
 ) -> Result<(Point, P::Input, P::State), PointError> {
-    let mut changes = Vec::new();
-    for text in &options.changes {
-        let (key, value) = text.split_once('=').ok_or_else(|| PointError::NoChange { text: text.clone() })?;
-        changes.push((key.trim(), value.trim()));
-    }
+    let changes = options.changes.iter().map(|text| parts(text)).collect::<Result<Vec<_>, _>>()?;
     // Parameters first: the initial state may depend on them.
     for (key, value) in &changes {
         if let Some((group, name)) = key.split_once('.') {
@@ -23,7 +20,7 @@ pub fn evaluate<P: Process>(
             let Some((_, record)) = groups.iter_mut().find(|(each, _)| *each == group) else {
                 return Err(PointError::NoGroup { group: group.to_owned(), known });
             };
-            if !assign(*record, name, value)? {
+            if !assigned(*record, name, value)? {
                 let known = record.fields().iter().map(|field| field.name).collect();
                 return Err(PointError::NoParameter { group: group.to_owned(), name: name.to_owned(), known });
             }
@@ -31,7 +28,7 @@ pub fn evaluate<P: Process>(
     }
     let mut state = process.initial();
     for (key, value) in changes.iter().filter(|(key, _)| !key.contains('.')) {
-        if !assign(&mut input, key, value)? && !assign(&mut state, key, value)? {
+        if !assigned(&mut input, key, value)? && !assigned(&mut state, key, value)? {
             let known = P::Input::FIELDS.iter().chain(P::State::FIELDS).map(|field| field.name).collect();
             return Err(PointError::NoValue { process: P::NAME, key: (*key).to_owned(), known });
         }
@@ -50,23 +47,12 @@ pub fn evaluate<P: Process>(
 }
 
 /// Sets `name` of a record from text; false where the record has no such scalar.
-fn assign(record: &mut dyn AnyRecord, name: &str, text: &str) -> Result<bool, PointError> {
-    let mut index = 0;
-    for field in record.fields() {
-        if field.name == name && field.len == 1 {
-            let value = read(field, text)?;
-            record.set_value(index, value);
-            return Ok(true);
-        }
-        index += field.len;
+fn assigned(record: &mut dyn AnyRecord, name: &str, text: &str) -> Result<bool, ChangeError> {
+    match assign(record, name, text) {
+        Ok(()) => Ok(true),
+        Err(ChangeError::NoField { .. }) => Ok(false),
+        Err(error) => Err(error),
     }
-    Ok(false)
-}
-
-fn read(field: &'static Field, text: &str) -> Result<f64, PointError> {
-    let value = unit::quantity(text, field.unit).map_err(|source| PointError::Unit { field, source })?;
-    field.check(value).map_err(|source| PointError::OutOfRange { field, source })?;
-    Ok(value)
 }
 
 /// Values of a record by header, in the units of display.

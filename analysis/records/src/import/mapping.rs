@@ -4,7 +4,8 @@ use super::super::columns::{ColumnKind, RecordColumn};
 use super::super::{RecordKind, csv_table};
 use std::collections::BTreeMap;
 use std::path::Path;
-use toolroom_form::{Fault, Form, Key, Kind, ReadError, Section, Walk, nearest};
+use std::sync::Arc;
+use toolroom_form::{Fault, Form, Key, Kind, ReadError, Refusal, Section, Walk, nearest};
 use toolroom_process::unit;
 
 const NUMBER: Kind = Kind::quantity("1", "1", -1e30, 1e30, "1");
@@ -106,6 +107,21 @@ pub struct Mapping {
     pub rows: usize,
 }
 
+/// Kinds of records that tables of others become; runs of part programs come from logs of controls.
+const IMPORTED: [RecordKind; 5] =
+    [RecordKind::Turning, RecordKind::Milling, RecordKind::Grinding, RecordKind::Shop, RecordKind::Empirical];
+
+/// The words of [`IMPORTED`].
+const IMPORTED_WORDS: [&str; 5] = {
+    let mut words = [""; 5];
+    let mut i = 0;
+    while i < words.len() {
+        words[i] = IMPORTED[i].name();
+        i += 1;
+    }
+    words
+};
+
 /// The form of a mapping file.
 pub static MAPPING: Form = Form {
     title: "the mapping",
@@ -113,11 +129,7 @@ pub static MAPPING: Form = Form {
     keys: &[
         Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
         Key::default("title", Kind::Text, "", "One line for people: which data"),
-        Key::required(
-            "process",
-            Kind::Choice(&["turning", "milling", "grinding", "shop", "empirical"]),
-            "Kind of records",
-        ),
+        Key::required("process", Kind::Choice(&IMPORTED_WORDS), "Kind of records"),
         Key::default(
             "rows_per_operation",
             Kind::Count { min: 1, max: 1_000_000_000 },
@@ -179,14 +191,8 @@ impl Mapping {
 }
 
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Mapping> {
-    let kind = match root.text("process")? {
-        "turning" => RecordKind::Turning,
-        "milling" => RecordKind::Milling,
-        "grinding" => RecordKind::Grinding,
-        "shop" => RecordKind::Shop,
-        "program" => RecordKind::Program,
-        _ => RecordKind::Empirical,
-    };
+    let word = root.text("process")?;
+    let kind = IMPORTED.into_iter().find(|kind| kind.name() == word)?;
     let sections = walk.sections(root, "column", None);
     let mut columns: Vec<Mapped> = Vec::new();
     for section in &sections {
@@ -197,6 +203,19 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Mapping> {
         } else {
             columns.push(mapped);
         }
+    }
+    let made = |column: &RecordColumn| kind.generated().is_some_and(|made| made.contains(&column.name));
+    // A [[column]] that is wrong is told where it stands.
+    let given = |column: &RecordColumn| sections.iter().any(|section| section.text("name") == Some(column.name));
+    let lacking = kind.columns().iter().filter(|column| column.required && !made(column) && !given(column));
+    let lacking: Vec<&str> = lacking.map(|column| column.name).collect();
+    if let [first, ..] = lacking[..] {
+        let refusal = Refusal {
+            code: "missing-key",
+            message: format!("{} records need {}, which no [[column]] gives", kind.name(), lacking.join(", ")),
+            fix: Some(format!("add a [[column]] with name = \"{first}\" and from or constant")),
+        };
+        walk.fault(root.span_of("process"), Fault::Content(Arc::new(refusal)));
     }
     let keep = walk.sections(root, "keep", None);
     let keep = keep.iter().map(|section| Keep {

@@ -90,7 +90,7 @@ fn import_table(file: &str, table: &RawTable, mapping: &Mapping) -> Result<(Reco
 
 impl RecordKind {
     /// Word in files.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Turning => "turning",
             Self::Milling => "milling",
@@ -107,7 +107,17 @@ impl RecordKind {
             Self::Grinding => ("dressing_cycle", "part_in_cycle"),
             Self::Shop => ("machine", "time"),
             Self::Program => ("operation_id", "sequence"),
-            _ => ("tool_id", "sequence"),
+            Self::Turning | Self::Milling | Self::Empirical => ("tool_id", "sequence"),
+        }
+    }
+
+    /// The columns of the order and of the name of a row, which are made where a mapping gives none.
+    pub(super) fn generated(self) -> Option<[&'static str; 2]> {
+        let (_, order) = self.sequence();
+        match self {
+            Self::Shop => None,
+            Self::Grinding => Some([order, "trial_id"]),
+            Self::Turning | Self::Milling | Self::Empirical | Self::Program => Some([order, "operation_id"]),
         }
     }
 }

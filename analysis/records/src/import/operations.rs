@@ -157,7 +157,8 @@ fn combine(how: Combine, values: impl Iterator<Item = f64>) -> f64 {
 /// Numbers the operations of each edge and names them, where the mapping does not.
 fn generated(records: &mut Records, operations: &[(usize, Vec<usize>)]) {
     let kind = records.kind;
-    let (edge, order) = kind.sequence();
+    let Some([order, id]) = kind.generated() else { return };
+    let (edge, _) = kind.sequence();
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     let places: Vec<usize> = operations
         .iter()
@@ -167,11 +168,10 @@ fn generated(records: &mut Records, operations: &[(usize, Vec<usize>)]) {
             *count
         })
         .collect();
-    if kind != RecordKind::Shop && records.numbers(order).is_none() {
+    if records.numbers(order).is_none() {
         records.set_numbers(order, places.iter().map(|place| *place as f64).collect());
     }
-    let id = if kind == RecordKind::Grinding { "trial_id" } else { "operation_id" };
-    if kind != RecordKind::Shop && records.texts(id).is_none() {
+    if records.texts(id).is_none() {
         let name = |(row, place): (usize, &usize)| match records.texts(edge) {
             Some(edges) => format!("{}-{place}", edges[row]),
             None => place.to_string(),

@@ -77,8 +77,8 @@ fn every_fault_of_a_mapping_is_told_with_the_likely_fix() {
         [[column]]\nname = \"feed_force\"\nfrom = \"F\"\nunit = \"mm\"\n\
         [[column]]\nname = \"tool_id\"\n[[column]]\nname = \"lot\"\nfrom = \"l\"\nunit = \"N\"\n";
     let found = faults(text);
-    assert_eq!(found.len(), 4, "{found:?}");
-    assert!(found[1].contains("kN"), "{found:?}");
+    assert_eq!(found.len(), 5, "{found:?}");
+    assert!(found[0].contains("need machine, cutting_speed") && found[2].contains("kN"), "{found:?}");
 }
 
 #[test]
