@@ -18,6 +18,8 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         unload_time: Distribution::Uniform { low: 0.5 * handling, high: 1.5 * handling },
         tool_change_time: 60.0,
         setup_time: 0.0,
+        setup_matrix: None,
+        setup_at_start: None,
         magazine: 10,
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
@@ -67,6 +69,7 @@ pub(crate) fn scenario() -> Scenario {
         tool: Some(tool),
         setup_group: name.to_owned(),
         setup_time: None,
+        attendance: Attendance::default(),
         work,
         size_tolerance: 1e-4,
         roughness_limit: f64::INFINITY,
@@ -79,6 +82,7 @@ pub(crate) fn scenario() -> Scenario {
     Scenario {
         name: "fixture".to_owned(),
         title: "Two lathes <and> a grinder".to_owned(),
+        start: None,
         seed: 42,
         replications: 20,
         horizon: 3600.0,
@@ -105,6 +109,11 @@ pub(crate) fn scenario() -> Scenario {
             ],
         }],
         arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]) }],
+        orders: Vec::new(),
+        skills: Vec::new(),
+        operators: Vec::new(),
+        setup_matrices: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
@@ -205,7 +214,7 @@ pub(crate) fn operation(
     end: f64,
     result: OperationResult,
 ) -> OperationRow {
-    OperationRow { job, part: 0, operation, machine, start, end, time_left: 0.0, result }
+    OperationRow { job, part: 0, operation, quantity: 1, machine, start, end, time_left: 0.0, result }
 }
 
 /// One good part, and one whose edge chipped in its first pass.
@@ -226,7 +235,17 @@ pub(crate) fn log() -> RunLog {
     let grinder = states(2, &[(Idle, 420.0), (Handling, 430.0), (Cutting, 530.0), (Handling, 540.0), (Idle, 3600.0)]);
     let mut rows = [lathe, states(1, &[(Idle, 3600.0)]), grinder].concat();
     rows.sort_by(|a, b| a.end.total_cmp(&b.end));
-    let job = |finish: f64, outcome| JobRow { part: 0, lot: 1, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
+    let job = |finish: f64, outcome| JobRow {
+        part: 0,
+        order: None,
+        quantity: 1,
+        lot: 1,
+        arrival: 0.0,
+        start: 0.0,
+        finish,
+        due: 500.0,
+        outcome,
+    };
     let grinding = PassRow {
         speed_start: 0.0,
         speed_end: 0.0,

@@ -25,6 +25,7 @@
 //! | [`sweep`] | the comparison at several values of one key |
 //! | [`tune`](mod@tune) | the best settings of every policy, found before they are compared |
 //! | [`planned`] | comparisons in shards on many hosts |
+//! | [`planner`] | when orders are finished, load by week, queues |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -56,6 +57,7 @@ mod fixture;
 pub mod kpi;
 pub mod logs;
 pub mod planned;
+pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;

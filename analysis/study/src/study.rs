@@ -18,6 +18,7 @@ pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
+use crate::planner::Figures;
 use crate::tune::Tuning;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -170,7 +171,7 @@ pub struct Study {
     pub edge_lives: Vec<Vec<EdgeLife>>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
-    /// By policy and replication.
+    /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Vec<Vec<f64>>>,
 }
 
@@ -191,9 +192,14 @@ impl Study {
         self.values[policy].iter().map(|values| values[kpi]).collect()
     }
 
-    /// Values of all figures in one replication.
+    /// Values of all key figures in one replication.
     pub fn replication(&self, policy: usize, replication: u32) -> &[f64] {
-        &self.values[policy][replication as usize]
+        &self.values[policy][replication as usize][..self.kpis.len()]
+    }
+
+    /// What a planner asks, in one replication, as [`Figures`] says.
+    pub(crate) fn planner_figures(&self, policy: usize, replication: u32) -> &[f64] {
+        &self.values[policy][replication as usize][self.kpis.len()..]
     }
 }
 
@@ -352,6 +358,13 @@ struct Run {
     log: Option<RunLog>,
 }
 
+/// Key figures of a run, then what a planner asks.
+fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
+    let mut values = kpi::evaluate(scenario, log);
+    values.extend(Figures::of(scenario).evaluate(scenario, log));
+    values
+}
+
 #[cfg(test)]
 pub(crate) fn study_with<S>(
     scenario: &Scenario,
@@ -392,7 +405,7 @@ where
     // `None` where the run was given up.
     let evaluated = |policy: usize, replication: u32| -> Option<Result<Run, StoppedShop>> {
         let run = |log: RunLog| Run {
-            values: kpi::evaluate(scenario, &log),
+            values: evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),

@@ -9,6 +9,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`file`](mod@file) | scenario files: keys, reader, faults, schema |
+//! | [`date`] | civil dates of orders and calendars |
 //! | [`policies`] | who chooses the speed and when an edge is changed: a scenario's policy worked out |
 //! | [`effects`] | catalogue rows of what a shop does beside its nominal simulation |
 //! | [`lobes`] | files of stability charts |
@@ -22,6 +23,7 @@
 mod calendar;
 mod calibration;
 mod contour;
+pub mod date;
 mod deviation;
 mod dispatch;
 mod distribution;
@@ -30,10 +32,12 @@ pub mod file;
 mod gap;
 mod grinding;
 pub mod lobes;
+mod order;
 mod part;
 pub mod policies;
 mod policy;
 mod posterior;
+mod resource;
 mod scope;
 mod stability;
 mod station;
@@ -41,7 +45,7 @@ mod tuning;
 mod unit;
 mod variants;
 
-pub use calendar::{Boundary, Shift, ShiftCalendar};
+pub use calendar::{Boundary, Dated, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
@@ -49,9 +53,11 @@ pub use dispatch::{DispatchRule, MOST_RULES};
 pub use distribution::{Distribution, Empirical};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
+pub use order::{MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
+pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
@@ -68,6 +74,8 @@ pub struct Scenario {
     pub name: String,
     /// One line for people.
     pub title: String,
+    /// The date of second 0, s since 1970-01-01; `None` where the scenario has no dates.
+    pub start: Option<f64>,
     /// Seed of every random stream.
     pub seed: u64,
     /// Independent repetitions of the horizon.
@@ -86,6 +94,16 @@ pub struct Scenario {
     pub parts: Vec<Part>,
     /// Where jobs come from.
     pub arrivals: Vec<Arrival>,
+    /// Orders, beside what comes from the sources.
+    pub orders: Vec<Order>,
+    /// Names of what operators can do.
+    pub skills: Vec<String>,
+    /// People.
+    pub operators: Vec<Operator>,
+    /// Times of changing over between setup groups.
+    pub setup_matrices: Vec<SetupMatrix>,
+    /// Which of several idle machines takes a job.
+    pub machine_choice: MachineChoice,
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
     /// The first [`MOST_RULES`] count.
     pub dispatch: Vec<DispatchRule>,

@@ -25,6 +25,18 @@ pub enum Event {
         /// Index into the arrivals of the scenario.
         source: u32,
     },
+    /// An order enters the shop.
+    Release {
+        /// Index into the orders of the scenario.
+        order: u32,
+    },
+    /// A person comes to work or leaves.
+    Operator {
+        /// Index into the operators of the scenario.
+        operator: u32,
+        /// Whether the person comes.
+        comes: bool,
+    },
     /// A shift begins.
     ShiftStart {
         /// Machine.
@@ -42,8 +54,8 @@ impl Event {
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
-            Self::Arrival { .. } => Class::Arrive,
-            Self::ShiftStart { .. } | Self::ShiftEnd { .. } => Class::Shift,
+            Self::Arrival { .. } | Self::Release { .. } => Class::Arrive,
+            Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
         }
     }
 
@@ -56,6 +68,8 @@ impl Event {
             Self::Arrival { source } => (3, source),
             Self::ShiftStart { machine } => (4, machine),
             Self::ShiftEnd { machine } => (5, machine),
+            Self::Release { order } => (6, order),
+            Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };
         kind << 32 | u64::from(index)
     }

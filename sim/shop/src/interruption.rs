@@ -142,6 +142,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.stop_clocks(machine);
         self.halt(machine)?;
+        self.release_operator(machine);
         match how {
             Interruption::Resume | Interruption::Finish => Ok(()),
             Interruption::Repeat => {
@@ -201,6 +202,7 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: job.row.part,
             operation: job.operation,
+            quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
             end: self.now().seconds(),

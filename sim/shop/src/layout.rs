@@ -2,11 +2,13 @@
 
 use super::error::ShopError;
 use super::job::Jobs;
+use super::machine::Readiness;
 use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario, Work,
+    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario,
+    SetupMatrix, Work,
 };
 
 /// Tables that follow from the scenario alone.
@@ -24,6 +26,10 @@ pub(super) struct Layout {
     pub looks_ahead: bool,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
+    /// Names of setup groups, by number.
+    groups: Vec<String>,
+    /// Row and column of every setup group in every setup matrix.
+    matrix_places: Vec<Vec<Option<usize>>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
     /// Most operations of a part that has plain work.
@@ -83,7 +89,7 @@ impl Layout {
         let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
         let pass_times = programmed_pass_times(scenario, &tools);
         let programmed = totals(&pass_times);
-        let mut groups: Vec<&str> = Vec::new();
+        let mut groups: Vec<String> = Vec::new();
         let mut stations: Vec<Vec<usize>> = Vec::new();
         let mut first_pass = 0;
         let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
@@ -91,8 +97,8 @@ impl Layout {
             let mut plans: Vec<OperationPlan> = Vec::new();
             for operation in &part.operations {
                 let group = operation.setup_group.as_str();
-                let setup_group = groups.iter().position(|each| *each == group).unwrap_or_else(|| {
-                    groups.push(group);
+                let setup_group = groups.iter().position(|each| each == group).unwrap_or_else(|| {
+                    groups.push(group.to_owned());
                     groups.len() - 1
                 });
                 let machine = &scenario.machines[operation.machines[0]];
@@ -117,6 +123,8 @@ impl Layout {
             }
             operations.push(plans);
         }
+        let places = |matrix: &SetupMatrix| groups.iter().map(|group| matrix.group(group)).collect();
+        let matrix_places = scenario.setup_matrices.iter().map(places).collect();
         let shared = |own: &Vec<usize>| {
             let shares = |(_, other): &(u32, &Vec<usize>)| own.iter().any(|machine| other.contains(machine));
             (0..).zip(&stations).filter(shares).map(|(station, _)| station).collect()
@@ -141,6 +149,8 @@ impl Layout {
             overlapping,
             looks_ahead,
             modes_of,
+            matrix_places,
+            groups,
             machines,
             plain_operations,
             random_handling,
@@ -155,8 +165,37 @@ impl Layout {
     pub fn time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
-            ContentPlan::Plain => plan.known_time + jobs.drawn(slot, operation),
+            ContentPlan::Plain => {
+                (plan.known_time + jobs.drawn(slot, operation)) * f64::from(jobs.at(slot).row.quantity)
+            }
             ContentPlan::Machining { .. } => plan.known_time,
+        }
+    }
+
+    /// Setup that a machine needs for a setup group, s; `None` where it needs none. `usual` is the time of machine
+    /// or operation, which a setup matrix of the machine replaces.
+    pub fn setup(&self, scenario: &Scenario, machine: usize, ready: Readiness, group: u32, usual: f64) -> Option<f64> {
+        let Some(index) = scenario.machines[machine].setup_matrix else {
+            return if ready.suits(group) { None } else { Some(usual) };
+        };
+        let (matrix, places) = (&scenario.setup_matrices[index], &self.matrix_places[index]);
+        let to = places[group as usize]?;
+        let time = match ready {
+            Readiness::Anything => return None,
+            Readiness::Nothing => matrix.first.as_ref().map(|times| times[to]),
+            Readiness::Group(from) => places[from as usize].map(|from| matrix.times[from][to]),
+        };
+        time.filter(|time| *time > 0.0)
+    }
+
+    /// For what a machine stands ready at the start that names a setup group, an empty one for none.
+    pub fn readiness(&self, at_start: Option<&str>) -> Readiness {
+        match at_start {
+            None => Readiness::Anything,
+            Some(name) => match self.groups.iter().position(|group| group == name) {
+                Some(group) => Readiness::Group(group as u32),
+                None => Readiness::Nothing,
+            },
         }
     }
 

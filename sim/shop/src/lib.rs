@@ -11,7 +11,9 @@
 //! ```
 //!
 //! An operation on a machine is: setup where the setup group changes, load, passes or plain work, unload
-//! and inspection. Plain work is a time of which nothing else is known. A pass is one calendar event, its end: when it begins the engine copies the edge's
+//! and inspection. Plain work is a time of which nothing else is known, for a piece. A job is a piece, or
+//! pieces of an order that move together; the jobs of one order keep the machine on which its first one
+//! began until the last is through. A pass is one calendar event, its end: when it begins the engine copies the edge's
 //! state, asks the policy for the speed, and advances the copy through the process to the end of
 //! the pass or the loss of the edge. An interruption plans the elapsed part again and takes that
 //! over. Nothing is polled.
@@ -25,9 +27,8 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Transport and buffers (a part is at the next queue at once, queues are endless), operators and
-//! shared tool cribs, sequence-dependent setup matrices, rework, preemption of one job by
-//! another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! Transport and buffers (a part is at the next queue at once, queues are endless), shared tool cribs
+//! and fixtures, walking times of operators, rework, preemption of one job by another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 #![deny(clippy::wildcard_enum_match_arm)]
@@ -47,8 +48,10 @@ mod grinding;
 mod interruption;
 mod job;
 mod layout;
+mod lot;
 mod machine;
 mod operation;
+mod operator;
 mod pass;
 mod ports;
 mod program;
@@ -65,9 +68,11 @@ pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{Refusal, ShopError};
 pub use event::Event;
-pub use job::{Job, Jobs};
+pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
-pub use machine::{Content, Machine, Machining, Pass, Piece, Step, Task};
+pub use lot::{Lot, LotStep};
+pub use machine::{Content, Machine, Machining, Pass, Piece, Readiness, Step, Task};
+pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
@@ -79,8 +84,8 @@ use layout::Layout;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
 use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
-use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::{ResolvedPolicy, WheelEstimate};
+use toolroom_scenario::{MachineType, Scenario};
 use toolroom_wear::PairScatter;
 
 /// Events at one instant after which the shop counts as stuck. A real shop settles an instant
@@ -152,7 +157,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
     ) -> Result<Self, ShopError> {
         let layout = Arc::new(Layout::of(scenario)?);
         let streams = Streams::new(scenario.seed, u64::from(replication));
-        let machine = |(index, kind)| Machine::new(scenario.tools.len(), kind, scenario.rules(index));
+        let machine = |(index, kind): (usize, &MachineType)| {
+            let ready = layout.readiness(kind.setup_at_start.as_deref());
+            Machine::new(scenario.tools.len(), kind, scenario.rules(index), ready)
+        };
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
@@ -166,8 +174,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
             modes: vec![failure; scenario.failures.len()],
             sources: (0..scenario.arrivals.len()).map(source).collect(),
             edges_mounted: 0,
+            lots: vec![None; scenario.orders.len()],
             waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
+            operators: Vec::new(),
+            awaiting: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -184,7 +195,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
             end: None,
         };
         shop.open_sources()?;
+        shop.open_orders()?;
         shop.open_shifts()?;
+        shop.open_operators()?;
         shop.open_failures()?;
         for machine in 0..scenario.machines.len() {
             shop.show_state(machine);
@@ -233,7 +246,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
                     return Err(ShopError::NoProgress { time: now.seconds(), events: count });
                 }
             }
+            self.assign_operators()?; // steps in work go before those that are yet to begin
             self.dispatch()?;
+            self.assign_operators()?;
         }
         Ok(())
     }
@@ -324,6 +339,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             Event::Failure { mode } => self.fail(mode as usize),
             Event::Repair { mode } => self.repair(mode as usize),
             Event::Arrival { source } => self.arrive(source as usize),
+            Event::Release { order } => self.release_order(order as usize),
+            Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),
         }

@@ -1,7 +1,8 @@
 //! Runs made elsewhere, for studies in shards.
 
-use super::{EdgeLife, NamedLife, Run, StudyError, lives, resolve, stopped};
+use super::{EdgeLife, NamedLife, Run, StudyError, evaluate, lives, resolve, stopped};
 use crate::kpi;
+use crate::planner::Figures;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -46,7 +47,7 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
             policy,
             replication,
             digest: log.digest,
-            values: kpi::evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
+            values: evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
             lives: lives(&log, &lathes).iter().map(EdgeLife::named).collect(),
         })
     });
@@ -63,7 +64,7 @@ pub fn stored_digest(
     (from, to): (u64, u64),
     runs: &[StoredRun],
 ) -> Result<u64, String> {
-    let figures = kpi::kpis(scenario).len();
+    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
     let due = (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy)));
     let mut found = runs.iter();
     for (replication, policy) in due {

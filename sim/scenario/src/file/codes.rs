@@ -53,7 +53,31 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "date-without-start",
-        "A scope counts `from` and `until` from the start of the scenario, which has no date: write \"12 day\" or \"36 h\".",
+        "Dates count from the start of the scenario, which has none: write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, \"12 day\" or \"36 h\". The `from` and `until` of a scope always are such times.",
+    ),
+    (
+        "no-date",
+        "Dates are written \"2026-03-30\" or \"2026-03-30 06:00\", times of the day \"06:00\", shifts and breaks \"06:00-14:00\", holidays \"2026-04-03\" or \"2026-08-03..2026-08-14\", overtime \"2026-04-04 06:00-10:00\". They are local wall-clock time without zone and without daylight saving.",
+    ),
+    (
+        "calendar-empty",
+        "Nothing that has this calendar could ever work: its `week` has no shifts, or holidays take all of them out, and there is no overtime before the horizon.",
+    ),
+    (
+        "order-beyond-horizon",
+        "An order that is released before second 0 or after the horizon would silently be missing from the results. `start` in [shop] is the date of second 0, `horizon` the length of the run. What is already in work at the start cannot be given yet.",
+    ),
+    (
+        "skill-nobody",
+        "A step that needs a skill waits for somebody who has it. Skills are words of your own: those under `skills` of an [[operator]].",
+    ),
+    (
+        "missing-pair",
+        "A machine with a setup matrix takes every setup time from it, so that every setup group of its operations, and of `setup_at_start`, needs a row and a column. A machine that stands ready for nothing at the start needs the row in front.",
+    ),
+    (
+        "table-cell",
+        "A row of a table that the scenario names under [tables] is at fault. The message names file, line and column; the keys are those of the section in the scenario, the first line names them.",
     ),
     (
         "draws",

@@ -145,6 +145,46 @@ pub enum ScenarioFault {
         /// What was read.
         read: String,
     },
+    /// A text that is no date, no time of the day or no interval.
+    #[error("`{key}` = \"{read}\" is no {expected}")]
+    NoDate {
+        /// The key.
+        key: &'static str,
+        /// What was read.
+        read: String,
+        /// What was expected.
+        expected: &'static str,
+        /// One that would do.
+        example: &'static str,
+    },
+    /// A calendar in which nobody ever works.
+    #[error("calendar \"{name}\" has no working time until the horizon")]
+    CalendarEmpty {
+        /// The calendar.
+        name: String,
+    },
+    /// An order that is released when the run is over, or before it begins.
+    #[error("order \"{id}\" is released at {release}, but the run goes {run}")]
+    OrderOutside {
+        /// The order.
+        id: String,
+        /// When it is released.
+        release: String,
+        /// First and last instant of the run.
+        run: String,
+    },
+    /// A row of a table.
+    #[error("{file}, line {line}: {reason}")]
+    TableCell {
+        /// The file.
+        file: String,
+        /// Line of the file, from 1.
+        line: u64,
+        /// What is wrong.
+        reason: String,
+        /// What to do about it.
+        fix: Option<String>,
+    },
     /// Draws of a posterior that a tool cannot take.
     #[error("draws \"{file}\": {reason}")]
     Draws {
@@ -152,6 +192,26 @@ pub enum ScenarioFault {
         file: String,
         /// What is wrong.
         reason: String,
+    },
+    /// A skill that no operator has.
+    #[error("nobody has the skill \"{skill}\"")]
+    SkillNobody {
+        /// The skill.
+        skill: String,
+        /// The most similar one.
+        nearest: Option<String>,
+        /// All that somebody has.
+        known: String,
+    },
+    /// A setup group that a setup matrix does not have.
+    #[error("setup matrix \"{matrix}\" has no row and column for \"{group}\", which comes to machine \"{machine}\"")]
+    MissingPair {
+        /// The matrix.
+        matrix: String,
+        /// The machine that has it.
+        machine: String,
+        /// The setup group; empty for a machine that was never set up.
+        group: String,
     },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
@@ -178,7 +238,13 @@ impl ContentFault for ScenarioFault {
             Self::Effect { .. } => "effect",
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
+            Self::NoDate { .. } => "no-date",
+            Self::CalendarEmpty { .. } => "calendar-empty",
+            Self::OrderOutside { .. } => "order-beyond-horizon",
+            Self::TableCell { .. } => "table-cell",
             Self::Draws { .. } => "draws",
+            Self::SkillNobody { .. } => "skill-nobody",
+            Self::MissingPair { .. } => "missing-pair",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -197,8 +263,23 @@ impl ContentFault for ScenarioFault {
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
+            Self::DateWithoutStart { .. } => {
+                "write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, such as \"12 day\""
+                    .to_owned()
+            }
+            Self::NoDate { example, .. } => format!("such as {example}"),
+            Self::CalendarEmpty { .. } => "give a day of `week` its shifts, or overtime".to_owned(),
+            Self::OrderOutside { .. } => "lengthen `horizon`, move `start`, or take the order out".to_owned(),
+            Self::TableCell { fix, .. } => return fix.clone(),
             Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
-            Self::DateWithoutStart { .. } => "write the time since the start, such as \"12 day\"".to_owned(),
+            Self::SkillNobody { nearest: Some(nearest), known, .. } => {
+                format!("did you mean `{nearest}`? known: {known}")
+            }
+            Self::SkillNobody { nearest: None, .. } => "add [[operator]] with this skill".to_owned(),
+            Self::MissingPair { group, .. } if group.is_empty() => {
+                "add a row in front of the others, for a machine that was never set up".to_owned()
+            }
+            Self::MissingPair { .. } => "add the group to `groups`, and a row and a column to `times`".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"

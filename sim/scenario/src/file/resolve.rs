@@ -1,12 +1,13 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
+use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, planned, processes, routing, rules, stability, tune};
+use super::{Output, measured, orders, planned, processes, resources, routing, rules, stability, tune};
 use crate::{
-    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
-    ShiftCalendar, Target, ToolType, TuneRequest, Variants,
+    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target, ToolType,
+    TuneRequest, Variants,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -17,6 +18,9 @@ use toolroom_process::Record;
 #[derive(Default)]
 pub(super) struct Names {
     pub calendars: Vec<String>,
+    pub setup_matrices: Vec<String>,
+    /// What any operator can do.
+    pub skills: Vec<String>,
     /// A name and the machines that it stands for.
     pub machines: Vec<(String, Vec<usize>)>,
     /// The name of each machine.
@@ -78,12 +82,18 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
     let mut names = Names { all: Named::of(root), ..Names::default() };
-    let calendars = calendars(walk, root, &mut names);
+    let start = shop.as_ref().and_then(|shop| start(walk, shop));
+    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
+    let calendars = calendars(walk, root, &mut names, start, horizon);
+    let setup_matrices = resources::setup_matrices(walk, root, &mut names);
     let machines = machines(walk, root, &mut names);
+    let (operators, skills) = resources::operators(walk, root, &names);
+    names.skills = skills;
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
-    let dispatch = rules::dispatch(walk, root);
+    let orders = orders::orders(walk, root, &names, &parts, start, horizon);
+    let (dispatch, machine_choice) = rules::dispatch(walk, root);
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
@@ -95,6 +105,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
     let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
+    resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -117,6 +128,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let scenario = Scenario {
         name: shop.text("name").unwrap_or_default().to_owned(),
         title: shop.text("title").unwrap_or_default().to_owned(),
+        start,
         seed,
         replications: shop.count32("replications"),
         horizon: shop.required("horizon"),
@@ -126,6 +138,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         tools,
         parts,
         arrivals,
+        orders,
+        skills: names.skills,
+        operators,
+        setup_matrices,
+        machine_choice,
         dispatch,
         calendars,
         failures,
@@ -194,51 +211,13 @@ pub(super) fn reference<'a>(
     found
 }
 
-fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<ShiftCalendar> {
-    let mut calendars = Vec::new();
-    for (name, section) in named(walk, root, "calendar", None) {
-        names.calendars.push(name.clone());
-        let period = section.required("period");
-        let sections = walk.sections(&section, "shift", None);
-        if sections.is_empty() && section.got("shift").is_some_and(|got| matches!(got.value, Value::Raw(_))) {
-            let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
-            walk.fault(section.span_of("shift"), Fault::Nothing { what: "shift", example });
-        }
-        let mut shifts: Vec<Shift> = Vec::new();
-        for (i, each) in sections.iter().enumerate() {
-            let shift = Shift { start: each.required("start"), end: each.required("end") };
-            let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
-            let contradiction = |second, second_value: f64, rule| Fault::Contradiction {
-                first: "end",
-                first_value: hours(shift.end),
-                second,
-                second_value: hours(second_value),
-                rule,
-            };
-            if shift.end <= shift.start {
-                let fault =
-                    contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
-                walk.fault(each.span_of("end"), fault);
-            } else if shift.end > period {
-                walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
-            }
-            if shifts.last().is_some_and(|before| shift.start < before.end) {
-                walk.fault(each.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
-            }
-            shifts.push(shift);
-        }
-        // Without a word a problem was noted.
-        let at_end = section.chosen("at_end", Interruption::from_word).unwrap_or(Interruption::Finish);
-        calendars.push(ShiftCalendar { name, period, shifts, at_end });
-    }
-    calendars
-}
-
 fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<MachineType> {
     let mut machines: Vec<MachineType> = Vec::new();
     let example = "[[machine]] with name, process, rate, load_time, unload_time";
     for (name, section) in named(walk, root, "machine", Some(example)) {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
+        let matrices = names.setup_matrices.iter().map(String::as_str);
+        let setup_matrix = reference(walk, "setup_matrix", section.got("setup_matrix"), matrices);
         let load_time = distribution(walk, &section, "load_time");
         let unload_time = distribution(walk, &section, "unload_time");
         let speed_range = speed_range(walk, &section);
@@ -264,6 +243,8 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 unload_time: unload_time.clone(),
                 tool_change_time: section.required("tool_change_time"),
                 setup_time: section.required("setup_time"),
+                setup_matrix,
+                setup_at_start: section.text("setup_at_start").map(str::to_owned),
                 magazine: section.count32("magazine"),
                 refill_time: section.required("refill_time"),
                 speed_range,
