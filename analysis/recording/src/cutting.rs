@@ -3,7 +3,8 @@
 //! brought to the end that the log knows.
 
 use crate::{Run, edge_name};
-use toolroom_process::Field;
+use toolroom_kernel::{Entity, Purpose};
+use toolroom_process::{Field, MachineProcess};
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Cut, Work, lot_name};
 use toolroom_shop::runlog::{ChangeReason, PassRow};
@@ -162,6 +163,9 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
     let (inputs, outputs) = (process.inputs(), process.outputs());
     let land = place(process.states(), "flank_wear");
     let edge = &run.log.edges[passes[0].edge as usize];
+    // The stresses of the pair are those of the run: the log does not name them, its random numbers do.
+    let tool = &run.scenario.tools[edge.tool as usize];
+    let pair = tool.scatter.sample_pair(&mut run.streams.open(Entity::named(&tool.name), Purpose::Tool));
     let mut x = process.initial();
     let mut clock = f64::NAN;
     let mut means = Vec::with_capacity(passes.len());
@@ -189,6 +193,8 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         set("lot_deviation", if run.hardened(*at) { 1.0 } else { part.lot_deviation(lot) });
         set("mechanical_wear_factor", edge.mechanical_wear_factor);
         set("thermal_wear_factor", edge.thermal_wear_factor);
+        set("flank_shear_factor", pair.flank_shear_factor);
+        set("flank_pressure_factor", pair.flank_pressure_factor);
         if cut.diameter > 0.0 {
             set("workpiece_diameter", cut.diameter);
         }
@@ -232,7 +238,10 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
         }
         go(&mut x, &mut u, pass.cutting_time);
         process.output(&x, &u, &mut y);
-        // Hardness of the work and whatever else the log does not name are in its end values.
+        // Hardness of the work and whatever else the log does not name are in its end values. Of the feed force the log
+        // knows nothing: the hardness that explains the cutting force changes it by less, since it does not press harder
+        // on the land.
+        let feed = harder(process, &x, &u, &y, pass.cutting_force);
         let end = |name: &str, logged: f64| {
             place(outputs, name)
                 .map(|at| logged / y[at])
@@ -247,11 +256,88 @@ fn of_edge(run: &Run<'_>, passes: &[&PassRow], rows: &[usize]) -> Vec<[f64; MEAN
             let ratio = (heat * y[at] - ICE) / (y[at] - ICE);
             if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
         });
-        let factors = [force, force, power, heat, junction];
+        let factors = [force, feed.unwrap_or(force), power, heat, junction];
         clock = pass.end;
         let mut mean = [f64::NAN; MEANS.len()];
         mean.iter_mut().zip(sums).zip(factors).for_each(|((mean, sum), factor)| *mean = sum * factor);
         means.push(mean);
     }
     means
+}
+
+/// Rounds in which a hardness is sought.
+const ROUNDS: usize = 30;
+/// Share of the cutting force to which it is found.
+const FOUND: f64 = 1e-12;
+
+/// Factor on the feed force `y` of the state `x` under `u` where the work is as hard as the cutting force (N) says; `None`
+/// where no hardness explains that.
+fn harder(process: &dyn MachineProcess, x: &[f64], u: &[f64], y: &[f64], cutting_force: f64) -> Option<f64> {
+    let port = place(process.inputs(), "hardness_ratio")?;
+    let [cutting, feed] = ["cutting_force", "feed_force"].map(|name| place(process.outputs(), name));
+    let (cutting, feed) = (cutting?, feed?);
+    let (mut u, mut out) = (u.to_vec(), y.to_vec());
+    let mut at = |hardness: f64| {
+        u[port] = hardness;
+        process.output(x, &u, &mut out);
+        (out[cutting], out[feed])
+    };
+    // Forces are nearly powers of the hardness: secants of the logarithms.
+    let (mut before, mut now) = (1.0_f64, cutting_force / y[cutting]);
+    let mut missing = (cutting_force / y[cutting]).ln();
+    for _ in 0..ROUNDS {
+        if !(now.is_finite() && now > 0.0) {
+            return None;
+        }
+        let (force, found) = at(now);
+        let left = (cutting_force / force).ln();
+        if left.abs() < FOUND {
+            return Some(found / y[feed]).filter(|ratio| ratio.is_finite() && *ratio > 0.0);
+        }
+        let slope = (missing - left) / (now / before).ln();
+        if !(slope.is_finite() && slope != 0.0) {
+            return None;
+        }
+        (before, missing) = (now, left);
+        now *= (left / slope).exp();
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_feed_force_follows_the_hardness_that_the_cutting_force_tells() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/turning.toml");
+        let scenario = toolroom_scenario::file::read(&path, &[]).expect("the shipped scenario").scenario;
+        let process = scenario.tools[0].process.machine_process();
+        let mut u: Vec<f64> = process.inputs().iter().flat_map(|own| std::iter::repeat_n(own.start, own.len)).collect();
+        let mut set = |name: &str, value: f64| u[place(process.inputs(), name).expect("an input")] = value;
+        for (name, value) in [("cutting_speed", 220.0 / 60.0), ("feed_per_rev", 0.3e-3), ("depth_of_cut", 1.5e-3)] {
+            set(name, value);
+        }
+        let mut x = process.initial();
+        x[place(process.states(), "flank_wear").expect("a land")] = 0.15e-3;
+        let forces = |hardness: f64| -> Vec<f64> {
+            let mut u = u.clone();
+            u[place(process.inputs(), "hardness_ratio").expect("a hardness")] = hardness;
+            let mut y = vec![0.0; process.outputs().iter().map(|own| own.len).sum()];
+            process.output(&x, &u, &mut y);
+            y
+        };
+        let [cutting, feed] =
+            ["cutting_force", "feed_force"].map(|name| place(process.outputs(), name).expect("a force"));
+        let (plain, plain_forces) = (forces(1.0)[feed], forces(1.0));
+        for hardness in [0.9, 0.98, 1.0, 1.02, 1.15] {
+            let hard = forces(hardness);
+            let factor = harder(process, &x, &u, &plain_forces, hard[cutting]).expect("a hardness");
+            assert!((factor * plain / hard[feed] - 1.0).abs() < 1e-9, "{hardness}: {factor}");
+        }
+        // The land is pressed as before: 2 % of hardness raise the cutting force by 1.36 % and the feed force by 1.01 %.
+        let ratio = harder(process, &x, &u, &plain_forces, forces(1.02)[cutting]).expect("a hardness");
+        assert!((ratio - 1.0101).abs() < 2e-4, "{ratio}");
+        assert!(harder(process, &x, &u, &plain_forces, f64::NAN).is_none());
+    }
 }
