@@ -21,11 +21,13 @@ pub use gap::{
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
-pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
+pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use toolroom_fmu::{Entry, units};
 
 /// Constant against adaptive cutting speed in a simulated machining shop.
 #[derive(Parser, Debug)]
@@ -301,7 +303,8 @@ pub struct FmuSimArgs {
 #[derive(Args, Debug)]
 pub struct FmuExportArgs {
     /// Model
-    pub model: FmuModel,
+    #[arg(value_parser = entries())]
+    pub model: &'static Entry,
     /// Version of the standard; both, if left out, and 3 for a single file
     #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: Option<u32>,
@@ -317,11 +320,9 @@ pub struct FmuExportArgs {
     pub out: PathBuf,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FmuModel {
-    Turning,
-    Milling,
-    Infeed,
+fn entries() -> impl TypedValueParser<Value = &'static Entry> {
+    let named = |name: String| units().find(|entry| entry.name == name).ok_or("no such model");
+    PossibleValuesParser::new(units().map(|entry| entry.name)).try_map(named)
 }
 
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

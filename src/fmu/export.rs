@@ -1,17 +1,15 @@
 //! `toolroom fmu export MODEL`.
 
-use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
+use crate::args::{FmuExportArgs, FmuPlatform};
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{
-    Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package, units,
-};
+use toolroom_fmu::{Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
-    let unit = unit(args.model)?;
+    let unit = args.model;
     let versions: &[Version] = match args.fmi {
         // A file holds one version: the newer one, which the last line says.
         None if is_file(&args.out) => &[Version::Three],
@@ -90,15 +88,6 @@ fn is_file(out: &Path) -> bool {
 fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> String) -> Vec<(Version, PathBuf)> {
     let place = |version: &Version| if is_file(&args.out) { args.out.clone() } else { args.out.join(name(*version)) };
     versions.iter().map(|version| (*version, place(version))).collect()
-}
-
-fn unit(model: FmuModel) -> Result<&'static Entry, Failure> {
-    let name = match model {
-        FmuModel::Turning => "turning",
-        FmuModel::Milling => "milling",
-        FmuModel::Infeed => "infeed",
-    };
-    units().find(|unit| unit.name == name).ok_or_else(|| Failure::Work { message: format!("there is no unit {name}") })
 }
 
 /// Libraries of the wanted platforms, each once and in a fixed order.
