@@ -640,6 +640,12 @@ pub struct CompareArgs {
     /// Number of shards, one a replication if left out
     #[arg(long, requires = "plan", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub shards: Option<u64>,
+    /// Tune the policies on a seed of their own before they are compared, as [tune] of the scenario says
+    #[arg(long, conflicts_with = "plan")]
+    pub tune: bool,
+    /// Compare the settings of the file even where it has a section [tune]
+    #[arg(long, conflicts_with = "tune")]
+    pub no_tune: bool,
 }
 
 #[derive(Args, Debug)]

@@ -3,16 +3,21 @@
 use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::output::Files;
+use crate::progress::Bar;
 use crate::shard::{leave, refused};
 use crate::speak::Voice;
+use crate::stop;
 use crate::study::{Request, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use toolroom_scenario::TuneRequest;
 use toolroom_scenario::file::{ScenarioFile, read};
 use toolroom_shards::Plan;
 use toolroom_study::planned::{self, PlannedError};
 use toolroom_study::request::policies_named;
+use toolroom_study::tune::{TuneError, Tuning, tune};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -28,9 +33,23 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         return Err(Failure::argument("there is only one policy, nothing to compare", help));
     }
     let input = args.scenario.file.display().to_string();
+    let wanted = tuning_wanted(args, &file);
     if let Some(target) = &args.plan {
+        if wanted.is_some() {
+            let help =
+                "tune first with --tune, then plan with the settings that it prints given by --set, and --no-tune";
+            return Err(Failure::argument("a plan does not tune its policies", help));
+        }
         return plan(args, &file, &policies, target, voice);
     }
+    let (file, tuning) = match wanted {
+        Some(wanted) => {
+            let interrupted = Arc::new(AtomicBool::new(false));
+            let _gentle = stop::gently(&interrupted);
+            tuned(args, args.scenario.changes.overrides(), &file, (&policies, &wanted), voice, &interrupted)?
+        }
+        None => (file, None),
+    };
     let request = Request {
         command: format!("compare {input}"),
         input,
@@ -41,8 +60,43 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         out: default_out(&file.scenario.name),
         file,
         known: Arc::default(),
+        tuning,
     };
     perform(&request, voice)
+}
+
+/// How the policies are tuned; `None` where they are compared as the file sets them.
+pub fn tuning_wanted(args: &CompareArgs, file: &ScenarioFile) -> Option<TuneRequest> {
+    let of_file = || file.tune.clone().filter(|_| !args.no_tune);
+    if args.tune { Some(file.tune.clone().unwrap_or_default()) } else { of_file() }
+}
+
+/// The scenario of `file`, which was read with `changes`, with its policies at their best settings.
+pub fn tuned(
+    args: &CompareArgs,
+    mut changes: Vec<String>,
+    file: &ScenarioFile,
+    (policies, wanted): (&[usize], &TuneRequest),
+    voice: &Voice,
+    interrupted: &AtomicBool,
+) -> Result<(ScenarioFile, Option<Arc<Tuning>>), Failure> {
+    let bar = Bar::new(voice);
+    let found = tune(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted);
+    bar.finish();
+    let found = found?;
+    changes.extend(found.changes());
+    Ok((read(&args.scenario.file, &changes)?, Some(Arc::new(found))))
+}
+
+impl From<TuneError> for Failure {
+    fn from(error: TuneError) -> Self {
+        let help = error.fix();
+        match error {
+            TuneError::Stopped => Self::Interrupted { message: error.to_string(), help },
+            TuneError::Shop { .. } | TuneError::Threads { .. } => Self::Work { message: format!("{error}; {help}") },
+            other => Self::argument(other, help),
+        }
+    }
 }
 
 /// `--plan FILE`: the replications cut into shards.
@@ -95,6 +149,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         out: default_out(&file.scenario.name),
         file,
         known: Arc::new(known),
+        tuning: None,
     };
     perform(&request, voice)
 }

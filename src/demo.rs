@@ -23,6 +23,7 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         out: default_out("demo"),
         file,
         known: std::sync::Arc::default(),
+        tuning: None,
     };
     perform(&request, voice)?;
     voice.say("your own shop: toolroom new myshop");

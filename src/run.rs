@@ -21,6 +21,7 @@ pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
         out: default_out(&file.scenario.name),
         file,
         known: std::sync::Arc::default(),
+        tuning: None,
     };
     perform(&request, voice)
 }

@@ -20,6 +20,7 @@ use toolroom_study::results::{self, FinishedRun, STOPPED, record};
 use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
+use toolroom_study::tune::Tuning;
 
 /// A study about to be run.
 pub struct Request<'a> {
@@ -38,6 +39,8 @@ pub struct Request<'a> {
     pub out: PathBuf,
     /// Runs made elsewhere.
     pub known: Arc<KnownRuns>,
+    /// How the settings of the policies in `file` were found.
+    pub tuning: Option<Arc<Tuning>>,
 }
 
 /// Runs, writes, prints.
@@ -51,12 +54,14 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         logged: args.logged.unwrap_or(request.logged),
         known: Arc::clone(&request.known),
         stop_after: args.stop_after,
+        tuning: request.tuning.clone(),
         ..StudyOptions::of(scenario)
     };
     let target = args.out.as_deref().unwrap_or(&request.out);
     let format = format(file, args);
     let version = env!("CARGO_PKG_VERSION");
-    let changes = request.changes.overrides();
+    let tuned = request.tuning.iter().flat_map(|tuning| tuning.changes());
+    let changes = request.changes.overrides().into_iter().chain(tuned).collect();
     let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
     if args.resume && target.exists() {
         let earlier = FinishedRun::read(target)?;
@@ -220,6 +225,9 @@ fn reproduce(request: &Request<'_>) -> String {
     let mut reproduce = format!("toolroom {}", request.command);
     for change in request.changes.overrides() {
         reproduce.push_str(&format!(" --set {}", quoted(&change)));
+    }
+    if request.tuning.is_some() {
+        reproduce.push_str(" --tune");
     }
     for name in &request.args.policy {
         reproduce.push_str(&format!(" --policy {}", quoted(name)));

@@ -1,6 +1,7 @@
 //! `toolroom compare FILE -P KEY LO HI STEP`: the comparison at several values of one key.
 
 use crate::args::CompareArgs;
+use crate::compare::{tuned, tuning_wanted};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
@@ -32,15 +33,21 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let mut overrides = args.scenario.changes.overrides();
         overrides.push(format!("{key}={value}"));
         let file = read(&args.scenario.file, &overrides)?;
+        let policies = policies_named(&file.scenario, &args.study.policy)?;
+        voice.say(format_args!("{key} = {value}"));
+        let (file, tuning) = match tuning_wanted(args, &file) {
+            Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop)?,
+            None => (file, None),
+        };
         let scenario = &file.scenario;
         let options = StudyOptions {
-            policies: policies_named(scenario, &args.study.policy)?,
+            policies,
+            tuning,
             threads: args.study.threads,
             until: args.study.until,
             logged: 0,
             ..StudyOptions::of(scenario)
         };
-        voice.say(format_args!("{key} = {value}"));
         let bar = Bar::new(voice);
         let study = run_study(scenario, &options, None, &|at| bar.at(at), &stop);
         bar.finish();

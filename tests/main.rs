@@ -20,5 +20,6 @@ mod planning;
 mod programs;
 mod report;
 mod self_null;
+mod tuning;
 mod withheld;
 mod withheld_grinding_milling;

@@ -8,18 +8,20 @@
 //!   over the same under the policy, cell time being cutting and tool change. It is the ratio of
 //!   the parts that the cell alone would make: no waiting, no handling, no other machine.
 //! - **shop gain** = ratio of parts per shift.
-//! - **Amdahl limit**: a station (machines that can do the same operations) whose share `f` of
+//! - **Amdahl limit**, of capacity alone: a station (machines that can do the same operations) whose share `f` of
 //!   occupied time is cell time would be occupied `(1 − f) + f / cell_gain` of it. The shop speeds
 //!   up at most until the most occupied station is as loaded as it can be (fully; in a shop with
 //!   constant work in process as loaded as the bottleneck was before) and never beyond the parts
-//!   that are offered.
+//!   that are offered. Fewer scrapped parts or less waiting can carry the shop beyond it, which is then said.
 //!
 //! # Source
 //! G. M. Amdahl, AFIPS Conference Proceedings 30 (1967) 483, applied to stations in series.
 
+mod break_even;
 mod decision;
 mod station;
 
+pub use break_even::{BreakEven, Crossing};
 pub use decision::{Decision, Outcome, Role, role};
 pub use station::{Station, stations};
 
@@ -51,8 +53,10 @@ pub struct Difference {
     pub cell_gain: Interval,
     /// Ratio of parts per shift.
     pub shop_gain: Interval,
-    /// The shop gain that Amdahl's law allows at this cell gain.
+    /// The shop gain that Amdahl's law allows at this cell gain by capacity alone.
     pub amdahl_limit: f64,
+    /// What carries the shop beyond that limit, where something does.
+    pub beyond: Option<&'static str>,
 }
 
 /// The result of a comparison.
@@ -71,6 +75,8 @@ pub struct Comparison {
     pub headline: Option<usize>,
     /// Whether adaptive speed pays, and against what.
     pub decision: Decision,
+    /// Prices at which the two policies of the decision cost the same.
+    pub break_even: Vec<BreakEven>,
 }
 
 impl Comparison {
@@ -94,7 +100,19 @@ impl Comparison {
         let decision = Decision::new(scenario, study, &policies);
         let adaptive = decision.adaptive.and_then(|policy| policy.checked_sub(1));
         let headline = adaptive.or((!differences.is_empty()).then_some(0));
-        Self { policies, differences, stations, bottleneck, headline, decision }
+        let break_even = match (decision.adaptive, decision.rival, &decision.difference) {
+            (Some(adaptive), Some(rival), Some(_)) => BreakEven::all(study, adaptive, rival),
+            (Some(_) | None, _, _) => Vec::new(),
+        };
+        Self { policies, differences, stations, bottleneck, headline, decision, break_even }
+    }
+
+    /// Prices at which the decision turns; none where it is not resolved at the present ones.
+    pub fn turning_prices(&self) -> &[BreakEven] {
+        match self.decision.outcome {
+            Outcome::Wins | Outcome::Loses => &self.break_even,
+            Outcome::NoDifference | Outcome::Undecided => &[],
+        }
     }
 
     /// The most occupied station under the baseline.
@@ -114,15 +132,28 @@ fn difference(scenario: &Scenario, study: &Study, stations: &[Station], policy: 
     } else {
         f64::INFINITY
     };
+    let shop_gain = gain("parts_per_shift", policy, 0);
+    let amdahl_limit = station::amdahl_limit(scenario, stations, cell_gain.mean, offered_over_made);
+    let good_share = |policy: usize| 1.0 - t_interval(&of(policy, "scrap_rate"), CONFIDENCE).mean;
     Difference {
         policy,
         kpis: (0..study.kpis.len())
             .map(|kpi| paired(&study.values(policy, kpi), &study.values(0, kpi), CONFIDENCE))
             .collect(),
-        shop_gain: gain("parts_per_shift", policy, 0),
-        amdahl_limit: station::amdahl_limit(scenario, stations, cell_gain.mean, offered_over_made),
+        beyond: beyond(shop_gain.mean / amdahl_limit, good_share(policy) / good_share(0)),
+        shop_gain,
+        amdahl_limit,
         cell_gain,
     }
+}
+
+/// Excess of the shop gain over the limit that is told: half of the last digit shown.
+const TOLD: f64 = 0.005;
+
+/// What carries a shop gain beyond the limit of capacity by the factor `excess`, of which fewer scrapped parts explain `good`.
+fn beyond(excess: f64, good: f64) -> Option<&'static str> {
+    let reason = if good - 1.0 >= 0.5 * (excess - 1.0) { "fewer scrapped parts" } else { "less waiting" };
+    (excess > 1.0 + TOLD).then_some(reason)
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@
 //! | [`difference`] | two finished runs against each other, paired where they share random numbers |
 //! | [`request`] | what a study was asked to do: the condition for going on with it |
 //! | [`sweep`] | the comparison at several values of one key |
+//! | [`tune`](mod@tune) | the best settings of every policy, found before they are compared |
 //! | [`planned`] | comparisons in shards on many hosts |
 //!
 //! ```
@@ -39,7 +40,7 @@
 //! # What is not modelled
 //! Steady state is not detected: the warm-up is what the scenario says. Intervals assume that the
 //! replications are independent and their means nearly normal; they are not corrected for comparing
-//! many policies at once, nor for stopping when an interval is narrow. The Amdahl limit knows mean
+//! many policies at once (the verdict between tuned rules is), nor for stopping when an interval is narrow. The Amdahl limit knows mean
 //! loads, not queues. Money is not discounted, and the cost of good parts' material, of sensors and
 //! of programming is left out.
 
@@ -61,3 +62,4 @@ pub mod summary;
 pub mod sweep;
 pub mod terminal;
 pub mod trace;
+pub mod tune;

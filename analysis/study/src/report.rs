@@ -12,7 +12,9 @@ use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::results::RunInfo;
 use crate::study::Study;
 use crate::terminal::gains;
+use crate::tune::{TunedSetting, Tuning};
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
+use toolroom_chart::{Cell, Table};
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::RunLog;
 
@@ -72,6 +74,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if comparison.policies.len() > 1 {
         report = report.section(difference::section(&source)).section(difference::gain_section(&source));
+    }
+    if let Some(tuning) = study.tuning.as_deref() {
+        report = report.section(tuned_section(tuning, &source));
     }
     if let Some(quality) = quality::section(&source) {
         report = report.section(quality);
@@ -135,6 +140,45 @@ fn tiles(source: &Source<'_>) -> Vec<Tile> {
     tiles
 }
 
+/// Settings of the policies, and how they were found.
+fn tuned_section(tuning: &Tuning, source: &Source<'_>) -> Section {
+    let intro = format!(
+        "Before the comparison every policy was tuned for {} with {} simulated replications on seed {}; the comparison \
+         judges it on seed {}. What a policy costs more when it is judged than it did while it was tuned is optimism.",
+        tuning.objective, tuning.budget, tuning.seed, source.scenario.seed
+    );
+    let mut table = Table::new(["policy", "settings", "nearly as good", "tuned", "judged", "edges lost in cut, %"]);
+    let index = source.study.index(&tuning.objective);
+    for (position, policy) in source.comparison.policies.iter().enumerate() {
+        let Some(tuned) = tuning.of(&policy.name) else { continue };
+        let list =
+            |text: &dyn Fn(&TunedSetting) -> String| tuned.settings.iter().map(text).collect::<Vec<_>>().join(", ");
+        let settings = match &tuned.given {
+            Some(reason) => format!("as given: {reason}"),
+            None => list(&|setting| format!("{} {}", setting.key, setting.value)),
+        };
+        let judged = index.map(|index| {
+            let kpi = &source.study.kpis[index];
+            source.comparison.policies[position].kpis[index].scaled(kpi.definition.file_scale())
+        });
+        let digits = decimals(tuned.objective.unwrap_or(0.0), tuned.standard_error.unwrap_or(f64::NAN));
+        let shown = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| plain(value, digits));
+        table.push([
+            policy.name.as_str().into(),
+            Cell::Text(settings),
+            Cell::Text(list(&|setting| format!("{} … {}", setting.flat.0, setting.flat.1))),
+            Cell::Text(shown(tuned.objective, digits)),
+            Cell::Text(shown(judged.filter(|_| tuned.is_tuned()).map(|judged| judged.mean), digits)),
+            Cell::Text(shown(tuned.failed.map(|share| 100.0 * share), 1)),
+        ]);
+    }
+    let mut section = Section::new("Settings that were compared").paragraph(intro).table("Tuned settings", table);
+    for price in source.comparison.turning_prices() {
+        section = section.note(sentence(&price.describe()));
+    }
+    section
+}
+
 fn notes(source: &Source<'_>) -> Section {
     let mut section = Section::new("How to read this");
     if !source.study.complete {
@@ -152,7 +196,9 @@ fn notes(source: &Source<'_>) -> Section {
         )
         .paragraph(
             "The decision compares the adaptive policy of least cost with the constant or scheduled policy of least \
-             cost, both picked from the same replications. The oracle knows the true wear; no real controller can.",
+             cost, both picked from the same replications. Rules that were tuned before are compared at their best; \
+             otherwise the decision holds for the settings of the file only. An oracle knows the true wear; no real \
+             controller can.",
         )
         .list(definitions.map(|kpi| format!("{}: {}", label(source.scenario, kpi), kpi.definition.doc)))
 }

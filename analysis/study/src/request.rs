@@ -4,9 +4,11 @@
 use crate::logs::Format;
 use crate::results::RunInfo;
 use crate::study::{Finished, FinishedError, StudyOptions};
+use crate::tune::Tuning;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toolroom_form::{ReadError, nearest};
 use toolroom_scenario::Scenario;
 use toolroom_scenario::file::{ScenarioFile, parse};
@@ -31,6 +33,9 @@ pub struct StudyRequest {
     until: Option<f64>,
     logged: u32,
     format: Option<String>,
+    /// How the settings of the policies were found; `changes` holds them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tuning: Option<Tuning>,
     /// Where the command was typed: the name of the file is read from there. May differ.
     directory: PathBuf,
 }
@@ -157,6 +162,7 @@ impl StudyRequest {
             until: options.until.map(|precision| precision.relative_half_width),
             logged: options.logged,
             format: format.map(|format| format.extension().to_owned()),
+            tuning: options.tuning.as_deref().cloned(),
             directory: std::env::current_dir().unwrap_or_default(),
         }
     }
@@ -179,6 +185,11 @@ impl StudyRequest {
             asked: serde_json::to_value(self)?,
             stopped: None,
         })
+    }
+
+    /// How the settings of its policies were found.
+    pub fn tuning(&self) -> Option<Arc<Tuning>> {
+        self.tuning.clone().map(Arc::new)
     }
 
     /// The scenario, understood as it was then.

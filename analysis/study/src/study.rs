@@ -18,6 +18,7 @@ pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
+use crate::tune::Tuning;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -56,6 +57,8 @@ pub struct StudyOptions {
     pub stop_after: Option<u32>,
     /// What an earlier, stopped run of the same study finished.
     pub earlier: Option<Finished>,
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
 }
 
 impl StudyOptions {
@@ -70,6 +73,7 @@ impl StudyOptions {
             known: Arc::default(),
             stop_after: None,
             earlier: None,
+            tuning: None,
         }
     }
 }
@@ -164,6 +168,8 @@ pub struct Study {
     pub first_logs: Vec<RunLog>,
     /// Edges of the lathes over all replications, by policy.
     pub edge_lives: Vec<Vec<EdgeLife>>,
+    /// How the settings of the policies were found.
+    pub tuning: Option<Arc<Tuning>>,
     /// By policy and replication.
     values: Vec<Vec<Vec<f64>>>,
 }
@@ -278,7 +284,11 @@ const LOOKS: u32 = 256;
 
 /// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
 /// nothing of a run that goes on.
-fn unless_stopped(mut shop: Shop<'_, RunLog>, horizon: f64, stop: &AtomicBool) -> Result<Option<RunLog>, ShopError> {
+pub(crate) fn unless_stopped(
+    mut shop: Shop<'_, RunLog>,
+    horizon: f64,
+    stop: &AtomicBool,
+) -> Result<Option<RunLog>, ShopError> {
     for look in 1..LOOKS {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -410,6 +420,7 @@ where
         digest: FNV_OFFSET,
         first_logs: Vec::new(),
         edge_lives: vec![Vec::new(); count],
+        tuning: options.tuning.clone(),
         values: vec![Vec::new(); count],
     };
     if let Some(earlier) = &options.earlier {

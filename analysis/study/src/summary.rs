@@ -3,9 +3,10 @@
 //! Keys of figures carry their unit (`tool_life [min]`); shares are shares, not per cent; what is
 //! not defined is null. Keys are never renamed, more may come.
 
-use crate::compare::{Comparison, Difference, PolicyResult};
+use crate::compare::{BreakEven, Comparison, Difference, PolicyResult};
 use crate::kpi::Kpi;
 use crate::study::Study;
+use crate::tune::tuning_json;
 use serde_json::{Map, Value, json};
 use toolroom_scenario::Scenario;
 use toolroom_statistics::{Interval, Paired};
@@ -34,7 +35,8 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             })
         })
         .collect();
-    json!({
+    let break_even: Vec<Value> = comparison.break_even.iter().map(break_even_json).collect();
+    let mut summary = json!({
         "schema": 1,
         "scenario": scenario.name,
         "title": scenario.title,
@@ -61,7 +63,31 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
             "line": decision.line,
             "notes": decision.notes,
         },
+        "break_even": break_even,
         "digest": format!("{:016x}", study.digest),
+    });
+    if let Some(tuning) = &study.tuning {
+        let pair = [decision.adaptive, decision.rival].map(|policy| policy.map(name));
+        summary["tuning"] = tuning_json(tuning, study, comparison);
+        summary["verdict"] = json!({
+            "between": pair,
+            "objective": tuning.objective,
+            "difference": decision.difference.as_ref().map(|difference| difference.mean),
+            "ci95": decision.difference.as_ref().map(|difference| [difference.low(), difference.high()]),
+            "wording": decision.line,
+        });
+    }
+    summary
+}
+
+/// Prices are told as factors on the present ones, settings held.
+fn break_even_json(price: &BreakEven) -> Value {
+    json!({
+        "key": price.key,
+        "now": 1.0,
+        "flips_at": price.flips().then_some(price.factor.at),
+        "ci90": price.factor.interval.filter(|_| price.flips()).map(|(low, high)| [low, high]),
+        "retuned": false,
     })
 }
 
@@ -95,6 +121,7 @@ fn difference_json(study: &Study, comparison: &Comparison, difference: &Differen
         "cell_gain": interval_json(&difference.cell_gain, 1.0),
         "shop_gain": interval_json(&difference.shop_gain, 1.0),
         "amdahl_limit": difference.amdahl_limit,
+        "beyond": difference.beyond,
     })
 }
 

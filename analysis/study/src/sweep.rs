@@ -84,7 +84,7 @@ impl Sweep {
     pub fn json(&self, summaries: &[Value]) -> Value {
         let point = |(value, summary): (&String, &Value)| json!({ "value": value, "summary": summary });
         let points: Vec<Value> = self.values.iter().zip(summaries).map(point).collect();
-        json!({ "schema": 1, "key": self.key, "points": points })
+        json!({ "schema": 1, "key": self.key, "points": points, "turns_at": self.turns_at(summaries) })
     }
 
     /// The results for a terminal.
@@ -103,8 +103,37 @@ impl Sweep {
                     figure("edges_per_100_parts"),
                 );
             }
+            if let Some(line) = summary["decision"]["line"].as_str() {
+                let _ = writeln!(text, "  {line}");
+            }
+        }
+        if let Some(value) = self.turns_at(summaries) {
+            let _ = writeln!(text, "a line through the differences is zero at {} = {value}", self.key);
         }
         text.trim_end().to_owned()
+    }
+
+    /// The value at which a line through the differences of the decision is zero, with its unit; `None` where it lies beyond
+    /// the values that were looked at, and with fewer than three of them.
+    fn turns_at(&self, summaries: &[Value]) -> Option<String> {
+        let points: Vec<(f64, f64)> = self
+            .values
+            .iter()
+            .zip(summaries)
+            .filter_map(|(value, summary)| {
+                Some((split(value).ok()?.0, summary["decision"]["difference"]["mean"].as_f64()?))
+            })
+            .collect();
+        let count = points.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+        let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+        let slope = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>()
+            / points.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>();
+        let zero = x - y / slope;
+        let (first, last) = (points.first()?.0, points.last()?.0);
+        let unit = split(self.values.first()?).ok()?.1;
+        let inside = points.len() >= 3 && zero >= first && zero <= last;
+        inside.then(|| format!("{zero:.2} {unit}").trim_end().to_owned())
     }
 }
 
@@ -130,6 +159,14 @@ fn split(text: &str) -> Result<(f64, &str), SweepError> {
 #[cfg(test)]
 mod tests {
     use super::Sweep;
+
+    #[test]
+    fn a_line_through_the_differences_says_where_the_decision_turns() {
+        let sweep = Sweep::new("key", "1 min", "3 min", "1 min").unwrap();
+        let summary = |mean: f64| serde_json::json!({ "decision": { "difference": { "mean": mean } } });
+        assert_eq!(sweep.turns_at(&[-1.0, 0.0, 1.0].map(summary)).as_deref(), Some("2.00 min"));
+        assert_eq!(sweep.turns_at(&[1.0, 2.0, 3.0].map(summary)), None, "beyond what was looked at");
+    }
 
     #[test]
     fn a_sweep_has_its_ends_and_its_unit() {

@@ -5,6 +5,7 @@ use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::kpi::{Better, Kpi};
 use crate::study::Study;
 use crate::summary::cutting_share;
+use crate::tune::tuning_text;
 use std::fmt::Write;
 use std::time::Duration;
 use toolroom_scenario::Scenario;
@@ -73,6 +74,12 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
         for note in &comparison.decision.notes {
             let _ = writeln!(out, "  {note}");
         }
+        for price in comparison.turning_prices() {
+            let _ = writeln!(out, "  {}", price.describe());
+        }
+        if let Some(tuning) = &study.tuning {
+            out.push_str(&tuning_text(tuning, study, comparison));
+        }
     }
     if !study.complete {
         let _ = writeln!(out, "stopped early: {} replications are complete", study.replications);
@@ -87,8 +94,10 @@ pub fn gains(study: &Study, comparison: &Comparison, difference: &Difference) ->
         [_, _] => String::new(),
         policies => format!("{} against {}; ", policies[difference.policy].name, policies[0].name),
     };
+    let beyond = difference.beyond.map_or_else(String::new, |reason| format!(", the rest by {reason}"));
     format!(
-        "cell gain {} → shop gain {} ({who}bottleneck {bottleneck}; cutting is {} % of the shift; Amdahl allows {})",
+        "cell gain {} → shop gain {} ({who}bottleneck {bottleneck}; cutting is {} % of the shift; at most {} by capacity \
+         alone{beyond})",
         factor(difference.cell_gain.mean),
         factor(difference.shop_gain.mean),
         plain(100.0 * cutting_share(study, comparison), 0),
@@ -242,7 +251,7 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
     align(&rows, &[0], style, out);
 
     let _ = writeln!(out, "difference to {} (95 % CI)", comparison.policies[0].name);
-    let gains = ["cell gain", "shop gain", "Amdahl"].map(|text| Cell::from(text.to_owned()));
+    let gains = ["cell gain", "shop gain", "by capacity"].map(|text| Cell::from(text.to_owned()));
     let shown_differences = columns.len().min(3);
     let head = rows[0][1..=shown_differences].iter().cloned().chain(gains);
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(Cell::default()).chain(head).collect()];

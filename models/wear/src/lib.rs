@@ -98,7 +98,7 @@ pub use force::{Force, Load};
 pub use law::{Wear, WearLaw};
 pub use life::{ConstantSpeed, Life, Objective};
 pub use limits::Limits;
-pub use observer::{Estimate, Measurement, Observer, ObserverNoise};
+pub use observer::{Estimate, Measurement, Observer, ObserverNoise, WearLevel};
 pub use pair::{PARAMETER_SETS, Pair, TURNING_SETS};
 pub use plan::{PassPlan, Ramp, RampLimits, SpeedMode};
 pub use scatter::{EdgeScatter, LifeMoments, PairScatter, Scatter};

@@ -32,6 +32,14 @@ record! {
         initial_force: Real = 0.08, 0.0..=10.0;
         /// Uncertainty of the logarithm of the wear factor of a new edge.
         initial_rate: Real = 0.30, 0.0..=10.0;
+        /// The part of it by which edges differ; the rest is their common level, which is learnt from edge to edge.
+        edge_rate: Real = 0.28, 0.0..=10.0;
+        /// Systematic error of the feed force, logarithm of its gain; 0 where it is known to have none.
+        feed_force_gain: Real = 0.0, 0.0..=10.0;
+        /// Systematic error of the thermo-EMF, logarithm of its gain.
+        emf_gain: Real = 0.0, 0.0..=10.0;
+        /// Drift of both gains from edge to edge.
+        gain_drift: Real = 0.01, 0.0..=10.0;
         /// Scatter of the depth of cut from pass to pass.
         depth_scatter: Real["m" => "mm"] = 0.05e-3, 0.0..=1e-2;
         /// Other scatter of force from pass to pass.
@@ -63,9 +71,43 @@ pub struct Estimate {
     pub ln_wear_factor: f64,
 }
 
-/// Extended Kalman filter on (flank wear, ln force factor, ln wear factor).
+/// What is known of the common level of the logarithm of the wear factor of edges.
 ///
-/// Power and feed force feel wear differently, so wear and force factor separate; the force
+/// # Examples
+/// Four edges with known factors, which scatter by 0.2 about a level that is known to 0.3:
+/// ```
+/// use toolroom_wear::WearLevel;
+/// let edges = [(0.20, 0.05), (0.35, 0.04), (0.05, 0.06), (0.28, 0.05)];
+/// let level = edges.iter().fold(WearLevel { mean: 0.0, variance: 0.09 }, |level, (factor, error)| {
+///     level.after(*factor, 0.2f64.powi(2) + f64::powi(*error, 2))
+/// });
+/// assert!((level.mean - 0.1983407).abs() < 1e-6 && (level.variance.sqrt() - 0.0975231).abs() < 1e-6);
+/// assert!(((level.variance + 0.04).sqrt() - 0.2225101).abs() < 1e-6, "of the next edge");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WearLevel {
+    /// Mean, 1.
+    pub mean: f64,
+    /// Variance, 1.
+    pub variance: f64,
+}
+
+impl WearLevel {
+    /// After an edge whose factor was `observed` with `variance`, its own scatter included.
+    pub fn after(self, observed: f64, variance: f64) -> Self {
+        let gain = self.variance / (self.variance + variance);
+        Self { mean: self.mean + gain * (observed - self.mean), variance: self.variance * (1.0 - gain) }
+    }
+}
+
+/// Numbers that the filter estimates.
+const STATES: usize = 5;
+
+/// Extended Kalman filter on (flank wear, ln force factor, ln wear factor, ln gain of the feed force, ln gain of the
+/// thermo-EMF).
+///
+/// Power and feed force feel wear differently, so wear and force factor separate; readings of wear tell the gains of the
+/// sensors apart from wear. The force
 /// factor acts on the sharp force only and never on temperature. An error of the land's
 /// stresses is a gain error of the estimated wear of the same size.
 ///
@@ -82,9 +124,11 @@ pub struct Observer {
     /// The pair, and the same for derivatives by wear.
     pairs: Arc<(Pair, Pair<Dual64>)>,
     noise: ObserverNoise,
-    mean: [f64; 3],
+    mean: [f64; STATES],
     /// Symmetric.
-    covariance: [[f64; 3]; 3],
+    covariance: [[f64; STATES]; STATES],
+    /// Level of the wear factor of edges before this one.
+    level: WearLevel,
     known: Option<Known>,
 }
 
@@ -98,24 +142,60 @@ struct Known {
 impl Observer {
     /// An observer of a new edge of `pair`.
     pub fn new(pair: &Pair, noise: ObserverNoise) -> Self {
-        let mut covariance = [[0.0; 3]; 3];
-        let deviations = [noise.initial_wear, noise.initial_force, noise.initial_rate];
+        Self::of(Arc::new((pair.clone(), pair.map(Dual64::from))), noise)
+    }
+
+    fn of(pairs: Arc<(Pair, Pair<Dual64>)>, noise: ObserverNoise) -> Self {
+        let ObserverNoise { initial_rate, edge_rate, .. } = noise;
+        let level = WearLevel { mean: 0.0, variance: (initial_rate.powi(2) - edge_rate.powi(2)).max(0.0) };
+        let mut covariance = [[0.0; STATES]; STATES];
+        let deviations = [noise.initial_wear, noise.initial_force, initial_rate, noise.feed_force_gain, noise.emf_gain];
         for (i, deviation) in deviations.into_iter().enumerate() {
             covariance[i][i] = deviation * deviation;
         }
-        let pairs = Arc::new((pair.clone(), pair.map(Dual64::from)));
-        Self { pairs, noise, mean: [0.0; 3], covariance, known: None }
+        Self { pairs, noise, mean: [0.0; STATES], covariance, level, known: None }
+    }
+
+    /// An observer of the next edge of the same kind: the level of wear and the gains of the sensors are what this edge
+    /// has taught, the rest is new. `initial_wear` (m) is the uncertainty of the wear of the edge.
+    ///
+    /// # Source
+    /// Normal levels of edges, `ln factor = level + scatter`: what this edge adds to what was known of it before is the
+    /// observation of its factor.
+    pub fn next_edge(&self, initial_wear: f64) -> Self {
+        let noise = ObserverNoise { initial_wear, ..self.noise };
+        let scatter = noise.edge_rate * noise.edge_rate;
+        let before = self.level.variance + scatter;
+        let now = self.covariance[2][2];
+        let level = if now > 0.0 && now < before {
+            let error = (now.recip() - before.recip()).recip();
+            let observed = error * (self.mean[2] / now - self.level.mean / before);
+            self.level.after(observed, error + scatter)
+        } else {
+            self.level
+        };
+        let mut next = Self::of(Arc::clone(&self.pairs), noise);
+        next.level = level;
+        next.mean[2] = level.mean;
+        next.covariance[2][2] = level.variance + scatter;
+        for (i, gain) in [(3, noise.feed_force_gain), (4, noise.emf_gain)] {
+            next.mean[i] = self.mean[i];
+            next.covariance[i][i] = (self.covariance[i][i] + noise.gain_drift.powi(2)).min(gain.powi(2));
+        }
+        next
     }
 
     /// The same observer believing `estimate`, as uncertain as before.
     pub fn with_estimate(mut self, estimate: Estimate) -> Self {
-        self.mean = [estimate.flank_wear, estimate.ln_force_factor, estimate.ln_wear_factor];
+        let Estimate { flank_wear, ln_force_factor, ln_wear_factor } = estimate;
+        let [_, _, _, gains @ ..] = self.mean;
+        self.mean = [flank_wear, ln_force_factor, ln_wear_factor, gains[0], gains[1]];
         self
     }
 
     /// Present estimate.
     pub fn estimate(&self) -> Estimate {
-        let [flank_wear, ln_force_factor, ln_wear_factor] = self.mean;
+        let [flank_wear, ln_force_factor, ln_wear_factor, ..] = self.mean;
         Estimate { flank_wear, ln_force_factor, ln_wear_factor }
     }
 
@@ -124,7 +204,28 @@ impl Observer {
     /// # Shape
     /// 3 × 3, in the order of [`Estimate`]'s fields.
     pub fn covariance(&self) -> [[f64; 3]; 3] {
-        self.covariance
+        std::array::from_fn(|i| std::array::from_fn(|j| self.covariance[i][j]))
+    }
+
+    /// Logarithms of the gains of feed force and thermo-EMF as they are estimated.
+    pub fn ln_gains(&self) -> [f64; 2] {
+        [self.mean[3], self.mean[4]]
+    }
+
+    /// Corrects the estimate by a reading of flank wear (m) with the standard deviation `error` (m).
+    pub fn read(&mut self, flank_wear: f64, error: f64) {
+        let spread = self.covariance[0][0] + error * error;
+        if !(spread > 0.0 && flank_wear.is_finite()) {
+            return;
+        }
+        let innovation = flank_wear - self.mean[0];
+        let lever = self.covariance[0];
+        for i in 0..STATES {
+            self.mean[i] += lever[i] / spread * innovation;
+            for j in 0..STATES {
+                self.covariance[i][j] -= lever[i] * lever[j] / spread;
+            }
+        }
     }
 
     /// A new pass begins at a nominal `depth_of_cut` (m): the allowance may have changed.
@@ -163,7 +264,7 @@ impl Observer {
         let by_rate = dt * (middle.re + middle.eps * half * start.re);
         let before = self.covariance;
         let moved = |i: usize| by_wear * before[0][i] + by_rate * before[2][i];
-        let row = [by_wear * moved(0) + by_rate * moved(2), moved(1), moved(2)];
+        let row = [by_wear * moved(0) + by_rate * moved(2), moved(1), moved(2), moved(3), moved(4)];
         for (i, value) in row.into_iter().enumerate() {
             (self.covariance[0][i], self.covariance[i][0]) = (value, value);
         }
@@ -185,38 +286,39 @@ impl Observer {
         let (engaged, speed) = (cut.engaged, cut.cutting_speed);
         let wear = Dual64::new(self.mean[0], 1.0);
         let emf = contact.thermo_emf(wear, contact.steady_temperature(wear));
-        let (force, feed) = (load.cutting(self.mean[0]) * engaged, load.feed(self.mean[0]) * engaged);
-        // A channel: noise, seen, predicted, slopes of the prediction by wear and force factor.
-        let channels = [
+        let [feed_gain, emf_gain] = self.ln_gains().map(f64::exp);
+        let (force, feed) = (load.cutting(self.mean[0]) * engaged, feed_gain * load.feed(self.mean[0]) * engaged);
+        let emf = emf * emf_gain;
+        // A channel: noise, seen, predicted, slopes of the prediction by wear, force factor, wear factor and gains.
+        let channels: [(f64, f64, f64, [f64; STATES]); 3] = [
             (
                 self.noise.power_noise,
                 measured.spindle_power,
                 force * speed,
-                load.shear_per_wear * engaged * speed,
-                load.cutting(0.0) * engaged * speed,
+                [load.shear_per_wear * engaged * speed, load.cutting(0.0) * engaged * speed, 0.0, 0.0, 0.0],
             ),
             (
                 self.noise.feed_force_noise,
                 measured.feed_force,
                 feed,
-                load.pressure_per_wear * engaged,
-                load.feed(0.0) * engaged,
+                [feed_gain * load.pressure_per_wear * engaged, feed_gain * load.feed(0.0) * engaged, 0.0, feed, 0.0],
             ),
-            (self.noise.emf_noise, measured.thermo_emf, emf.re, emf.eps, 0.0),
+            (self.noise.emf_noise, measured.thermo_emf, emf.re, [emf.eps, 0.0, 0.0, 0.0, emf.re]),
         ];
         // Their noises are independent: one after the other corrects as all at once would, without
         // an inverse. Each is compared with its noise, a pure number whatever its unit.
         let (mut mean, mut covariance) = (self.mean, self.covariance);
-        for (noise, seen, predicted, by_wear, by_force) in channels {
+        for (noise, seen, predicted, slopes) in channels {
             let weight = (noise * predicted.abs()).recip();
-            let (by_wear, by_force) = (by_wear * weight, by_force * weight);
-            let moved = by_wear * (mean[0] - self.mean[0]) + by_force * (mean[1] - self.mean[1]);
-            let innovation = (seen - predicted) * weight - moved;
-            let lever: [f64; 3] = std::array::from_fn(|i| covariance[i][0] * by_wear + covariance[i][1] * by_force);
-            let spread = by_wear * lever[0] + by_force * lever[1] + 1.0;
-            for i in 0..3 {
+            let slopes = slopes.map(|slope| slope * weight);
+            let along = |of: &[f64; STATES]| slopes.iter().zip(of).map(|(slope, value)| slope * value).sum::<f64>();
+            let moved: [f64; STATES] = std::array::from_fn(|i| mean[i] - self.mean[i]);
+            let innovation = (seen - predicted) * weight - along(&moved);
+            let lever: [f64; STATES] = std::array::from_fn(|i| along(&covariance[i]));
+            let spread = along(&lever) + 1.0;
+            for i in 0..STATES {
                 mean[i] += lever[i] / spread * innovation;
-                for j in 0..3 {
+                for j in 0..STATES {
                     covariance[i][j] -= lever[i] * lever[j] / spread;
                 }
             }

@@ -158,12 +158,20 @@ impl Pair {
     /// assert!((optimum.life.production_rate(120.0) * 60.0 - 46.5).abs() < 0.1);
     /// ```
     pub fn rate_optimum(&self, cut: &Cut, change_time: f64) -> RateOptimum {
+        self.rate_optimum_below(cut, change_time, |_| f64::INFINITY)
+    }
+
+    /// The same where the speed also stays below `highest` (m/s), which depends on flank wear (m).
+    pub fn rate_optimum_below(&self, cut: &Cut, change_time: f64, highest: impl Fn(f64) -> f64) -> RateOptimum {
         let ConstantSpeed { mut life, .. } = self.best_constant_speed(cut, Objective::Rate { change_time });
         let mut shadow_price = life.production_rate(change_time).recip();
         let mut iterations = 0;
         loop {
             iterations += 1;
-            life = self.life_at_price(cut, shadow_price);
+            life = self.life_along(|flank_wear| {
+                let speed = self.shadow_price_speed(cut, flank_wear, shadow_price).min(highest(flank_wear));
+                cut.at_speed(self.limits.clip(speed))
+            });
             let next = life.production_rate(change_time).recip();
             // Convergence is quadratic; the bound only guards against rounding at the limit.
             if (next / shadow_price - 1.0).abs() < 1e-8 || iterations == 40 {

@@ -36,6 +36,7 @@ mod policy;
 mod scope;
 mod stability;
 mod station;
+mod tuning;
 mod unit;
 mod variants;
 
@@ -48,10 +49,11 @@ pub use distribution::{Distribution, Empirical};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
-pub use policy::{PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
+pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
 

@@ -1,7 +1,8 @@
 //! The comparison axis: how speed is chosen, how cycles and contours are run, when an edge is
 //! changed or dressed.
 
-use super::{ContourRule, DressingRule, GrindingRule, StabilityRule};
+use super::{ContourRule, DressingRule, GrindingRule, StabilityRule, Tunable};
+use toolroom_form::vocabulary;
 use toolroom_wear::Pair;
 
 /// One policy.
@@ -11,6 +12,10 @@ pub struct PolicyRule {
     pub name: String,
     /// How the cutting speed of turning passes is chosen; milling runs as programmed.
     pub speed: SpeedRule,
+    /// Factor on the speed that the rule commands, 1.
+    pub speed_factor: f64,
+    /// What a rule that follows wear knows of the edge.
+    pub knows: Knowledge,
     /// What is done about chatter.
     pub stability: StabilityRule,
     /// When an edge is changed.
@@ -25,6 +30,31 @@ pub struct PolicyRule {
     pub believed_model: Option<Pair>,
     /// Sensors of adaptive rules.
     pub sensors: SensorSheet,
+    /// Whether and within what the policy is tuned before a fair comparison.
+    pub tune: Tunable,
+}
+
+impl PolicyRule {
+    /// What the rule knows of the edge: an oracle knows its wear at least.
+    pub fn knowledge(&self) -> Knowledge {
+        match (self.speed, self.knows) {
+            (SpeedRule::Oracle, Knowledge::Sensors) => Knowledge::Wear,
+            (_, knows) => knows,
+        }
+    }
+}
+
+vocabulary! {
+    /// What a rule that follows wear knows of the edge. More than sensors is a bound that no real controller reaches.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Knowledge {
+        /// What its sensors and the readings of wear tell.
+        Sensors = "sensors",
+        /// The true flank wear.
+        Wear = "wear",
+        /// The true flank wear, and how this edge differs from the nominal one.
+        Edge = "edge",
+    }
 }
 
 impl Default for PolicyRule {
@@ -33,6 +63,8 @@ impl Default for PolicyRule {
         Self {
             name: "programmed".to_owned(),
             speed: SpeedRule::Programmed,
+            speed_factor: 1.0,
+            knows: Knowledge::Sensors,
             stability: StabilityRule::Ignore,
             tool_change: ToolChangeRule::WearLimit { limit: None },
             grinding: GrindingRule::default(),
@@ -40,6 +72,7 @@ impl Default for PolicyRule {
             contour: None,
             believed_model: None,
             sensors: SensorSheet::default(),
+            tune: Tunable::default(),
         }
     }
 }
@@ -140,6 +173,14 @@ pub struct SensorSheet {
     pub spindle_power_bias: f64,
     /// Standard deviation of a flank wear reading, m.
     pub flank_wear: f64,
+    /// Time that a flank wear reading takes, s.
+    pub reading_time: f64,
+    /// Passes from one reading to the next.
+    pub read_every: u32,
+    /// Systematic error of the feed force that an observer reckons with where wear is read, logarithm.
+    pub feed_force_gain: f64,
+    /// The same of the thermo-EMF.
+    pub thermo_emf_gain: f64,
     /// Relative standard deviation of a measured chatter frequency, 1.
     pub dominant_frequency: f64,
     /// Standard deviation of the normal force in grinding, N.
@@ -150,8 +191,8 @@ pub struct SensorSheet {
 
 impl Default for SensorSheet {
     /// Noise of the observer's derivation: 6 s, 1.5 %, 3 %, 1.5 %, no bias, 0.01 mm
-    /// (assumptions of the reconstruction); 2 N in grinding, as in the separability study of
-    /// plunge trials (assumption).
+    /// (assumptions of the reconstruction); wear is read after every pass in no time, as gauging beside the cut would; gains
+    /// known to 5 % and 2 % (assumptions); 2 N in grinding, as in the separability study of plunge trials (assumption).
     fn default() -> Self {
         Self {
             sampling_period: 6.0,
@@ -162,6 +203,10 @@ impl Default for SensorSheet {
             feed_force_bias: 0.0,
             spindle_power_bias: 0.0,
             flank_wear: 1e-5,
+            reading_time: 0.0,
+            read_every: 1,
+            feed_force_gain: 0.05,
+            thermo_emf_gain: 0.02,
             dominant_frequency: 0.005,
             normal_force: 2.0,
             normal_force_bias: 0.0,

@@ -42,6 +42,7 @@ impl<R: Recorder> Shop<'_, R> {
             observer: edge.observer.as_ref(),
             reaction: None,
             true_wear: None,
+            true_edge: None,
         };
         if edge.row.passes > 0 && controller.change_due(&seen, &Conditions::constant(first.0), duration) {
             edge.spent = Some(ChangeReason::Rule);

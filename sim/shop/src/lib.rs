@@ -278,9 +278,12 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let resolved = ResolvedPolicy::of(self.scenario, policy)?;
         if resolved != *self.controllers {
             self.controllers = Arc::new(resolved);
-            for edge in self.world.machines.iter_mut().flat_map(|machine| machine.edges.iter_mut().flatten()) {
-                edge.observer = None;
-                edge.wheel = WheelEstimate::default();
+            for machine in &mut self.world.machines {
+                machine.learnt.fill(None);
+                for edge in machine.edges.iter_mut().flatten() {
+                    edge.observer = None;
+                    edge.wheel = WheelEstimate::default();
+                }
             }
         }
         Ok(())

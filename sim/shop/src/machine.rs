@@ -9,7 +9,7 @@ use super::edge::Edge;
 use super::queue::Queue;
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
-use toolroom_scenario::policies::ForceReading;
+use toolroom_scenario::policies::{ForceReading, Observer};
 use toolroom_scenario::{DispatchRule, MachineType};
 
 /// A machine of the shop.
@@ -21,6 +21,8 @@ pub struct Machine {
     pub task: Option<Task>,
     /// Edge of every tool, by tool index.
     pub edges: Vec<Option<Edge>>,
+    /// What the controller knew of the edge before, by tool index.
+    pub learnt: Vec<Option<Observer>>,
     /// Edges mounted so far, by tool index.
     pub mounted: Vec<u64>,
     /// Edges left in the magazine.
@@ -201,6 +203,8 @@ pub enum Step {
     ToolChange,
     /// Cutting.
     Pass(Box<Pass>),
+    /// Reading the wear of the edge.
+    Reading,
     /// The program runs longer than its passes.
     Delay,
     /// The feed is held.
@@ -237,6 +241,7 @@ impl Step {
             | Self::Load
             | Self::Work
             | Self::ToolChange
+            | Self::Reading
             | Self::Delay
             | Self::Hold
             | Self::Dressing
@@ -250,7 +255,7 @@ impl Step {
     pub fn state(&self) -> MachineState {
         match self {
             Self::Setup => MachineState::Setup,
-            Self::Load | Self::Unload => MachineState::Handling,
+            Self::Load | Self::Unload | Self::Reading => MachineState::Handling,
             Self::Work => MachineState::Working,
             Self::ToolChange => MachineState::ToolChange,
             Self::Pass(_) | Self::Delay | Self::Hold => MachineState::Cutting,
@@ -266,6 +271,7 @@ impl Machine {
             queue: Queue::of(queue_kind(rules)),
             task: None,
             edges: vec![None; tools],
+            learnt: vec![None; tools],
             mounted: vec![0; tools],
             magazine: kind.magazine,
             setup_group: None,

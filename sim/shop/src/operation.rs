@@ -156,6 +156,7 @@ impl<R: Recorder> Shop<'_, R> {
                 self.next_pass(machine)
             }
             Step::Pass(_) => self.end_pass(machine),
+            Step::Reading => self.next_pass(machine),
             Step::Delay => {
                 self.finish_cutting(machine);
                 Ok(())
@@ -287,7 +288,7 @@ impl<R: Recorder> Shop<'_, R> {
                     Step::Load => task.left + time + task.unload_time,
                     Step::Work => task.left + task.unload_time,
                     Step::Unload => task.left,
-                    Step::ToolChange | Step::Pass(_) | Step::Delay | Step::Hold | Step::Dressing => {
+                    Step::ToolChange | Step::Pass(_) | Step::Reading | Step::Delay | Step::Hold | Step::Dressing => {
                         unreachable!("steps of an operation with a tool")
                     }
                 };
@@ -303,6 +304,7 @@ impl<R: Recorder> Shop<'_, R> {
             Step::Setup => task.load_time + due() + after_cutting,
             Step::Load => task.left + due() + after_cutting,
             Step::ToolChange => due() + after_cutting,
+            Step::Reading => task.left + due() + after_cutting,
             Step::Pass(_) => task.left + from(pass + 1) + after_cutting,
             Step::Delay | Step::Hold => task.left + after_cutting,
             Step::Dressing | Step::Work => task.unload_time,

@@ -115,7 +115,8 @@ impl<R: Recorder> Shop<'_, R> {
     fn watch(&mut self, machine: usize, place: Place, first_pass: u32) {
         let controller = self.controllers.of_pass(machine, first_pass + place.pass as u32);
         let flank_wear = self.layout.tools[place.tool].ports.flank_wear_state;
-        let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
+        let state = &mut self.world.machines[machine];
+        let edge = state.edges[place.tool].as_mut().expect(MOUNTED);
         if edge.observer.is_none() {
             // An edge that has cut before the policy came is measured once.
             let worn = read(&edge.state, flank_wear, 0.0);
@@ -123,7 +124,7 @@ impl<R: Recorder> Shop<'_, R> {
                 let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, u64::MAX);
                 worn + controller.reading_error(&mut stream)
             });
-            edge.observer = controller.observer(reading);
+            edge.observer = controller.observer(reading, state.learnt[place.tool].as_ref());
         }
     }
 
@@ -145,6 +146,7 @@ impl<R: Recorder> Shop<'_, R> {
             observer: edge.observer.as_ref(),
             reaction: state.reactions.iter().find(|each| each.kind == kind).map(|each| each.speed),
             true_wear: controller.sees_true_wear().then(|| read(&edge.state, ports.flank_wear_state, 0.0)),
+            true_edge: controller.sees_edge().then_some(&edge.scatter),
         };
         let conditions = controller.choose(&seen);
         let tool = &self.scenario.tools[place.tool];
@@ -340,7 +342,13 @@ impl<R: Recorder> Shop<'_, R> {
                 if done {
                     self.judge_wheel(machine, place, plan.first_pass);
                 }
-                self.read_wear(machine, place);
+                let reading_time = self.read_wear(machine, place);
+                if reading_time > 0.0 {
+                    let task = self.world.machines[machine].task.as_mut().expect(IN_WORK);
+                    task.step = Step::Reading;
+                    task.left = reading_time;
+                    return Ok(());
+                }
             }
         }
         self.next_pass(machine)
@@ -463,18 +471,27 @@ impl<R: Recorder> Shop<'_, R> {
         self.log_event(event.name(), Some(machine), Some(place.job), Some(number));
     }
 
-    /// The wear limit rule reads the edge after every pass.
-    fn read_wear(&mut self, machine: usize, place: Place) {
+    /// The wear limit rule reads the edge after a pass, and tells the observer what it has read. The time that it takes, s.
+    fn read_wear(&mut self, machine: usize, place: Place) -> f64 {
         let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
         let later = self.deviation("tool_change_policy", machine);
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
-        let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return };
+        let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return 0.0 };
+        let sensors = controller.sensors();
+        if edge.spent.is_some() || !edge.row.passes.is_multiple_of(sensors.read_every) {
+            return 0.0;
+        }
         let reading = u64::from(edge.row.passes);
         let mut stream = self.streams.at(edge.entity.part(owner::READINGS), Purpose::Measurement, reading);
-        if edge.spent.is_none() && edge.row.flank_wear + controller.reading_error(&mut stream) >= limit {
+        let flank_wear = edge.row.flank_wear + controller.reading_error(&mut stream);
+        if let Some(observer) = &mut edge.observer {
+            observer.read(flank_wear, sensors);
+        }
+        if flank_wear >= limit {
             edge.spent = Some(ChangeReason::Rule);
         }
+        sensors.reading_time
     }
 
     fn cut_error(&self, machine: usize, place: Place, fault: CutFault) -> ShopError {

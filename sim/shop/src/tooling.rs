@@ -126,6 +126,9 @@ impl<R: Recorder> Shop<'_, R> {
         if let Some(mut edge) = self.world.machines[machine].edges[tool].take() {
             self.scenario.tools[tool].process.machine_process().retire(&edge.state);
             edge.row.reason = edge.spent.unwrap_or(ChangeReason::EndOfRun);
+            if let Some(observer) = edge.observer.take() {
+                self.world.machines[machine].learnt[tool] = Some(observer);
+            }
             self.recorder.edge(edge.number, edge.row);
         }
     }

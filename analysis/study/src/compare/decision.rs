@@ -1,6 +1,7 @@
 //! Does adapting or planning pay? On cost per part, against the best rival that does neither.
 //!
-//! Fair rivals are the best constant speeds for path, life, rate and cost, Makarov's optimum speed
+//! A verdict about adaptivity is given between tuned rules only ([`crate::tune`]); without tuning the decision says how the rules
+//! do as they are set. Fair rivals are the best constant speeds for path, life, rate and cost, Makarov's optimum speed
 //! at a stated wear, and a speed schedule without feedback; a constant speed that was merely given
 //! is a rival too, but beating it proves little. An oracle that knows the true wear is a bound, it
 //! neither wins nor loses.
@@ -11,9 +12,12 @@
 
 use super::PolicyResult;
 use crate::figure::{decimals, plain, signed};
+use crate::kpi::Better;
 use crate::study::Study;
+use crate::tune::{TunedPolicy, Tuning};
+use std::mem::discriminant;
 use toolroom_process::unit::convert;
-use toolroom_scenario::{ContourRule, GrindingRule, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
+use toolroom_scenario::{ContourRule, GrindingRule, Knowledge, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
 use toolroom_statistics::{CONFIDENCE, Interval, paired};
 
 /// Part of a policy in the decision.
@@ -37,13 +41,16 @@ pub enum Role {
     Handbook,
     /// A contour planned for something.
     Planned(&'static str),
-    /// Follows the true wear.
-    Oracle,
+    /// Follows the true wear, or more.
+    Oracle(Knowledge),
 }
 
 /// Part that a policy plays in a scenario.
 pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
-    let of_speed = of_speed(&policy.speed);
+    let of_speed = match policy.knowledge() {
+        Knowledge::Sensors => of_speed(&policy.speed),
+        known @ (Knowledge::Wear | Knowledge::Edge) => Role::Oracle(known),
+    };
     if of_speed != Role::Given {
         return of_speed;
     }
@@ -73,10 +80,10 @@ fn of_speed(speed: &SpeedRule) -> Role {
         SpeedRule::Constant(SpeedChoice::BestCost) => Role::BestConstant("cost"),
         SpeedRule::Constant(SpeedChoice::Makarov(wear)) => Role::Makarov(*wear),
         SpeedRule::Schedule => Role::Schedule,
-        SpeedRule::MinimumWear { .. } | SpeedRule::SetIncrement { .. } | SpeedRule::Productivity { .. } => {
-            Role::Adaptive
-        }
-        SpeedRule::Oracle => Role::Oracle,
+        SpeedRule::MinimumWear { .. }
+        | SpeedRule::SetIncrement { .. }
+        | SpeedRule::Productivity { .. }
+        | SpeedRule::Oracle => Role::Adaptive,
     }
 }
 
@@ -95,7 +102,8 @@ impl Role {
             Self::AdaptiveCycle => "cycle that follows the force".to_owned(),
             Self::Handbook => "handbook regime".to_owned(),
             Self::Planned(aim) => format!("contour planned for {aim}"),
-            Self::Oracle => "oracle with the true wear".to_owned(),
+            Self::Oracle(Knowledge::Edge) => "oracle with the true wear and the factors of the edge".to_owned(),
+            Self::Oracle(Knowledge::Wear | Knowledge::Sensors) => "oracle with the true wear".to_owned(),
         }
     }
 
@@ -105,7 +113,7 @@ impl Role {
     }
 
     fn is_rival(&self) -> bool {
-        !self.is_candidate() && *self != Self::Oracle
+        !self.is_candidate() && !matches!(self, Self::Oracle(_))
     }
 
     /// What wins or loses.
@@ -158,61 +166,154 @@ pub struct Decision {
 
 impl Decision {
     pub(super) fn new(scenario: &Scenario, study: &Study, policies: &[PolicyResult]) -> Self {
-        let cost = study.index("cost_per_part").unwrap_or(0);
-        let cheapest = |of: fn(&Role) -> bool| {
-            let candidates = policies.iter().enumerate().filter(|(_, policy)| of(&policy.role));
+        let tuning = study.tuning.as_deref();
+        let objective = tuning.map_or("cost_per_part", |tuning| tuning.objective.as_str());
+        let index = study.index(objective).unwrap_or(0);
+        let kpi = &study.kpis[index];
+        // Less is better for all that is told below.
+        let sign = if kpi.definition.better == Better::More { -1.0 } else { 1.0 };
+        let eligible = |position: usize| {
+            let name = policies[position].name.as_str();
+            tuning.is_none_or(|tuning| tuning.of(name).is_some_and(TunedPolicy::is_tuned))
+        };
+        let change = |position: usize| discriminant(&scenario.policies[policies[position].policy].tool_change);
+        let best_of = |of: &dyn Fn(usize, &Role) -> bool| {
+            let candidates = policies.iter().enumerate();
             candidates
-                .filter(|(_, policy)| policy.kpis[cost].mean.is_finite())
-                .min_by(|(_, a), (_, b)| a.kpis[cost].mean.total_cmp(&b.kpis[cost].mean))
+                .filter(|(position, policy)| of(*position, &policy.role) && eligible(*position))
+                .filter(|(_, policy)| policy.kpis[index].mean.is_finite())
+                .min_by(|(_, a), (_, b)| (sign * a.kpis[index].mean).total_cmp(&(sign * b.kpis[index].mean)))
                 .map(|(position, _)| position)
         };
-        let adaptive = cheapest(Role::is_candidate);
-        let rival = cheapest(Role::is_rival);
+        let adaptive = best_of(&|_, role| role.is_candidate());
+        // Tuned rules are compared where they change edges by the same rule, whose setting was tuned for all of them.
+        let rival = best_of(&|position, role| {
+            role.is_rival()
+                && (tuning.is_none() || adaptive.is_none_or(|adaptive| change(adaptive) == change(position)))
+        });
         let mut notes = fairness(policies);
+        notes.extend(tuning.map_or_else(|| vec![NOT_TUNED.to_owned()], standing_as_given));
         let (Some(best), Some(other)) = (adaptive, rival) else {
-            let line = if !policies.iter().any(|policy| policy.role.is_candidate()) {
+            let there = |of: fn(&Role) -> bool| {
+                policies.iter().enumerate().any(|(position, policy)| of(&policy.role) && eligible(position))
+            };
+            let line = if !there(Role::is_candidate) {
                 "no adaptive policy in this study: nothing to decide".to_owned()
-            } else if !policies.iter().any(|policy| policy.role.is_rival()) {
+            } else if !there(Role::is_rival) {
                 "no constant or scheduled speed in this study: nothing to compare adaptive speed with".to_owned()
-            } else {
+            } else if kpi.definition.id == "cost_per_part" {
                 "no good part was made: cost per part is not defined".to_owned()
+            } else {
+                "no rival that changes edges by the same rule".to_owned()
             };
             return Self { outcome: Outcome::Undecided, adaptive, rival, difference: None, line, notes };
         };
-        let against =
-            |policy: usize| paired(&study.values(policy, cost), &study.values(other, cost), CONFIDENCE).difference;
-        let difference = against(best);
-        let outcome = judge(&difference);
-        let verdict = match outcome {
-            Outcome::Wins => format!("{} wins", policies[best].role.word()),
-            Outcome::Loses => format!("{} loses", policies[best].role.word()),
-            Outcome::NoDifference => "no difference".to_owned(),
-            Outcome::Undecided => "undecided (one replication has no interval)".to_owned(),
+        // Among several adaptive rules the best is picked: its interval is that of one of so many (Bonferroni).
+        let picked_from =
+            policies.iter().enumerate().filter(|(at, policy)| policy.role.is_candidate() && eligible(*at));
+        let family = if tuning.is_some() { picked_from.count().max(1) } else { 1 };
+        let confidence = 1.0 - (1.0 - CONFIDENCE) / family as f64;
+        let against = |policy: usize| {
+            let difference = paired(&study.values(policy, index), &study.values(other, index), confidence).difference;
+            difference.scaled(kpi.definition.display_scale())
         };
-        let digits = decimals(policies[other].kpis[cost].mean, difference.half_width);
+        let difference = against(best);
+        let outcome = judge(&difference.scaled(sign));
+        let mean = |position: usize| kpi.definition.display_scale() * policies[position].kpis[index].mean;
+        let digits = decimals(mean(other), difference.half_width);
+        let unit = match kpi.definition.display {
+            "currency" => format!(" {}", scenario.currency),
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        let tuned_constant = tuning.is_some() && policies[other].role == Role::Given;
+        let rival_role =
+            if tuned_constant { "constant speed, tuned".to_owned() } else { policies[other].role.describe() };
         let line = format!(
-            "{verdict} on cost per part: {} {} against {} {} {} ({}), difference {}",
+            "{} on {}: {} {} against {} {}{unit} ({}), difference {}",
+            verdict(outcome, policies[best].role.word(), tuning.is_some(), &difference),
+            kpi.definition.title.replace(" / ", " per "),
             policies[best].name,
-            plain(policies[best].kpis[cost].mean, digits),
+            plain(mean(best), digits),
             policies[other].name,
-            plain(policies[other].kpis[cost].mean, digits),
-            scenario.currency,
-            policies[other].role.describe(),
-            with_interval(&difference),
+            plain(mean(other), digits),
+            rival_role,
+            with_interval(&difference, confidence),
         );
         for (position, policy) in policies.iter().enumerate() {
             let difference = against(position);
-            if position != best && policy.role.is_candidate() && judge(&difference) == Outcome::Loses {
-                notes.push(format!(
-                    "{} loses to {}: {}",
-                    policy.name,
-                    policies[other].name,
-                    with_interval(&difference)
-                ));
+            let listed = position != best && policy.role.is_candidate() && eligible(position);
+            if listed && judge(&difference.scaled(sign)) == Outcome::Loses {
+                let told = with_interval(&difference, confidence);
+                notes.push(format!("{} loses to {}: {told}", policy.name, policies[other].name));
             }
         }
+        notes.extend(bounds(scenario, policies, &|position| sign * (mean(other) - mean(position))));
         Self { outcome, adaptive, rival, difference: Some(difference), line, notes }
     }
+}
+
+/// What an untuned comparison does not say.
+const NOT_TUNED: &str = "settings are those of the file: whether adapting pays is decided between tuned rules (--tune)";
+
+/// The outcome in words.
+fn verdict(outcome: Outcome, word: &str, tuned: bool, difference: &Interval) -> String {
+    match (outcome, tuned) {
+        (Outcome::Wins, true) => format!("{word} pays"),
+        (Outcome::Loses, true) => format!("{word} loses"),
+        (Outcome::Wins, false) => format!("{word} wins as set"),
+        (Outcome::Loses, false) => format!("{word} loses as set"),
+        (Outcome::NoDifference, _) => match needed(difference) {
+            Some(replications) => format!("not resolved (needs about {replications} replications)"),
+            None => "not resolved".to_owned(),
+        },
+        (Outcome::Undecided, _) => "undecided (one replication has no interval)".to_owned(),
+    }
+}
+
+/// Replications after which an interval of this width would exclude zero, two digits; `None` where the difference is nothing
+/// but noise, and beyond a hundred thousand.
+fn needed(difference: &Interval) -> Option<u64> {
+    let ratio = difference.half_width / difference.mean;
+    let count = difference.count as f64 * ratio * ratio;
+    if !(count.is_finite() && count < 1e5) {
+        return None;
+    }
+    let unit = 10_f64.powf((count.log10().floor() - 1.0).max(0.0));
+    Some(((count / unit).ceil() * unit) as u64)
+}
+
+/// Policies that are no rivals because they were not tuned.
+fn standing_as_given(tuning: &Tuning) -> Vec<String> {
+    let given = tuning.policies.iter().filter_map(|policy| Some((&policy.name, policy.given.as_ref()?)));
+    given.map(|(name, reason)| format!("{name} stands as given and is no rival: {reason}")).collect()
+}
+
+/// What the rules that know more gain over the rival, and the share of it that the same rule reaches with its sensors.
+fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -> f64) -> Vec<String> {
+    let rule = |position: usize| &scenario.policies[policies[position].policy];
+    let law = |position: usize| {
+        let speed = rule(position).speed;
+        let law = if speed == SpeedRule::Oracle { SpeedRule::MinimumWear { literal: false } } else { speed };
+        discriminant(&law)
+    };
+    let oracles = (0..policies.len()).filter(|&position| matches!(policies[position].role, Role::Oracle(_)));
+    let told = oracles.filter_map(|oracle| {
+        let real =
+            (0..policies.len()).find(|&real| policies[real].role == Role::Adaptive && law(real) == law(oracle))?;
+        let (most, reached) = (gain(oracle), gain(real));
+        let share = 100.0 * reached / most;
+        (most > 0.0 && share.is_finite()).then(|| {
+            format!(
+                "{} bounds {}: it gains {} over the rival, of which {} % are reached",
+                policies[oracle].name,
+                policies[real].name,
+                plain(most, decimals(most, f64::NAN)),
+                plain(share, 0)
+            )
+        })
+    });
+    told.collect()
 }
 
 fn judge(difference: &Interval) -> Outcome {
@@ -227,11 +328,12 @@ fn judge(difference: &Interval) -> Outcome {
     }
 }
 
-fn with_interval(interval: &Interval) -> String {
+fn with_interval(interval: &Interval, confidence: f64) -> String {
     let digits = decimals(interval.mean, interval.half_width);
     let mean = signed(interval.mean, digits);
     if interval.half_width.is_finite() {
-        format!("{mean} (95 % CI {} … {})", signed(interval.low(), digits), signed(interval.high(), digits))
+        let per_cent = plain(100.0 * confidence, usize::from(confidence != CONFIDENCE));
+        format!("{mean} ({per_cent} % CI {} … {})", signed(interval.low(), digits), signed(interval.high(), digits))
     } else {
         mean
     }
@@ -247,7 +349,7 @@ fn fairness(policies: &[PolicyResult]) -> Vec<String> {
         ("best constant speed for cost", |role| matches!(role, Role::BestConstant("cost"))),
         ("Makarov speed", |role| matches!(role, Role::Makarov(_))),
         ("schedule without feedback", |role| *role == Role::Schedule),
-        ("oracle", |role| *role == Role::Oracle),
+        ("oracle", |role| matches!(role, Role::Oracle(_))),
     ];
     let found = |(_, is): &&Wanted| policies.iter().any(|policy| is(&policy.role));
     let list = |present: bool| -> Vec<&str> {

@@ -44,9 +44,9 @@ const BEST_COST: SpeedRule = SpeedRule::Constant(SpeedChoice::BestCost);
 fn adaptive_wins_loses_or_makes_no_difference_by_the_interval() {
     let scenario = scenario(&[BEST_COST, ADAPTIVE]);
     for (edges, outcome, words) in [
-        ([4, 2], Outcome::Wins, "adaptive wins on cost per part: p1"),
-        ([2, 4], Outcome::Loses, "adaptive loses on cost per part: p1"),
-        ([3, 3], Outcome::NoDifference, "no difference on cost per part"),
+        ([4, 2], Outcome::Wins, "adaptive wins as set on cost per part: p1"),
+        ([2, 4], Outcome::Loses, "adaptive loses as set on cost per part: p1"),
+        ([3, 3], Outcome::NoDifference, "not resolved on cost per part"),
     ] {
         let decision = Comparison::new(&scenario, &study(&scenario, &edges, 6)).decision;
         assert_eq!(decision.outcome, outcome, "{decision:?}");

@@ -154,6 +154,10 @@ fn the_observer_agrees_with_the_reference() {
     close("ln kF", estimate.ln_force_factor, 0.058733629, 1e-5);
     close("ln kJ", estimate.ln_wear_factor, 0.01363941, 1e-5);
     close("variance", observer.covariance()[0][0] * 1e6, 7.6051131e-5, 1e-5);
+    // A reading of 0.17 mm ± 0.0112 mm.
+    observer.read(0.17e-3, 0.0112e-3);
+    close("wear read", observer.estimate().flank_wear * 1e3, 0.1632117, 1e-5);
+    close("variance read", observer.covariance()[0][0] * 1e6, 4.734627e-5, 1e-5);
 }
 
 /// Life at 30 m/min with one thing changed, min; tolerance 1e-6.

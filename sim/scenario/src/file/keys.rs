@@ -9,6 +9,7 @@ use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
+use super::tune::TUNE;
 use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
@@ -22,7 +23,7 @@ const PLAIN: &[&str] = &[MachineType::PLAIN];
 /// Ten years, s: longer times are slips of the unit.
 const DECADE: f64 = 10.0 * 365.0 * 86400.0;
 const TIME: Kind = Kind::quantity("s", "min", 0.0, DECADE, "1.5 min");
-const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
+pub(super) const DURATION: Kind = Kind::positive("s", "min", DECADE, "1.5 min");
 const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
 const COST: Kind = Kind::quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
 const RATE: Kind = Kind::quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
@@ -34,9 +35,11 @@ const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
 const FEED_PER_TOOTH: Kind = Kind::positive("m", "mm", 5e-3, "0.1 mm/tooth");
 const DEPTH: Kind = Kind::positive("m", "mm", 0.1, "0.75 mm");
 const LENGTH: Kind = Kind::positive("m", "mm", 1e4, "250 mm");
+/// A factor on a commanded speed.
+pub(super) const FACTOR: Kind = Kind::positive("1", "1", 10.0, "1.1");
 pub(super) const PATH: Kind = Kind::positive("m", "m", 1e6, "75 m");
 pub(super) const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.3 mm");
-const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
+pub(super) const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
 const DEVIATION: Kind = Kind::quantity("1", "1", 0.0, 0.5, "2 %");
 const BIAS: Kind = Kind::quantity("1", "1", -0.9, 10.0, "0.05");
 
@@ -481,6 +484,7 @@ pub static SCENARIO: Form = Form {
         ),
         Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
         Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
+        Key::optional("tune", Kind::Table(&TUNE), "Tunes the policies before `toolroom compare` judges them"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
         Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
     ],

@@ -27,6 +27,7 @@ mod speed;
 mod stability;
 #[cfg(test)]
 mod tests;
+mod tune;
 
 #[cfg(test)]
 pub(crate) use choices::tests::speed_rules;
@@ -35,7 +36,7 @@ pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
 pub use rules::{gap as gap_section, sensors};
 
-use super::{GapSection, Scenario};
+use super::{GapSection, Scenario, TuneRequest};
 use std::path::{Path, PathBuf};
 use toolroom_form::{Echo, FormFile, ReadError};
 
@@ -50,6 +51,8 @@ pub struct ScenarioFile {
     pub output: Output,
     /// Priors and sensors of a gap diagnosis.
     pub gap: Option<GapSection>,
+    /// How the policies are tuned, where the file has a section `[tune]`.
+    pub tune: Option<TuneRequest>,
     /// The text, for records of what was run.
     pub text: String,
     /// Other files that it names: cycles, contours, structures, units.
@@ -91,8 +94,8 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFil
 }
 
 impl ScenarioFile {
-    fn new(file: FormFile<(Scenario, Output, Option<GapSection>)>) -> Self {
-        let FormFile { content: (scenario, output, gap), echo, text, files } = file;
-        Self { scenario, echo, output, gap, text, files }
+    fn new(file: FormFile<resolve::Resolved>) -> Self {
+        let FormFile { content: resolve::Resolved { scenario, output, gap, tune }, echo, text, files } = file;
+        Self { scenario, echo, output, gap, tune, text, files }
     }
 }

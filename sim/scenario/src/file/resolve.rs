@@ -3,10 +3,10 @@
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, planned, processes, routing, rules, stability};
+use super::{Output, measured, planned, processes, routing, rules, stability, tune};
 use crate::{
     Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
-    ShiftCalendar, Target, ToolType, Variants,
+    ShiftCalendar, Target, ToolType, TuneRequest, Variants,
 };
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
@@ -63,8 +63,16 @@ fn raw_names<'d>(value: Option<&Value<'d>>) -> Vec<(String, DeTable<'d>)> {
     tables.filter_map(|table| Some((table.get("name")?.get_ref().as_str()?.to_owned(), table.clone()))).collect()
 }
 
+/// What a file says.
+pub(super) struct Resolved {
+    pub scenario: Scenario,
+    pub output: Output,
+    pub gap: Option<GapSection>,
+    pub tune: Option<TuneRequest>,
+}
+
 /// Resolves a whole file; `None` only where `[shop]` is no section.
-pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario, Output, Option<GapSection>)> {
+pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> {
     let shop = walk.table(root, "shop");
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
@@ -79,6 +87,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
     let gap = rules::gap(walk, root);
+    let seed = shop.as_ref().and_then(|shop| shop.count("seed")).unwrap_or(1);
+    let tune = tune::request(walk, root, seed);
     let deviations = measured::deviations(walk, root, &names);
     let calibrations = measured::calibrations(walk, root, &names);
     let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
@@ -106,7 +116,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
     let scenario = Scenario {
         name: shop.text("name").unwrap_or_default().to_owned(),
         title: shop.text("title").unwrap_or_default().to_owned(),
-        seed: shop.count("seed").unwrap_or(1),
+        seed,
         replications: shop.count32("replications"),
         horizon: shop.required("horizon"),
         warm_up: shop.required("warm_up"),
@@ -124,7 +134,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<(Scenario,
         currency,
     };
     planned::policies(walk, &scenario, &places);
-    Some((scenario, output, gap))
+    Some(Resolved { scenario, output, gap, tune })
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.

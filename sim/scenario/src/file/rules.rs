@@ -8,10 +8,10 @@ use super::processes;
 use super::random::distribution;
 use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
-use super::stability;
+use super::{stability, tune};
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, MOST_RULES, MachineType, PolicyRule, SensorErrors,
-    SensorSheet, ToolChangeRule,
+    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, Knowledge, MOST_RULES, MachineType, PolicyRule,
+    SensorErrors, SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
@@ -84,8 +84,21 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         let dressing = dressing_rule(walk, &section);
         let contour = section.chosen("contour", ContourRule::from_word);
         let stability = stability::rule(walk, &section);
-        let rule =
-            PolicyRule { name, speed, stability, tool_change, grinding, dressing, contour, believed_model, sensors };
+        let mut rule = PolicyRule {
+            name,
+            speed,
+            speed_factor: section.si("speed_factor").unwrap_or(1.0),
+            knows: section.chosen("knows", Knowledge::from_word).unwrap_or(Knowledge::Sensors),
+            stability,
+            tool_change,
+            grinding,
+            dressing,
+            contour,
+            believed_model,
+            sensors,
+            ..PolicyRule::default()
+        };
+        rule.tune = tune::tunable(walk, &section, &rule);
         policies.push((rule, section.span_of("name")));
     }
     policies
@@ -125,6 +138,10 @@ pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
         feed_force_bias: table.required("feed_force_bias"),
         spindle_power_bias: table.required("spindle_power_bias"),
         flank_wear: table.required("flank_wear"),
+        reading_time: table.required("reading_time"),
+        read_every: table.count32("read_every"),
+        feed_force_gain: table.required("feed_force_gain"),
+        thermo_emf_gain: table.required("thermo_emf_gain"),
         dominant_frequency: table.required("dominant_frequency"),
         normal_force: table.required("normal_force"),
         normal_force_bias: table.required("normal_force_bias"),

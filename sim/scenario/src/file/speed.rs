@@ -1,8 +1,8 @@
 //! How a file chooses the cutting speed: the words, the keys of their numbers, their reader.
 
 use super::choices::ProcessKind;
-use super::keys::{PATH, SPEED, WEAR};
-use crate::{MachineType, SpeedChoice, SpeedRule};
+use super::keys::{FACTOR, PATH, SPEED, WEAR};
+use crate::{Knowledge, MachineType, SpeedChoice, SpeedRule};
 use toolroom_form::{Fault, Key, Kind, Section, Walk, significant, vocabulary};
 
 vocabulary! {
@@ -38,18 +38,24 @@ vocabulary! {
     }
 }
 
+/// A shadow price of edges.
+pub(super) const PRICE: Kind = Kind::positive("s/m", "s/m", 1e5, "2.4 s/m");
+
 /// Keys of a policy that choose its speed.
 pub(super) const KEYS: &[Key] = &[
     Key::required("speed", Kind::Choice(SpeedWord::WORDS), "How the cutting speed of turning passes is chosen"),
     Key::required("cutting_speed", SPEED, "The constant speed").when("speed", &["constant"]),
     Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
     Key::required("path_per_edge", PATH, "Cutting path over the life of an edge").when("speed", &["set_increment"]),
-    Key::optional(
-        "price",
-        Kind::positive("s/m", "s/m", 1e5, "2.4 s/m"),
-        "Shadow price of edges; left out: the rate optimum",
+    Key::optional("price", PRICE, "Shadow price of edges; left out: the rate optimum").when("speed", &["productivity"]),
+    Key::default("speed_factor", FACTOR, "1", "Factor on the speed that the rule commands"),
+    Key::default(
+        "knows",
+        Kind::Choice(Knowledge::WORDS),
+        Knowledge::Sensors.word(),
+        "What the rule knows of the edge; more than sensors is a bound that no real controller reaches",
     )
-    .when("speed", &["productivity"]),
+    .when("speed", &["minimum_wear", "minimum_wear_literal", "set_increment", "productivity"]),
 ];
 
 pub(super) fn speed_rule(walk: &mut Walk, section: &Section<'_>, machines: &[MachineType]) -> SpeedRule {

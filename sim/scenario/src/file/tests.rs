@@ -1,7 +1,9 @@
 //! Good files are understood, bad ones are answered with every fault in its place.
 
 use super::*;
-use crate::{ArrivalPattern, Distribution, SpeedChoice, SpeedRule, ToolChangeRule, Work};
+use crate::{
+    ArrivalPattern, Distribution, Setting, SpeedChoice, SpeedRule, ToolChangeRule, Tunable, TuneRequest, Work,
+};
 use proptest::prelude::*;
 use toolroom_form::Origin;
 
@@ -324,6 +326,52 @@ fn every_code_is_explained() {
     for (code, text) in CODES {
         assert!(text.len() > 40, "{code}");
     }
+}
+
+#[test]
+fn a_section_that_says_nothing_tunes_as_no_section_does() {
+    let file = parse("shop.toml", &format!("{GOOD}\n[tune]\n"), &[]).unwrap();
+    assert_eq!((good().tune, file.tune), (None, Some(TuneRequest::default())));
+}
+
+#[test]
+fn a_policy_says_whether_and_within_what_it_is_tuned() {
+    let ranges = "tune = { time = [\"8 min\", \"16 min\"] }";
+    let file = parse("shop.toml", &GOOD.replace("sensors = {", &format!("{ranges}\nsensors = {{")), &[]).unwrap();
+    let expected = Tunable::Free(vec![(Setting::CuttingTime, (480.0, 960.0))]);
+    assert_eq!((&file.scenario.policies[0].tune, &file.scenario.policies[1].tune), (&Tunable::default(), &expected));
+    let given = GOOD.replace("sensors = {", "tune = false\nsensors = {");
+    let file = parse("shop.toml", &given, &[]).unwrap();
+    assert_eq!(file.scenario.policies[1].tune, Tunable::Given);
+    // A setting that the rule does not have, ends in the wrong order, and the seed that judges.
+    for (text, code, word) in [
+        (
+            GOOD.replace("sensors = {", "tune = { price = [\"1 s/m\", \"2 s/m\"] }\nsensors = {"),
+            "not-applicable",
+            "speed_factor, time",
+        ),
+        (
+            GOOD.replace("sensors = {", "tune = { time = [\"16 min\", \"8 min\"] }\nsensors = {"),
+            "wrong-type",
+            "16 min, 8 min",
+        ),
+        (format!("{GOOD}\n[tune]\nseed = 7\n"), "contradiction", "not tuned on"),
+    ] {
+        let (found, _, message) = only(faults_of(&text, &[]));
+        assert_eq!(found, code, "{message}");
+        assert!(message.contains(word), "{message}");
+    }
+}
+
+#[test]
+fn the_changes_that_give_a_policy_its_settings_are_read_back() {
+    let scenario = good().scenario;
+    let rule = &scenario.policies[1];
+    let values = [(Setting::SpeedFactor, 0.85), (Setting::CuttingTime, 660.0)];
+    let changes: Vec<String> = values.iter().map(|(setting, value)| rule.override_of(*setting, *value)).collect();
+    let file = parse("shop.toml", GOOD, &changes).unwrap_or_else(|error| panic!("{error}"));
+    let expected = values.iter().fold(rule.clone(), |rule, (setting, value)| rule.with(*setting, *value));
+    assert_eq!(file.scenario.policies[1], expected);
 }
 
 proptest! {

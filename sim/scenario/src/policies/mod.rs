@@ -17,14 +17,14 @@
 //! | `grinding.rs` | plunge cycles: fixed, switched by force, timed by the measured lag; dressing |
 //!
 //! A controller sees what a machine can measure: the commanded pass, path and time of the edge,
-//! the observer's estimate from noisy channels. Only [`SpeedRule::Oracle`](crate::SpeedRule::Oracle) is shown the true wear.
+//! the observer's estimate from noisy channels. Only a policy that [knows](crate::Knowledge) more is shown the true wear.
 //!
 //! Tool-life studies plan passes by the same rule ([`toolroom_wear::RampLimits::ramp`], [`ramp_limits`]) and read the same
 //! sensors ([`SensorSheet::observer_noise`](crate::SensorSheet::observer_noise)).
 //!
 //! # What is not modelled
 //! Speeds are planned for continuous cut: a controller does not know that the tool cools in a
-//! pause. It does not learn from one edge for the next.
+//! pause. It learns from one edge for the next what is common to edges, nothing about the law of wear.
 
 mod constant;
 mod contour;
@@ -45,7 +45,7 @@ pub use resolve::ResolvedPolicy;
 pub use stability::{Stability, nominal_limit};
 pub use tool_change::ChangeRule;
 
-use crate::SensorSheet;
+use crate::{Knowledge, SensorSheet};
 use planned::Planned;
 use rand_distr::{Distribution as _, StandardNormal};
 use set_increment::SetIncrement;
@@ -53,7 +53,7 @@ use std::sync::Arc;
 use toolroom_chatter::{ChatterError, SpeedVariation};
 use toolroom_infeed::CycleError;
 use toolroom_kernel::Stream;
-use toolroom_wear::{Pair, SpeedSchedule};
+use toolroom_wear::{EdgeScatter, Pair, SpeedSchedule};
 
 /// Why a policy could not be worked out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -121,14 +121,21 @@ pub struct Observation<'a> {
     pub observer: Option<&'a Observer>,
     /// Speed to which the machine has gone in this kind of pass because of chatter, m/s.
     pub reaction: Option<f64>,
-    /// True flank wear, m; `None` but for [`SpeedRule::Oracle`](crate::SpeedRule::Oracle).
+    /// True flank wear, m; `None` but for a policy that [knows](Controller::sees_true_wear) it.
     pub true_wear: Option<f64>,
+    /// How the edge differs from the nominal one; `None` but for a policy that [knows](Controller::sees_edge) it.
+    pub true_edge: Option<&'a EdgeScatter>,
 }
 
 impl Observation<'_> {
     /// Flank wear as far as the controller knows it, m.
     pub fn flank_wear(&self) -> Option<f64> {
         self.true_wear.or_else(|| self.observer.map(Observer::flank_wear))
+    }
+
+    /// A nominal cut as far as it is known how this edge meets it.
+    fn cut(&self, nominal: &toolroom_wear::Cut) -> toolroom_wear::Cut {
+        self.true_edge.map_or(*nominal, |edge| edge.apply(nominal))
     }
 }
 
@@ -174,8 +181,8 @@ pub struct Controller {
     believed: Option<Believed>,
     /// Whether the rule needs an estimate of wear.
     observes: bool,
-    /// Whether it is shown the true wear.
-    oracle: bool,
+    /// What it is shown of the edge.
+    knows: Knowledge,
     /// What it does about chatter.
     stability: Option<Stability>,
 }
@@ -191,6 +198,8 @@ struct Believed {
     path: f64,
     /// Scatter of the allowance that the observer reckons with, m.
     allowance: f64,
+    /// Scatter of wear from edge to edge that it reckons with, logarithm.
+    edge_scatter: f64,
 }
 
 /// Share of the temperature rise that a controller keeps between itself and the collapse of the
@@ -262,7 +271,12 @@ impl Controller {
 
     /// Whether this controller is shown the true wear.
     pub fn sees_true_wear(&self) -> bool {
-        self.oracle
+        self.knows != Knowledge::Sensors && self.believed.is_some()
+    }
+
+    /// Whether this controller is shown how the edge differs from the nominal one.
+    pub fn sees_edge(&self) -> bool {
+        self.knows == Knowledge::Edge && self.believed.is_some()
     }
 
     /// Time between sensor samples, s.
@@ -275,11 +289,14 @@ impl Controller {
         &self.sensors
     }
 
-    /// An observer for an edge, where this controller needs one: of a new edge, or of one whose
-    /// flank wear, m, was read just now.
-    pub fn observer(&self, reading: Option<f64>) -> Option<Observer> {
+    /// An observer for an edge, where this controller needs one: of a new edge, or of one whose flank wear, m, was read
+    /// just now. `before` is the observer of the edge before on the same machine, from which a new one learns.
+    pub fn observer(&self, reading: Option<f64>, before: Option<&Observer>) -> Option<Observer> {
         let believed = self.believed.as_ref().filter(|_| self.observes)?;
-        Some(Observer::new(believed, &self.sensors, reading))
+        Some(match before.filter(|_| reading.is_none()) {
+            Some(before) => before.next_edge(believed, &self.sensors),
+            None => Observer::new(believed, &self.sensors, self.reading_limit().is_some(), reading),
+        })
     }
 
     /// The nominal cut of a pass, for the observer.
@@ -344,7 +361,7 @@ mod tests {
                 path_length: path, ..Cut::default() };
             let range = (low, low + width);
             let controller = resolve::for_turning(&policy, &pair, &cut, range);
-            let observer = controller.observer(Some(wear));
+            let observer = controller.observer(Some(wear), None);
             let seen = Observation {
                 path,
                 edge_path,
@@ -354,6 +371,7 @@ mod tests {
                 observer: observer.as_ref(),
                 reaction: None,
                 true_wear: controller.sees_true_wear().then_some(wear),
+                true_edge: None,
             };
             let conditions = controller.choose(&seen);
             for speed in [conditions.start_speed, conditions.end_speed] {

@@ -1,8 +1,8 @@
 //! Rules that plan each pass on the believed model at the wear known: the paper's mode 1 and its
-//! literal form, the productivity rule, and the oracle.
+//! literal form, the productivity rule, and what they would do if they knew more.
 
 use super::{Believed, Conditions, Observation};
-use toolroom_wear::{Pair, RampLimits, SpeedTable};
+use toolroom_wear::{Cut, Pair, RampLimits, SpeedTable};
 
 /// Greatest change of speed from pass to pass, share of the pair's reference speed.
 /// Postnov & Shafikov restrict it; the size is an assumption.
@@ -11,27 +11,68 @@ const LARGEST_STEP: f64 = 0.15;
 /// 20 m/min per minute at 40 m/min (assumption).
 const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
 
+/// A law of speed against flank wear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Law {
+    /// Least wear per path.
+    MinimumWear,
+    /// Both functionals equal.
+    LiteralBalance,
+    /// Path weighed against time at this price, s/m.
+    ShadowPrice(f64),
+}
+
 /// One law for all passes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Planned {
-    /// Speed against flank wear on the believed model.
-    pub law: SpeedTable,
+    law: Law,
+    /// Factor on the speed of the law.
+    factor: f64,
+    /// Its speed for nominal edges.
+    table: SpeedTable,
 }
 
 impl Planned {
-    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
-        plan(believed, seen, |flank_wear| (self.law.speed_at(flank_wear), true))
+    pub fn new(believed: &Believed, law: Law, factor: f64) -> Self {
+        let speed = |flank_wear: f64| speed(believed, &believed.cut, law, factor, flank_wear);
+        Self { law, factor, table: SpeedTable::tabulate(believed.pair.limits.wear_limit, speed) }
     }
+
+    pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
+        if seen.true_edge.is_none() {
+            return plan(believed, seen, |_, flank_wear| (self.table.speed_at(flank_wear), true));
+        }
+        plan(believed, seen, |cut, flank_wear| (speed(believed, cut, self.law, self.factor, flank_wear), true))
+    }
+}
+
+/// The speed of a law at a flank wear (m), clear of thermal collapse, m/s.
+fn speed(believed: &Believed, cut: &Cut, law: Law, factor: f64, flank_wear: f64) -> f64 {
+    let pair = &believed.pair;
+    let speed = match law {
+        Law::MinimumWear => pair.minimum_wear_speed(cut, flank_wear),
+        Law::LiteralBalance => pair.literal_balance_speed(cut, flank_wear),
+        Law::ShadowPrice(price) => pair.shadow_price_speed(cut, flank_wear, price),
+    };
+    (factor * speed).min(believed.safe_speed(|_| flank_wear))
 }
 
 /// Plans one pass at the wear known; an edge of which nothing is known counts as new. A new edge
 /// starts within one step of the programmed speed: the speed of least wear of a perfectly sharp
 /// edge is far above it, and an edge of more than average wear would not survive it.
-pub(super) fn plan(believed: &Believed, seen: &Observation<'_>, speed_at: impl Fn(f64) -> (f64, bool)) -> Conditions {
-    let Believed { pair, cut, .. } = believed;
+///
+/// `speed_at` gives the speed (m/s) for the cut as this edge meets it and a flank wear (m), and whether it meets the demand.
+pub(super) fn plan(
+    believed: &Believed,
+    seen: &Observation<'_>,
+    speed_at: impl Fn(&Cut, f64) -> (f64, bool),
+) -> Conditions {
+    let pair = &believed.pair;
+    let cut = seen.cut(&believed.cut);
     let flank_wear = seen.flank_wear().unwrap_or(0.0);
     let last_speed = Some(seen.last_speed.unwrap_or(cut.cutting_speed));
-    let plan = pair.plan_pass_along(cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, speed_at);
+    let law = |flank_wear: f64| speed_at(&cut, flank_wear);
+    let plan = pair.plan_pass_along(&cut, flank_wear, seen.path, &ramp_limits(pair), last_speed, law);
     Conditions::ramp(plan.start_speed, plan.end_speed)
 }
 

@@ -1,17 +1,18 @@
 //! From a policy of the scenario to a controller for every pass.
 
-use super::constant::{self, ChangeCost};
-use super::planned::Planned;
+use super::constant::{self, ChangeCost, Edges, Spoilage};
+use super::planned::{Law, Planned};
 use super::set_increment::SetIncrement;
 use super::{
     Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
 };
 use crate::policies::ResolveError;
 use crate::{
-    Cut, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType, Work,
+    Cut, Knowledge, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType,
+    Work,
 };
 use std::sync::Arc;
-use toolroom_wear::{Pair, SpeedTable};
+use toolroom_wear::Pair;
 
 /// A policy worked out for a scenario: resolve once, share over all replications.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +31,7 @@ impl ResolvedPolicy {
     ///
     /// # Errors
     /// [`ResolveError::UnknownPolicy`], [`ResolveError::UnknownIndex`] for an operation without tool
-    /// or machine, [`ResolveError::Policy`] where the believed model is not known.
+    /// or machine, [`ResolveError::Policy`] where a policy can not be worked out on the nominal model.
     pub fn of(scenario: &Scenario, policy: usize) -> Result<Self, ResolveError> {
         let count = scenario.policies.len();
         let rule = scenario.policies.get(policy).ok_or(ResolveError::UnknownPolicy { index: policy, count })?;
@@ -41,7 +42,8 @@ impl ResolvedPolicy {
             grinding: Vec::new(),
         };
         let mut known: Vec<(Key, u32)> = Vec::new();
-        for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+        let operations = scenario.parts.iter().flat_map(|part| part.operations.iter().map(move |own| (part, own)));
+        for (part, operation) in operations {
             // Plain work has no pass that a policy could choose anything for.
             let Some(index) = operation.tool else { continue };
             let tool = scenario.tools.get(index).ok_or(ResolveError::UnknownIndex {
@@ -55,6 +57,15 @@ impl ResolvedPolicy {
                 source: Box::new(source),
             };
             let grinding = grinding(rule, operation, tool).map_err(refuse)?.map(Arc::new);
+            let spoilage = Spoilage {
+                risk: operation.scrap_on_tool_failure,
+                blank: part.material_cost,
+                path: if let Work::Cutting(cuts) = &operation.work {
+                    cuts.iter().map(|cut| cut.path_length).sum()
+                } else {
+                    0.0
+                },
+            };
             for pass in 0..operation.work.passes() {
                 resolved.grinding.push(grinding.clone());
                 let cut = match &operation.work {
@@ -80,12 +91,12 @@ impl ResolvedPolicy {
                         resolved.of_pass[place].push(u32::MAX);
                         continue;
                     }
-                    let key = Key { tool: index, cut, machine: MachineKey::of(machine) };
+                    let key = Key { tool: index, cut, spoilage, machine: MachineKey::of(machine) };
                     let same = known.iter().find(|(each, _)| *each == key).map(|(_, controller)| *controller);
                     let controller = match same {
                         Some(controller) => controller,
                         None => {
-                            let made = controller(rule, tool, cut.as_ref(), machine).map_err(refuse)?;
+                            let made = controller(rule, tool, cut.as_ref(), spoilage, machine).map_err(refuse)?;
                             resolved.controllers.push(made);
                             let number = (resolved.controllers.len() - 1) as u32;
                             known.push((key, number));
@@ -141,6 +152,7 @@ fn grinding(
 struct Key {
     tool: usize,
     cut: Option<Cut>,
+    spoilage: Spoilage,
     machine: MachineKey,
 }
 
@@ -164,6 +176,7 @@ fn controller(
     rule: &PolicyRule,
     tool: &ToolType,
     cut: Option<&Cut>,
+    spoilage: Spoilage,
     machine: &MachineType,
 ) -> Result<Controller, PolicyError> {
     let pair = match &rule.believed_model {
@@ -181,12 +194,17 @@ fn controller(
         machine: machine.rate,
     };
     let programmed = cut.map_or(0.0, |cut| cut.cutting_speed);
+    let own_limit = tool.process.wear_limit();
+    let limit = match rule.tool_change {
+        ToolChangeRule::WearLimit { limit } | ToolChangeRule::Predicted { limit } => limit.unwrap_or(own_limit),
+        ToolChangeRule::PartCount { .. } | ToolChangeRule::CuttingTime { .. } => own_limit,
+    };
     let speed = if tool.process.takes_speed_commands() {
-        speed(rule.speed, believed.as_ref(), programmed, &cost)
+        let edges = Edges { limit, scatter: &tool.scatter, spoilage };
+        speed(rule, believed.as_ref(), programmed, &cost, edges)
     } else {
         Speed::Fixed(programmed)
     };
-    let own_limit = tool.process.wear_limit();
     let change = match rule.tool_change {
         ToolChangeRule::WearLimit { limit } => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
         ToolChangeRule::PartCount { parts } => ChangeRule::PartCount(parts),
@@ -195,7 +213,7 @@ fn controller(
         ToolChangeRule::Predicted { limit } if believed.is_none() => ChangeRule::WearLimit(limit.unwrap_or(own_limit)),
         ToolChangeRule::Predicted { limit } => ChangeRule::Predicted(limit.unwrap_or(own_limit)),
     };
-    let oracle = rule.speed == SpeedRule::Oracle && believed.is_some();
+    let knows = rule.knowledge();
     let adaptive = matches!(speed, Speed::Planned(_) | Speed::SetIncrement(_));
     let stability = match cut {
         Some(cut) => Stability::of(rule.stability, &tool.process, cut, machine.speed_range)?,
@@ -203,8 +221,8 @@ fn controller(
     };
     Ok(Controller {
         stability,
-        observes: (adaptive || matches!(change, ChangeRule::Predicted(_))) && !oracle,
-        oracle,
+        observes: (adaptive || matches!(change, ChangeRule::Predicted(_))) && knows == Knowledge::Sensors,
+        knows,
         speed,
         change,
         range: machine.speed_range,
@@ -214,24 +232,42 @@ fn controller(
 }
 
 /// A speed rule on the believed model, m/s; as programmed where there is no model to plan with.
-fn speed(rule: SpeedRule, believed: Option<&Believed>, programmed: f64, cost: &ChangeCost) -> Speed {
+fn speed(
+    rule: &PolicyRule,
+    believed: Option<&Believed>,
+    programmed: f64,
+    cost: &ChangeCost,
+    edges: Edges<'_>,
+) -> Speed {
     let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
-    match rule {
-        SpeedRule::Programmed => Speed::Fixed(programmed),
-        SpeedRule::Constant(choice) => Speed::Fixed(constant::speed(choice, believed, cost).unwrap_or(programmed)),
-        SpeedRule::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed)))),
-        SpeedRule::SetIncrement { path_per_edge } => on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge })),
-        SpeedRule::MinimumWear { literal: true } => on_model(&|Believed { pair, cut, .. }| {
-            planned(pair, |flank_wear| pair.literal_balance_speed(cut, flank_wear))
-        }),
-        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => {
-            on_model(&|Believed { pair, cut, .. }| planned(pair, |flank_wear| pair.minimum_wear_speed(cut, flank_wear)))
+    let factor = rule.speed_factor;
+    let planned = |law: &dyn Fn(&Believed) -> Law| {
+        on_model(&|believed| Speed::Planned(Arc::new(Planned::new(believed, law(believed), factor))))
+    };
+    match rule.speed {
+        SpeedRule::Programmed => Speed::Fixed(factor * programmed),
+        SpeedRule::Constant(choice) => {
+            Speed::Fixed(factor * constant::speed(choice, believed, cost, edges).unwrap_or(programmed))
         }
-        SpeedRule::Productivity { price } => on_model(&|Believed { pair, cut, .. }| {
-            let price = price.unwrap_or_else(|| pair.rate_optimum(cut, cost.worth()).shadow_price);
-            planned(pair, |flank_wear| pair.shadow_price_speed(cut, flank_wear, price))
+        SpeedRule::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed, factor)))),
+        SpeedRule::SetIncrement { path_per_edge } => {
+            on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge, factor }))
+        }
+        SpeedRule::MinimumWear { literal: true } => planned(&|_| Law::LiteralBalance),
+        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => planned(&|_| Law::MinimumWear),
+        SpeedRule::Productivity { price } => planned(&|believed| {
+            Law::ShadowPrice(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit)))
         }),
     }
+}
+
+/// The price of the rate optimum, s/m, for edges that are changed at a flank wear of `limit` (m), each change being
+/// worth `change_time` (s), at speeds that keep clear of thermal collapse.
+fn shadow_price(believed: &Believed, change_time: f64, limit: f64) -> f64 {
+    let mut pair = Pair::clone(&believed.pair);
+    pair.limits.wear_limit = limit;
+    let safe = |flank_wear: f64| believed.safe_speed(|_| flank_wear);
+    pair.rate_optimum_below(&believed.cut, change_time, safe).shadow_price
 }
 
 /// A controller for one pass with a tool of `pair` on a machine of this speed range.
@@ -265,12 +301,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         rules: None,
         calendar: None,
     };
-    controller(rule, &tool, Some(cut), &machine).expect("a shipped pair")
-}
-
-/// Passes planned by a law of speed against flank wear.
-fn planned(pair: &Pair, law: impl Fn(f64) -> f64) -> Speed {
-    Speed::Planned(Arc::new(Planned { law: SpeedTable::tabulate(pair.limits.wear_limit, law) }))
+    controller(rule, &tool, Some(cut), Spoilage::default(), &machine).expect("a shipped pair")
 }
 
 /// The believed pair at a nominal cut, its speed range narrowed to the machine's.
@@ -280,5 +311,6 @@ fn believe(tool: &ToolType, mut pair: Pair, cut: &Cut, machine: &MachineType) ->
     limits.lowest_speed = limits.lowest_speed.max(slowest).min(fastest);
     limits.highest_speed = limits.highest_speed.max(slowest).min(fastest);
     let nominal = toolroom_wear::Cut::nominal(cut.cutting_speed, cut.feed, cut.depth_of_cut);
-    Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance: tool.scatter.allowance }
+    let toolroom_wear::Scatter { allowance, common_wear, .. } = tool.scatter;
+    Believed { pair: Arc::new(pair), cut: nominal, path: cut.path_length, allowance, edge_scatter: common_wear }
 }

@@ -6,11 +6,11 @@ use toolroom_wear::SpeedSchedule;
 /// Entries of a table.
 const ENTRIES: usize = 60;
 
-/// Tabulates the speed of least wear on the believed model.
-pub(super) fn tabulate(believed: &Believed) -> SpeedSchedule {
+/// Tabulates the speed of least wear on the believed model, times `factor`.
+pub(super) fn tabulate(believed: &Believed, factor: f64) -> SpeedSchedule {
     let pair = &believed.pair;
     let speed = |flank_wear: f64| {
-        let least_wear = pair.minimum_wear_speed(&believed.cut, flank_wear);
+        let least_wear = factor * pair.minimum_wear_speed(&believed.cut, flank_wear);
         pair.limits.clip(least_wear).min(believed.safe_speed(|_| flank_wear))
     };
     SpeedSchedule::tabulate(pair, speed, &believed.cut, ENTRIES)

@@ -9,18 +9,21 @@ use toolroom_wear::SetSpeed;
 pub(super) struct SetIncrement {
     /// Cutting path over the life of an edge, m.
     pub path_per_edge: f64,
+    /// Factor on the speed.
+    pub factor: f64,
 }
 
 impl SetIncrement {
     pub fn conditions(&self, believed: &Believed, seen: &Observation<'_>) -> Conditions {
         let wear_left = (believed.pair.limits.wear_limit - seen.flank_wear().unwrap_or(0.0)).max(0.0);
         let path_left = (self.path_per_edge - seen.edge_path).max(seen.path);
-        let Believed { pair, cut, .. } = believed;
-        plan(believed, seen, |flank_wear| {
+        let pair = &believed.pair;
+        plan(believed, seen, |cut, flank_wear| {
             let intensity = wear_left / path_left;
+            let highest = believed.safe_speed(|_| flank_wear);
             let SetSpeed { cutting_speed, feasible } =
-                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, pair.limits.highest_speed);
-            (cutting_speed, feasible)
+                pair.set_intensity_speed_up_to(cut, flank_wear, intensity, highest);
+            ((self.factor * cutting_speed).min(highest), feasible)
         })
     }
 }

@@ -1,6 +1,7 @@
 //! When an edge is changed between passes.
 
 use super::{Believed, Conditions, Controller, Observation, Observer};
+use toolroom_wear::Cut;
 
 /// A tool change rule with its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,18 +30,25 @@ impl Controller {
             ChangeRule::Predicted(limit) => {
                 let (Some(believed), Some(flank_wear)) = (&self.believed, seen.flank_wear()) else { return false };
                 let factor = seen.observer.map_or(1.0, Observer::wear_factor);
-                wear_after(believed, flank_wear, factor, seen.path, planned) > limit
+                wear_after(believed, &seen.cut(&believed.cut), flank_wear, factor, seen.path, planned) > limit
             }
         }
     }
 }
 
-/// Flank wear after a planned pass on the believed model, m; `factor` is that of the edge.
-pub(super) fn wear_after(believed: &Believed, flank_wear: f64, factor: f64, path: f64, planned: &Conditions) -> f64 {
+/// Flank wear after a planned pass of `cut` on the believed model, m; `factor` is that of the edge.
+pub(super) fn wear_after(
+    believed: &Believed,
+    cut: &Cut,
+    flank_wear: f64,
+    factor: f64,
+    path: f64,
+    planned: &Conditions,
+) -> f64 {
     let duration = planned.duration(path);
     let step = duration / f64::from(STEPS);
     let acceleration = (planned.end_speed - planned.start_speed) / duration;
-    let contact = believed.pair.contact(&believed.cut);
+    let contact = believed.pair.contact(cut);
     (0..STEPS).fold(flank_wear, |worn, i| {
         let speed = planned.start_speed + acceleration * (f64::from(i) + 0.5) * step;
         let contact = contact.at_speed(speed);

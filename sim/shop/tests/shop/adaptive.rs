@@ -258,3 +258,63 @@ fn hardness_is_that_of_the_workpiece_under_every_policy() {
     let correlation = product / (va * vb).sqrt();
     assert!(correlation > 0.95, "{correlation}");
 }
+
+/// A shop whose edges are read after every pass and changed at 0.5 mm, under least wear with these sensors.
+fn read_after_every_pass(sensors: SensorSheet) -> RunLog {
+    let mut shop = turning(Scatter { chipped_share: 0.0, ..Scatter::shop() }, 1500);
+    shop.policies[0] = PolicyRule {
+        sensors,
+        ..policy("", SpeedRule::MinimumWear { literal: false }, ToolChangeRule::WearLimit { limit: Some(0.5e-3) })
+    };
+    run(&shop, 0, 0).unwrap()
+}
+
+/// Root mean square of the error of the estimated wear of all passes after edge number `after`, m.
+fn estimate_error(log: &RunLog, after: u32) -> f64 {
+    let passes = log.passes.iter().filter(|row| row.edge >= after);
+    mean(passes.map(|row| (row.flank_wear_estimate - row.flank_wear_end).powi(2))).sqrt()
+}
+
+#[test]
+fn perfect_sensors_estimate_wear_no_worse_than_noisy_ones() {
+    let noisy = read_after_every_pass(SensorSheet::default());
+    let perfect = SensorSheet { spindle_power: 0.0, feed_force: 0.0, thermo_emf: 0.0, ..SensorSheet::default() };
+    let perfect = read_after_every_pass(perfect);
+    let (noisy, perfect) = (estimate_error(&noisy, 0), estimate_error(&perfect, 0));
+    assert!(perfect <= noisy, "{perfect} against {noisy} m");
+}
+
+#[test]
+fn readings_teach_the_observer_the_gain_of_a_biased_force() {
+    let right = read_after_every_pass(SensorSheet::default());
+    let biased = read_after_every_pass(SensorSheet { feed_force_bias: -0.2, ..SensorSheet::default() });
+    // After the third edge the bias is known: wear is estimated, and edges last, as without it.
+    let (with, without) = (estimate_error(&biased, 3), estimate_error(&right, 3));
+    assert!(with < 1.3 * without, "{with} against {without} m");
+    let path = |log: &RunLog| mean(log.edges.iter().skip(3).map(|edge| edge.path));
+    assert!((path(&biased) / path(&right) - 1.0).abs() < 0.02, "{} against {} m", path(&biased), path(&right));
+}
+
+#[test]
+fn a_reading_takes_its_time_on_the_machine() {
+    let quick = read_after_every_pass(SensorSheet::default());
+    let slow = read_after_every_pass(SensorSheet { reading_time: 30.0, ..SensorSheet::default() });
+    let between = |log: &RunLog| log.passes[1].start - log.passes[0].end;
+    assert!((between(&slow) - between(&quick) - 30.0).abs() < 1e-9, "{} s", between(&slow) - between(&quick));
+    let seldom = read_after_every_pass(SensorSheet { reading_time: 30.0, read_every: 3, ..SensorSheet::default() });
+    let last = |log: &RunLog| log.passes[5].end;
+    assert!((last(&slow) - last(&seldom)) > 90.0, "four of six readings are left out");
+}
+
+#[test]
+fn who_knows_the_edge_wears_it_no_faster_than_who_knows_its_wear() {
+    let mut shop = turning(Scatter { mechanical_wear: 0.5, thermal_wear: 0.5, ..Scatter::none() }, 600);
+    let mut path = |knows| {
+        let minimum =
+            policy("", SpeedRule::MinimumWear { literal: false }, ToolChangeRule::PartCount { parts: u32::MAX });
+        shop.policies[0] = PolicyRule { knows, ..minimum };
+        mean(lives(&run(&shop, 0, 0).unwrap()).into_iter().map(|(_, path)| path))
+    };
+    let (wear, edge) = (path(Knowledge::Wear), path(Knowledge::Edge));
+    assert!(edge > wear, "{edge} against {wear} m");
+}

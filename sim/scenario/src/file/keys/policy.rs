@@ -1,9 +1,9 @@
 //! The sections of a policy: speed, chatter, tool change, grinding, dressing, sensors.
 
-use super::{BIAS, DEVIATION, DURATION, WEAR};
+use super::{BIAS, DEVIATION, DURATION, TIME, WEAR};
 use crate::ContourRule;
 use crate::file::choices::{ChatterWord, DressingWord, GrindingWord, ToolChangeWord};
-use crate::file::speed;
+use crate::file::{speed, tune};
 use toolroom_form::{Form, Key, Kind, joined};
 
 /// Rules of tool change that need no number of their own.
@@ -49,6 +49,11 @@ const OTHERS: &[Key] = &[
         "Parameter set that the controller believes in, where it is not the tool's own",
     ),
     Key::optional("sensors", Kind::Table(&SENSORS), "Sensors of adaptive rules"),
+    Key::optional(
+        "tune",
+        Kind::Shorthand { word: &Kind::Flag, form: &tune::RANGES },
+        "Whether the policy is tuned by `compare --tune`, or the ranges within which; left out: true",
+    ),
 ];
 const KEYS: [Key; NAME.len() + speed::KEYS.len() + OTHERS.len()] = joined(&[NAME, speed::KEYS, OTHERS]);
 
@@ -172,6 +177,15 @@ pub static SENSORS: Form = Form {
             "0.01 mm",
             "Standard deviation of a flank wear reading",
         ),
+        Key::default("reading_time", TIME, "0 s", "Time that a flank wear reading takes on the machine"),
+        Key::default("read_every", Kind::Count { min: 1, max: 10_000 }, "1", "Passes from one reading to the next"),
+        Key::default(
+            "feed_force_gain",
+            NOISE,
+            "5 %",
+            "Systematic error of the feed force that the observer reckons with where wear is read",
+        ),
+        Key::default("thermo_emf_gain", NOISE, "2 %", "The same of the thermo-EMF"),
         Key::default(
             "dominant_frequency",
             NOISE,

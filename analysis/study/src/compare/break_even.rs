@@ -1,0 +1,132 @@
+//! Prices at which a decision turns.
+//!
+//! Prices enter the cost of a part in proportion to what is used up, so that the cost at another price follows from the same
+//! replications without a new run: `Δ(p) = a + b·p`, which is zero at `p = −ā/b̄`. The settings of the policies are held:
+//! tuned again at every price, the loser would lose less.
+//!
+//! # Source
+//! E. C. Fieller, Journal of the Royal Statistical Society B 16 (1954) 175: the interval of a ratio of two means.
+
+use crate::figure::plain;
+use crate::study::Study;
+use toolroom_statistics::student;
+
+/// Confidence of the interval of a price at which a decision turns.
+const CONFIDENCE: f64 = 0.90;
+/// Greatest factor on a price that is looked at: beyond, a price does not turn the decision (assumption).
+const GREATEST: f64 = 20.0;
+/// Prices and the figure of what is paid at them.
+const PRICES: [(&str, &str, &str); 3] = [
+    ("edge_cost", "edges and dressings", "edge_cost_per_part"),
+    ("rate", "machine time", "machine_cost_per_part"),
+    ("material_cost", "blanks", "scrap_cost_per_part"),
+];
+
+/// Where `a + b·p` crosses zero on average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// `−ā/b̄`; NaN where the means do not say.
+    pub at: f64,
+    /// Ends of its interval; `None` where it is unbounded, because `b̄` may be zero.
+    pub interval: Option<(f64, f64)>,
+}
+
+impl Crossing {
+    /// From pairs of replications.
+    ///
+    /// # Shape
+    /// `a` and `b` of one length, in the order of replications; two pairs or more.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_study::compare::Crossing;
+    /// let a = [-1.2, -0.8, -1.5, -0.6, -1.0, -1.3];
+    /// let b = [0.05, 0.04, 0.06, 0.03, 0.05, 0.045];
+    /// let crossing = Crossing::of(&a, &b, 0.90);
+    /// assert!((crossing.at - 23.27273).abs() < 1e-5);
+    /// let (low, high) = crossing.interval.unwrap();
+    /// assert!((low - 20.12457).abs() < 1e-5 && (high - 26.01482).abs() < 1e-5);
+    /// ```
+    pub fn of(a: &[f64], b: &[f64], confidence: f64) -> Self {
+        let pairs: Vec<(f64, f64)> =
+            a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
+        let count = pairs.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+        let (mean_a, mean_b) = (mean(|pair| pair.0), mean(|pair| pair.1));
+        let moment = |of: &dyn Fn(f64, f64) -> f64| {
+            pairs.iter().map(|(a, b)| of(a - mean_a, b - mean_b)).sum::<f64>() / (count - 1.0) / count
+        };
+        let t2 = student(confidence, count - 1.0).powi(2);
+        // (ā + p b̄)² ≤ t² Var(ā + p b̄), a parabola in p.
+        let square = mean_b * mean_b - t2 * moment(&|_, b| b * b);
+        let half = mean_a * mean_b - t2 * moment(&|a, b| a * b);
+        let rest = mean_a * mean_a - t2 * moment(&|a, _| a * a);
+        let root = (half * half - square * rest).sqrt();
+        let interval = (square > 0.0 && root.is_finite()).then(|| ((-half - root) / square, (-half + root) / square));
+        Self { at: -mean_a / mean_b, interval }
+    }
+}
+
+/// How far a price is from turning a decision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BreakEven {
+    /// Key of the price in files.
+    pub key: &'static str,
+    /// What is paid for.
+    pub title: &'static str,
+    /// The factor on all prices of this kind at which both policies cost the same; now 1.
+    pub factor: Crossing,
+}
+
+impl BreakEven {
+    /// For two policies of a study, by position.
+    pub fn all(study: &Study, one: usize, other: usize) -> Vec<Self> {
+        let difference = |id: &str| -> Option<Vec<f64>> {
+            let kpi = study.index(id)?;
+            Some(study.values(one, kpi).iter().zip(study.values(other, kpi)).map(|(a, b)| a - b).collect())
+        };
+        let Some(whole) = difference("cost_per_part") else { return Vec::new() };
+        let price = |&(key, title, id): &(&'static str, &'static str, &str)| {
+            let part = difference(id)?;
+            let rest: Vec<f64> = whole.iter().zip(&part).map(|(whole, part)| whole - part).collect();
+            Some(Self { key, title, factor: Crossing::of(&rest, &part, CONFIDENCE) })
+        };
+        if study.replications < 2 { Vec::new() } else { PRICES.iter().filter_map(price).collect() }
+    }
+
+    /// Whether a price of this kind turns the decision: a factor above zero that is not absurd.
+    pub fn flips(&self) -> bool {
+        self.factor.at > 0.0 && self.factor.at <= GREATEST
+    }
+
+    /// In words.
+    pub fn describe(&self) -> String {
+        let title = self.title;
+        if !self.flips() {
+            return format!("no price of {title} up to {GREATEST} times the present one turns the difference");
+        }
+        let interval = match self.factor.interval {
+            Some((low, high)) => format!("90 % {} … {}", plain(low, 2), plain(high, 2)),
+            None => "90 % unbounded".to_owned(),
+        };
+        format!("the difference turns where {title} cost {} times as much ({interval})", plain(self.factor.at, 2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slope_that_may_be_zero_has_no_bounded_interval() {
+        let crossing = Crossing::of(&[1.0, 1.1, 0.9, 1.0], &[0.1, -0.2, 0.2, -0.05], 0.90);
+        assert_eq!(crossing.interval, None);
+    }
+
+    #[test]
+    fn a_price_that_always_favours_the_same_policy_turns_nothing() {
+        let factor = Crossing::of(&[1.0, 1.1, 0.9], &[0.5, 0.6, 0.4], 0.90);
+        let price = BreakEven { key: "edge_cost", title: "edges", factor };
+        assert!(!price.flips() && price.describe().starts_with("no price of edges"));
+    }
+}

@@ -1,0 +1,364 @@
+//! The search for the best settings of one rule.
+
+use super::axis::{Axis, Reference};
+use super::{Objective, TuneError, TunedPolicy, TunedSetting, given};
+use crate::kpi;
+use crate::study::unless_stopped;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use toolroom_scenario::policies::ResolvedPolicy;
+use toolroom_scenario::{PolicyRule, Scenario, TuneRequest};
+use toolroom_shop::runlog::ChangeReason;
+use toolroom_shop::{RunLog, Shop};
+use toolroom_statistics::Moments;
+
+/// Replications of every setting of the first grid, as a share of the budget: 8 of 600. With 24 settings the grid takes a
+/// third of the budget.
+const FIRST: u32 = 75;
+/// Share of the budget that extending the grid may reach: half is left for choosing among the better settings.
+const EXTENDED: f64 = 0.5;
+/// Settings among which a share of one is kept after the first grid.
+const KEPT: usize = 3;
+/// Settings that get half of what is left at the end, and those of them that get the rest.
+const FINALISTS: [usize; 2] = [6, 3];
+
+/// What all rules have in common.
+pub(super) struct Search<'a> {
+    /// The scenario with the seed of the tuning.
+    pub scenario: Scenario,
+    pub request: &'a TuneRequest,
+    pub objective: Objective,
+    /// From SI to the unit of files.
+    pub scale: f64,
+    pub pool: &'a rayon::ThreadPool,
+    /// Told how many more runs are done.
+    pub progress: &'a (dyn Fn(u32) + Sync),
+    pub stop: &'a AtomicBool,
+}
+
+/// One replication.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    /// Less is better; infinite where it is not defined.
+    objective: f64,
+    edges: u32,
+    collapsed: u32,
+    failed: u32,
+}
+
+/// Settings that are tried.
+struct Point {
+    /// One value an axis, SI.
+    values: Vec<f64>,
+    policy: Arc<ResolvedPolicy>,
+    runs: Vec<Run>,
+}
+
+/// All settings of one rule that are tried.
+struct Field<'a> {
+    search: &'a Search<'a>,
+    rule: PolicyRule,
+    axes: Vec<Axis>,
+    points: Vec<Point>,
+    spent: u32,
+}
+
+impl Search<'_> {
+    /// Replications of every setting of the first grid.
+    fn first(&self) -> usize {
+        (self.request.budget / FIRST).max(2) as usize
+    }
+
+    /// The best settings of policy number `policy`.
+    pub fn policy(&self, policy: usize) -> Result<TunedPolicy, TuneError> {
+        let rule = self.scenario.policies[policy].clone();
+        let Some(reference) = Reference::of(&self.scenario) else {
+            return Ok(given(&rule.name, "no turning operation follows a commanded speed".to_owned()));
+        };
+        let axes = Axis::all(&rule, reference);
+        let mut field = Field { search: self, rule, axes, points: Vec::new(), spent: 0 };
+        field.tune()?;
+        Ok(field.told())
+    }
+}
+
+impl Point {
+    /// Mean objective of the first replications.
+    fn mean(&self, count: usize) -> f64 {
+        let runs = &self.runs[..count.min(self.runs.len())];
+        runs.iter().map(|run| run.objective).sum::<f64>() / runs.len() as f64
+    }
+
+    /// Share of edges lost in a way, and its standard deviation.
+    fn share(&self, lost: fn(&Run) -> u32) -> (f64, f64) {
+        let sum = |of: fn(&Run) -> u32| self.runs.iter().map(|run| f64::from(of(run))).sum::<f64>();
+        let edges = sum(|run| run.edges);
+        if edges == 0.0 {
+            return (0.0, 0.0);
+        }
+        let share = sum(lost) / edges;
+        (share, (share * (1.0 - share) / edges).sqrt())
+    }
+
+    /// Whether the guard lets these settings stand, one standard deviation on the safe side.
+    fn is_admissible(&self, request: &TuneRequest) -> bool {
+        let within = |lost: fn(&Run) -> u32, limit: f64| {
+            let (share, deviation) = self.share(lost);
+            share + deviation <= limit
+        };
+        within(|run| run.collapsed, request.collapse)
+            && request.failure.is_none_or(|limit| within(|run| run.failed, limit))
+    }
+}
+
+impl Field<'_> {
+    fn tune(&mut self) -> Result<(), TuneError> {
+        let budget = self.search.request.budget;
+        let first = self.search.first();
+        self.add(&self.grid())?;
+        self.run_to(&(0..self.points.len()).collect::<Vec<_>>(), first)?;
+        self.extend(first)?;
+        let kept = self.best(first).into_iter().take(self.points.len().div_ceil(KEPT)).collect::<Vec<_>>();
+        let Some(&incumbent) = kept.first() else { return Ok(()) };
+        self.run_to(&kept, 2 * first)?;
+        let before = self.points.len();
+        self.add(&self.finer(incumbent, first))?;
+        self.run_to(&(before..self.points.len()).collect::<Vec<_>>(), 2 * first)?;
+        let mut looked = 2 * first;
+        for (round, count) in FINALISTS.into_iter().enumerate() {
+            let finalists: Vec<usize> = self.best(looked).into_iter().take(count).collect();
+            let left = (budget - self.spent) as usize;
+            let share = if round + 1 < FINALISTS.len() { left / 2 } else { left };
+            looked += share / finalists.len().max(1);
+            self.run_to(&finalists, looked)?;
+        }
+        if let Some(&best) = self.best(looked).first() {
+            let count = self.points[best].runs.len() + (budget - self.spent) as usize;
+            self.run_to(&[best], count)?;
+        }
+        Ok(())
+    }
+
+    /// All combinations of the values of the axes.
+    fn grid(&self) -> Vec<Vec<f64>> {
+        self.axes.iter().fold(vec![Vec::new()], |combinations, axis| {
+            let with = |before: &Vec<f64>| {
+                axis.values.iter().map(|value| [before.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
+            };
+            combinations.iter().flat_map(with).collect()
+        })
+    }
+
+    /// Adds settings that are not there yet.
+    fn add(&mut self, settings: &[Vec<f64>]) -> Result<(), TuneError> {
+        for values in settings {
+            if self.points.iter().any(|point| point.values == *values) {
+                continue;
+            }
+            let scenario = Scenario { policies: vec![self.rule_at(values)], ..self.search.scenario.clone() };
+            let policy = Arc::new(ResolvedPolicy::of(&scenario, 0)?);
+            self.points.push(Point { values: values.clone(), policy, runs: Vec::new() });
+        }
+        Ok(())
+    }
+
+    fn rule_at(&self, values: &[f64]) -> PolicyRule {
+        self.axes.iter().zip(values).fold(self.rule.clone(), |rule, (axis, value)| rule.with(axis.setting, *value))
+    }
+
+    /// Simulates the first `count` replications of the points called by index, as far as the budget goes.
+    fn run_to(&mut self, points: &[usize], count: usize) -> Result<(), TuneError> {
+        let left = self.search.request.budget.saturating_sub(self.spent) as usize;
+        let missing =
+            points.iter().flat_map(|&point| (self.points[point].runs.len()..count).map(move |run| (point, run)));
+        // One replication of all points after the other, so that a budget that runs short leaves them alike.
+        let mut tasks: Vec<(usize, usize)> = missing.collect();
+        tasks.sort_by_key(|(_, run)| *run);
+        tasks.truncate(left);
+        let search = self.search;
+        let done = search.pool.install(|| {
+            let run = |&(point, run): &(usize, usize)| self.run(point, run as u32);
+            tasks.par_iter().map(run).collect::<Vec<_>>()
+        });
+        for ((point, _), run) in tasks.iter().zip(done) {
+            self.points[*point].runs.push(run?);
+        }
+        self.spent += tasks.len() as u32;
+        Ok(())
+    }
+
+    fn run(&self, point: usize, replication: u32) -> Result<Run, TuneError> {
+        let Search { scenario, objective, stop, progress, .. } = self.search;
+        let Point { policy, values, .. } = &self.points[point];
+        let refuse = |source| TuneError::Shop {
+            policy: self.rule.name.clone(),
+            settings: self.shown(values),
+            source: Box::new(source),
+        };
+        if stop.load(Ordering::Relaxed) {
+            return Err(TuneError::Stopped);
+        }
+        let shop = Shop::with_recorder(scenario, Arc::clone(policy), replication, RunLog::default()).map_err(refuse)?;
+        let log = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
+        progress(1);
+        let value = objective.sign * kpi::evaluate(scenario, &log)[objective.index];
+        let lathes = kpi::cell(scenario);
+        let left = log
+            .edges
+            .iter()
+            .filter(|edge| edge.reason != ChangeReason::EndOfRun && lathes.contains(&(edge.machine as usize)));
+        let mut run =
+            Run { objective: if value.is_finite() { value } else { f64::INFINITY }, edges: 0, collapsed: 0, failed: 0 };
+        for edge in left {
+            let collapsed = edge.reason == ChangeReason::ThermalCollapse;
+            run.edges += 1;
+            run.collapsed += u32::from(collapsed);
+            run.failed += u32::from(collapsed || edge.reason == ChangeReason::Chipping);
+        }
+        Ok(run)
+    }
+
+    /// Admissible points with so many replications, the best first.
+    fn best(&self, count: usize) -> Vec<usize> {
+        let known = |point: &Point| point.runs.len() >= count && point.is_admissible(self.search.request);
+        let mut points: Vec<usize> = (0..self.points.len()).filter(|&point| known(&self.points[point])).collect();
+        points.sort_by(|&a, &b| self.points[a].mean(count).total_cmp(&self.points[b].mean(count)));
+        points
+    }
+
+    /// Extends the grid while its best point lies at its end.
+    fn extend(&mut self, count: usize) -> Result<(), TuneError> {
+        loop {
+            let Some(&best) = self.best(count).first() else { return Ok(()) };
+            let values = self.points[best].values.clone();
+            let next = self.axes.iter().zip(&values).enumerate().find_map(|(number, (axis, value))| {
+                let ends = [(false, axis.values.first()), (true, axis.values.last())];
+                let end = ends.into_iter().find(|(up, end)| *end == Some(value) && axis.beyond(*up).is_some());
+                end.and_then(|(up, _)| Some((number, up, axis.beyond(up)?)))
+            });
+            let Some((number, up, value)) = next else { return Ok(()) };
+            let others: usize =
+                self.axes.iter().map(|axis| axis.values.len()).product::<usize>() / self.axes[number].values.len();
+            let cost = self.spent as usize + others * count;
+            if cost as f64 > EXTENDED * f64::from(self.search.request.budget) {
+                return Ok(());
+            }
+            let list = &mut self.axes[number].values;
+            if up {
+                list.push(value)
+            } else {
+                list.insert(0, value)
+            }
+            let before = self.points.len();
+            self.add(&self.grid())?;
+            self.run_to(&(before..self.points.len()).collect::<Vec<_>>(), count)?;
+        }
+    }
+
+    /// A grid of half the step around the least of a parabola through the neighbours of the best point, axis by axis, each
+    /// averaged over the neighbours on the other axes.
+    fn finer(&self, best: usize, count: usize) -> Vec<Vec<f64>> {
+        let home: Vec<f64> = self.points[best].values.clone();
+        let near = |point: &&Point| {
+            let step =
+                |(axis, (value, home)): (&Axis, (&f64, &f64))| (axis.position(*value) - axis.position(*home)).abs();
+            point.runs.len() >= count
+                && self.axes.iter().zip(point.values.iter().zip(&home)).map(step).all(|step| step < 1.5)
+        };
+        let neighbours: Vec<&Point> = self.points.iter().filter(near).collect();
+        let lists = self.axes.iter().enumerate().map(|(number, axis)| {
+            let home = axis.position(home[number]);
+            let level = |side: f64| {
+                let means: Moments = neighbours
+                    .iter()
+                    .filter(|point| (axis.position(point.values[number]) - home - side).abs() < 0.5)
+                    .map(|point| point.mean(count))
+                    .collect();
+                means.mean()
+            };
+            let (below, here, above) = (level(-1.0), level(0.0), level(1.0));
+            let bend = below - 2.0 * here + above;
+            let least =
+                if bend > 0.0 && bend.is_finite() { (0.5 * (below - above) / bend).clamp(-1.0, 1.0) } else { 0.0 };
+            let steps: &[f64] = if self.axes.len() == 1 { &[-0.5, -0.25, 0.0, 0.25, 0.5] } else { &[-0.5, 0.0, 0.5] };
+            steps.iter().map(|step| axis.value(home + least + step)).collect::<Vec<f64>>()
+        });
+        lists.fold(vec![Vec::new()], |combinations, list| {
+            let with = |before: &Vec<f64>| {
+                list.iter().map(|value| [before.as_slice(), &[*value]].concat()).collect::<Vec<_>>()
+            };
+            combinations.iter().flat_map(with).collect()
+        })
+    }
+
+    fn shown(&self, values: &[f64]) -> String {
+        let each = self
+            .axes
+            .iter()
+            .zip(values)
+            .map(|(axis, value)| format!("{} {}", axis.setting.key(), axis.setting.shown(*value)));
+        each.collect::<Vec<_>>().join(", ")
+    }
+
+    /// What was found.
+    fn told(&self) -> TunedPolicy {
+        let request = self.search.request;
+        let in_file = |objective: f64| self.search.objective.sign * self.search.scale * objective;
+        // The best of those that were looked at longest.
+        let longest =
+            self.points.iter().filter(|point| point.is_admissible(request)).map(|point| point.runs.len()).max();
+        let finalists = longest.map_or_else(Vec::new, |longest| self.best((longest - longest / 4).max(1)));
+        let Some(best) = finalists.first().map(|&best| &self.points[best]) else {
+            let reason = format!(
+                "at every setting that was tried the guard is broken: more than {} % of edges collapse",
+                100.0 * request.collapse
+            );
+            return TunedPolicy { evaluations: self.spent, ..given(&self.rule.name, reason) };
+        };
+        let common = |point: &Point| point.runs.len().min(best.runs.len());
+        let excess = |point: &Point| point.mean(common(point)) - best.mean(common(point));
+        let flat = |point: &&Point| {
+            point.runs.len() >= 2 * self.search.first()
+                && point.is_admissible(request)
+                && excess(point) <= request.indifference * best.mean(best.runs.len()).abs()
+        };
+        let flat: Vec<&Point> = self.points.iter().filter(flat).collect();
+        let settings = self.axes.iter().enumerate().map(|(number, axis)| {
+            let value = best.values[number];
+            let of = |points: &mut dyn Iterator<Item = &Point>| {
+                let values: Vec<f64> = points.map(|point| point.values[number]).collect();
+                (values.iter().copied().fold(value, f64::min), values.iter().copied().fold(value, f64::max))
+            };
+            let (least, greatest) = of(&mut self.points.iter());
+            let (low, high) = of(&mut flat.iter().copied());
+            TunedSetting {
+                key: axis.setting.key().to_owned(),
+                value: axis.setting.shown(value),
+                flat: (axis.setting.shown(low), axis.setting.shown(high)),
+                border: value <= least || value >= greatest,
+            }
+        });
+        let excluded = self.points.iter().filter(|point| !point.is_admissible(request) && excess(point) < 0.0);
+        let excluded = excluded.min_by(|a, b| excess(a).total_cmp(&excess(b)));
+        let moments: Moments = best.runs.iter().map(|run| run.objective).collect();
+        TunedPolicy {
+            name: self.rule.name.clone(),
+            settings: settings.collect(),
+            given: None,
+            changes: self
+                .axes
+                .iter()
+                .zip(&best.values)
+                .map(|(axis, value)| self.rule.override_of(axis.setting, *value))
+                .collect(),
+            evaluations: self.spent,
+            objective: Some(in_file(moments.mean())),
+            standard_error: Some(self.search.scale * moments.standard_error()),
+            collapsed: Some(best.share(|run| run.collapsed).0),
+            failed: Some(best.share(|run| run.failed).0),
+            excluded: excluded
+                .map(|point| (self.shown(&point.values), in_file(best.mean(common(point)) + excess(point)))),
+        }
+    }
+}
