@@ -27,7 +27,7 @@ pub use program::ProgramArgs;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
-use toolroom_fmu::{Entry, units};
+use toolroom_fmu::{Entry, Platform, units};
 
 /// Constant against adaptive cutting speed in a simulated machining shop.
 #[derive(Parser, Debug)]
@@ -308,10 +308,10 @@ pub struct FmuExportArgs {
     /// Version of the standard; both, if left out, and 3 for a single file
     #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: Option<u32>,
-    /// Platform to run on, repeatable; this one, if left out. Others are compiled, which needs
-    /// cargo-zigbuild and the sources
-    #[arg(long, value_name = "PLATFORM", value_enum)]
-    pub platforms: Vec<FmuPlatform>,
+    /// Platform to run on, repeatable; `host`, which is this one, if left out. Others, and `all` that can be had, are
+    /// compiled, which needs cargo-zigbuild and the sources
+    #[arg(long, value_name = "PLATFORM", value_parser = platforms())]
+    pub platforms: Vec<String>,
     /// Parameter set file to pack beside the shipped sets, repeatable
     #[arg(long, value_name = "SET")]
     pub parameters: Vec<PathBuf>,
@@ -325,20 +325,9 @@ fn entries() -> impl TypedValueParser<Value = &'static Entry> {
     PossibleValuesParser::new(units().map(|entry| entry.name)).try_map(named)
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FmuPlatform {
-    /// This machine
-    Host,
-    /// Every platform that can be compiled for here
-    All,
-    #[value(name = "x86_64-linux")]
-    X86Linux,
-    #[value(name = "aarch64-linux")]
-    ArmLinux,
-    #[value(name = "x86_64-windows")]
-    X86Windows,
-    #[value(name = "darwin")]
-    UniversalMac,
+/// This machine, every platform that can be compiled for here, and each by its name.
+fn platforms() -> PossibleValuesParser {
+    PossibleValuesParser::new(["host", "all"].into_iter().chain(Platform::ALL.iter().map(|platform| platform.name())))
 }
 
 #[derive(Args, Debug)]

@@ -1,6 +1,6 @@
 //! `toolroom fmu export MODEL`.
 
-use crate::args::{FmuExportArgs, FmuPlatform};
+use crate::args::FmuExportArgs;
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
@@ -91,15 +91,15 @@ fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> 
 }
 
 /// Libraries of the wanted platforms, each once and in a fixed order.
-fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failure> {
+fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
     let host = Platform::host();
-    let named = |platform: &FmuPlatform| match platform {
-        FmuPlatform::Host => host.into_iter().collect(),
-        FmuPlatform::All => Platform::ALL.to_vec(),
-        FmuPlatform::X86Linux => vec![Platform::X86Linux],
-        FmuPlatform::ArmLinux => vec![Platform::ArmLinux],
-        FmuPlatform::X86Windows => vec![Platform::X86Windows],
-        FmuPlatform::UniversalMac => vec![Platform::UniversalMac],
+    let named = |word: &String| -> Vec<Platform> {
+        let is_wanted = |platform: &Platform| match word.as_str() {
+            "host" => Some(*platform) == host,
+            "all" => true,
+            name => platform.name() == name,
+        };
+        Platform::ALL.into_iter().filter(is_wanted).collect()
     };
     let mut platforms: Vec<Platform> = wanted.iter().flat_map(named).collect();
     if wanted.is_empty() {
@@ -107,7 +107,7 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     }
     platforms.sort_unstable();
     platforms.dedup();
-    let every = wanted.contains(&FmuPlatform::All);
+    let every = wanted.iter().any(|word| word == "all");
     let cross = Compiler::find();
     let began = |target: &str| voice.say(format_args!("compiling for {target} …"));
     let mut binaries = Vec::new();

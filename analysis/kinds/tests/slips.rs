@@ -11,16 +11,12 @@ use toolroom_kernel::SimTime;
 use toolroom_kinds::{FileKind, KindError};
 use toolroom_nominal::ModelFileError;
 use toolroom_planning::contour::{self, StudyOptions, Task};
-use toolroom_planning::lobes;
 use toolroom_records::import::{ImportError, Mapped, Mapping, Origin, import_csv};
 use toolroom_scenario::file::{self, ScenarioFile};
 use toolroom_shop::Shop;
 
 /// Slips that are tried in each file. All of them would take minutes.
 const TRIED: usize = 30;
-
-/// Slips that are tried in each chart, of which every point costs a search for stable depths.
-const TRIED_IN_CHARTS: usize = 4;
 
 /// One thing done to one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,14 +146,6 @@ fn run(path: &Path) -> Result<(), Refused> {
     Ok(())
 }
 
-/// The first column of a chart, with two rows.
-fn chart(path: &Path) -> Result<(), Refused> {
-    let mut file = lobes::read(path, &[])?.content;
-    file.chart.depth.points = file.chart.depth.points.min(2);
-    file.chart.speed.points = file.chart.speed.points.min(2);
-    file.cut.lobes(&file.chart, 0..1).map(drop).map_err(work)
-}
-
 /// A few lives in every cell.
 fn lives(path: &Path) -> Result<(), Refused> {
     let study = toolroom_life::file::read(path, &[])?.content.study;
@@ -241,7 +229,7 @@ fn copied(from: &Path, to: &Path) {
 }
 
 /// Tries slips in every shipped file of a kind: how many were refused and how many accepted.
-fn tried(word: &str, count: usize, verb: Verb) {
+fn tried(word: &str, verb: Verb) {
     let kind = FileKind::named(word).expect("a kind");
     let check = kind.read.expect("a reader");
     let copy = tempfile::tempdir().expect("a folder");
@@ -254,7 +242,7 @@ fn tried(word: &str, count: usize, verb: Verb) {
         all.shuffle(&mut ChaCha8Rng::seed_from_u64(15));
         // Beside its original, where the files that it names are found.
         let file = path.with_file_name("slip.toml");
-        for (line, slip, changed) in all.into_iter().take(count) {
+        for (line, slip, changed) in all.into_iter().take(TRIED) {
             fs::write(&file, changed).expect("written");
             let found = check(&file, &[]);
             let (name, began) = (path.file_name().expect("a name").to_string_lossy(), verb(&file));
@@ -279,35 +267,30 @@ fn tried(word: &str, count: usize, verb: Verb) {
 
 #[test]
 fn what_run_refuses_of_a_scenario_check_finds() {
-    tried("scenario", TRIED, run);
-}
-
-#[test]
-fn what_lobes_refuses_of_a_chart_check_finds() {
-    tried("lobes", TRIED_IN_CHARTS, chart);
+    tried("scenario", run);
 }
 
 #[test]
 fn what_life_refuses_of_a_study_check_finds() {
-    tried("life", TRIED, lives);
+    tried("life", lives);
 }
 
 #[test]
 fn what_grind_refuses_of_a_cycle_check_finds() {
-    tried("cycle", TRIED, grind);
+    tried("cycle", grind);
 }
 
 #[test]
 fn what_contour_refuses_of_a_contour_check_finds() {
-    tried("contour", TRIED, plan);
+    tried("contour", plan);
 }
 
 #[test]
 fn what_import_refuses_of_a_mapping_check_finds() {
-    tried("mapping", TRIED, import);
+    tried("mapping", import);
 }
 
 #[test]
 fn what_gap_refuses_of_a_nominal_model_check_finds() {
-    tried("gap", TRIED, model);
+    tried("gap", model);
 }
