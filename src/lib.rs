@@ -74,6 +74,7 @@ pub use shop::run;
 /// # Errors
 /// [`ReadError`]: the file cannot be opened or decoded, or every fault found in it, with its place.
 pub fn read_scenario(path: impl AsRef<Path>) -> Result<Scenario, ReadError> {
+    study::draws::register();
     scenario::file::read(path.as_ref(), &[]).map(|file| file.scenario)
 }
 

@@ -48,6 +48,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
     let voice = Voice::new(&common);
+    toolroom_study::draws::register();
     #[cfg(feature = "fmu-import")]
     toolroom_fmu_import::register();
     // A worker ends when its program says so, and not by signals of the terminal.

@@ -86,3 +86,51 @@ fn tables_that_cannot_be_calibrated_on_are_refused_with_a_reason() {
         assert!(!folder.join("my.toml").exists(), "{file}");
     }
 }
+
+#[test]
+fn draws_of_a_calibration_enter_a_shop_and_say_what_they_leave_open() {
+    let folder = TempDir::new().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("wear.csv"), wear(1.0, "flank_wear [mm]")).expect("a table");
+    let calibrated = toolroom(
+        folder,
+        &[
+            "calibrate",
+            "turning",
+            "--model",
+            "c45_t15k6",
+            "--data",
+            "wear.csv",
+            "--limit",
+            "0.3 mm",
+            "--law",
+            "extended_taylor",
+            "--draws",
+            "200",
+            "--out",
+            "my.toml",
+        ],
+    );
+    assert_eq!(calibrated.status.code(), Some(0), "{}", text(&calibrated.stderr));
+    let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/steel-shafts.toml"));
+    let own = "parameter_set = \"./my.toml\"\nparameters_from = \"my-posterior.parquet\"";
+    let scenario = shipped.expect("the shipped scenario").replace("parameter_set = \"c45_t15k6\"", own);
+    fs::write(folder.join("shop.toml"), scenario.replace("horizon = \"70 h\"", "horizon = \"34 h\""))
+        .expect("a scenario");
+    let compared = toolroom(folder, &["compare", "shop.toml", "--replications", "8", "--out", "out", "--json"]);
+    assert_eq!(compared.status.code(), Some(0), "{}", text(&compared.stderr));
+    let answer: Value = serde_json::from_slice(&compared.stdout).expect("JSON");
+    let notes = answer["decision"]["notes"].to_string();
+    assert!(notes.contains("over 2 draws of the parameters") && notes.contains("of what your data allow"), "{notes}");
+    // A value that both the file and the draws give, and draws of another law.
+    let text_of = |path: &str| fs::read_to_string(folder.join(path)).expect("a file");
+    let twice = text_of("shop.toml")
+        .replace("parameters_from", "parameters = { extended_taylor = { speed_exponent = 4.0 } }\nparameters_from");
+    fs::write(folder.join("twice.toml"), twice).expect("a scenario");
+    fs::write(folder.join("law.toml"), text_of("shop.toml").replace("./my.toml", "c45_t15k6")).expect("a scenario");
+    for (file, reason) in [("twice.toml", "which the draws hold as well"), ("law.toml", "another wear law")] {
+        let refused = toolroom(folder, &["check", file]);
+        let message = text(&refused.stderr);
+        assert!(refused.status.code() == Some(2) && message.contains(reason), "{file}: {message}");
+    }
+}

@@ -4,6 +4,7 @@
 mod owned;
 
 mod files;
+mod orders;
 mod point;
 mod resumed;
 mod study;

@@ -13,6 +13,9 @@ use rand_distr::{Distribution, StandardNormal};
 use toolroom_calibrate::{Choice, Edge, Law, Model, Stretch, Verdict, WearModel, leave_edges_out, maximise, sample};
 use toolroom_wear::{Cut, Pair};
 
+/// Wear in mm that stands for readings to come: wear curves are tabulated up to it, since beyond their table they go on at
+/// the last rate, which the laws with temperature do not.
+const UNREAD: f64 = 1.0;
 /// Readings of an edge.
 const READINGS: u32 = 10;
 
@@ -29,7 +32,7 @@ fn design(edges: usize, speeds: &[f64]) -> (Vec<Cut>, Vec<Edge>) {
     };
     let conditions: Vec<Cut> = (0..edges).map(cut).collect();
     let edge = |index: usize| {
-        let stretches = vec![Stretch { condition: index, time: 1.0, wear: Some(0.0) }; READINGS as usize];
+        let stretches = vec![Stretch { condition: index, time: 1.0, wear: Some(UNREAD) }; READINGS as usize];
         Edge { name: format!("E{index}"), stretches, life: None }
     };
     (conditions, (0..edges).map(edge).collect())

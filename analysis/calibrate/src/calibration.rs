@@ -2,6 +2,7 @@
 
 use crate::choice::{Choice, Verdict};
 use crate::fit::Maximum;
+use crate::force::{ForceModel, ForceReading};
 use crate::identify::Identifiability;
 use crate::law::Law;
 use crate::left_out::{Coverage, LeftOut, leave_edges_out};
@@ -66,6 +67,20 @@ pub struct LawFit {
     pub left_out: Vec<LeftOut>,
 }
 
+/// Cutting force against wear, fitted.
+#[derive(Clone, Debug)]
+pub struct ForceFit {
+    /// The model.
+    pub model: ForceModel,
+    /// Its posterior.
+    pub posterior: Posterior,
+    /// What the data determine of it.
+    pub identifiability: Identifiability,
+    /// By how many logarithms the land predicts forces of edges left out better than forces that know no wear, and the
+    /// standard error from the differences edge by edge.
+    pub gain: (f64, f64),
+}
+
 /// Life at a cut, min.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LifeAt {
@@ -98,6 +113,8 @@ pub struct Calibration {
     pub identifiability: Identifiability,
     /// How often its predictions of edges left out hold.
     pub coverage: Coverage,
+    /// Cutting force against wear, where forces were measured.
+    pub force: Option<ForceFit>,
     /// Lives at the tested speeds and between them.
     pub lives: Vec<LifeAt>,
     /// Speed in m/min at which the life is known best, with the standard deviation of its logarithm there.
@@ -135,8 +152,9 @@ impl Calibration {
         let identifiability = Identifiability::of(&carried.model, &posterior);
         let coverage = Coverage::of(&carried.left_out);
         let lives = lives(&carried.model, &posterior, &measured, request.seed);
+        let force = force(&carried.model, &posterior, &measured, base, &request);
         let best_known = best_known(&carried.model, &posterior, &measured);
-        Ok(Self { measured, request, choice, fits, posterior, identifiability, coverage, lives, best_known })
+        Ok(Self { measured, request, choice, fits, posterior, identifiability, coverage, force, lives, best_known })
     }
 
     /// The fit of the law that the set carries.
@@ -183,7 +201,7 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
         known.dedup();
         CalibrationError::Parameter { name: name.to_owned(), known: known.join(", ") }
     };
-    for (name, prior) in &request.priors {
+    for (name, prior) in request.priors.iter().filter(|(name, _)| !name.starts_with("force.")) {
         let mut found = false;
         for model in models.iter_mut() {
             found |= model.set_prior(name, *prior) || model.fixed(name);
@@ -203,6 +221,53 @@ fn apply(models: &mut [WearModel], request: &Request) -> Result<(), CalibrationE
         }
     }
     Ok(())
+}
+
+/// The forces of all edges against their fitted wear; `None` with fewer readings than the model has parameters.
+fn force(
+    model: &WearModel,
+    posterior: &Posterior,
+    measured: &Measured,
+    base: &Pair,
+    request: &Request,
+) -> Option<ForceFit> {
+    let u = posterior.map.u.as_slice();
+    let mut edges = Vec::new();
+    for (edge, forces) in measured.edges.iter().zip(&measured.forces).filter(|(edge, _)| edge.readings() > 0) {
+        let mut read = edge.clone();
+        for (stretch, force) in read.stretches.iter_mut().zip(forces) {
+            stretch.wear = force.map(|_| 0.0);
+        }
+        let wear = model.course(u, &read, model.level(u, edge));
+        let places =
+            edge.stretches.iter().zip(forces).filter_map(|(stretch, force)| Some((stretch.condition, (*force)?)));
+        let reading = |((condition, force), wear): ((usize, f64), &f64)| ForceReading {
+            cut: measured.conditions[condition],
+            wear: *wear,
+            force,
+        };
+        let readings: Vec<ForceReading> = places.zip(&wear).map(reading).collect();
+        if !readings.is_empty() {
+            edges.push(readings);
+        }
+    }
+    let mut model = ForceModel::new(&base.force, edges, None);
+    request.priors.iter().for_each(|(name, prior)| model.set_prior(name, *prior));
+    let all: Vec<usize> = (0..model.edges()).collect();
+    if all.iter().map(|edge| model.readings(*edge).len()).sum::<usize>() <= model.parameters().len() {
+        return None;
+    }
+    let posterior = sample(&model, &all, request.draws, request.seed)?;
+    let identifiability = Identifiability::of(&model, &posterior);
+    let blind = model.without_land();
+    let (with, (without, _)) = (&posterior.map, maxima(&blind, &all, request.seed)?);
+    let with = leave_edges_out(&model, with, request.seed);
+    let without = leave_edges_out(&blind, &without, request.seed);
+    let differences: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with.score - without.score).collect();
+    let gain = differences.iter().sum::<f64>();
+    let mean = gain / differences.len() as f64;
+    let error = differences.iter().map(|difference| (difference - mean).powi(2)).sum::<f64>().sqrt();
+    Some(ForceFit { model, posterior, identifiability, gain: (gain, error) })
 }
 
 /// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often.

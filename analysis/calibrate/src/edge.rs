@@ -162,17 +162,7 @@ impl Common<'_> {
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
         let mut at = |z: f64| self.ln_joint(edge, &read, times.as_deref(), z, &mut predicted);
-        let (z, (density, _, curvature)) = mode(&mut at);
-        let width = std::f64::consts::SQRT_2 / curvature.sqrt();
-        let mut terms = [0.0; 9];
-        for (index, (node, weight)) in HERMITE.iter().enumerate() {
-            let term = |density: f64| density + node * node + weight.ln();
-            terms[index] = term(if index == 0 { density } else { at(z + width * node).0 });
-            if index > 0 {
-                terms[4 + index] = term(at(z - width * node).0);
-            }
-        }
-        width.ln() + ln_sum(&terms)
+        ln_integral(&mut at)
     }
 
     /// The level at which the readings of an edge are most probable together with the level itself.
@@ -255,7 +245,22 @@ impl Common<'_> {
 }
 
 /// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
-type Joint = (f64, f64, f64);
+pub(crate) type Joint = (f64, f64, f64);
+
+/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature.
+pub(crate) fn ln_integral(at: &mut dyn FnMut(f64) -> Joint) -> f64 {
+    let (z, (density, _, curvature)) = mode(at);
+    let width = std::f64::consts::SQRT_2 / curvature.sqrt();
+    let mut terms = [0.0; 9];
+    for (index, (node, weight)) in HERMITE.iter().enumerate() {
+        let term = |density: f64| density + node * node + weight.ln();
+        terms[index] = term(if index == 0 { density } else { at(z + width * node).0 });
+        if index > 0 {
+            terms[4 + index] = term(at(z - width * node).0);
+        }
+    }
+    width.ln() + ln_sum(&terms)
+}
 
 /// The most probable standardised level of an edge, and the density there.
 fn mode(at: &mut dyn FnMut(f64) -> Joint) -> (f64, Joint) {

@@ -16,6 +16,7 @@
 //! | [`Parameter`], [`Prior`], [`Scale`] | a quantity that the data are to tell, in its working coordinate |
 //! | [`Curve`] | flank wear over time at one condition |
 //! | [`WearModel`] | readings and lives under a law |
+//! | [`ForceModel`] | cutting force against wear |
 //! | [`Model`] | what the inference needs of any model |
 //! | [`maximise`], [`sample`], [`Posterior`] | the maximum, draws, and how well they can be relied on |
 //! | [`Identifiability`] | what the data determine, and what only the prior says |
@@ -38,6 +39,7 @@ mod curve;
 mod edge;
 mod ensemble;
 mod fit;
+mod force;
 mod identify;
 mod law;
 mod left_out;
@@ -53,11 +55,12 @@ mod summary;
 mod treatment;
 mod wear_model;
 
-pub use calibration::{Calibration, CalibrationError, LawFit, LifeAt, Request, life_at};
+pub use calibration::{Calibration, CalibrationError, ForceFit, LawFit, LifeAt, Request, life_at};
 pub use choice::{Choice, Score, Verdict};
 pub use curve::Curve;
 pub use edge::{Common, Edge, InLife, Life, Stretch};
 pub use fit::{Maximum, maximise};
+pub use force::{FORCE_NOISE, FORCE_SCATTER, ForceModel, ForceReading};
 pub use identify::{Identifiability, Product, Undetermined};
 pub use law::Law;
 pub use left_out::{Coverage, LeftOut, leave_edges_out};

@@ -2,8 +2,9 @@
 
 use crate::calibration::Calibration;
 use crate::model::Model;
-use crate::parameter::Scale;
-use crate::wear_model::{EDGE_SCATTER, READING_NOISE};
+use crate::parameter::{Parameter, Scale};
+use crate::sample::Posterior;
+use crate::wear_model::EDGE_SCATTER;
 use std::fmt::Write as _;
 
 /// A number to the seven digits that files give.
@@ -55,24 +56,25 @@ impl Calibration {
         let _ = writeln!(text, "\n[parameters.limits]");
         let limit = self.request.limit;
         let _ = writeln!(text, "wear_limit = {{ value = \"{limit:?} mm\", source = \"limit of the calibration\" }}");
-        let _ = writeln!(text, "\n[prior]");
-        for (index, parameter) in model.parameters().iter().enumerate() {
-            if [EDGE_SCATTER, READING_NOISE].contains(&parameter.name.as_str()) {
-                continue;
+        if let Some(force) = &self.force {
+            let _ = writeln!(text, "\n[parameters.force]");
+            let readings: usize = (0..force.model.edges()).map(|edge| force.model.readings(edge).len()).sum();
+            let source = quoted(&format!("calibrated: {} edges, {readings} readings of force", force.model.edges()));
+            let own = force.model.parameters().iter().zip(force.posterior.map.u.iter());
+            for (name, parameter, u) in own.filter_map(|(own, u)| Some((own.name.strip_prefix("force.")?, own, *u))) {
+                let number = rounded(parameter.scale.value(u));
+                let value = if parameter.unit == "1" {
+                    format!("{number:?}")
+                } else {
+                    format!("\"{number:?} {}\"", parameter.unit)
+                };
+                let _ = writeln!(text, "{name} = {{ value = {value}, source = {source} }}");
             }
-            let deviation = self.posterior.deviation(index);
-            let value = parameter.scale.value(u[index]);
-            let spread = match parameter.scale {
-                Scale::Logarithm => format!("factor = {:?}", rounded(deviation.exp())),
-                Scale::Plain => format!("deviation = {:?}", rounded(deviation)),
-                // To first order at the maximum.
-                Scale::Contrast | Scale::Tilt => {
-                    let step = 1e-4;
-                    let slope = (parameter.scale.value(u[index] + step) - value) / step;
-                    format!("deviation = {:?}", rounded(deviation * slope))
-                }
-            };
-            let _ = writeln!(text, "{} = {{ {spread} }}", quoted(&parameter.name));
+        }
+        let _ = writeln!(text, "\n[prior]");
+        priors(&mut text, model.parameters(), &self.posterior);
+        if let Some(force) = &self.force {
+            priors(&mut text, force.model.parameters(), &force.posterior);
         }
         if let Some(index) = model.parameters().iter().position(|parameter| parameter.name == EDGE_SCATTER) {
             let _ = writeln!(text, "\n[scatter]\ncommon_wear = {:?}", rounded(u[index].exp()));
@@ -82,5 +84,23 @@ impl Calibration {
             );
         }
         text
+    }
+}
+
+/// Posterior deviations as priors of the next round; what no set has a name for is left out.
+fn priors(text: &mut String, parameters: &[Parameter], posterior: &Posterior) {
+    for (index, parameter) in parameters.iter().enumerate().filter(|(_, parameter)| parameter.name.contains('.')) {
+        let (u, deviation) = (posterior.map.u[index], posterior.deviation(index));
+        let spread = match parameter.scale {
+            Scale::Logarithm => format!("factor = {:?}", rounded(deviation.exp())),
+            Scale::Plain => format!("deviation = {:?}", rounded(deviation)),
+            // To first order at the maximum.
+            Scale::Contrast | Scale::Tilt => {
+                let step = 1e-4;
+                let slope = (parameter.scale.value(u + step) - parameter.scale.value(u)) / step;
+                format!("deviation = {:?}", rounded(deviation * slope))
+            }
+        };
+        let _ = writeln!(text, "\"{}\" = {{ {spread} }}", parameter.name);
     }
 }

@@ -174,7 +174,7 @@ fn fixed(text: &str) -> Result<(String, f64), Refusal> {
 /// A standard deviation of the set as a prior of the laws in question, around the value of the set.
 fn prior(name: &str, spread: &Spread, laws: &[Law]) -> Option<(String, Prior)> {
     let (group, _) = name.split_once('.')?;
-    laws.iter().any(|law| law.group() == group).then(|| {
+    (group == "force" || laws.iter().any(|law| law.group() == group)).then(|| {
         let deviation = match spread {
             Spread::Factor(factor) => factor.ln().abs(),
             Spread::Deviation(deviation) => *deviation,

@@ -2,21 +2,53 @@
 
 use crate::calibration::Calibration;
 use crate::choice::Verdict;
+use crate::identify::Identifiability;
 use crate::model::Model;
 use crate::parameter::{Parameter, Scale};
+use crate::sample::Posterior;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use toolroom_chart::number;
 
 /// A value in its unit of files, with its interval.
-fn values(calibration: &Calibration, index: usize, parameter: &Parameter) -> (f64, f64, [f64; 2]) {
-    let posterior = &calibration.posterior;
+fn values(posterior: &Posterior, index: usize, parameter: &Parameter) -> (f64, f64, [f64; 2]) {
     let value = |u: f64| parameter.scale.value(u);
     let draws = posterior.draws.iter().map(|draw| value(draw[index]));
     let mean = draws.sum::<f64>() / posterior.draws.len() as f64;
     let ends = [posterior.quantile(index, 0.05), posterior.quantile(index, 0.95)].map(value);
     (value(posterior.map.u[index]), mean, ends)
+}
+
+/// Parameters with their values for programs.
+fn listed(parameters: &[Parameter], posterior: &Posterior, identifiability: &Identifiability) -> Vec<Value> {
+    let one = |(index, parameter): (usize, &Parameter)| {
+        let (map, mean, ci90) = values(posterior, index, parameter);
+        let key = if parameter.scale == Scale::Logarithm { "sd_ln" } else { "sd" };
+        json!({
+            "name": parameter.name, "unit": parameter.unit, "map": map, "mean": mean, "ci90": ci90,
+            "coordinate": {
+                "map": posterior.map.u[index], "mean": posterior.mean[index], "sd": posterior.deviation(index),
+                "ci90": [posterior.quantile(index, 0.05), posterior.quantile(index, 0.95)],
+            },
+            "prior": { "mean": parameter.scale.value(parameter.prior.mean), key: parameter.prior.deviation },
+            "shrink": identifiability.shrink[index], "determined": identifiability.determined(index),
+        })
+    };
+    parameters.iter().enumerate().map(one).collect()
+}
+
+/// Parameters with their values for people.
+fn table(text: &mut String, parameters: &[Parameter], posterior: &Posterior, identifiability: &Identifiability) {
+    let width = parameters.iter().map(|parameter| with_unit(parameter).len()).max().unwrap_or(0);
+    let _ = writeln!(text, "\n{:width$}  {:>9}  {:>21}  {:>13}", "parameter", "MAP", "90 %", "prior left");
+    for (index, parameter) in parameters.iter().enumerate() {
+        let (map, _, [low, high]) = values(posterior, index, parameter);
+        let left = identifiability.shrink[index];
+        let mark = if identifiability.determined(index) { "" } else { "  not determined" };
+        let name = with_unit(parameter);
+        let _ = writeln!(text, "{name:width$}  {map:>9.4}  {low:>9.4} … {high:>9.4}  {left:>13.2}{mark}");
+    }
 }
 
 /// Name with the unit, as JSON keys and table headers have it.
@@ -44,26 +76,7 @@ impl Calibration {
             .collect();
         let densities: Map<String, Value> =
             self.fits.iter().map(|fit| (fit.model.law.group().to_owned(), json!(fit.maximum.ln_density))).collect();
-        let listed: Vec<Value> = parameters
-            .iter()
-            .enumerate()
-            .map(|(index, parameter)| {
-                let (map, mean, ci90) = values(self, index, parameter);
-                let key = if parameter.scale == Scale::Logarithm { "sd_ln" } else { "sd" };
-                let centre = parameter.scale.value(parameter.prior.mean);
-                let posterior = &self.posterior;
-                json!({
-                    "name": parameter.name, "unit": parameter.unit, "map": map, "mean": mean, "ci90": ci90,
-                    "coordinate": {
-                        "map": posterior.map.u[index], "mean": posterior.mean[index], "sd": posterior.deviation(index),
-                        "ci90": [posterior.quantile(index, 0.05), posterior.quantile(index, 0.95)],
-                    },
-                    "prior": { "mean": centre, key: parameter.prior.deviation },
-                    "shrink": self.identifiability.shrink[index],
-                    "determined": self.identifiability.determined(index),
-                })
-            })
-            .collect();
+        let of_law = listed(parameters, &self.posterior, &self.identifiability);
         let undetermined: Vec<Value> = self
             .identifiability
             .undetermined
@@ -91,7 +104,7 @@ impl Calibration {
             .collect();
         let scatter = parameters.iter().position(|parameter| parameter.name == crate::EDGE_SCATTER);
         let scatter = scatter.map(|index| {
-            let (map, _, ci90) = values(self, index, &parameters[index]);
+            let (map, _, ci90) = values(&self.posterior, index, &parameters[index]);
             json!({ "value": map, "ci90": ci90 })
         });
         let life: Vec<Value> = self
@@ -107,6 +120,12 @@ impl Calibration {
                 })
             })
             .collect();
+        let force = self.force.as_ref().map(|force| {
+            json!({
+                "parameters": listed(force.model.parameters(), &force.posterior, &force.identifiability), "edges": force.model.edges(),
+                "gain_of_wear": { "elpd": force.gain.0, "se": force.gain.1 },
+            })
+        });
         let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
         let notes: Vec<&String> = self.measured.notes.iter().collect();
         let worst = self.coverage.worst.map(|edge| self.measured.edges[edge].name.clone());
@@ -119,7 +138,7 @@ impl Calibration {
                 "reason": self.choice.reason, "scores": scores, "ln_posterior": densities,
             },
             "edges": self.measured.edges.len(), "readings": self.measured.readings(), "ends": ends,
-            "parameters": listed, "correlations": correlations, "products": products, "undetermined": undetermined,
+            "parameters": of_law, "correlations": correlations, "products": products, "undetermined": undetermined,
             "best_known": { "cutting_speed [m/min]": self.best_known.0, "sd_ln_life": self.best_known.1 },
             "sampling": {
                 "method": self.posterior.method.name(), "draws": self.posterior.draws.len(),
@@ -131,7 +150,7 @@ impl Calibration {
                 "inside50": finite(self.coverage.inside50), "inside90": finite(self.coverage.inside90),
                 "histogram": self.coverage.histogram, "worst_edge": worst,
             },
-            "scatter": { "common_wear": scatter },
+            "scatter": { "common_wear": scatter }, "force": force,
             "life": life, "refusals": self.measured.refusals, "warnings": self.warnings(), "notes": notes,
         })
     }
@@ -174,18 +193,7 @@ impl Calibration {
             let _ = writeln!(text, "note: {note}");
         }
         let parameters = self.carried().model.parameters();
-        let width = parameters.iter().map(|parameter| with_unit(parameter).len()).max().unwrap_or(0);
-        let _ = writeln!(text, "\n{:width$}  {:>9}  {:>21}  {:>13}", "parameter", "MAP", "90 %", "prior left");
-        for (index, parameter) in parameters.iter().enumerate() {
-            let (map, _, [low, high]) = values(self, index, parameter);
-            let left = self.identifiability.shrink[index];
-            let mark = if self.identifiability.determined(index) { "" } else { "  not determined" };
-            let _ = writeln!(
-                text,
-                "{:width$}  {map:>9.4}  {low:>9.4} … {high:>9.4}  {left:>13.2}{mark}",
-                with_unit(parameter)
-            );
-        }
+        table(&mut text, parameters, &self.posterior, &self.identifiability);
         for direction in &self.identifiability.undetermined {
             let parts: Vec<String> = direction
                 .direction
@@ -245,6 +253,12 @@ impl Calibration {
                 if life.tested { "" } else { "  not tested" }
             );
         }
+        if let Some(force) = &self.force {
+            table(&mut text, force.model.parameters(), &force.posterior, &force.identifiability);
+            let (gain, error) = force.gain;
+            let _ =
+                writeln!(text, "wear in the force predicts edges left out better by {gain:.1} ± {error:.1} logarithms");
+        }
         if self.coverage.readings > 0 {
             let _ = writeln!(
                 text,
@@ -257,14 +271,28 @@ impl Calibration {
 
     /// Header of the table of draws: one column a parameter in its unit, the law, and the weight.
     pub fn draw_columns(&self) -> Vec<String> {
-        self.carried().model.parameters().iter().map(with_unit).collect()
+        let of_force = self.force.iter().flat_map(|force| shared_columns(force.model.parameters()));
+        self.carried().model.parameters().iter().chain(of_force).map(with_unit).collect()
     }
 
     /// The draws in units of files, in the order of [`Calibration::draw_columns`].
     pub fn draws(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
         let model = &self.carried().model;
-        self.posterior.draws.iter().map(|draw| {
-            model.parameters().iter().zip(draw.iter()).map(|(parameter, u)| parameter.scale.value(*u)).collect()
+        // Wear and force are two posteriors that do not depend on each other: any draw of one goes with any of the other.
+        self.posterior.draws.iter().enumerate().map(|(number, draw)| {
+            let value = |(parameter, u): (&Parameter, &f64)| parameter.scale.value(*u);
+            let mut values: Vec<f64> = model.parameters().iter().zip(draw.iter()).map(value).collect();
+            if let Some(force) = &self.force {
+                let parameters: Vec<&Parameter> = shared_columns(force.model.parameters()).collect();
+                let draw = &force.posterior.draws[number % force.posterior.draws.len()];
+                values.extend(parameters.into_iter().zip(draw.iter()).map(value));
+            }
+            values
         })
     }
+}
+
+/// Parameters of a force model that a parameter set has; scatter and noise come last and belong to none.
+fn shared_columns(parameters: &[Parameter]) -> impl Iterator<Item = &Parameter> {
+    parameters.iter().filter(|parameter| parameter.name.starts_with("force."))
 }

@@ -22,7 +22,17 @@ const LEAST: f64 = 0.003;
 /// Flank wear in mm that no edge survives (assumption; the column of records has the same bound).
 const MOST: f64 = 5.0;
 /// Channels of records that speak of wear and are not used here.
-const UNUSED: [&str; 5] = ["cutting_force", "feed_force", "spindle_power", "temperature", "thermo_emf"];
+const UNUSED: [&str; 4] = ["feed_force", "spindle_power", "temperature", "thermo_emf"];
+
+/// Digits of a cutting speed and of feeds and depths that make two conditions different (assumption: machines hold a speed to
+/// 0.1 % and lengths to 1 %; an exponent of 5 makes 0.3 % of a life of them). Each condition costs a wear curve.
+const SPEED_DIGITS: usize = 4;
+const LENGTH_DIGITS: usize = 3;
+
+/// A number to so many digits.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
 
 /// Why records cannot be calibrated on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,6 +107,8 @@ pub struct Measured {
     pub conditions: Vec<Cut>,
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
+    /// Cutting force at the end of each stretch of each edge, N.
+    pub forces: Vec<Vec<Option<f64>>>,
     /// How each ended.
     pub ends: Vec<End>,
     /// Remarks.
@@ -128,6 +140,7 @@ impl Measured {
         let mut measured = Self {
             conditions: Vec::new(),
             edges: Vec::new(),
+            forces: Vec::new(),
             ends: Vec::new(),
             notes: Vec::new(),
             refusals: Vec::new(),
@@ -136,7 +149,11 @@ impl Measured {
         for name in order {
             let rows = &rows[name];
             let mut condition = |row: usize| {
-                let cut = Cut::nominal(speed[row], feed[row], depth[row]);
+                let cut = Cut::nominal(
+                    rounded(speed[row] * 60.0, SPEED_DIGITS) / 60.0,
+                    rounded(feed[row] * 1e3, LENGTH_DIGITS) * 1e-3,
+                    rounded(depth[row] * 1e3, LENGTH_DIGITS) * 1e-3,
+                );
                 measured.conditions.iter().position(|known| *known == cut).unwrap_or_else(|| {
                     measured.conditions.push(cut);
                     measured.conditions.len() - 1
@@ -153,6 +170,8 @@ impl Measured {
                 None => return Err(DataError::End { edge: name.to_owned(), read: word.to_owned() }),
             };
             let at = |column: &str, row: usize| records.numbers(column).map_or(f64::NAN, |values| values[row]);
+            let force = |row: &usize| Some(at("cutting_force", *row)).filter(|force| force.is_finite() && *force > 0.0);
+            let mut forces = Vec::new();
             let edge = if at("life", last).is_finite() {
                 let minutes = at("life", last) / 60.0;
                 let inspected = at("inspected", last) / 60.0;
@@ -175,6 +194,7 @@ impl Measured {
                 Edge { name: name.to_owned(), stretches: Vec::new(), life: Some((condition(last), life)) }
             } else {
                 let time = number("cutting_time")?;
+                forces = rows.iter().map(force).collect();
                 let mut stretches = Vec::new();
                 for row in rows {
                     let minutes = time[*row] / 60.0;
@@ -196,6 +216,7 @@ impl Measured {
                 edge
             };
             measured.edges.push(edge);
+            measured.forces.push(forces);
         }
         if unsaid > 0 {
             measured.notes.push(format!("{unsaid} edges without edge_end: taken as stopped while still good"));

@@ -105,3 +105,37 @@ fn a_parameter_that_no_law_has_is_refused_by_name() {
     let refused = Calibration::new(measured, &base(), wrong);
     assert!(matches!(&refused, Err(CalibrationError::Parameter { name, .. }) if name == "stage_tlit"), "{refused:?}");
 }
+
+#[test]
+fn forces_are_fitted_against_the_wear_that_was_fitted() {
+    let base = base();
+    let mut rows = String::from(HEADER.trim_end());
+    rows.push_str(",cutting_force [N]\n");
+    let wear: Vec<String> = made(&[180.0, 180.0, 220.0, 220.0, 300.0, 300.0]).lines().map(str::to_owned).collect();
+    for (index, row) in wear.iter().enumerate() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |place: usize| cells[place].parse::<f64>().expect("a number");
+        let cut = Cut::nominal(number(4) / 60.0, 0.3e-3, 1.5e-3);
+        // The stress on the land is a fifth above that of the set; readings are off by up to 2 %.
+        let load = base.force.load(&cut);
+        let error = 1.0 + [0.02, -0.01, 0.0, 0.01, -0.02][index % 5];
+        let force = (load.sharp + 1.2 * load.shear_per_wear * number(8) * 1e-3) * error;
+        let _ = writeln!(rows, "{row},{force:.1}");
+    }
+    let records = parse_csv("wear.csv", rows.as_bytes(), RecordKind::Turning).expect("records").0;
+    let measured = Measured::of(&records, 0.3).expect("edges");
+    let found = Calibration::new(measured, &base, request(&[Law::ExtendedTaylor])).expect("a calibration");
+    let force = found.force.as_ref().expect("forces");
+    let stress = 1.2 * base.force.flank_shear_stress * 1e-6;
+    let place = force.model.parameters().iter().position(|parameter| parameter.name == "force.flank_shear_stress");
+    let place = place.expect("named");
+    let [low, high] = [0.05, 0.95].map(|share| force.posterior.quantile(place, share).exp());
+    assert!(low < stress && stress < high, "{low} … {high} against {stress}");
+    assert!(force.gain.0 > 2.0 * force.gain.1, "{:?}", force.gain);
+    assert!(found.set_file("ours", "c45_t15k6").contains("[parameters.force]"));
+    let columns = found.draw_columns();
+    assert!(
+        columns.contains(&"force.flank_shear_stress [MPa]".to_owned()) && !columns.contains(&"force_noise".to_owned())
+    );
+    assert!(found.draws().all(|draw| draw.len() == columns.len()));
+}

@@ -9,8 +9,8 @@ use rand_distr::{Distribution, StandardNormal};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use std::path::{Path, PathBuf};
 use toolroom_calibrate::{
-    Choice, Coverage, Edge, Identifiability, Law, Life, Model, Prior, Stretch, Verdict, WearModel, leave_edges_out,
-    maximise, sample,
+    Choice, Coverage, Edge, ForceModel, ForceReading, Identifiability, Law, Life, Model, Prior, Stretch, Verdict,
+    WearModel, leave_edges_out, maximise, sample,
 };
 use toolroom_wear::{Cut, Pair};
 
@@ -180,6 +180,40 @@ fn maxima_and_intervals_are_those_computed_independently() {
         ("edge_scatter", -2.3047, -2.4525, -1.2844),
     ];
     agrees("lives-16.csv", Law::ExtendedTaylor, &lives);
+}
+
+#[test]
+fn forces_against_wear_are_those_computed_independently() {
+    let Some(text) = text("forces-8.csv") else { return };
+    let mut edges: Vec<(String, Vec<ForceReading>)> = Vec::new();
+    for row in rows(&text) {
+        let of = |column| number(&row, column).expect("a number");
+        let cut = Cut::nominal(of("cutting_speed") / 60.0, of("feed_per_rev") * 1e-3, of("depth_of_cut") * 1e-3);
+        if edges.last().is_none_or(|(name, _)| *name != row["tool_id"]) {
+            edges.push((row["tool_id"].clone(), Vec::new()));
+        }
+        let readings = &mut edges.last_mut().expect("an edge").1;
+        readings.push(ForceReading { cut, wear: of("flank_wear"), force: of("cutting_force") });
+    }
+    let base = Pair::named("c45_t15k6").expect("shipped");
+    let readings = edges.into_iter().map(|(_, readings)| readings).collect();
+    let model = ForceModel::new(&base.force, readings, Some((0.02, 0.02)));
+    let all: Vec<usize> = (0..model.edges()).collect();
+    let found = sample(&model, &all, 6000, 1).expect("draws");
+    let expected = [
+        ("specific_force", 8.0774, 7.801, 8.3511),
+        ("feed_exponent", 0.7922, 0.7459, 0.8374),
+        ("speed_exponent", -0.1355, -0.1854, -0.0853),
+        ("flank_shear_stress", 5.7212, 5.6649, 5.7716),
+    ];
+    for (index, (key, map, low, high)) in expected.into_iter().enumerate() {
+        assert!(model.parameters()[index].name.ends_with(key));
+        let deviation = (high - low) / (2.0 * 1.645);
+        let reached = [found.map.u[index], found.quantile(index, 0.05), found.quantile(index, 0.95)];
+        let off = [(reached[0] - map) / deviation, (reached[1] - low) / deviation, (reached[2] - high) / deviation];
+        println!("  {key}: {reached:.4?}, off by {off:.3?} deviations");
+        assert!(off[0].abs() < 0.05 && off[1].abs() < 0.2 && off[2].abs() < 0.2, "{key}");
+    }
 }
 
 /// Log posterior density of the lives of lives-16 in (ln life, ln p, q, r, ln τ), written out from its definition.

@@ -6,7 +6,7 @@ use crate::{Run, edge_name};
 use toolroom_process::Field;
 use toolroom_records::{RecordKind, Records};
 use toolroom_scenario::{Cut, Work, lot_name};
-use toolroom_shop::runlog::PassRow;
+use toolroom_shop::runlog::{ChangeReason, PassRow};
 
 /// The start of a cut that means leave out, s.
 const LEFT_OUT: f64 = 20.0;
@@ -100,6 +100,20 @@ fn conditions(run: &Run<'_>, passes: &[&PassRow], records: &mut Records) {
     }
     records.set_numbers("cutting_time", number(&|row| passes[row].cutting_time));
     records.set_numbers("feed_override", vec![1.0; passes.len()]);
+    let last = |row: usize| passes.get(row + 1).is_none_or(|next| next.edge != passes[row].edge);
+    let end = |row: usize| if last(row) { edge_end(run.log.edges[passes[row].edge as usize].reason) } else { "" };
+    records.set_texts("edge_end", text(&|row| end(row).to_owned()));
+}
+
+/// How an edge ended, in the words of records. An edge that collapsed did not wear out.
+fn edge_end(reason: ChangeReason) -> &'static str {
+    match reason {
+        ChangeReason::WearLimit => "worn",
+        ChangeReason::Chipping => "chipped",
+        ChangeReason::ThermalCollapse => "broken",
+        ChangeReason::Rule | ChangeReason::Dressing => "changed",
+        ChangeReason::EndOfRun => "stopped",
+    }
 }
 
 /// Cycle and stops of operations with one pass.

@@ -125,7 +125,7 @@ impl Run<'_> {
     /// Shift of a machine at a time; empty where it has no calendar of several shifts.
     fn shift(&self, machine: usize, time: f64) -> String {
         let calendar = self.scenario.machines[machine].calendar.map(|index| &self.scenario.calendars[index]);
-        let several = calendar.filter(|calendar| calendar.shifts.len() > 1);
+        let several = calendar.filter(|calendar| calendar.shift_count() > 1);
         several.and_then(|calendar| calendar.shift_at(time)).unwrap_or_default()
     }
 

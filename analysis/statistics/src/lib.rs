@@ -265,6 +265,26 @@ pub fn clopper_pearson(count: usize, of: usize, level: f64) -> [f64; 2] {
     [low, high]
 }
 
+/// Bounds of a rate of which `count` of `of` were seen, by the score test at `level` (two-sided).
+///
+/// # Source
+/// E. B. Wilson, Journal of the American Statistical Association 22 (1927) 209.
+///
+/// # Examples
+/// ```
+/// let [low, high] = toolroom_statistics::wilson(17, 20, 0.95);
+/// assert!((low - 0.6396).abs() < 5e-5 && (high - 0.9476).abs() < 5e-5);
+/// ```
+pub fn wilson(count: usize, of: usize, level: f64) -> [f64; 2] {
+    let z = Normal::standard().inverse_cdf(0.5 * (1.0 + level));
+    let (share, of) = (count as f64 / of as f64, of as f64);
+    let middle = share + z * z / (2.0 * of);
+    let half = z * (share * (1.0 - share) / of + z * z / (4.0 * of * of)).sqrt();
+    let scale = 1.0 + z * z / of;
+    // Rounding may leave an end a little outside.
+    [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
+}
+
 /// Median; sorts `values`. NaN without values.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

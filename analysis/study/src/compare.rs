@@ -19,10 +19,12 @@
 
 mod break_even;
 mod decision;
+mod drawn;
 mod station;
 
 pub use break_even::{BreakEven, Crossing};
 pub use decision::{Decision, Outcome, Role, role};
+pub use drawn::DrawnDifference;
 pub use station::{Station, stations};
 
 use crate::study::Study;
@@ -97,7 +99,8 @@ impl Comparison {
         let bottleneck = station::bottleneck(&stations);
         let differences: Vec<Difference> =
             (1..policies.len()).map(|policy| difference(scenario, study, &stations, policy)).collect();
-        let decision = Decision::new(scenario, study, &policies);
+        let mut decision = Decision::new(scenario, study, &policies);
+        decision.notes.extend(drawn::notes(scenario, study, &decision));
         let adaptive = decision.adaptive.and_then(|policy| policy.checked_sub(1));
         let headline = adaptive.or((!differences.is_empty()).then_some(0));
         let break_even = match (decision.adaptive, decision.rival, &decision.difference) {

@@ -18,6 +18,7 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         unload_time: Distribution::Uniform { low: 0.5 * handling, high: 1.5 * handling },
         tool_change_time: 60.0,
         setup_time: 0.0,
+        setup_at_start: None,
         magazine: 10,
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
@@ -38,6 +39,7 @@ fn tool(name: &str, process: ProcessModel, edge_cost: f64) -> ToolType {
         dressing_time: 30.0,
         scatter: Default::default(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 
@@ -78,6 +80,7 @@ pub(crate) fn scenario() -> Scenario {
     Scenario {
         name: "fixture".to_owned(),
         title: "Two lathes <and> a grinder".to_owned(),
+        start: None,
         seed: 42,
         replications: 20,
         horizon: 3600.0,
@@ -104,6 +107,8 @@ pub(crate) fn scenario() -> Scenario {
             ],
         }],
         arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]) }],
+        orders: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),
@@ -204,7 +209,7 @@ pub(crate) fn operation(
     end: f64,
     result: OperationResult,
 ) -> OperationRow {
-    OperationRow { job, part: 0, operation, machine, start, end, time_left: 0.0, result }
+    OperationRow { job, part: 0, operation, quantity: 1, machine, start, end, time_left: 0.0, result }
 }
 
 /// One good part, and one whose edge chipped in its first pass.
@@ -225,7 +230,17 @@ pub(crate) fn log() -> RunLog {
     let grinder = states(2, &[(Idle, 420.0), (Handling, 430.0), (Cutting, 530.0), (Handling, 540.0), (Idle, 3600.0)]);
     let mut rows = [lathe, states(1, &[(Idle, 3600.0)]), grinder].concat();
     rows.sort_by(|a, b| a.end.total_cmp(&b.end));
-    let job = |finish: f64, outcome| JobRow { part: 0, lot: 1, arrival: 0.0, start: 0.0, finish, due: 500.0, outcome };
+    let job = |finish: f64, outcome| JobRow {
+        part: 0,
+        order: None,
+        quantity: 1,
+        lot: 1,
+        arrival: 0.0,
+        start: 0.0,
+        finish,
+        due: 500.0,
+        outcome,
+    };
     let grinding = PassRow {
         speed_start: 0.0,
         speed_end: 0.0,

@@ -15,6 +15,7 @@
 //! | [`kpi`] | key figures of one run, ISO 22400-2 time elements |
 //! | [`study`] | replications of policies in parallel, stop by precision, bounded memory |
 //! | [`compare`] | differences, cell gain and shop gain, bottleneck, decision |
+//! | [`draws`] | draws of a posterior from Parquet files, for scenarios |
 //! | [`logs`] | tables of passes, edges, jobs, states and events as Parquet or CSV |
 //! | [`trace`] | machines as tracks for the Perfetto viewer |
 //! | [`summary`], [`terminal`], [`report`] | the comparison for programs, terminals and browsers |
@@ -24,6 +25,7 @@
 //! | [`sweep`] | the comparison at several values of one key |
 //! | [`tune`](mod@tune) | the best settings of every policy, found before they are compared |
 //! | [`planned`] | comparisons in shards on many hosts |
+//! | [`planner`] | when orders are finished, load by week, queues |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -48,12 +50,14 @@
 
 pub mod compare;
 pub mod difference;
+pub mod draws;
 mod figure;
 #[cfg(test)]
 mod fixture;
 pub mod kpi;
 pub mod logs;
 pub mod planned;
+pub mod planner;
 pub mod report;
 pub mod request;
 pub mod results;

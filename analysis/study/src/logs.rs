@@ -116,6 +116,7 @@ pub struct Names {
     tools: Vec<String>,
     parts: Vec<(String, Vec<String>)>,
     policies: Vec<String>,
+    orders: Vec<String>,
 }
 
 impl Names {
@@ -127,6 +128,7 @@ impl Names {
             tools: scenario.tools.iter().map(|tool| tool.name.clone()).collect(),
             parts: scenario.parts.iter().map(|part| (part.name.clone(), operations(part))).collect(),
             policies: scenario.policies.iter().map(|policy| policy.name.clone()).collect(),
+            orders: scenario.orders.iter().map(|order| order.id.clone()).collect(),
         }
     }
 
@@ -138,6 +140,11 @@ impl Names {
     /// Name of a tool.
     pub fn tool(&self, index: u32) -> &str {
         self.tools.get(index as usize).map_or("", String::as_str)
+    }
+
+    /// Name of an order; empty where a job belongs to none.
+    pub fn order(&self, index: Option<u32>) -> &str {
+        index.and_then(|index| self.orders.get(index as usize)).map_or("", String::as_str)
     }
 
     /// Name of a part.

@@ -3,6 +3,7 @@
 mod chatter;
 mod difference;
 mod figures;
+mod orders;
 mod quality;
 mod shop;
 mod wear;
@@ -74,6 +75,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if comparison.policies.len() > 1 {
         report = report.section(difference::section(&source)).section(difference::gain_section(&source));
+    }
+    if let Some(orders) = orders::section(&source) {
+        report = report.section(orders);
     }
     if let Some(tuning) = study.tuning.as_deref() {
         report = report.section(tuned_section(tuning, &source));

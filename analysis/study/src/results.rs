@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `summary.json` | the comparison | yes |
 //! | `kpi.csv` | every figure of every replication | yes |
+//! | `orders.csv`, `load.csv`, `queues.csv` | of a scenario with orders: when each is finished, load by week, queues | yes |
 //! | `operations`, `tools`, `jobs`, `states`, `events` | logs, Parquet or CSV | yes |
 //! | `trace.json` | first replication for Perfetto | yes |
 //! | `report.html` | the pictures | yes |
@@ -18,6 +19,7 @@ pub use finished_run::{FinishedRun, FinishedRunError};
 
 use crate::compare::Comparison;
 use crate::logs::{Format, LogError, LogWriter};
+use crate::planner;
 use crate::report::report;
 use crate::study::{
     Finished, FinishedError, Progress, StoppedShop, Study, StudyError, StudyOptions, run_study, run_study_as_far,
@@ -53,7 +55,17 @@ pub struct RunInfo {
 }
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 6] = [Finished::FILE, "kpi.csv", "trace.json", "summary.json", "report.html", "run.json"];
+pub const NAMES: [&str; 9] = [
+    Finished::FILE,
+    "kpi.csv",
+    planner::FILES[0],
+    planner::FILES[1],
+    planner::FILES[2],
+    "trace.json",
+    "summary.json",
+    "report.html",
+    "run.json",
+];
 
 /// What a study left behind.
 #[derive(Clone, Debug)]
@@ -204,6 +216,11 @@ pub(crate) fn write_files(
 ) -> Result<(), ResultError> {
     in_file(directory, Finished::FILE, |out| Ok(serde_json::to_writer(out, &Finished::of(study))?))?;
     in_file(directory, "kpi.csv", |out| write_kpis(scenario, study, out))?;
+    if !scenario.orders.is_empty() {
+        for name in planner::FILES {
+            in_file(directory, name, |out| planner::write(name, scenario, study, out))?;
+        }
+    }
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;
     in_file(directory, "report.html", |out| out.write_all(report(scenario, study, comparison, info).html().as_bytes()))

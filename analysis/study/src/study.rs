@@ -18,6 +18,7 @@ pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
 
 use crate::kpi::{self, Kpi};
 use crate::logs::{LogError, LogWriter};
+use crate::planner::Figures;
 use crate::tune::Tuning;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -170,7 +171,7 @@ pub struct Study {
     pub edge_lives: Vec<Vec<EdgeLife>>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
-    /// By policy and replication.
+    /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Vec<Vec<f64>>>,
 }
 
@@ -191,9 +192,14 @@ impl Study {
         self.values[policy].iter().map(|values| values[kpi]).collect()
     }
 
-    /// Values of all figures in one replication.
+    /// Values of all key figures in one replication.
     pub fn replication(&self, policy: usize, replication: u32) -> &[f64] {
-        &self.values[policy][replication as usize]
+        &self.values[policy][replication as usize][..self.kpis.len()]
+    }
+
+    /// What a planner asks, in one replication, as [`Figures`] says.
+    pub(crate) fn planner_figures(&self, policy: usize, replication: u32) -> &[f64] {
+        &self.values[policy][replication as usize][self.kpis.len()..]
     }
 }
 
@@ -273,7 +279,8 @@ pub fn run_study_as_far(
     check(scenario, options)?;
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
+        let world = scenario.drawn(replication)?;
+        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
         unless_stopped(shop, scenario.horizon, stop)
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
@@ -318,7 +325,9 @@ impl StoppedShop {
     /// # Errors
     /// [`ShopError`] where the shop could not even be opened.
     pub fn again(&self, scenario: &Scenario) -> Result<(RunLog, Option<ShopError>), ShopError> {
-        Ok(Shop::new(scenario, self.policy, self.replication)?.run_as_far())
+        let resolved = Arc::new(ResolvedPolicy::of(scenario, self.policy)?);
+        let world = scenario.drawn(self.replication)?;
+        Ok(Shop::with_recorder(&world, resolved, self.replication, RunLog::default())?.run_as_far())
     }
 }
 
@@ -347,6 +356,13 @@ struct Run {
     digest: u64,
     lives: Vec<EdgeLife>,
     log: Option<RunLog>,
+}
+
+/// Key figures of a run, then what a planner asks.
+fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
+    let mut values = kpi::evaluate(scenario, log);
+    values.extend(Figures::of(scenario).evaluate(scenario, log));
+    values
 }
 
 #[cfg(test)]
@@ -389,7 +405,7 @@ where
     // `None` where the run was given up.
     let evaluated = |policy: usize, replication: u32| -> Option<Result<Run, StoppedShop>> {
         let run = |log: RunLog| Run {
-            values: kpi::evaluate(scenario, &log),
+            values: evaluate(scenario, &log),
             digest: log.digest,
             lives: lives(&log, &lathes),
             log: (replication == 0 || replication < options.logged).then_some(log),

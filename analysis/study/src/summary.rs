@@ -5,6 +5,7 @@
 
 use crate::compare::{BreakEven, Comparison, Difference, PolicyResult};
 use crate::kpi::Kpi;
+use crate::planner;
 use crate::study::Study;
 use crate::tune::tuning_json;
 use serde_json::{Map, Value, json};
@@ -66,6 +67,9 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
         "break_even": break_even,
         "digest": format!("{:016x}", study.digest),
     });
+    for (key, value) in planner::json(scenario, study).into_iter().flatten() {
+        summary[key] = value;
+    }
     if let Some(tuning) = &study.tuning {
         let pair = [decision.adaptive, decision.rival].map(|policy| policy.map(name));
         summary["tuning"] = tuning_json(tuning, study, comparison);

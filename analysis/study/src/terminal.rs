@@ -3,6 +3,7 @@
 use crate::compare::{Comparison, Difference, PolicyResult};
 use crate::figure::{decimals, factor, label, plain, shown, signed};
 use crate::kpi::{Better, Kpi};
+use crate::planner::late_orders;
 use crate::study::Study;
 use crate::summary::cutting_share;
 use crate::tune::tuning_text;
@@ -81,6 +82,7 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
             out.push_str(&tuning_text(tuning, study, comparison));
         }
     }
+    out.push_str(&late_orders(scenario, study));
     if !study.complete {
         let _ = writeln!(out, "stopped early: {} replications are complete", study.replications);
     }

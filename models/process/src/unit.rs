@@ -95,6 +95,8 @@ const PLAIN: &[(&str, f64, f64, Dimension)] = &[
     ("min", 60.0, 0.0, [0, 0, 1, 0, 0, 0, 0, 0]),
     ("h", 3600.0, 0.0, [0, 0, 1, 0, 0, 0, 0, 0]),
     ("day", 86400.0, 0.0, [0, 0, 1, 0, 0, 0, 0, 0]),
+    ("week", 7.0 * 86400.0, 0.0, [0, 0, 1, 0, 0, 0, 0, 0]),
+    ("year", 365.0 * 86400.0, 0.0, [0, 0, 1, 0, 0, 0, 0, 0]),
     ("in", 0.0254, 0.0, [1, 0, 0, 0, 0, 0, 0, 0]),
     ("ft", 0.3048, 0.0, [1, 0, 0, 0, 0, 0, 0, 0]),
     ("degC", 1.0, 273.15, [0, 0, 0, 1, 0, 0, 0, 0]),
@@ -134,8 +136,8 @@ const PREFIX: &[(&str, f64)] =
 
 /// Units offered in error messages, those of the wanted dimension being picked.
 const OFFERED: &[&str] = &[
-    "m/min", "m/s", "mm/min", "ft/min", "mm/rev", "um/rev", "mm", "um", "m", "in", "min", "s", "h", "day", "N", "kN",
-    "MPa", "GPa", "kW", "W", "kW h", "J", "rpm", "rad/s", "K", "degC", "mV", "N/um", "N/mm", "N/m", "deg", "rad",
+    "m/min", "m/s", "mm/min", "ft/min", "mm/rev", "um/rev", "mm", "um", "m", "in", "min", "s", "h", "day", "week", "N",
+    "kN", "MPa", "GPa", "kW", "W", "kW h", "J", "rpm", "rad/s", "K", "degC", "mV", "N/um", "N/mm", "N/m", "deg", "rad",
     "um/m", "um/min", "mm3/mm", "1/h", "1/min", "1/km", "EUR", "EUR/h", "%", "1", "m/min2", "m/s2", "Hz", "W/m K",
     "kg/m3", "J/kg K", "kJ/mol", "mV/K", "J/mm3", "g", "kg",
 ];

@@ -52,6 +52,8 @@ fn what_is_stated_goes_before_the_handbook_and_both_before_the_base() {
     .replace("[handbook]\ntaylor", "[handbook]\ntaylor");
     let set = read(&body).unwrap();
     assert_eq!(value(&set, "extended_taylor.speed_exponent"), (3.5, Origin::Given));
+    let told = "extended_taylor.speed_exponent is 3.5, as line 8 states; the constants of line 6 would give 5";
+    assert!(set.notes.iter().any(|note| note == told), "{:?}", set.notes);
     let (force, origin) = value(&set, "force.specific_force");
     assert!((force - 1618.842).abs() < 1e-3 && origin == Origin::Handbook);
     let load = Pair::of_set(&set).unwrap().force.load(&Cut::nominal(3.0, 0.3e-3, 1.5e-3));

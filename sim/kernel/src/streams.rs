@@ -99,6 +99,8 @@ pub enum Purpose {
     Quality = 12,
     /// Choices of a policy that explores.
     Policy = 13,
+    /// Which draw of a posterior stands for the parameters of a tool.
+    Parameters = 14,
 }
 
 impl Streams {

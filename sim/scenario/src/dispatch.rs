@@ -8,7 +8,7 @@ vocabulary! {
     ///
     /// Keys are made of t, the time; p, the time of the operation; R, that of this and all later
     /// operations; m, their number; d, when the job is due; o, when the operation is due (the allowance
-    /// divided in proportion to work); W, the time of all operations that wait for the machines of the next
+    /// divided in proportion to work); w, the weight of its order; W, the time of all operations that wait for the machines of the next
     /// one. Times are those drawn for plain work and the programmed ones of passes, with mean handling on
     /// the first machine and without setup.
     ///
@@ -25,8 +25,12 @@ vocabulary! {
         Random = "random",
         /// First released to the shop.
         FirstReleased = "fasfs",
+        /// Most urgent order: least priority.
+        Priority = "priority",
         /// Shortest processing time p.
         ShortestProcessingTime = "spt",
+        /// Weighted shortest processing time p/w.
+        WeightedShortestTime = "wspt",
         /// Longest processing time p.
         LongestProcessingTime = "lpt",
         /// Shortest remaining processing time R.
@@ -59,9 +63,9 @@ vocabulary! {
         TimesAndNextQueue = "pt_winq_npt",
         /// Least p + W + min(d - t - R, 0).
         TimeNextQueueAndSlack = "pt_winq_sl",
-        /// Greatest apparent tardiness cost exp(-max(0, d - t - R)/(3 mean p of the queue))/p.
+        /// Greatest apparent tardiness cost w exp(-max(0, d - t - R)/(3 mean p of the queue))/p.
         Atc = "atc",
-        /// Greatest cost over time max(0, 1 - max(0, d - t - R)/(4 R))/p.
+        /// Greatest cost over time w max(0, 1 - max(0, d - t - R)/(4 R))/p.
         Covert = "covert",
         /// Least setup of the machine.
         LeastSetup = "least_setup",
@@ -110,7 +114,9 @@ impl DispatchRule {
             | Self::Lifo
             | Self::Random
             | Self::FirstReleased
+            | Self::Priority
             | Self::ShortestProcessingTime
+            | Self::WeightedShortestTime
             | Self::LongestProcessingTime
             | Self::ShortestRemaining
             | Self::LongestRemaining

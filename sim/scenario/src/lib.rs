@@ -9,6 +9,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`file`](mod@file) | scenario files: keys, reader, faults, schema |
+//! | [`date`] | civil dates of orders and calendars |
 //! | [`policies`] | who chooses the speed and when an edge is changed: a scenario's policy worked out |
 //! | [`effects`] | catalogue rows of what a shop does beside its nominal simulation |
 //! | [`lobes`] | files of stability charts |
@@ -22,6 +23,7 @@
 mod calendar;
 mod calibration;
 mod contour;
+pub mod date;
 mod deviation;
 mod dispatch;
 mod distribution;
@@ -30,9 +32,11 @@ pub mod file;
 mod gap;
 mod grinding;
 pub mod lobes;
+mod order;
 mod part;
 pub mod policies;
 mod policy;
+mod posterior;
 mod scope;
 mod stability;
 mod station;
@@ -40,7 +44,7 @@ mod tuning;
 mod unit;
 mod variants;
 
-pub use calendar::{Boundary, Shift, ShiftCalendar};
+pub use calendar::{Boundary, Dated, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
@@ -48,14 +52,18 @@ pub use dispatch::{DispatchRule, MOST_RULES};
 pub use distribution::{Distribution, Empirical};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
+pub use order::{MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
+pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
+
+use std::borrow::Cow;
 
 /// A complete study: one shop under one or more policies.
 #[derive(Clone, Debug)]
@@ -64,6 +72,8 @@ pub struct Scenario {
     pub name: String,
     /// One line for people.
     pub title: String,
+    /// The date of second 0, s since 1970-01-01; `None` where the scenario has no dates.
+    pub start: Option<f64>,
     /// Seed of every random stream.
     pub seed: u64,
     /// Independent repetitions of the horizon.
@@ -82,6 +92,10 @@ pub struct Scenario {
     pub parts: Vec<Part>,
     /// Where jobs come from.
     pub arrivals: Vec<Arrival>,
+    /// Orders, beside what comes from the sources.
+    pub orders: Vec<Order>,
+    /// Which of several idle machines takes a job.
+    pub machine_choice: MachineChoice,
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
     /// The first [`MOST_RULES`] count.
     pub dispatch: Vec<DispatchRule>,
@@ -100,6 +114,33 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// Replications that one draw of a posterior serves: one where a single policy is looked at; four where policies are
+    /// compared, so that what the data leave open can be told from what chance does within one draw (assumption: four give
+    /// three degrees of freedom for the latter, and cost as few draws as possible).
+    pub fn replications_per_draw(&self) -> u32 {
+        if self.policies.len() > 1 { 4 } else { 1 }
+    }
+
+    /// The true world of a replication: tools whose parameters come from a posterior take one of its draws, the same under
+    /// every policy. Policies are worked out on the scenario itself, which has the values of the sets: controllers
+    /// believe those and not the draw.
+    ///
+    /// # Errors
+    /// [`ResolveError::Draw`](policies::ResolveError::Draw) where a draw gives a process that contradicts itself.
+    pub fn drawn(&self, replication: u32) -> Result<Cow<'_, Self>, policies::ResolveError> {
+        if self.tools.iter().all(|tool| tool.posterior.is_none()) {
+            return Ok(Cow::Borrowed(self));
+        }
+        let number = replication / self.replications_per_draw();
+        let mut world = self.clone();
+        for tool in &mut world.tools {
+            *tool = tool
+                .drawn(self.seed, number, &self.calibrations)
+                .map_err(|reason| policies::ResolveError::Draw { tool: tool.name.clone(), replication, reason })?;
+        }
+        Ok(Cow::Owned(world))
+    }
+
     /// Rules of the queue of a machine.
     pub fn rules(&self, machine: usize) -> &[DispatchRule] {
         self.machines[machine].rules.as_deref().unwrap_or(&self.dispatch)

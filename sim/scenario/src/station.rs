@@ -1,13 +1,13 @@
 //! Machines, tools, working time, breakdowns.
 
-use super::{DispatchRule, Distribution, StructureScatter, Variants};
+use super::{Calibration, DispatchRule, Distribution, Posterior, StructureScatter, Target, Variants};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_form::vocabulary;
 use toolroom_infeed::Infeed;
 use toolroom_process::MachineProcess;
-use toolroom_wear::{Pair, Scatter};
+use toolroom_wear::{Pair, Scatter, check_tilt};
 
 /// A machine tool.
 #[derive(Clone, Debug)]
@@ -24,9 +24,10 @@ pub struct MachineType {
     pub unload_time: Distribution,
     /// Changing a worn edge for a new one, s.
     pub tool_change_time: f64,
-    /// Change over when the setup group changes, s, unless the operation gives its own. The
-    /// machine stands ready for whatever comes first.
+    /// Change over when the setup group changes, s, unless the operation gives its own.
     pub setup_time: f64,
+    /// Setup group for which it stands ready at the start, empty for none; `None`: for whatever comes first.
+    pub setup_at_start: Option<String>,
     /// Edges in the magazine before an operator has to refill it. It is full at the start and
     /// gives the first edge of every tool, which is mounted beforehand and costs no time.
     pub magazine: u32,
@@ -146,12 +147,42 @@ pub struct ToolType {
     pub scatter: Scatter,
     /// How the structures of the machines around it differ from its own.
     pub structure_scatter: StructureScatter,
+    /// Draws from which each replication takes its parameters; `None`: those of the set.
+    pub posterior: Option<Arc<Posterior>>,
 }
 
 impl ToolType {
     /// True physics where a set of entries with a scope acts ([`Variants::acting`]).
     pub fn process_of(&self, acting: u32) -> &ProcessModel {
         self.variants.process(acting).unwrap_or(&self.process)
+    }
+
+    /// The tool with the parameters of draw number `number` of a study of this seed: the draw takes the place of the set's
+    /// values, `parameters` of the file and then calibrations act on it. Without draws the tool itself.
+    ///
+    /// # Errors
+    /// In words: values that contradict each other, a calibration that moves one out of its range.
+    pub fn drawn(&self, seed: u64, number: u32, calibrations: &[Calibration]) -> Result<Self, String> {
+        let mut tool = self.clone();
+        let Some(posterior) = &self.posterior else { return Ok(tool) };
+        let mut bare = self.bare().clone();
+        posterior.put(posterior.draw(seed, &self.name, number), &mut bare, &mut tool.scatter);
+        let checked = match &bare {
+            ProcessModel::Turning(process) => process.pair.law.check(),
+            ProcessModel::Milling(process) => check_tilt(process.life.stage_contrast, process.life.stage_tilt),
+            ProcessModel::Infeed(_) | ProcessModel::Other(_) => Ok(()),
+        };
+        checked.map_err(|reason| reason.to_string())?;
+        let own = |calibration: &&Calibration| {
+            calibration.target == Target::Tool(self.name.clone()) && calibration.constant().is_some()
+        };
+        let constants: Vec<&Calibration> = calibrations.iter().filter(own).collect();
+        if constants.is_empty() && self.variants.effects.is_empty() {
+            tool.process = bare;
+        } else {
+            (tool.process, tool.variants) = Variants::of(&bare, self.variants.effects.clone(), &constants)?;
+        }
+        Ok(tool)
     }
 
     /// The process of the parameter set, without effects and calibration.

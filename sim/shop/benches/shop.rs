@@ -21,6 +21,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         unload_time: Distribution::Constant(0.0),
         tool_change_time: 120.0,
         setup_time: 600.0,
+        setup_at_start: None,
         magazine: 20,
         refill_time: 300.0,
         speed_range: (0.1, 10.0),
@@ -41,6 +42,7 @@ fn tool(name: &str, process: ProcessModel) -> ToolType {
         dressing_time: 90.0,
         scatter: Scatter::shop(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 
@@ -75,6 +77,7 @@ fn scenario() -> Scenario {
     Scenario {
         name: "bench".to_owned(),
         title: "bench".to_owned(),
+        start: None,
         seed: 1,
         replications: 1,
         horizon: 28_800.0,
@@ -84,6 +87,8 @@ fn scenario() -> Scenario {
         tools: Vec::new(),
         parts: Vec::new(),
         arrivals: Vec::new(),
+        orders: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),

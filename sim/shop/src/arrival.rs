@@ -1,7 +1,9 @@
 //! Jobs enter.
 
+use super::draws::PIECES;
 use super::event::Event;
-use super::job::Job;
+use super::job::{Job, Origin};
+use super::lot::Lot;
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, JobRow};
@@ -85,6 +87,8 @@ impl<R: Recorder> Shop<'_, R> {
         let number = self.world.jobs.released;
         let row = JobRow {
             part: part as u32,
+            order: None,
+            quantity: 1,
             lot: named,
             arrival: now.seconds(),
             start: f64::NAN,
@@ -93,10 +97,22 @@ impl<R: Recorder> Shop<'_, R> {
             outcome: JobOutcome::InProcess,
         };
         let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
-        let source = source as u32;
-        let job = Job { number, entity, source, row, operation: 0, waiting: false, queued: now, origin, lot, handling };
+        let job = Job {
+            number,
+            entity,
+            origin: Origin::Source(source as u32),
+            priority: 0,
+            weight: 1.0,
+            row,
+            operation: 0,
+            waiting: false,
+            queued: now,
+            lot_owner: origin,
+            lot,
+            handling,
+        };
         let slot = self.world.jobs.insert(job);
-        for (operation, stream) in &mut self.world.sources[source as usize].ranks {
+        for (operation, stream) in &mut self.world.sources[source].ranks {
             if let Work::Plain(time) = &self.scenario.parts[part].operations[*operation].work {
                 *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
             }
@@ -104,6 +120,82 @@ impl<R: Recorder> Shop<'_, R> {
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);
         self.enqueue(slot)
+    }
+
+    /// Schedules the release of every order.
+    pub(super) fn open_orders(&mut self) -> Result<(), ShopError> {
+        for (order, own) in self.scenario.orders.iter().enumerate() {
+            let at = SimTime::from_seconds(own.release)?;
+            self.schedule(at, Event::Release { order: order as u32 })?;
+        }
+        Ok(())
+    }
+
+    /// An order enters the shop: as one job where all of its work is plain and moves on together, else in
+    /// pieces or in as many as are transferred at a time.
+    pub(super) fn release_order(&mut self, order: usize) -> Result<(), ShopError> {
+        let scenario = self.scenario;
+        let (own, now) = (&scenario.orders[order], self.now());
+        let part = &scenario.parts[own.part];
+        let owner = Entity::named(&format!("order {}", own.id));
+        let plain = part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
+        let together = own.transfer.unwrap_or(own.quantity).min(own.quantity);
+        let size = if plain { together } else { 1 };
+        let count = own.quantity.div_ceil(size);
+        if count > 1 {
+            let moving = together.div_ceil(size);
+            self.world.lots[order] = Some(Lot::new(count, moving, part.operations.len()));
+        }
+        // One rank of every operation for the whole order.
+        let mut drawn = vec![0.0; part.operations.len()];
+        for (time, operation) in drawn.iter_mut().zip(&part.operations) {
+            if let Work::Plain(work) = &operation.work {
+                let owner = Entity::named(&format!("order {}/{}", own.id, operation.name));
+                *time = work.sample(&mut self.streams.open(owner, Purpose::Processing));
+            }
+        }
+        let mut left = own.quantity;
+        for index in 0..count {
+            let quantity = size.min(left);
+            left -= quantity;
+            let entity = if count > 1 { owner.part(PIECES).part(u64::from(index)) } else { owner };
+            let number = self.world.jobs.released;
+            let row = JobRow {
+                part: own.part as u32,
+                order: Some(order as u32),
+                quantity,
+                lot: order as u32 + 1,
+                arrival: now.seconds(),
+                start: f64::NAN,
+                finish: f64::NAN,
+                due: own.due,
+                outcome: JobOutcome::InProcess,
+            };
+            let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
+            let slot = self.world.jobs.insert(Job {
+                number,
+                entity,
+                origin: Origin::Order(order as u32),
+                priority: own.priority,
+                weight: own.weight,
+                row,
+                operation: 0,
+                waiting: false,
+                queued: now,
+                lot_owner: owner,
+                lot: 0,
+                handling,
+            });
+            for (operation, time) in drawn.iter().enumerate() {
+                if matches!(part.operations[operation].work, Work::Plain(_)) {
+                    *self.world.jobs.drawn_mut(slot, operation) = *time;
+                }
+            }
+            self.recorder.job(number, row);
+            self.log_event("arrival", None, Some(number), None);
+            self.enqueue(slot)?;
+        }
+        Ok(())
     }
 
     /// A job joins the queues of its next operation, or leaves where there is none.
@@ -114,9 +206,11 @@ impl<R: Recorder> Shop<'_, R> {
         if operation >= self.scenario.parts[part].operations.len() {
             return self.leave(slot, JobOutcome::Good);
         }
-        job.waiting = true;
         job.queued = now;
-        self.wait(slot);
+        match job.origin {
+            Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
+            Origin::Order(_) | Origin::Source(_) => self.wait(slot),
+        }
         Ok(())
     }
 
@@ -128,10 +222,15 @@ impl<R: Recorder> Shop<'_, R> {
         self.recorder.job(job.number, job.row);
         let event = if outcome == JobOutcome::Good { "finish" } else { "scrap" };
         self.log_event(event, None, Some(job.number), None);
-        let source = job.source as usize;
-        if matches!(self.scenario.arrivals[source].pattern, ArrivalPattern::ConstantWork { .. }) {
-            // By an event: a routing without duration must not recurse.
-            self.schedule(self.now(), Event::Arrival { source: source as u32 })?;
+        match job.origin {
+            Origin::Source(source) => {
+                let pattern = &self.scenario.arrivals[source as usize].pattern;
+                if matches!(pattern, ArrivalPattern::ConstantWork { .. }) {
+                    // By an event: a routing without duration must not recurse.
+                    self.schedule(self.now(), Event::Arrival { source })?;
+                }
+            }
+            Origin::Order(order) => self.left_lot(order, job.operation),
         }
         Ok(())
     }

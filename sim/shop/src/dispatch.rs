@@ -8,7 +8,7 @@ use super::{Shop, ShopError};
 use rand::RngExt;
 use std::ops::Range;
 use toolroom_kernel::{Purpose, Streams};
-use toolroom_scenario::{DispatchRule, MOST_RULES, Scenario};
+use toolroom_scenario::{DispatchRule, MOST_RULES, MachineChoice, Scenario};
 
 /// Look-ahead of [`DispatchRule::Atc`], in mean processing times.
 ///
@@ -28,7 +28,7 @@ const COVERT_LOOK_AHEAD: f64 = 2.0;
 
 /// How the queue of rules has to be kept.
 pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
-    if matches!(rules, [] | [DispatchRule::Fifo]) {
+    if rules.iter().all(|rule| *rule == DispatchRule::Fifo) {
         QueueKind::Line
     } else if rules.iter().all(|rule| rule.stands()) {
         QueueKind::Heap
@@ -60,7 +60,9 @@ fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
         DispatchRule::Lifo => -since,
         DispatchRule::Random => facts.rank,
         DispatchRule::FirstReleased => facts.release,
+        DispatchRule::Priority => facts.priority,
         DispatchRule::ShortestProcessingTime => time,
+        DispatchRule::WeightedShortestTime => time / facts.weight,
         DispatchRule::LongestProcessingTime => -time,
         DispatchRule::ShortestRemaining => work_left,
         DispatchRule::LongestRemaining => -work_left,
@@ -77,10 +79,12 @@ fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
         DispatchRule::TimeAndNextQueue => time + moment.next_work,
         DispatchRule::TimesAndNextQueue => 2.0 * time + moment.next_work + facts.next_time,
         DispatchRule::TimeNextQueueAndSlack => time + moment.next_work + slack.min(0.0),
-        DispatchRule::Atc => -(-late_in(ATC_LOOK_AHEAD * moment.mean_time)).exp() / time.max(f64::MIN_POSITIVE),
+        DispatchRule::Atc => {
+            -facts.weight * (-late_in(ATC_LOOK_AHEAD * moment.mean_time)).exp() / time.max(f64::MIN_POSITIVE)
+        }
         DispatchRule::Covert => {
             let cost = 1.0 - late_in(COVERT_LOOK_AHEAD * COVERT_WAIT * work_left);
-            -cost.max(0.0) / time.max(f64::MIN_POSITIVE)
+            -facts.weight * cost.max(0.0) / time.max(f64::MIN_POSITIVE)
         }
         DispatchRule::LeastSetup => moment.setup,
     };
@@ -114,6 +118,8 @@ fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, s
     let next = plans.get(index + 1);
     Facts {
         release,
+        priority: f64::from(job.priority),
+        weight: job.weight,
         due,
         operation_due: release + (due - release) * share,
         time: layout.time(jobs, slot, part, index),
@@ -137,7 +143,9 @@ impl<R: Recorder> Shop<'_, R> {
         }
     }
 
-    /// Every idle machine on the list takes a job, in the order of the scenario.
+    /// Every idle machine on the list picks a job, in the order of the scenario. Of the idle machines that may
+    /// do it the one takes it that the scenario's choice of machines prefers; if that is another, the machine
+    /// picks again.
     pub(super) fn dispatch(&mut self) -> Result<(), ShopError> {
         if self.world.candidates.len() > 1 {
             self.world.candidates.sort_unstable();
@@ -147,22 +155,62 @@ impl<R: Recorder> Shop<'_, R> {
             next += 1;
             let machine = machine as usize;
             self.world.machines[machine].listed = false;
-            if self.world.machines[machine].is_up()
-                && self.world.machines[machine].task.is_none()
-                && let Some(waiting) = self.choose(machine)
+            while self.world.machines[machine].is_free()
+                && let Some(slot) = self.pick(machine)
             {
-                self.world.jobs.at_mut(waiting.slot).waiting = false;
-                self.weigh(waiting.slot, Weighing::Leaves);
-                self.begin(machine, waiting.slot)?;
+                let taker = self.preferred(machine, slot);
+                self.keep(taker, slot);
+                self.weigh(slot, Weighing::Leaves);
+                self.begin(taker, slot)?;
             }
         }
         self.world.candidates.clear();
         Ok(())
     }
 
+    /// The job that a machine takes next: of the order for which it is kept, or by its rules.
+    fn pick(&mut self, machine: usize) -> Option<u32> {
+        if let Some((order, operation)) = self.world.machines[machine].kept_for {
+            return self.world.next_of_lot(order, operation);
+        }
+        let waiting = self.choose(machine)?;
+        self.world.jobs.at_mut(waiting.slot).waiting = false;
+        Some(waiting.slot)
+    }
+
+    /// Of the idle machines that may do a job's operation, the one that takes it; `machine` picked it.
+    fn preferred(&self, machine: usize, slot: u32) -> usize {
+        let job = self.world.jobs.at(slot);
+        let (part, index) = (job.row.part as usize, job.operation as usize);
+        let operation = &self.scenario.parts[part].operations[index];
+        if operation.machines.len() == 1 || self.world.machines[machine].kept_for.is_some() {
+            return machine;
+        }
+        let group = self.layout.operations[part][index].setup_group;
+        let dislike = |candidate: usize| {
+            let state = &self.world.machines[candidate];
+            match self.scenario.machine_choice {
+                MachineChoice::First => 0.0,
+                MachineChoice::LeastSetup if state.ready.suits(group) => 0.0,
+                MachineChoice::LeastSetup => {
+                    operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time)
+                }
+                MachineChoice::LongestIdle => state.state_since.seconds(),
+            }
+        };
+        let free = |candidate: &usize| {
+            let state = &self.world.machines[*candidate];
+            state.is_free() && state.kept_for.is_none()
+        };
+        let others = operation.machines.iter().copied().filter(free);
+        let order = |a: &usize, b: &usize| dislike(*a).total_cmp(&dislike(*b)).then(a.cmp(b));
+        others.min_by(order).unwrap_or(machine)
+    }
+
     /// A job joins the queues of its operation.
     pub(super) fn wait(&mut self, slot: u32) {
         let (scenario, layout, streams) = (self.scenario, &self.layout, &self.streams);
+        self.world.jobs.at_mut(slot).waiting = true;
         let job = self.world.jobs.at(slot);
         let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
         let machines = &scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
@@ -180,7 +228,7 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     /// Keeps the work that waits at the station of a job's operation, where a rule looks at it.
-    fn weigh(&mut self, slot: u32, weighing: Weighing) {
+    pub(super) fn weigh(&mut self, slot: u32, weighing: Weighing) {
         if !self.layout.looks_ahead {
             return;
         }
@@ -206,7 +254,7 @@ impl<R: Recorder> Shop<'_, R> {
         let (rules, layout, world) = (self.scenario.rules(machine), &self.layout, &mut self.world);
         let (jobs, waiting_work) = (&world.jobs, &world.waiting_work);
         let state = &mut world.machines[machine];
-        let group = state.setup_group;
+        let ready = state.ready;
         let work_at = |station: u32| {
             let together = &layout.overlapping[station as usize];
             together.iter().map(|station| waiting_work[*station as usize].1).sum::<f64>()
@@ -215,7 +263,7 @@ impl<R: Recorder> Shop<'_, R> {
             now,
             mean_time,
             next_work: facts.next_station.filter(|_| layout.looks_ahead).map_or(0.0, work_at),
-            setup: if group.is_some_and(|group| group != facts.setup_group) { facts.setup_time } else { 0.0 },
+            setup: if ready.suits(facts.setup_group) { 0.0 } else { facts.setup_time },
         };
         state.queue.take(
             |waiting| is_here(jobs, waiting),
@@ -226,7 +274,7 @@ impl<R: Recorder> Shop<'_, R> {
 
 /// Whether a job begins to wait or waits no longer.
 #[derive(Clone, Copy, Debug)]
-enum Weighing {
+pub(super) enum Weighing {
     Comes,
     Leaves,
 }

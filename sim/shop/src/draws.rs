@@ -22,6 +22,10 @@ pub(super) mod owner {
     pub const NORMAL_FORCE: u64 = 3;
 }
 
+/// Owner of the pieces of an order, part of the order's own name: apart from the parts by which its
+/// operations are numbered.
+pub(super) const PIECES: u64 = 1 << 41;
+
 /// Streams of the ranks of a source: one for every operation of its part with plain work. They belong to
 /// the names of part and operation and to the place of the source among those of the part, so that other
 /// parts and sources change nothing.
@@ -58,7 +62,7 @@ pub struct Blank {
 
 /// A workpiece of `job`, hardness drawn for its lot and for itself.
 pub(super) fn blank(scatter: &Scatter, streams: &Streams, job: &Job, part: &Part) -> Blank {
-    let lot = scatter.sample_batch_hardness(&mut streams.at(job.origin, Purpose::Workpiece, job.lot));
+    let lot = scatter.sample_batch_hardness(&mut streams.at(job.lot_owner, Purpose::Workpiece, job.lot));
     let hardness = scatter.sample_piece_hardness(lot, &mut streams.open(job.entity, Purpose::Workpiece));
     Blank { hardness, lot_deviation: part.lot_deviation(job.row.lot) }
 }

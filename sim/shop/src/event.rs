@@ -25,6 +25,11 @@ pub enum Event {
         /// Index into the arrivals of the scenario.
         source: u32,
     },
+    /// An order enters the shop.
+    Release {
+        /// Index into the orders of the scenario.
+        order: u32,
+    },
     /// A shift begins.
     ShiftStart {
         /// Machine.
@@ -42,7 +47,7 @@ impl Event {
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
-            Self::Arrival { .. } => Class::Arrive,
+            Self::Arrival { .. } | Self::Release { .. } => Class::Arrive,
             Self::ShiftStart { .. } | Self::ShiftEnd { .. } => Class::Shift,
         }
     }
@@ -56,6 +61,7 @@ impl Event {
             Self::Arrival { source } => (3, source),
             Self::ShiftStart { machine } => (4, machine),
             Self::ShiftEnd { machine } => (5, machine),
+            Self::Release { order } => (6, order),
         };
         kind << 32 | u64::from(index)
     }

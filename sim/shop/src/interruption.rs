@@ -201,6 +201,7 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: job.row.part,
             operation: job.operation,
+            quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
             end: self.now().seconds(),

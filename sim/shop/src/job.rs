@@ -3,15 +3,28 @@
 use crate::runlog::JobRow;
 use toolroom_kernel::{Entity, SimTime, Stream};
 
-/// One workpiece.
+/// Where a job came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// A source, by index.
+    Source(u32),
+    /// An order, by index.
+    Order(u32),
+}
+
+/// A workpiece, or several of an order that move together.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// Number in the order of arrival; row of the log.
     pub number: u32,
     /// Who draws for it: source and its number there, the same under every policy.
     pub entity: Entity,
-    /// Source that released it.
-    pub source: u32,
+    /// Where it came from.
+    pub origin: Origin,
+    /// The smaller, the more urgent.
+    pub priority: u32,
+    /// Weight in weighted rules, 1.
+    pub weight: f64,
     /// What the log will say.
     pub row: JobRow,
     /// Operation that it waits for or is in.
@@ -20,8 +33,8 @@ pub struct Job {
     pub waiting: bool,
     /// When it came to the queue.
     pub queued: SimTime,
-    /// Who draws for its lot: the source.
-    pub origin: Entity,
+    /// Who draws for its hardness lot: the source, or the order.
+    pub lot_owner: Entity,
     /// Hardness lot within the source.
     pub lot: u64,
     /// Its times of loading and unloading, where any machine's are random.

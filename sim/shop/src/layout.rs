@@ -2,6 +2,7 @@
 
 use super::error::ShopError;
 use super::job::Jobs;
+use super::machine::Readiness;
 use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
@@ -24,6 +25,8 @@ pub(super) struct Layout {
     pub looks_ahead: bool,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
+    /// Names of setup groups, by number.
+    groups: Vec<String>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
     /// Most operations of a part that has plain work.
@@ -83,7 +86,7 @@ impl Layout {
         let tools: Vec<ToolPlan> = scenario.tools.iter().map(|tool| ToolPlan::of(&tool.process)).collect();
         let pass_times = programmed_pass_times(scenario, &tools);
         let programmed = totals(&pass_times);
-        let mut groups: Vec<&str> = Vec::new();
+        let mut groups: Vec<String> = Vec::new();
         let mut stations: Vec<Vec<usize>> = Vec::new();
         let mut first_pass = 0;
         let mut operations: Vec<Vec<OperationPlan>> = Vec::new();
@@ -91,8 +94,8 @@ impl Layout {
             let mut plans: Vec<OperationPlan> = Vec::new();
             for operation in &part.operations {
                 let group = operation.setup_group.as_str();
-                let setup_group = groups.iter().position(|each| *each == group).unwrap_or_else(|| {
-                    groups.push(group);
+                let setup_group = groups.iter().position(|each| each == group).unwrap_or_else(|| {
+                    groups.push(group.to_owned());
                     groups.len() - 1
                 });
                 let machine = &scenario.machines[operation.machines[0]];
@@ -141,6 +144,7 @@ impl Layout {
             overlapping,
             looks_ahead,
             modes_of,
+            groups,
             machines,
             plain_operations,
             random_handling,
@@ -155,8 +159,21 @@ impl Layout {
     pub fn time(&self, jobs: &Jobs, slot: u32, part: usize, operation: usize) -> f64 {
         let plan = &self.operations[part][operation];
         match plan.content {
-            ContentPlan::Plain => plan.known_time + jobs.drawn(slot, operation),
+            ContentPlan::Plain => {
+                (plan.known_time + jobs.drawn(slot, operation)) * f64::from(jobs.at(slot).row.quantity)
+            }
             ContentPlan::Machining { .. } => plan.known_time,
+        }
+    }
+
+    /// For what a machine stands ready at the start that names a setup group, an empty one for none.
+    pub fn readiness(&self, at_start: Option<&str>) -> Readiness {
+        match at_start {
+            None => Readiness::Anything,
+            Some(name) => match self.groups.iter().position(|group| group == name) {
+                Some(group) => Readiness::Group(group as u32),
+                None => Readiness::Nothing,
+            },
         }
     }
 

@@ -11,7 +11,9 @@
 //! ```
 //!
 //! An operation on a machine is: setup where the setup group changes, load, passes or plain work, unload
-//! and inspection. Plain work is a time of which nothing else is known. A pass is one calendar event, its end: when it begins the engine copies the edge's
+//! and inspection. Plain work is a time of which nothing else is known, for a piece. A job is a piece, or
+//! pieces of an order that move together; the jobs of one order keep the machine on which its first one
+//! began until the last is through. A pass is one calendar event, its end: when it begins the engine copies the edge's
 //! state, asks the policy for the speed, and advances the copy through the process to the end of
 //! the pass or the loss of the edge. An interruption plans the elapsed part again and takes that
 //! over. Nothing is polled.
@@ -47,6 +49,7 @@ mod grinding;
 mod interruption;
 mod job;
 mod layout;
+mod lot;
 mod machine;
 mod operation;
 mod pass;
@@ -65,9 +68,10 @@ pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{Refusal, ShopError};
 pub use event::Event;
-pub use job::{Job, Jobs};
+pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
-pub use machine::{Content, Machine, Machining, Pass, Piece, Step, Task};
+pub use lot::{Lot, LotStep};
+pub use machine::{Content, Machine, Machining, Pass, Piece, Readiness, Step, Task};
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
@@ -79,8 +83,8 @@ use layout::Layout;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
 use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
-use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::{ResolvedPolicy, WheelEstimate};
+use toolroom_scenario::{MachineType, Scenario};
 use toolroom_wear::PairScatter;
 
 /// Events at one instant after which the shop counts as stuck. A real shop settles an instant
@@ -121,11 +125,14 @@ pub struct Shop<'a, R = RunLog> {
 /// assert!(log.passes.len() > 1000);
 /// ```
 pub fn run(scenario: &Scenario, policy: usize, replication: u32) -> Result<RunLog, ShopError> {
-    Shop::new(scenario, policy, replication)?.run()
+    let resolved = Arc::new(ResolvedPolicy::of(scenario, policy)?);
+    let world = scenario.drawn(replication)?;
+    Shop::with_recorder(&world, resolved, replication, RunLog::default())?.run()
 }
 
 impl<'a> Shop<'a, RunLog> {
-    /// A shop at time zero that keeps a full log.
+    /// A shop at time zero that keeps a full log. Tools have the parameters of the scenario as it is; those of a replication
+    /// whose tools have draws are in [`Scenario::drawn`].
     ///
     /// # Errors
     /// [`ShopError`] for indices that point nowhere and for policies that cannot be resolved.
@@ -149,7 +156,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
     ) -> Result<Self, ShopError> {
         let layout = Arc::new(Layout::of(scenario)?);
         let streams = Streams::new(scenario.seed, u64::from(replication));
-        let machine = |(index, kind)| Machine::new(scenario.tools.len(), kind, scenario.rules(index));
+        let machine = |(index, kind): (usize, &MachineType)| {
+            let ready = layout.readiness(kind.setup_at_start.as_deref());
+            Machine::new(scenario.tools.len(), kind, scenario.rules(index), ready)
+        };
         let machines = scenario.machines.iter().enumerate().map(machine).collect();
         let source = |index| {
             let entity = Entity::named("arrivals").part(index as u64);
@@ -163,6 +173,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             modes: vec![failure; scenario.failures.len()],
             sources: (0..scenario.arrivals.len()).map(source).collect(),
             edges_mounted: 0,
+            lots: vec![None; scenario.orders.len()],
             waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
         };
@@ -181,6 +192,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             end: None,
         };
         shop.open_sources()?;
+        shop.open_orders()?;
         shop.open_shifts()?;
         shop.open_failures()?;
         for machine in 0..scenario.machines.len() {
@@ -270,7 +282,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// Goes on under another policy of the scenario: the branch of a snapshot. Edges stay in
-    /// the machines; a controller that observes measures each of them once when it takes over.
+    /// the machines; a controller that observes measures each of them once when it takes over. The policy is worked out on
+    /// the scenario of this shop, which in a world of [`Scenario::drawn`] is the draw.
     ///
     /// # Errors
     /// [`ShopError`] for an unknown policy and one that cannot be resolved.
@@ -320,6 +333,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             Event::Failure { mode } => self.fail(mode as usize),
             Event::Repair { mode } => self.repair(mode as usize),
             Event::Arrival { source } => self.arrive(source as usize),
+            Event::Release { order } => self.release_order(order as usize),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),
         }

@@ -27,8 +27,10 @@ pub struct Machine {
     pub mounted: Vec<u64>,
     /// Edges left in the magazine.
     pub magazine: u32,
-    /// Setup group it is prepared for.
-    pub setup_group: Option<u32>,
+    /// For what it stands ready.
+    pub ready: Readiness,
+    /// The order and operation for which it is kept, until the last job of that order is through.
+    pub kept_for: Option<(u32, u32)>,
     /// Failures not yet repaired.
     pub failures: u32,
     /// Whether it is out of shift.
@@ -49,6 +51,28 @@ pub struct Machine {
     pub segment: Segment,
     /// What it has learnt about chatter.
     pub reactions: Vec<Reaction>,
+}
+
+/// For what a machine stands ready without a setup.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readiness {
+    /// Whatever comes first.
+    Anything,
+    /// Nothing yet.
+    Nothing,
+    /// A setup group, by number.
+    Group(u32),
+}
+
+impl Readiness {
+    /// Whether work of a setup group needs no setup.
+    pub fn suits(self, group: u32) -> bool {
+        match self {
+            Self::Anything => true,
+            Self::Nothing => false,
+            Self::Group(own) => own == group,
+        }
+    }
 }
 
 /// An operation in a machine.
@@ -266,7 +290,7 @@ impl Step {
 
 impl Machine {
     /// A machine with a full magazine, ready at time zero.
-    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule]) -> Self {
+    pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule], ready: Readiness) -> Self {
         Self {
             queue: Queue::of(queue_kind(rules)),
             task: None,
@@ -274,7 +298,8 @@ impl Machine {
             learnt: vec![None; tools],
             mounted: vec![0; tools],
             magazine: kind.magazine,
-            setup_group: None,
+            ready,
+            kept_for: None,
             failures: 0,
             off_shift: false,
             leaving: false,
@@ -293,6 +318,11 @@ impl Machine {
         self.failures == 0 && !self.off_shift
     }
 
+    /// Whether it can take a job now.
+    pub fn is_free(&self) -> bool {
+        self.is_up() && self.task.is_none()
+    }
+
     /// The state that the log should show.
     pub fn current_state(&self) -> MachineState {
         if self.failures > 0 {
@@ -300,7 +330,8 @@ impl Machine {
         } else if self.off_shift {
             MachineState::OffShift
         } else {
-            self.task.as_ref().map_or(MachineState::Idle, |task| task.step.state())
+            let empty = if self.kept_for.is_some() { MachineState::Starved } else { MachineState::Idle };
+            self.task.as_ref().map_or(empty, |task| task.step.state())
         }
     }
 }

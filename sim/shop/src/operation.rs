@@ -1,7 +1,7 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
 use super::layout::ContentPlan;
-use super::machine::{Content, IN_WORK, Machining, Piece, Step, Task};
+use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
@@ -45,8 +45,9 @@ impl<R: Recorder> Shop<'_, R> {
         let plan = self.layout.operations[part][index];
         let asked = self.asked(machine, slot);
         let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
+        let pieces = f64::from(self.world.jobs.at(slot).row.quantity);
         let content = match plan.content {
-            ContentPlan::Plain => Content::Plain(self.plain_time(&asked, slot, index)),
+            ContentPlan::Plain => Content::Plain(pieces * self.plain_time(&asked, slot, index)),
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);
                 Content::Machining(Machining {
@@ -61,7 +62,7 @@ impl<R: Recorder> Shop<'_, R> {
             }
         };
         let state = &mut self.world.machines[machine];
-        let change = state.setup_group.is_some_and(|group| group != plan.setup_group);
+        let change = !state.ready.suits(plan.setup_group);
         let setup = self.scenario.parts[part].operations[index].setup_time;
         let setup = asked.calibrated(self.scenario, "setup_time", setup.unwrap_or(kind.setup_time));
         state.task = Some(Task {
@@ -71,8 +72,8 @@ impl<R: Recorder> Shop<'_, R> {
             left: if change { setup } else { 0.0 },
             since: now,
             end: None,
-            load_time,
-            unload_time,
+            load_time: pieces * load_time,
+            unload_time: pieces * unload_time,
             content,
         });
         if change {
@@ -136,7 +137,7 @@ impl<R: Recorder> Shop<'_, R> {
             Step::Setup => {
                 let job = self.world.jobs.at(slot);
                 let plan = self.layout.operations[job.row.part as usize][job.operation as usize];
-                self.world.machines[machine].setup_group = Some(plan.setup_group);
+                self.world.machines[machine].ready = Readiness::Group(plan.setup_group);
                 self.load(machine);
                 Ok(())
             }
@@ -245,6 +246,7 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: part as u32,
             operation: index as u32,
+            quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
             end: self.calendar.now().seconds(),
@@ -252,6 +254,7 @@ impl<R: Recorder> Shop<'_, R> {
             result,
         };
         self.recorder.operation(row);
+        self.passed(task.slot, index as u32);
         self.show_state(machine);
         self.may_choose(machine);
         match bad {
@@ -268,6 +271,7 @@ impl<R: Recorder> Shop<'_, R> {
             job: job.number,
             part: job.row.part,
             operation: job.operation,
+            quantity: job.row.quantity,
             machine: machine as u32,
             start: task.begun.seconds(),
             end: f64::NAN,
@@ -275,6 +279,15 @@ impl<R: Recorder> Shop<'_, R> {
             result: OperationResult::InProcess,
         };
         self.recorder.operation(row);
+    }
+
+    /// Time that the operation in a machine still takes, s, its setup included; `None` where there is none.
+    pub(super) fn left_in(&self, machine: usize) -> Option<f64> {
+        let task = self.world.machines[machine].task.as_ref()?;
+        let job = self.world.jobs.at(task.slot);
+        let elapsed = if task.end.is_some() { self.now() - task.since } else { 0.0 };
+        let setup = if matches!(task.step, Step::Setup) { task.left } else { 0.0 };
+        Some(setup + self.time_left(task, job.row.part as usize, job.operation as usize) - elapsed)
     }
 
     /// Time in cut and in handling that an operation still takes, s. What policies will make of

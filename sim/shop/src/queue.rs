@@ -27,6 +27,10 @@ pub(super) type Keys = [f64; MOST_RULES];
 pub(super) struct Facts {
     /// When the job entered the shop, s.
     pub release: f64,
+    /// The smaller, the more urgent.
+    pub priority: f64,
+    /// Weight of its order, 1.
+    pub weight: f64,
     /// When it is due, s.
     pub due: f64,
     /// When this operation is due: the allowance of the job divided in proportion to work, s.

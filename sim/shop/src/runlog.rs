@@ -15,6 +15,8 @@ pub enum MachineState {
     ToolChange,
     /// Dressing a grinding wheel.
     Dressing,
+    /// Kept for a lot of which nothing is there.
+    Starved,
     /// Broken down.
     Down,
     /// Ready, nothing to do.
@@ -25,13 +27,14 @@ pub enum MachineState {
 
 impl MachineState {
     /// All states in the order of reports.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Cutting,
         Self::Working,
         Self::Handling,
         Self::Setup,
         Self::ToolChange,
         Self::Dressing,
+        Self::Starved,
         Self::Down,
         Self::Idle,
         Self::OffShift,
@@ -46,6 +49,7 @@ impl MachineState {
             Self::Setup => "setup",
             Self::ToolChange => "tool_change",
             Self::Dressing => "dressing",
+            Self::Starved => "starved",
             Self::Down => "down",
             Self::Idle => "idle",
             Self::OffShift => "off_shift",
@@ -219,12 +223,16 @@ pub struct EdgeRow {
     pub thermal_wear_factor: f64,
 }
 
-/// One job.
+/// One job: a piece, or pieces of an order that move together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobRow {
     /// Part type.
     pub part: u32,
-    /// Batch of its source, from 1.
+    /// Order that it belongs to, by index.
+    pub order: Option<u32>,
+    /// Pieces.
+    pub quantity: u32,
+    /// Hardness batch of its source, from 1; of an order 1.
     pub lot: u32,
     /// Arrival, s.
     pub arrival: f64,
@@ -260,6 +268,8 @@ pub struct OperationRow {
     pub part: u32,
     /// Operation within the routing.
     pub operation: u32,
+    /// Pieces.
+    pub quantity: u32,
     /// Machine.
     pub machine: u32,
     /// Since when its time counts, s: begun, or begun anew after an interruption that undid it.

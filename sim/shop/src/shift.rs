@@ -48,11 +48,13 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn shift_ends(&mut self, machine: usize) -> Result<(), ShopError> {
         self.log_event("shift_end", Some(machine), None, None);
         self.schedule_boundary(machine)?;
-        let at_end = self.calendar_of(machine).map_or(Interruption::Finish, |calendar| calendar.at_end);
+        let (at_end, within) = self
+            .calendar_of(machine)
+            .map_or((Interruption::Finish, 0.0), |calendar| (calendar.at_end, calendar.finish_within));
+        let finishes = |left: f64| at_end == Interruption::Finish || left <= within;
         // A part in a machine that is down cannot be finished; it stays where it is.
-        let state = &mut self.world.machines[machine];
-        if state.task.is_some() && state.is_up() && at_end == Interruption::Finish {
-            state.leaving = true;
+        if self.world.machines[machine].is_up() && self.left_in(machine).is_some_and(finishes) {
+            self.world.machines[machine].leaving = true;
             return Ok(());
         }
         self.interrupt(machine, at_end, JobOutcome::ShiftEnd)?;

@@ -1,6 +1,7 @@
 //! Everything of a shop that changes, as plain data.
 
 use super::job::Jobs;
+use super::lot::Lot;
 use super::machine::Machine;
 use toolroom_kernel::{EventKey, SimTime, Stream};
 
@@ -16,6 +17,8 @@ pub struct World {
     pub modes: Vec<FailureState>,
     /// Sources of jobs, as in the scenario.
     pub sources: Vec<SourceState>,
+    /// Orders of which several jobs are in the shop, by order.
+    pub lots: Vec<Option<Lot>>,
     /// Edges mounted so far.
     pub edges_mounted: u32,
     /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.

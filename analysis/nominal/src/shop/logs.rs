@@ -27,7 +27,7 @@ pub fn after(shop: &Shop, first: &Records, mut second: Records) -> Records {
     let start = times.iter().copied().fold(f64::INFINITY, f64::min);
     if start < end {
         let calendars = shop.stations.iter().filter_map(|station| station.calendar.as_ref());
-        let period = calendars.fold(WEEK, |all, own| multiple(all, own.period.round().max(1.0) as u64)) as f64;
+        let period = calendars.fold(WEEK, |all, own| multiple(all, own.period().round().max(1.0) as u64)) as f64;
         let moved = ((end - start) / period).ceil() * period;
         let times = times.iter().map(|time| time + moved).collect();
         // Edges of one name in logs of the same days are not the same.

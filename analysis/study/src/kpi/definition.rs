@@ -2,7 +2,7 @@
 
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
-use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, ToolChange, Working};
+use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, Working};
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::MachineState;
@@ -298,14 +298,14 @@ pub(super) const SHOP: &[ShopFigure] = &[
         |_, t| t.sum(|m| m.state(Cutting)) / t.sum(MachineTally::planned_busy_time),
     ),
     (define("lead_time", "lead time", "s", "min", Less, "Mean time from arrival to finish of good parts."), |_, t| {
-        t.lead_time / f64::from(t.good)
+        t.lead_time / f64::from(t.good_jobs)
     }),
     (define("tardiness", "tardiness", "s", "min", Less, "Mean of max(0, finish − due) of good parts."), |_, t| {
-        t.tardiness / f64::from(t.good)
+        t.tardiness / f64::from(t.good_jobs)
     }),
     (
         define("tardy_share", "tardy parts", "1", "%", Less, "Share of good parts that finished after they were due."),
-        |_, t| f64::from(t.tardy) / f64::from(t.good),
+        |_, t| f64::from(t.tardy) / f64::from(t.good_jobs),
     ),
     (define("wip", "work in process", "1", "1", Less, "Time average of the number of jobs in the shop."), |_, t| {
         t.job_time / t.window
@@ -500,6 +500,17 @@ pub(super) const MACHINE: &[MachineFigure] = &[
     (define("dressing_time_share", "dressing", "1", "%", Neither, "Share of all time dressing."), |t, m| {
         m.state(Dressing) / t.window
     }),
+    (
+        define(
+            "starved_time_share",
+            "starved",
+            "1",
+            "%",
+            Neither,
+            "Share of all time kept for an order of which nothing is there.",
+        ),
+        |t, m| m.state(Starved) / t.window,
+    ),
     (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down in shift."), |t, m| {
         m.state(Down) / t.window
     }),

@@ -45,8 +45,8 @@ impl MachineTally {
 
     /// Production, setup and delay: all but idle.
     pub fn busy_time(&self) -> f64 {
-        let delay =
-            [MachineState::ToolChange, MachineState::Dressing, MachineState::Down].map(|state| self.state(state));
+        let delay = [MachineState::ToolChange, MachineState::Dressing, MachineState::Starved, MachineState::Down]
+            .map(|state| self.state(state));
         self.production_time() + self.state(MachineState::Setup) + delay.iter().sum::<f64>()
     }
 
@@ -66,7 +66,10 @@ impl MachineTally {
 pub(super) struct Tally {
     pub window: f64,
     pub machines: Vec<MachineTally>,
+    /// Good parts.
     pub good: u32,
+    /// Jobs that were good: a part, or parts of an order that move together.
+    pub good_jobs: u32,
     pub scrapped: u32,
     pub scrapped_by_tool: u32,
     pub out_of_tolerance: u32,
@@ -264,7 +267,8 @@ impl Tally {
         let machine = &scenario.machines[row.machine as usize];
         let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
         let work = programmed + operation.work.plain_time();
-        let planned = work + machine.load_time.mean() + machine.unload_time.mean();
+        let pieces = f64::from(row.quantity);
+        let planned = pieces * (work + machine.load_time.mean() + machine.unload_time.mean());
         let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
         let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
         let tally = &mut self.machines[row.machine as usize];
@@ -282,7 +286,7 @@ impl Tally {
             tally.planned_produced += planned;
             if row.result == OperationResult::Good {
                 tally.planned_good += planned;
-                tally.good += 1.0;
+                tally.good += pieces;
             }
         }
     }
@@ -293,11 +297,12 @@ impl Tally {
             if left < scenario.warm_up {
                 continue;
             }
-            self.offered += 1.0;
+            self.offered += f64::from(job.quantity);
             self.job_time += left - job.arrival.max(scenario.warm_up);
             match job.outcome {
                 JobOutcome::Good => {
-                    self.good += 1;
+                    self.good += job.quantity;
+                    self.good_jobs += 1;
                     self.lead_time += job.finish - job.arrival;
                     self.tardiness += (job.finish - job.due).max(0.0);
                     self.tardy += u32::from(job.finish > job.due);
@@ -309,12 +314,13 @@ impl Tally {
                 | JobOutcome::Chatter
                 | JobOutcome::Breakdown
                 | JobOutcome::ShiftEnd) => {
-                    self.scrapped += 1;
-                    self.scrapped_by_tool += u32::from(outcome == JobOutcome::ToolFailure);
-                    self.out_of_tolerance += u32::from(outcome == JobOutcome::OutOfTolerance);
-                    self.burnt += u32::from(outcome == JobOutcome::Burnt);
-                    self.scrapped_by_chatter += u32::from(outcome == JobOutcome::Chatter);
-                    self.scrap_cost += scenario.parts[job.part as usize].material_cost;
+                    let lost = job.quantity;
+                    self.scrapped += lost;
+                    self.scrapped_by_tool += lost * u32::from(outcome == JobOutcome::ToolFailure);
+                    self.out_of_tolerance += lost * u32::from(outcome == JobOutcome::OutOfTolerance);
+                    self.burnt += lost * u32::from(outcome == JobOutcome::Burnt);
+                    self.scrapped_by_chatter += lost * u32::from(outcome == JobOutcome::Chatter);
+                    self.scrap_cost += f64::from(lost) * scenario.parts[job.part as usize].material_cost;
                 }
             }
         }

@@ -140,6 +140,8 @@ pub fn jobs() -> Vec<Column<JobRow>> {
         count("job", |r| Some(r.index)),
         text("part", |r: &Row<'_, JobRow>| r.names.part(r.row.part)),
         count("lot", |r| Some(r.row.lot)),
+        text("order", |r| r.names.order(r.row.order)),
+        count("quantity", |r| Some(r.row.quantity)),
         real("arrival", "s", "min", |row| row.arrival),
         real("start", "s", "min", |row| row.start),
         real("finish", "s", "min", |row| row.finish),

@@ -2,6 +2,7 @@
 
 use super::Source;
 use crate::figure::plain;
+use crate::planner::ticks;
 use crate::trace::{last_machines, machine_of};
 use toolroom_chart::page::{Figure, Section};
 use toolroom_chart::{Axis, Colour, Gantt, Hatch, Marker, StackedBars, Style, Table};
@@ -18,6 +19,7 @@ fn style(state: MachineState) -> (&'static str, Style) {
         MachineState::Setup => ("setup", Style::nth(3)),
         MachineState::ToolChange => ("tool change", Style::nth(4)),
         MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Backslash)),
+        MachineState::Starved => ("kept for an order", Style::nth(6).hatch(Hatch::Horizontal)),
         MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
         MachineState::Idle => ("idle", Style::IDLE),
         MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),
@@ -42,17 +44,30 @@ pub(super) fn schedule_section(source: &Source<'_>) -> Section {
     section
 }
 
-/// One shift of the first replication, the first one that counts.
+/// Longest stretch of dates that a Gantt chart of orders shows, s: a week.
+const WEEK: f64 = 7.0 * 86_400.0;
+
+/// One shift of the first replication, the first one that counts; of a scenario with dates the first week.
 fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
     let log = source.log(position)?;
     let scenario = source.scenario;
     let from = scenario.warm_up;
-    let to = (from + scenario.shift_length).min(log.horizon);
+    let dated = scenario.start.filter(|_| !scenario.orders.is_empty());
+    let stretch = if dated.is_some() { WEEK } else { scenario.shift_length };
+    let to = (from + stretch).min(log.horizon);
     let hours = |seconds: f64| convert(seconds, "s", "h");
     let name = source.name(position);
     let machines = scenario.machines.iter().map(|machine| machine.name.as_str());
-    let time = Axis::linear("Time", "h").range(hours(from), hours(to));
-    let mut chart = Gantt::new(format!("One shift: {name}"), time, machines)
+    let time = match dated {
+        None => Axis::linear("Time", "h"),
+        Some(start) => {
+            let ticks = ticks(start, from, to).into_iter().map(|(time, date)| (hours(time), date));
+            Axis::linear("Midnight of the day", "").ticks(ticks)
+        }
+    };
+    let time = time.range(hours(from), hours(to));
+    let what = if dated.is_some() { "First week" } else { "One shift" };
+    let mut chart = Gantt::new(format!("{what}: {name}"), time, machines)
         .describe(format!("State of every machine over time under {name}, with tool changes and failures."));
     // Idle time is the paper itself.
     let drawn: Vec<MachineState> = MachineState::ALL
@@ -71,7 +86,14 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
     for row in log.states.iter().filter(|row| row.end > from && row.start < to) {
         let Some(kind) = drawn.iter().position(|&state| state == row.state) else { continue };
         let label = match (row.state, row.job) {
-            (MachineState::Cutting, Some(job)) => format!("job {job}"),
+            (MachineState::Cutting | MachineState::Working | MachineState::Setup, Some(job)) => {
+                let order = log.jobs[job as usize].order.map(|order| scenario.orders[order as usize].id.clone());
+                match order {
+                    Some(id) => format!("order {id}"),
+                    None if row.state == MachineState::Cutting => format!("job {job}"),
+                    None => String::new(),
+                }
+            }
             _ => String::new(),
         };
         chart = chart.interval(row.machine as usize, kind, hours(row.start.max(from)), hours(row.end.min(to)), label);
@@ -83,7 +105,8 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
             chart = chart.mark(machine as usize, kind, hours(row.time));
         }
     }
-    let caption = format!("{name}, first replication, the first shift that counts. Empty stretches are idle.");
+    let stretch = if dated.is_some() { "the first week" } else { "the first shift that counts" };
+    let caption = format!("{name}, first replication, {stretch}. Empty stretches are idle.");
     Some(Figure::new(&chart, caption).data_in("the states table"))
 }
 

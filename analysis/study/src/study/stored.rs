@@ -1,7 +1,8 @@
 //! Runs made elsewhere, for studies in shards.
 
-use super::{EdgeLife, NamedLife, Run, StudyError, lives, resolve, stopped};
+use super::{EdgeLife, NamedLife, Run, StudyError, evaluate, lives, resolve, stopped};
 use crate::kpi;
+use crate::planner::Figures;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -37,13 +38,16 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
     let tasks: Vec<(u32, usize)> =
         (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
-        let shop = Shop::with_recorder(scenario, Arc::clone(&resolved[&policy]), replication, RunLog::default());
-        let log = shop.and_then(Shop::run).map_err(|source| stopped(scenario, policy, replication, source))?;
+        let run = || {
+            let world = scenario.drawn(replication)?;
+            Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+        };
+        let log = run().map_err(|source| stopped(scenario, policy, replication, source))?;
         Ok(StoredRun {
             policy,
             replication,
             digest: log.digest,
-            values: kpi::evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
+            values: evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
             lives: lives(&log, &lathes).iter().map(EdgeLife::named).collect(),
         })
     });
@@ -60,7 +64,7 @@ pub fn stored_digest(
     (from, to): (u64, u64),
     runs: &[StoredRun],
 ) -> Result<u64, String> {
-    let figures = kpi::kpis(scenario).len();
+    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
     let due = (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy)));
     let mut found = runs.iter();
     for (replication, policy) in due {

@@ -199,7 +199,8 @@ impl Field<'_> {
         if stop.load(Ordering::Relaxed) {
             return Err(TuneError::Stopped);
         }
-        let shop = Shop::with_recorder(scenario, Arc::clone(policy), replication, RunLog::default()).map_err(refuse)?;
+        let world = scenario.drawn(replication).map_err(|source| refuse(source.into()))?;
+        let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, RunLog::default()).map_err(refuse)?;
         let log = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
         progress(1);
         let value = objective.sign * kpi::evaluate(scenario, &log)[objective.index];

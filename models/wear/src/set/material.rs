@@ -23,7 +23,8 @@ pub struct MaterialGroup {
 pub const MATERIAL_GROUPS: usize = 41;
 
 /// Where the table comes from.
-const TABLE: &str = "table of VDI 3323 groups with kc1.1 and mc as tool makers' catalogues print it, recalled";
+const TABLE: &str =
+    "assumption: table of VDI 3323 groups with kc1.1 and mc as tool makers' catalogues print it, recalled";
 
 /// Relative uncertainty of a force that only its material group tells (assumption).
 pub const FORCE_DEVIATION: f64 = 0.25;

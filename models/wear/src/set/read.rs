@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
-use toolroom_form::{Fault, Quantity, ReadError, Section, Value, Walk, nearest, parse};
+use toolroom_form::{Fault, Quantity, ReadError, Section, Value, Walk, display, nearest, parse};
 use toolroom_process::Field;
 use toolroom_process::parameters::place;
 
@@ -144,6 +144,7 @@ fn set(
             walk.fault(root.span_of("parameters"), SetFault::Missing { group: group.name, names: missing.join(", ") });
         }
     }
+    converted.notes.extend(passed_over(catalogue, &values, &converted.values, &line));
     let inherited_prior = base.as_ref().map_or_else(BTreeMap::new, |base| base.prior.clone());
     let mut prior = inherited_prior;
     prior.extend(converted.prior);
@@ -348,6 +349,29 @@ fn law(
             None
         }
     }
+}
+
+/// Handbook values that another value of the file goes before.
+fn passed_over(
+    catalogue: &Catalogue,
+    values: &Values,
+    converted: &Values,
+    line: &dyn Fn(&Range<usize>) -> usize,
+) -> Vec<String> {
+    let told = |((group, name), stated): (&(&'static str, &'static str), &Placed)| {
+        let own = converted.get(&(*group, *name)).filter(|own| own.origin == Origin::Handbook)?;
+        let field = catalogue.group(group)?.fields.iter().find(|field| field.name == *name)?;
+        let shown = |value| display(&Quantity::of(field), value);
+        (own.value != stated.value).then(|| {
+            let (stated_line, handbook_line) = (line(&stated.span), line(&own.span));
+            format!(
+                "{group}.{name} is {}, as line {stated_line} states; the constants of line {handbook_line} would give {}",
+                shown(stated.value),
+                shown(own.value)
+            )
+        })
+    };
+    values.iter().filter_map(told).collect()
 }
 
 /// A stated wear limit must be the one for which the handbook's lives hold.

@@ -53,7 +53,27 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "date-without-start",
-        "A scope counts `from` and `until` from the start of the scenario, which has no date: write \"12 day\" or \"36 h\".",
+        "Dates count from the start of the scenario, which has none: write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, \"12 day\" or \"36 h\". The `from` and `until` of a scope always are such times.",
+    ),
+    (
+        "no-date",
+        "Dates are written \"2026-03-30\" or \"2026-03-30 06:00\", times of the day \"06:00\", shifts and breaks \"06:00-14:00\", holidays \"2026-04-03\" or \"2026-08-03..2026-08-14\", overtime \"2026-04-04 06:00-10:00\". They are local wall-clock time without zone and without daylight saving.",
+    ),
+    (
+        "calendar-empty",
+        "Nothing that has this calendar could ever work: its `week` has no shifts, or holidays take all of them out, and there is no overtime before the horizon.",
+    ),
+    (
+        "order-beyond-horizon",
+        "An order that is released before second 0 or after the horizon would silently be missing from the results. `start` in [shop] is the date of second 0, `horizon` the length of the run. What is already in work at the start cannot be given yet.",
+    ),
+    (
+        "table-cell",
+        "A row of a table that the scenario names under [tables] is at fault. The message names file, line and column; the keys are those of the section in the scenario, the first line names them.",
+    ),
+    (
+        "draws",
+        "`parameters_from` names draws of a posterior, a Parquet table that `toolroom calibrate --data` writes beside the set: a column `group.parameter [unit]` for each parameter of the process, `edge_scatter`, `law` and `weight`. The parameter set of the tool has the same wear law, `parameters` states none of the same values, and all draws have the same weight. Each replication takes one draw, the same under every policy; policies believe the set. docs/calibration.md shows the way.",
     ),
     (
         "calibration",

@@ -145,6 +145,54 @@ pub enum ScenarioFault {
         /// What was read.
         read: String,
     },
+    /// A text that is no date, no time of the day or no interval.
+    #[error("`{key}` = \"{read}\" is no {expected}")]
+    NoDate {
+        /// The key.
+        key: &'static str,
+        /// What was read.
+        read: String,
+        /// What was expected.
+        expected: &'static str,
+        /// One that would do.
+        example: &'static str,
+    },
+    /// A calendar in which nobody ever works.
+    #[error("calendar \"{name}\" has no working time until the horizon")]
+    CalendarEmpty {
+        /// The calendar.
+        name: String,
+    },
+    /// An order that is released when the run is over, or before it begins.
+    #[error("order \"{id}\" is released at {release}, but the run goes {run}")]
+    OrderOutside {
+        /// The order.
+        id: String,
+        /// When it is released.
+        release: String,
+        /// First and last instant of the run.
+        run: String,
+    },
+    /// A row of a table.
+    #[error("{file}, line {line}: {reason}")]
+    TableCell {
+        /// The file.
+        file: String,
+        /// Line of the file, from 1.
+        line: u64,
+        /// What is wrong.
+        reason: String,
+        /// What to do about it.
+        fix: Option<String>,
+    },
+    /// Draws of a posterior that a tool cannot take.
+    #[error("draws \"{file}\": {reason}")]
+    Draws {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -170,6 +218,11 @@ impl ContentFault for ScenarioFault {
             Self::Effect { .. } => "effect",
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
+            Self::NoDate { .. } => "no-date",
+            Self::CalendarEmpty { .. } => "calendar-empty",
+            Self::OrderOutside { .. } => "order-beyond-horizon",
+            Self::TableCell { .. } => "table-cell",
+            Self::Draws { .. } => "draws",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -188,7 +241,15 @@ impl ContentFault for ScenarioFault {
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
             Self::Unit { fix, .. } => fix.clone(),
-            Self::DateWithoutStart { .. } => "write the time since the start, such as \"12 day\"".to_owned(),
+            Self::DateWithoutStart { .. } => {
+                "write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, such as \"12 day\""
+                    .to_owned()
+            }
+            Self::NoDate { example, .. } => format!("such as {example}"),
+            Self::CalendarEmpty { .. } => "give a day of `week` its shifts, or overtime".to_owned(),
+            Self::OrderOutside { .. } => "lengthen `horizon`, move `start`, or take the order out".to_owned(),
+            Self::TableCell { fix, .. } => return fix.clone(),
+            Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"

@@ -1,7 +1,9 @@
 //! The sections of a scenario file.
 
+mod order;
 mod policy;
 
+use order::{CALENDAR, ORDER, TABLES};
 pub use policy::SENSORS;
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
@@ -10,7 +12,7 @@ use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
-use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineType};
+use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
@@ -93,6 +95,11 @@ static SHOP: Form = Form {
             "20",
             "Independent repetitions of the horizon",
         ),
+        Key::optional(
+            "start",
+            Kind::Text,
+            "Date of second 0, such as \"2026-03-30 00:00\"; due where anything has a date",
+        ),
         Key::required("horizon", LONG_DURATION, "Simulated time of one replication, warm-up included"),
         Key::default("warm_up", TIME, "0 h", "Time at the start that no statistic counts"),
         Key::default(
@@ -103,28 +110,6 @@ static SHOP: Form = Form {
         ),
         Key::default("currency", Kind::Choice(CURRENCIES), "EUR", "Currency of every amount"),
     ],
-};
-
-static CALENDAR: Form = Form {
-    title: "[[calendar]]",
-    doc: "Working time that repeats; a machine without calendar always works",
-    keys: &[
-        Key::required("name", Kind::Name, "Unique name"),
-        Key::default("period", LONG_DURATION, "1 day", "Period of repetition, a day or a week"),
-        Key::required("shift", Kind::Tables(&SHIFT), "Working intervals inside one period, in order"),
-        Key::default(
-            "at_end",
-            Kind::Choice(Interruption::WORDS),
-            Interruption::Finish.word(),
-            "What happens to the part in the machine when a shift ends",
-        ),
-    ],
-};
-
-static SHIFT: Form = Form {
-    title: "[[calendar.shift]]",
-    doc: "One working interval, counted from the start of the period",
-    keys: &[Key::required("start", TIME, "Start"), Key::required("end", DURATION, "End")],
 };
 
 static MACHINE: Form = Form {
@@ -158,6 +143,11 @@ static MACHINE: Form = Form {
             TIME,
             "0 min",
             "Change over when the setup group changes, unless the operation gives its own",
+        ),
+        Key::optional(
+            "setup_at_start",
+            Kind::Text,
+            "Setup group for which it stands ready at the start, \"\" for none; left out: for whatever comes first",
         ),
         Key::default(
             "magazine",
@@ -194,6 +184,11 @@ static TOOL: Form = Form {
             "parameter_set",
             Kind::Name,
             "Tool and work material: name of a parameter set of the process; due unless a unit is named",
+        ),
+        Key::optional(
+            "parameters_from",
+            Kind::Text,
+            "Draws of a calibration, a Parquet table beside this file: each replication takes one, the same under every policy",
         ),
         Key::optional("fmu", Kind::Text, "FMI unit that stands in for the process; its path from this file")
             .when("process", ProcessKind::CUTTING),
@@ -423,13 +418,21 @@ const DISPATCH_RULE: Kind = Kind::Choice(DispatchRule::NAMES);
 
 static DISPATCH: Form = Form {
     title: "[dispatch]",
-    doc: "Which waiting job a free machine takes",
-    keys: &[Key::default(
-        "rule",
-        Kind::List(&DISPATCH_RULE),
-        DispatchRule::Fifo.word(),
-        "Rule, or up to three, each deciding where the ones before are equal; then arrival at the queue, then job number",
-    )],
+    doc: "Which waiting job a free machine takes, and which machine a waiting job",
+    keys: &[
+        Key::default(
+            "rule",
+            Kind::List(&DISPATCH_RULE),
+            DispatchRule::Fifo.word(),
+            "Rule, or up to three, each deciding where the ones before are equal; then arrival at the queue, then job number",
+        ),
+        Key::default(
+            "machine_choice",
+            Kind::Choice(MachineChoice::WORDS),
+            MachineChoice::LeastSetup.word(),
+            "Which of several idle machines takes a job; ties go to the first of the file",
+        ),
+    ],
 };
 
 static FAILURE: Form = Form {
@@ -475,6 +478,8 @@ pub static SCENARIO: Form = Form {
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),
+        Key::optional("order", Kind::Tables(&ORDER), "Orders: quantities of parts with dates"),
+        Key::optional("tables", Kind::Table(&TABLES), "Tables in files beside this one"),
         Key::optional("dispatch", Kind::Table(&DISPATCH), "Which waiting job a free machine takes"),
         Key::optional("failure", Kind::Tables(&FAILURE), "Breakdowns"),
         Key::optional(

@@ -11,12 +11,14 @@
 //! meaning. The room [`toolroom_form`] makes reader, JSON schema, the echo of `toolroom check` and
 //! the error texts from them.
 
+mod calendars;
 mod choices;
 mod codes;
 mod fault;
 mod imported;
 mod keys;
 mod measured;
+mod orders;
 mod planned;
 mod processes;
 mod random;

@@ -1,13 +1,15 @@
 //! From sections to the resolved scenario: names become indices, contradictions are found.
 
+use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, planned, processes, routing, rules, stability, tune};
+use super::{Output, measured, orders, planned, processes, routing, rules, stability, tune};
 use crate::{
-    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Shift,
-    ShiftCalendar, Target, ToolType, TuneRequest, Variants,
+    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target, ToolType,
+    TuneRequest, Variants,
 };
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
@@ -77,12 +79,15 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let currency = shop.as_ref().and_then(|shop| shop.text("currency")).unwrap_or("EUR").to_owned();
     walk.currency.clone_from(&currency);
     let mut names = Names { all: Named::of(root), ..Names::default() };
-    let calendars = calendars(walk, root, &mut names);
+    let start = shop.as_ref().and_then(|shop| start(walk, shop));
+    let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
+    let calendars = calendars(walk, root, &mut names, start, horizon);
     let machines = machines(walk, root, &mut names);
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
-    let dispatch = rules::dispatch(walk, root);
+    let orders = orders::orders(walk, root, &names, &parts, start, horizon);
+    let (dispatch, machine_choice) = rules::dispatch(walk, root);
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
@@ -116,6 +121,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let scenario = Scenario {
         name: shop.text("name").unwrap_or_default().to_owned(),
         title: shop.text("title").unwrap_or_default().to_owned(),
+        start,
         seed,
         replications: shop.count32("replications"),
         horizon: shop.required("horizon"),
@@ -125,6 +131,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         tools,
         parts,
         arrivals,
+        orders,
+        machine_choice,
         dispatch,
         calendars,
         failures,
@@ -193,46 +201,6 @@ pub(super) fn reference<'a>(
     found
 }
 
-fn calendars(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<ShiftCalendar> {
-    let mut calendars = Vec::new();
-    for (name, section) in named(walk, root, "calendar", None) {
-        names.calendars.push(name.clone());
-        let period = section.required("period");
-        let sections = walk.sections(&section, "shift", None);
-        if sections.is_empty() && section.got("shift").is_some_and(|got| matches!(got.value, Value::Raw(_))) {
-            let example = "shift = [{ start = \"6 h\", end = \"14 h\" }]";
-            walk.fault(section.span_of("shift"), Fault::Nothing { what: "shift", example });
-        }
-        let mut shifts: Vec<Shift> = Vec::new();
-        for (i, each) in sections.iter().enumerate() {
-            let shift = Shift { start: each.required("start"), end: each.required("end") };
-            let hours = |seconds: f64| format!("{} h", seconds / 3600.0);
-            let contradiction = |second, second_value: f64, rule| Fault::Contradiction {
-                first: "end",
-                first_value: hours(shift.end),
-                second,
-                second_value: hours(second_value),
-                rule,
-            };
-            if shift.end <= shift.start {
-                let fault =
-                    contradiction("start", shift.start, "a shift ends after it starts; over midnight write two");
-                walk.fault(each.span_of("end"), fault);
-            } else if shift.end > period {
-                walk.fault(each.span_of("end"), contradiction("period", period, "a shift ends within the period"));
-            }
-            if shifts.last().is_some_and(|before| shift.start < before.end) {
-                walk.fault(each.span_of("start"), ScenarioFault::ShiftsOverlap { first: i, second: i + 1 });
-            }
-            shifts.push(shift);
-        }
-        // Without a word a problem was noted.
-        let at_end = section.chosen("at_end", Interruption::from_word).unwrap_or(Interruption::Finish);
-        calendars.push(ShiftCalendar { name, period, shifts, at_end });
-    }
-    calendars
-}
-
 fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<MachineType> {
     let mut machines: Vec<MachineType> = Vec::new();
     let example = "[[machine]] with name, process, rate, load_time, unload_time";
@@ -263,6 +231,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 unload_time: unload_time.clone(),
                 tool_change_time: section.required("tool_change_time"),
                 setup_time: section.required("setup_time"),
+                setup_at_start: section.text("setup_at_start").map(str::to_owned),
                 magazine: section.count32("magazine"),
                 refill_time: section.required("refill_time"),
                 speed_range,
@@ -310,6 +279,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
         let process = processes::process(walk, &section, &scatter, &effects);
+        let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
         let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
@@ -320,6 +290,7 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
             dressing_time: section.si("dressing_time").unwrap_or(0.0),
             scatter,
             structure_scatter,
+            posterior: posterior.map(Arc::new),
         });
         tools.push(NamedTool {
             process: section.chosen("process", ProcessKind::from_word),

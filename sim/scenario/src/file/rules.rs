@@ -10,8 +10,8 @@ use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::{stability, tune};
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, Knowledge, MOST_RULES, MachineType, PolicyRule,
-    SensorErrors, SensorSheet, ToolChangeRule,
+    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, Knowledge, MOST_RULES, MachineChoice, MachineType,
+    PolicyRule, SensorErrors, SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
@@ -19,8 +19,8 @@ use toolroom_wear::{Pair, TURNING_SETS};
 
 pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<Arrival> {
     let sections = walk.sections(root, "arrivals", None);
-    if sections.is_empty() && root.got("arrivals").is_none() {
-        let example = "[[arrivals]] with part and pattern, or no job ever comes";
+    if sections.is_empty() && ["arrivals", "order", "tables"].iter().all(|key| root.got(key).is_none()) {
+        let example = "[[arrivals]] with part and pattern or [[order]], or no job ever comes";
         walk.fault(0..0, Fault::Nothing { what: "source of arrivals", example });
     }
     let mut arrivals = Vec::new();
@@ -47,10 +47,13 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     arrivals
 }
 
-pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Vec<DispatchRule> {
-    let section = walk.table(root, "dispatch");
-    // Left out with the whole section, the rule is the default of its key.
-    section.and_then(|section| queue_rules(walk, &section)).unwrap_or(vec![DispatchRule::Fifo])
+pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> (Vec<DispatchRule>, MachineChoice) {
+    // Left out with the whole section, both are the defaults of their keys.
+    let Some(section) = walk.table(root, "dispatch") else {
+        return (vec![DispatchRule::Fifo], MachineChoice::LeastSetup);
+    };
+    let choice = section.chosen("machine_choice", MachineChoice::from_word).unwrap_or(MachineChoice::LeastSetup);
+    (queue_rules(walk, &section).unwrap_or(vec![DispatchRule::Fifo]), choice)
 }
 
 /// Rules under the key `rule`; `None` where there are none.

@@ -1,5 +1,7 @@
 //! Good files are understood, bad ones are answered with every fault in its place.
 
+mod orders;
+
 use super::*;
 use crate::{
     ArrivalPattern, Distribution, Setting, SpeedChoice, SpeedRule, ToolChangeRule, Tunable, TuneRequest, Work,

@@ -92,6 +92,16 @@ pub enum ResolveError {
         /// How many there are.
         count: usize,
     },
+    /// A draw of a posterior gives no process.
+    #[error("tool `{tool}`, draw of replication {replication}: {reason}")]
+    Draw {
+        /// Tool name.
+        tool: String,
+        /// Replication, from 0.
+        replication: u32,
+        /// What contradicts what.
+        reason: String,
+    },
     /// The policy cannot be worked out for a tool.
     #[error("policy `{policy}` with tool `{tool}`: {source}")]
     Policy {

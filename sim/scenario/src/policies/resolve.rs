@@ -284,6 +284,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         dressing_time: 0.0,
         scatter: toolroom_wear::Scatter::shop(),
         structure_scatter: Default::default(),
+        posterior: None,
     };
     let machine = MachineType {
         name: "lathe".to_owned(),
@@ -293,6 +294,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         unload_time: Distribution::Constant(0.0),
         tool_change_time: 90.0,
         setup_time: 0.0,
+        setup_at_start: None,
         magazine: 10,
         refill_time: 300.0,
         speed_range,

@@ -35,12 +35,12 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
             jobs_at(&[(7000.0, 3), (10.0, 2)]),
         ],
         dispatch: vec![dispatch],
-        calendars: vec![ShiftCalendar {
-            name: "two shifts".to_owned(),
-            period: 1000.0,
-            shifts: vec![Shift { start: 50.0, end: 400.0 }, Shift { start: 400.0, end: 900.0 }],
+        calendars: vec![ShiftCalendar::periodic(
+            "two shifts",
+            1000.0,
+            vec![Shift { start: 50.0, end: 400.0 }, Shift { start: 400.0, end: 900.0 }],
             at_end,
-        }],
+        )],
         failures: vec![
             FailureMode {
                 machine: 0,

@@ -9,10 +9,12 @@ mod conservation;
 mod contours;
 mod cycles;
 mod dispatching;
+mod draws;
 mod grinding;
 #[path = "../../../kernel/tests/kernel/instances.rs"]
 mod instances;
 mod interruptions;
+mod orders;
 mod queues;
 mod replay;
 mod scenarios;

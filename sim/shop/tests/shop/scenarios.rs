@@ -107,6 +107,7 @@ pub fn tool(process: impl MachineProcess + 'static) -> ToolType {
         dressing_time: 0.0,
         scatter: Scatter::none(),
         structure_scatter: Default::default(),
+        posterior: None,
     }
 }
 
@@ -119,6 +120,7 @@ pub fn machine(name: &str) -> MachineType {
         unload_time: Distribution::Constant(0.0),
         tool_change_time: 7.0,
         setup_time: 0.0,
+        setup_at_start: None,
         magazine: 1000,
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
@@ -178,6 +180,7 @@ pub fn scenario() -> Scenario {
     Scenario {
         name: "test".to_owned(),
         title: "test".to_owned(),
+        start: None,
         seed: 11,
         replications: 1,
         horizon: 1000.0,
@@ -187,6 +190,8 @@ pub fn scenario() -> Scenario {
         tools: vec![tool(eternal())],
         parts: vec![part("shaft", vec![operation(&[0], &[10.0])])],
         arrivals: vec![jobs_at(&[(0.0, 1)])],
+        orders: Vec::new(),
+        machine_choice: MachineChoice::LeastSetup,
         dispatch: vec![DispatchRule::Fifo],
         calendars: Vec::new(),
         failures: Vec::new(),

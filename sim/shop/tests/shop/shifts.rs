@@ -10,12 +10,8 @@ fn shop(at_end: Interruption) -> Scenario {
     shop.parts[0].operations = vec![operation(&[0], &[30.0, 40.0])];
     shop.arrivals[0] = jobs_at(&[(150.0, 1)]);
     shop.machines[0].calendar = Some(0);
-    shop.calendars = vec![ShiftCalendar {
-        name: "short".to_owned(),
-        period: 1000.0,
-        shifts: vec![Shift { start: 100.0, end: 200.0 }],
-        at_end,
-    }];
+    let shifts = vec![Shift { start: 100.0, end: 200.0 }];
+    shop.calendars = vec![ShiftCalendar::periodic("short", 1000.0, shifts, at_end)];
     shop.horizon = 2000.0;
     shop
 }

@@ -1,60 +1,25 @@
 //! Working time that repeats: shifts within a period, and when they change.
 
-use crate::Interruption;
+use super::{Boundary, Shift};
 
 /// Working time that repeats.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ShiftCalendar {
-    /// Name, unique.
-    pub name: String,
+pub struct Periodic {
     /// Period of repetition, s (a day, a week).
     pub period: f64,
     /// Working intervals inside one period, ascending, not overlapping.
     pub shifts: Vec<Shift>,
-    /// What happens to the part in the machine when a shift ends.
-    pub at_end: Interruption,
 }
 
-/// One working interval, s from the start of the period.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
-    /// Start, s.
-    pub start: f64,
-    /// End, s.
-    pub end: f64,
-}
-
-/// A change of working time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Boundary {
-    /// Instant, s.
-    pub time: f64,
-    /// Whether work begins there.
-    pub starts: bool,
-}
-
-impl ShiftCalendar {
+impl Periodic {
     /// Whether work goes on at `time`, s.
     pub fn works_at(&self, time: f64) -> bool {
         let within = time - (time / self.period).floor() * self.period;
         self.shifts.iter().any(|shift| shift.start <= within && within < shift.end)
     }
 
-    /// Working time from `start` to `end`, s. Shifts that overlap count once.
-    ///
-    /// # Examples
-    /// ```
-    /// use toolroom_scenario::{Interruption, Shift, ShiftCalendar};
-    /// let shifts = vec![Shift { start: 6.0, end: 14.0 }];
-    /// let early = ShiftCalendar { name: "early".into(), period: 24.0, shifts, at_end: Interruption::Resume };
-    /// assert_eq!((early.working_time(0.0, 48.0), early.working_time(10.0, 31.0)), (16.0, 5.0));
-    /// ```
-    pub fn working_time(&self, start: f64, end: f64) -> f64 {
-        (self.worked_until(end) - self.worked_until(start)).max(0.0)
-    }
-
     /// Working time from zero to `time`, s.
-    fn worked_until(&self, time: f64) -> f64 {
+    pub(super) fn worked_until(&self, time: f64) -> f64 {
         let periods = (time / self.period).floor();
         let within = time - periods * self.period;
         periods * self.worked_within(self.period) + self.worked_within(within)
@@ -105,12 +70,11 @@ impl ShiftCalendar {
 mod tests {
     use super::*;
 
-    fn calendar(shifts: &[(f64, f64)]) -> ShiftCalendar {
-        let shifts = shifts.iter().map(|&(start, end)| Shift { start, end }).collect();
-        ShiftCalendar { name: String::new(), period: 24.0, shifts, at_end: Interruption::Finish }
+    fn calendar(shifts: &[(f64, f64)]) -> Periodic {
+        Periodic { period: 24.0, shifts: shifts.iter().map(|&(start, end)| Shift { start, end }).collect() }
     }
 
-    fn boundaries(calendar: &ShiftCalendar, count: usize) -> Vec<(f64, bool)> {
+    fn boundaries(calendar: &Periodic, count: usize) -> Vec<(f64, bool)> {
         let mut time = 0.0;
         let mut all = Vec::new();
         while let Some(boundary) = calendar.next_boundary(time).filter(|_| all.len() < count) {
@@ -135,11 +99,12 @@ mod tests {
 
     #[test]
     fn working_time_is_that_of_all_periods_and_counts_overlaps_once() {
+        let between = |calendar: &Periodic, start, end| calendar.worked_until(end) - calendar.worked_until(start);
         let night = calendar(&[(0.0, 6.0), (22.0, 24.0)]);
-        assert_eq!((night.working_time(0.0, 48.0), night.working_time(5.0, 23.0)), (16.0, 2.0));
-        assert_eq!((night.working_time(23.0, 49.0), night.working_time(7.0, 21.0)), (1.0 + 8.0 + 1.0, 0.0));
-        assert_eq!(calendar(&[(6.0, 14.0), (12.0, 16.0)]).working_time(0.0, 24.0), 10.0);
-        assert_eq!(calendar(&[]).working_time(0.0, 1e6), 0.0);
+        assert_eq!((between(&night, 0.0, 48.0), between(&night, 5.0, 23.0)), (16.0, 2.0));
+        assert_eq!((between(&night, 23.0, 49.0), between(&night, 7.0, 21.0)), (1.0 + 8.0 + 1.0, 0.0));
+        assert_eq!(between(&calendar(&[(6.0, 14.0), (12.0, 16.0)]), 0.0, 24.0), 10.0);
+        assert_eq!(between(&calendar(&[]), 0.0, 1e6), 0.0);
     }
 
     #[test]
@@ -152,7 +117,7 @@ mod tests {
     #[test]
     fn overtime_belongs_to_the_shift_before() {
         let shifts = vec![Shift { start: 6.0, end: 14.0 }, Shift { start: 14.0, end: 22.0 }];
-        let calendar = ShiftCalendar { name: "two".to_owned(), period: 24.0, shifts, at_end: Interruption::Finish };
+        let calendar = Periodic { period: 24.0, shifts };
         let names: Vec<_> = [6.0, 13.9, 14.0, 23.0, 25.0].map(|time| calendar.shift_at(time)).into();
         assert_eq!(names.iter().flatten().map(String::as_str).collect::<Vec<_>>(), ["S1", "S1", "S2", "S2", "S2"]);
     }

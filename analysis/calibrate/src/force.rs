@@ -1,0 +1,166 @@
+//! Cutting force against wear: level, exponents and shear stress on the land.
+
+use crate::edge::{Joint, ln_integral};
+use crate::model::Model;
+use crate::normal::{HALF_LN_TAU, ln_density};
+use crate::parameter::{Parameter, Prior, Scale};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use toolroom_wear::{Cut, Force};
+
+/// Standard deviation of the logarithm of a force level that comes from a handbook (assumption: a factor 1.35).
+const LEVEL: f64 = 0.3;
+/// Standard deviation of an exponent of the force (assumption).
+const EXPONENT: f64 = 0.1;
+/// Standard deviation of the logarithm of the shear stress on the land (assumption: a factor 1.65).
+const STRESS: f64 = 0.5;
+/// Median of the scatter of the force from edge to edge, and the standard deviation of its logarithm (assumption).
+const SCATTER: (f64, f64) = (0.02, 0.5);
+/// Median of the relative error of a force reading, that of the usual sensor sheet, and the standard deviation of its
+/// logarithm (assumption).
+const NOISE: (f64, f64) = (0.02, 0.5);
+
+/// Name of the scatter of the force from edge to edge among the parameters.
+pub const FORCE_SCATTER: &str = "force_scatter";
+/// Name of the relative error of a force reading among the parameters.
+pub const FORCE_NOISE: &str = "force_noise";
+
+/// A reading of the cutting force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceReading {
+    /// The cut.
+    pub cut: Cut,
+    /// Flank wear of that moment, mm.
+    pub wear: f64,
+    /// Cutting force, N.
+    pub force: f64,
+}
+
+/// Forces of edges, `F = C·a^x·f^y·v^n·k + τ_f·b·h + ε`, with `ln k ~ N(0, σ_k²)` of each edge integrated out and an error
+/// ε that is a share of the force.
+///
+/// The wear h is that of the fitted curve and not the reading: a reading has an error, which would make the shear stress
+/// look smaller than it is.
+#[derive(Clone, Debug)]
+pub struct ForceModel {
+    base: Force,
+    parameters: Vec<Parameter>,
+    /// Scatter and noise where they are known.
+    known: Option<(f64, f64)>,
+    /// Whether the land acts at all.
+    land: bool,
+    edges: Vec<Vec<ForceReading>>,
+}
+
+impl ForceModel {
+    /// Forces of edges around the force group of a set. `known` are the scatter from edge to edge and the relative error of
+    /// a reading where they are not to be estimated.
+    pub fn new(base: &Force, edges: Vec<Vec<ForceReading>>, known: Option<(f64, f64)>) -> Self {
+        let ln = |name: &str, unit, value: f64, deviation, lift| {
+            Parameter::new(name, unit, Scale::Logarithm, Prior::new(value.ln(), deviation), lift)
+        };
+        let exponent =
+            |name: &str, value, lift| Parameter::new(name, "1", Scale::Plain, Prior::new(value, EXPONENT), lift);
+        let mut parameters = vec![
+            ln("force.specific_force", "N", base.specific_force, LEVEL, "measure the force of any edge"),
+            exponent("force.feed_exponent", base.feed_exponent, "vary feed_per_rev"),
+            exponent("force.speed_exponent", base.speed_exponent, "vary cutting_speed by a factor of 1.2 or more"),
+            ln(
+                "force.flank_shear_stress",
+                "MPa",
+                base.flank_shear_stress * 1e-6,
+                STRESS,
+                "measure the force of new and of worn edges",
+            ),
+        ];
+        if known.is_none() {
+            parameters.push(ln(FORCE_SCATTER, "1", SCATTER.0, SCATTER.1, "measure the force of more edges"));
+            parameters.push(ln(FORCE_NOISE, "1", NOISE.0, NOISE.1, "measure the force more than once on an edge"));
+        }
+        Self { base: *base, parameters, known, land: true, edges }
+    }
+
+    /// Sets the prior of a parameter; a mean of NaN keeps the present one. Other names are none of this model's.
+    pub fn set_prior(&mut self, name: &str, prior: Prior) {
+        for parameter in self.parameters.iter_mut().filter(|parameter| parameter.name == name) {
+            let mean = if prior.mean.is_nan() { parameter.prior.mean } else { prior.mean };
+            parameter.prior = Prior { mean, ..prior };
+        }
+    }
+
+    /// The same forces without any effect of the land.
+    pub fn without_land(&self) -> Self {
+        Self { land: false, ..self.clone() }
+    }
+
+    /// The force group at some working coordinates.
+    pub fn force(&self, u: &[f64]) -> Force {
+        Force {
+            specific_force: u[0].exp(),
+            feed_exponent: u[1],
+            speed_exponent: u[2],
+            flank_shear_stress: u[3].exp() * 1e6,
+            ..self.base
+        }
+    }
+
+    /// Scatter from edge to edge and relative error of a reading.
+    fn spread(&self, u: &[f64]) -> (f64, f64) {
+        self.known.unwrap_or_else(|| (u[4].exp(), u[5].exp()))
+    }
+
+    /// Force of the sharp edge and of the land at each reading of an edge, N.
+    fn parts(&self, u: &[f64], edge: usize) -> Vec<(f64, f64)> {
+        let force = self.force(u);
+        let land = if self.land { 1e-3 } else { 0.0 };
+        let part = |reading: &ForceReading| {
+            let load = force.load(&reading.cut);
+            (load.sharp, load.shear_per_wear * reading.wear * land)
+        };
+        self.edges[edge].iter().map(part).collect()
+    }
+}
+
+impl Model for ForceModel {
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn edges(&self) -> usize {
+        self.edges.len()
+    }
+
+    fn readings(&self, edge: usize) -> Vec<f64> {
+        self.edges[edge].iter().map(|reading| reading.force).collect()
+    }
+
+    fn replicate(&self, u: &[f64], edge: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
+        let (scatter, noise) = self.spread(u);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut *random) };
+        let level = (scatter * normal()).exp();
+        let parts = self.parts(u, edge);
+        parts.iter().map(|(sharp, land)| (sharp * level + land) * noise.mul_add(normal(), 1.0)).collect()
+    }
+
+    fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
+        let (scatter, noise) = self.spread(u);
+        let of_edge = |edge: &usize| {
+            let parts = self.parts(u, *edge);
+            let mut joint = |z: f64| -> Joint {
+                let level = (scatter * z).exp();
+                let (mut density, mut gradient, mut curvature) = (-0.5 * z * z - HALF_LN_TAU, -z, 1.0);
+                for (reading, (sharp, land)) in self.edges[*edge].iter().zip(&parts) {
+                    let (mean, slope) = (sharp * level + land, sharp * level * scatter);
+                    let deviation = noise * mean;
+                    let off = (reading.force - mean) / deviation;
+                    density += ln_density(reading.force, mean, deviation);
+                    gradient += slope / deviation * (off + noise * (off * off - 1.0));
+                    curvature += (slope / deviation).powi(2) * (1.0 + 2.0 * noise * noise);
+                }
+                (density, gradient, curvature)
+            };
+            ln_integral(&mut joint)
+        };
+        edges.iter().map(of_edge).sum()
+    }
+}

@@ -1,0 +1,200 @@
+//! The answers over all replications of one policy.
+
+use super::{Figures, LoadKind, QueueFigure};
+use crate::study::Study;
+use toolroom_numerics::order_quantile;
+use toolroom_scenario::{Scenario, date};
+use toolroom_statistics::{CONFIDENCE, wilson};
+
+/// Everything that a planner asks, under one policy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answers {
+    /// Orders, those most at risk first.
+    pub orders: Vec<OrderAnswer>,
+    /// Every machine in every week.
+    pub loads: Vec<LoadAnswer>,
+    /// Every station.
+    pub queues: Vec<QueueAnswer>,
+}
+
+/// When an order will be finished.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderAnswer {
+    /// Index into the orders of the scenario.
+    pub order: usize,
+    /// Mean of the replications in which it is finished, s; NaN where it never is.
+    pub mean: f64,
+    /// Times by which it is finished in 50, 80 and 95 % of the replications.
+    pub quantiles: [Finish; 3],
+    /// Replications in which it is finished when it is due.
+    pub on_time: usize,
+    /// Replications in which it is not finished at the horizon.
+    pub unfinished: usize,
+    /// Replications.
+    pub replications: usize,
+    /// Share of replications in which it is on time, with its interval of 95 %.
+    pub share: f64,
+    /// Ends of that interval.
+    pub interval: [f64; 2],
+    /// Mean tardiness of the replications in which it is finished, s; NaN where it never is.
+    pub tardiness: f64,
+    /// Mean number of pieces that are lost.
+    pub lost: f64,
+}
+
+/// The time of a finish.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Finish {
+    /// At this time, s.
+    At(f64),
+    /// After the end of the run, s.
+    After(f64),
+}
+
+impl Finish {
+    /// As people read it: a date, or hours since the start.
+    pub fn shown(self, scenario: &Scenario) -> String {
+        match self {
+            Self::At(time) => shown(scenario, time),
+            Self::After(horizon) => format!("after {}", shown(scenario, horizon)),
+        }
+    }
+}
+
+/// A time as people read it; empty where there is none.
+pub(crate) fn shown(scenario: &Scenario, time: f64) -> String {
+    match scenario.start {
+        _ if time.is_nan() => String::new(),
+        Some(start) => date::show(start + time),
+        None => format!("{:.2} h", time / 3600.0),
+    }
+}
+
+/// What a machine does in a week.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadAnswer {
+    /// Machine, by index.
+    pub machine: usize,
+    /// Week of the run, by index.
+    pub week: usize,
+    /// Mean times, s, by [`LoadKind`].
+    pub means: [f64; LoadKind::ALL.len()],
+    /// Load that is not exceeded in 90 % of the replications: busy time over planned busy time; NaN where no
+    /// work is planned.
+    pub high_load: f64,
+}
+
+impl LoadAnswer {
+    /// Mean time of a kind, s.
+    pub fn mean(&self, kind: LoadKind) -> f64 {
+        self.means[kind as usize]
+    }
+
+    /// Mean busy time over planned busy time; NaN where no work is planned.
+    pub fn load(&self) -> f64 {
+        busy(&self.means)
+    }
+}
+
+/// Share of the planned busy time in which a machine is not free.
+fn busy(times: &[f64]) -> f64 {
+    let planned = times[LoadKind::PlannedBusy as usize];
+    if planned > 0.0 { 1.0 - times[LoadKind::Free as usize] / planned } else { f64::NAN }
+}
+
+/// What waits at a station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QueueAnswer {
+    /// Machines, by index.
+    pub machines: Vec<usize>,
+    /// Jobs that wait on average.
+    pub length: f64,
+    /// Most jobs that wait at once: mean and 95 % quantile over the replications.
+    pub longest: [f64; 2],
+    /// Mean time that a job waits, s: mean and 95 % quantile over the replications; NaN where nothing is begun.
+    pub wait: [f64; 2],
+}
+
+/// The answers of a study under its policy number `position`; `None` for a scenario without orders and a study
+/// without replications.
+pub fn answers(scenario: &Scenario, study: &Study, position: usize) -> Option<Answers> {
+    let figures = Figures::of(scenario);
+    if figures.is_empty() || study.replications == 0 {
+        return None;
+    }
+    let runs: Vec<&[f64]> = (0..study.replications).map(|each| study.planner_figures(position, each)).collect();
+    let mut orders: Vec<OrderAnswer> =
+        (0..scenario.orders.len()).map(|order| order_answer(scenario, &figures, &runs, order)).collect();
+    let due = |answer: &OrderAnswer| scenario.orders[answer.order].due;
+    orders.sort_by(|a, b| a.share.total_cmp(&b.share).then(due(a).total_cmp(&due(b))).then(a.order.cmp(&b.order)));
+    let places =
+        (0..scenario.machines.len()).flat_map(|machine| (0..figures.weeks.len()).map(move |week| (machine, week)));
+    let loads = places.map(|(machine, week)| load_answer(&figures, &runs, machine, week)).collect();
+    let queues = (0..figures.stations.len()).map(|station| queue_answer(&figures, &runs, station)).collect();
+    Some(Answers { orders, loads, queues })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn order_answer(scenario: &Scenario, figures: &Figures, runs: &[&[f64]], order: usize) -> OrderAnswer {
+    let own = &scenario.orders[order];
+    let mut finishes: Vec<f64> = runs.iter().map(|run| run[figures.finish(order)]).collect();
+    let finished: Vec<f64> = finishes.iter().copied().filter(|finish| finish.is_finite()).collect();
+    let on_time = finished.iter().filter(|finish| **finish <= own.due).count();
+    let late: Vec<f64> = finished.iter().map(|finish| (finish - own.due).max(0.0)).collect();
+    let good: Vec<f64> = runs.iter().map(|run| run[figures.good(order)]).collect();
+    // An order that is not finished is later than all that are.
+    finishes.iter_mut().filter(|finish| finish.is_nan()).for_each(|finish| *finish = f64::INFINITY);
+    finishes.sort_by(f64::total_cmp);
+    let by = |share: f64| {
+        let place = (share * finishes.len() as f64).ceil() as usize;
+        match finishes[place.clamp(1, finishes.len()) - 1] {
+            finish if finish.is_finite() => Finish::At(finish),
+            _ => Finish::After(scenario.horizon),
+        }
+    };
+    let lost = if finished.is_empty() { 0.0 } else { f64::from(own.quantity) - mean(&good) };
+    OrderAnswer {
+        order,
+        mean: mean(&finished),
+        quantiles: [by(0.5), by(0.8), by(0.95)],
+        on_time,
+        unfinished: runs.len() - finished.len(),
+        replications: runs.len(),
+        share: on_time as f64 / runs.len() as f64,
+        interval: wilson(on_time, runs.len(), CONFIDENCE),
+        tardiness: mean(&late),
+        lost: if finished.len() == runs.len() { lost } else { 0.0 },
+    }
+}
+
+fn load_answer(figures: &Figures, runs: &[&[f64]], machine: usize, week: usize) -> LoadAnswer {
+    let times = |run: &[f64]| LoadKind::ALL.map(|kind| run[figures.load(machine, week, kind)]);
+    let means = LoadKind::ALL.map(|kind| mean(&runs.iter().map(|run| times(run)[kind as usize]).collect::<Vec<_>>()));
+    let mut loads: Vec<f64> = runs.iter().map(|run| busy(&times(run))).filter(|load| load.is_finite()).collect();
+    LoadAnswer { machine, week, means, high_load: upper(&mut loads, 0.9) }
+}
+
+fn queue_answer(figures: &Figures, runs: &[&[f64]], station: usize) -> QueueAnswer {
+    let of = |figure: QueueFigure| -> Vec<f64> {
+        runs.iter().map(|run| run[figures.queue(station, figure)]).filter(|value| value.is_finite()).collect()
+    };
+    let both = |figure: QueueFigure| {
+        let mut values = of(figure);
+        [mean(&values), upper(&mut values, 0.95)]
+    };
+    QueueAnswer {
+        machines: figures.stations[station].clone(),
+        length: mean(&of(QueueFigure::MeanLength)),
+        longest: both(QueueFigure::MaximumLength),
+        wait: both(QueueFigure::MeanWait),
+    }
+}
+
+/// Quantile over the replications; NaN without values.
+fn upper(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    if values.is_empty() { f64::NAN } else { order_quantile(values, share) }
+}

@@ -1,0 +1,247 @@
+//! The answers as tables, JSON and text.
+
+use super::answers::{Answers, OrderAnswer, shown};
+use super::{Figures, LoadKind, answers};
+use crate::study::Study;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io;
+use toolroom_process::table::{Cell, CsvWriter};
+use toolroom_scenario::{Scenario, date};
+
+/// Files with the answers, beside the other results of a scenario with orders.
+pub const FILES: [&str; 3] = ["orders.csv", "load.csv", "queues.csv"];
+
+/// Most orders that are named on a terminal.
+const MOST_NAMED: usize = 20;
+
+/// Minutes with one decimal; empty where there are none.
+fn minutes(seconds: f64) -> Cell<'static> {
+    if seconds.is_nan() { Cell::Empty } else { Cell::Fixed(seconds / 60.0, 1) }
+}
+
+fn share(value: f64) -> Cell<'static> {
+    if value.is_nan() { Cell::Empty } else { Cell::Fixed(value, 4) }
+}
+
+/// Writes one of [`FILES`], with the rows of every policy.
+///
+/// # Errors
+/// What the writer says.
+pub fn write(name: &str, scenario: &Scenario, study: &Study, out: impl io::Write) -> io::Result<()> {
+    let named = |position: usize| scenario.policies[study.policies[position]].name.as_str();
+    let every = (0..study.policies.len()).filter_map(|each| Some((named(each), answers(scenario, study, each)?)));
+    match name {
+        "orders.csv" => write_orders(scenario, every, out),
+        "load.csv" => write_loads(scenario, every, out),
+        _ => write_queues(scenario, every, out),
+    }
+}
+
+fn write_orders<'a>(
+    scenario: &Scenario,
+    every: impl Iterator<Item = (&'a str, Answers)>,
+    out: impl io::Write,
+) -> io::Result<()> {
+    let header = [
+        "policy",
+        "id",
+        "part",
+        "customer",
+        "quantity",
+        "release",
+        "due",
+        "finish_mean",
+        "finish_p50",
+        "finish_p80",
+        "finish_p95",
+        "tardiness_mean [min]",
+        "on_time",
+        "on_time_low",
+        "on_time_high",
+        "unfinished",
+        "pieces_lost",
+    ];
+    let mut csv = CsvWriter::new(out, header)?;
+    for (policy, all) in every {
+        for answer in all.orders {
+            let own = &scenario.orders[answer.order];
+            let [p50, p80, p95] = answer.quantiles.map(|finish| Cell::Own(finish.shown(scenario)));
+            csv.row([
+                policy.into(),
+                (&own.id).into(),
+                (&scenario.parts[own.part].name).into(),
+                (&own.customer).into(),
+                own.quantity.into(),
+                shown(scenario, own.release).into(),
+                shown(scenario, own.due).into(),
+                shown(scenario, answer.mean).into(),
+                p50,
+                p80,
+                p95,
+                minutes(answer.tardiness),
+                share(answer.share),
+                share(answer.interval[0]),
+                share(answer.interval[1]),
+                share(answer.unfinished as f64 / answer.replications as f64),
+                answer.lost.into(),
+            ])?;
+        }
+    }
+    Ok(csv.flush()?)
+}
+
+fn write_loads<'a>(
+    scenario: &Scenario,
+    every: impl Iterator<Item = (&'a str, Answers)>,
+    out: impl io::Write,
+) -> io::Result<()> {
+    let weeks = Figures::of(scenario).weeks;
+    let times = LoadKind::ALL.map(|kind| format!("{} [h]", kind.name()));
+    let header = ["policy", "machine", "week", "load", "load_p90"].map(str::to_owned).into_iter().chain(times);
+    let mut csv = CsvWriter::new(out, header)?;
+    for (policy, all) in every {
+        for answer in all.loads {
+            let first = [
+                policy.into(),
+                (&scenario.machines[answer.machine].name).into(),
+                (&weeks[answer.week].name).into(),
+                share(answer.load()),
+                share(answer.high_load),
+            ];
+            csv.row(first.into_iter().chain(answer.means.map(|time| Cell::Fixed(time / 3600.0, 3))))?;
+        }
+    }
+    Ok(csv.flush()?)
+}
+
+fn write_queues<'a>(
+    scenario: &Scenario,
+    every: impl Iterator<Item = (&'a str, Answers)>,
+    out: impl io::Write,
+) -> io::Result<()> {
+    let header =
+        ["policy", "station", "length_mean", "longest_mean", "longest_p95", "wait_mean [min]", "wait_p95 [min]"];
+    let mut csv = CsvWriter::new(out, header)?;
+    for (policy, all) in every {
+        for answer in all.queues {
+            csv.row([
+                policy.into(),
+                station(scenario, &answer.machines).into(),
+                share(answer.length),
+                share(answer.longest[0]),
+                share(answer.longest[1]),
+                minutes(answer.wait[0]),
+                minutes(answer.wait[1]),
+            ])?;
+        }
+    }
+    Ok(csv.flush()?)
+}
+
+/// Name of a station: of its machines.
+fn station(scenario: &Scenario, machines: &[usize]) -> String {
+    machines.iter().map(|&machine| scenario.machines[machine].name.as_str()).collect::<Vec<_>>().join(" + ")
+}
+
+/// The answers under the first policy for programs: `orders`, `resources` and `queues` of a summary.
+pub fn json(scenario: &Scenario, study: &Study) -> Option<[(&'static str, Value); 3]> {
+    let all = answers(scenario, study, 0)?;
+    let weeks = Figures::of(scenario).weeks;
+    let number = |value: f64| value.is_finite().then_some(value);
+    let order = |answer: &OrderAnswer| {
+        let own = &scenario.orders[answer.order];
+        let [p50, p80, p95] = answer.quantiles.map(|finish| finish.shown(scenario));
+        json!({
+            "id": own.id,
+            "part": scenario.parts[own.part].name,
+            "customer": own.customer,
+            "quantity": own.quantity,
+            "due": shown(scenario, own.due),
+            "finish": { "mean": shown(scenario, answer.mean), "p50": p50, "p80": p80, "p95": p95 },
+            "tardiness [min]": number(answer.tardiness / 60.0),
+            "on_time": { "share": answer.share, "ci95": answer.interval },
+            "unfinished": answer.unfinished as f64 / answer.replications as f64,
+            "pieces_lost": answer.lost,
+        })
+    };
+    let resource = |machine: usize| {
+        let own = all.loads.iter().filter(|answer| answer.machine == machine).map(|answer| {
+            let mut week = json!({
+                "week": weeks[answer.week].name,
+                "load": { "mean": number(answer.load()), "p90": number(answer.high_load) },
+            });
+            for kind in LoadKind::ALL {
+                week[format!("{} [h]", kind.name())] = json!(answer.mean(kind) / 3600.0);
+            }
+            week
+        });
+        json!({ "name": scenario.machines[machine].name, "weeks": own.collect::<Vec<_>>() })
+    };
+    let queues = all.queues.iter().map(|answer| {
+        json!({
+            "station": station(scenario, &answer.machines),
+            "length": { "mean": answer.length },
+            "longest": { "mean": answer.longest[0], "p95": answer.longest[1] },
+            "wait [min]": { "mean": number(answer.wait[0] / 60.0), "p95": number(answer.wait[1] / 60.0) },
+        })
+    });
+    Some([
+        ("orders", all.orders.iter().map(order).collect()),
+        ("resources", (0..scenario.machines.len()).map(resource).collect()),
+        ("queues", queues.collect()),
+    ])
+}
+
+/// The orders that may be late under the first policy, as text; empty for a scenario without orders.
+pub fn late_orders(scenario: &Scenario, study: &Study) -> String {
+    let Some(all) = answers(scenario, study, 0) else { return String::new() };
+    let risky: Vec<&OrderAnswer> = all.orders.iter().filter(|answer| answer.on_time < answer.replications).collect();
+    let mut out = String::new();
+    let count = scenario.orders.len();
+    if risky.is_empty() {
+        let _ = writeln!(out, "\nall {count} orders are on time in every replication");
+        return out;
+    }
+    let _ = writeln!(out, "\n{} of {count} orders are late in some replication", risky.len());
+    let mut rows = vec![["order", "part", "due", "finish P50", "P95", "on time", "95 %"].map(str::to_owned)];
+    for answer in risky.iter().take(MOST_NAMED) {
+        let own = &scenario.orders[answer.order];
+        let percent = |share: f64| format!("{:.0}", 100.0 * share);
+        rows.push([
+            own.id.clone(),
+            scenario.parts[own.part].name.clone(),
+            shown(scenario, own.due),
+            answer.quantiles[0].shown(scenario),
+            answer.quantiles[2].shown(scenario),
+            format!("{} %", percent(answer.share)),
+            format!("{} … {} %", percent(answer.interval[0]), percent(answer.interval[1])),
+        ]);
+    }
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    for row in &rows {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}"));
+        let _ = writeln!(out, "  {}", cells.collect::<Vec<_>>().join("  ").trim_end());
+    }
+    if risky.len() > MOST_NAMED {
+        let _ = writeln!(out, "  … and {} more: orders.csv", risky.len() - MOST_NAMED);
+    }
+    out
+}
+
+/// Days and hours of an axis of time from `from` to `to` (s since the start): where to write what.
+pub(crate) fn ticks(start: f64, from: f64, to: f64) -> Vec<(f64, String)> {
+    const DAY: f64 = 86_400.0;
+    // At most about a dozen labels.
+    let step = [1.0, 2.0, 7.0, 14.0, 28.0, 91.0, 364.0]
+        .into_iter()
+        .find(|days| (to - from) / (days * DAY) <= 14.0)
+        .unwrap_or(364.0);
+    let first = ((start + from) / DAY).ceil() * DAY - start;
+    let count = ((to - first) / (step * DAY)).floor().max(0.0) as usize;
+    (0..=count)
+        .map(|each| first + each as f64 * step * DAY)
+        .map(|time| (time, date::show(start + time)[5..10].to_owned()))
+        .collect()
+}

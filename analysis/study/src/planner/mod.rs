@@ -1,0 +1,263 @@
+//! What a planner asks of a scenario with orders: when each is finished and whether in time, how loaded
+//! every machine is week by week, and where work waits.
+//!
+//! The figures of a run stand behind its key figures, in the order of [`Figures`], so that they are kept,
+//! sharded and resumed with them.
+
+mod answers;
+mod files;
+
+pub(crate) use answers::shown;
+pub use answers::{Answers, Finish, LoadAnswer, OrderAnswer, QueueAnswer, answers};
+pub(crate) use files::ticks;
+pub use files::{FILES, json, late_orders, write};
+
+use toolroom_scenario::{Scenario, date};
+use toolroom_shop::runlog::{JobOutcome, MachineState, RunLog, StateRow};
+
+/// Length of a week, s.
+const WEEK: f64 = 7.0 * 86_400.0;
+
+/// A calendar week of the run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Week {
+    /// `2026-W14` by ISO 8601, or `week 1` where the scenario has no dates.
+    pub name: String,
+    /// From, s since the start.
+    pub from: f64,
+    /// To, s.
+    pub to: f64,
+}
+
+/// What a machine does in a week, in the order of the figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LoadKind {
+    /// Working time of its calendar and overtime.
+    PlannedBusy,
+    /// Cutting, plain work, handling.
+    Production,
+    /// Changing over.
+    Setup,
+    /// Changing edges, dressing.
+    Delay,
+    /// Kept for a lot of which nothing is there.
+    Starved,
+    /// Broken down in shift.
+    Down,
+    /// Ready without work.
+    Free,
+}
+
+impl LoadKind {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::PlannedBusy, Self::Production, Self::Setup, Self::Delay, Self::Starved, Self::Down, Self::Free];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PlannedBusy => "planned_busy",
+            Self::Production => "production",
+            Self::Setup => "setup",
+            Self::Delay => "delay",
+            Self::Starved => "starved",
+            Self::Down => "down",
+            Self::Free => "free",
+        }
+    }
+
+    /// To which of them time in a state belongs that is in shift.
+    fn of(state: MachineState) -> Option<Self> {
+        match state {
+            MachineState::Cutting | MachineState::Working | MachineState::Handling => Some(Self::Production),
+            MachineState::Setup => Some(Self::Setup),
+            MachineState::ToolChange | MachineState::Dressing => Some(Self::Delay),
+            MachineState::Starved => Some(Self::Starved),
+            MachineState::Down => Some(Self::Down),
+            MachineState::Idle => Some(Self::Free),
+            MachineState::OffShift => None,
+        }
+    }
+}
+
+/// What is known of a queue in one run, in the order of the figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum QueueFigure {
+    /// Time average of the jobs that wait, 1.
+    MeanLength,
+    /// Most jobs that waited at once, 1.
+    MaximumLength,
+    /// Mean time that jobs waited before they were begun, s.
+    MeanWait,
+}
+
+impl QueueFigure {
+    const COUNT: usize = 3;
+}
+
+/// Where the figures of a planner stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    orders: usize,
+    machines: usize,
+    /// Weeks of the run.
+    pub weeks: Vec<Week>,
+    /// Machines of every station: those that do the same operations.
+    pub stations: Vec<Vec<usize>>,
+}
+
+impl Figures {
+    /// Of a scenario; nothing is there without orders.
+    pub fn of(scenario: &Scenario) -> Self {
+        if scenario.orders.is_empty() {
+            return Self { orders: 0, machines: 0, weeks: Vec::new(), stations: Vec::new() };
+        }
+        let mut stations: Vec<Vec<usize>> = Vec::new();
+        for operation in scenario.parts.iter().flat_map(|part| &part.operations) {
+            let mut machines = operation.machines.clone();
+            machines.sort_unstable();
+            if !stations.contains(&machines) {
+                stations.push(machines);
+            }
+        }
+        stations.sort();
+        Self { orders: scenario.orders.len(), machines: scenario.machines.len(), weeks: weeks(scenario), stations }
+    }
+
+    /// Number of figures.
+    pub fn len(&self) -> usize {
+        2 * self.orders + self.loads() + QueueFigure::COUNT * self.stations.len()
+    }
+
+    /// Whether there is nothing that a planner would ask.
+    pub fn is_empty(&self) -> bool {
+        self.orders == 0
+    }
+
+    fn loads(&self) -> usize {
+        self.machines * self.weeks.len() * LoadKind::ALL.len()
+    }
+
+    fn finish(&self, order: usize) -> usize {
+        order
+    }
+
+    fn good(&self, order: usize) -> usize {
+        self.orders + order
+    }
+
+    fn load(&self, machine: usize, week: usize, kind: LoadKind) -> usize {
+        2 * self.orders + (machine * self.weeks.len() + week) * LoadKind::ALL.len() + kind as usize
+    }
+
+    fn queue(&self, station: usize, figure: QueueFigure) -> usize {
+        2 * self.orders + self.loads() + station * QueueFigure::COUNT + figure as usize
+    }
+
+    /// The figures of one run; NaN where an order is not finished.
+    pub fn evaluate(&self, scenario: &Scenario, log: &RunLog) -> Vec<f64> {
+        let mut values = vec![0.0; self.len()];
+        if self.is_empty() {
+            return values;
+        }
+        for job in &log.jobs {
+            let Some(order) = job.order.map(|order| order as usize) else { continue };
+            // NaN stays once it is there: one job that is in process leaves the order unfinished.
+            let last: f64 = values[self.finish(order)];
+            values[self.finish(order)] =
+                if last.is_nan() || job.finish.is_nan() { f64::NAN } else { last.max(job.finish) };
+            if job.outcome == JobOutcome::Good {
+                values[self.good(order)] += f64::from(job.quantity);
+            }
+        }
+        self.add_loads(scenario, log, &mut values);
+        self.add_queues(scenario, log, &mut values);
+        values
+    }
+
+    fn add_loads(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
+        for (number, week) in self.weeks.iter().enumerate() {
+            for (machine, kind) in scenario.machines.iter().enumerate() {
+                let calendar = kind.calendar.map(|index| &scenario.calendars[index]);
+                let planned = calendar
+                    .map_or(week.to - week.from, |calendar| calendar.working_time(week.from, week.to.min(log.horizon)));
+                values[self.load(machine, number, LoadKind::PlannedBusy)] = planned;
+            }
+            let inside = |row: &&StateRow| row.in_shift && row.start < week.to && row.end > week.from;
+            for row in log.states.iter().filter(inside) {
+                let machine = row.machine as usize;
+                let (from, to) = (row.start.max(week.from), row.end.min(week.to));
+                if let Some(kind) = LoadKind::of(row.state) {
+                    values[self.load(machine, number, kind)] += to - from;
+                }
+                let calendar = scenario.machines[machine].calendar.map(|index| &scenario.calendars[index]);
+                let overtime = calendar.map_or(0.0, |calendar| to - from - calendar.working_time(from, to));
+                values[self.load(machine, number, LoadKind::PlannedBusy)] += overtime;
+            }
+        }
+    }
+
+    fn add_queues(&self, scenario: &Scenario, log: &RunLog, values: &mut [f64]) {
+        let station = |part: u32, operation: u32| {
+            let mut machines = scenario.parts[part as usize].operations[operation as usize].machines.clone();
+            machines.sort_unstable();
+            self.stations.iter().position(|own| *own == machines).unwrap_or(0)
+        };
+        // When every job was ready for its next operation, and which one that is.
+        let mut ready: Vec<(f64, u32)> = log.jobs.iter().map(|job| (job.arrival, 0)).collect();
+        let mut waits: Vec<Vec<(f64, f64)>> = vec![Vec::new(); self.stations.len()];
+        let mut begun = vec![0.0; self.stations.len()];
+        for row in &log.operations {
+            let place = station(row.part, row.operation);
+            waits[place].push((ready[row.job as usize].0, row.start));
+            begun[place] += 1.0;
+            ready[row.job as usize] = (row.end, row.operation + 1);
+        }
+        let total: Vec<f64> = waits.iter().map(|own| own.iter().map(|(from, to)| to - from).sum()).collect();
+        for (job, (from, operation)) in log.jobs.iter().zip(&ready) {
+            let routing = &scenario.parts[job.part as usize].operations;
+            if job.outcome == JobOutcome::InProcess && from.is_finite() && (*operation as usize) < routing.len() {
+                waits[station(job.part, *operation)].push((*from, log.horizon));
+            }
+        }
+        for (place, own) in waits.iter().enumerate() {
+            let length: f64 = own.iter().map(|(from, to)| to - from).sum::<f64>() / log.horizon;
+            values[self.queue(place, QueueFigure::MeanLength)] = length;
+            values[self.queue(place, QueueFigure::MaximumLength)] = f64::from(most_at_once(own));
+            values[self.queue(place, QueueFigure::MeanWait)] =
+                if begun[place] > 0.0 { total[place] / begun[place] } else { f64::NAN };
+        }
+    }
+}
+
+/// Most intervals of some length that have an instant in common.
+fn most_at_once(intervals: &[(f64, f64)]) -> u32 {
+    let mut changes: Vec<(f64, i32)> =
+        intervals.iter().filter(|(from, to)| to > from).flat_map(|&(from, to)| [(from, 1), (to, -1)]).collect();
+    changes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let (mut now, mut most) = (0, 0);
+    for (_, change) in changes {
+        now += change;
+        most = most.max(now);
+    }
+    most.unsigned_abs()
+}
+
+/// The weeks that a run touches: of the calendar where it has dates, else from its start on.
+fn weeks(scenario: &Scenario) -> Vec<Week> {
+    let mut weeks = Vec::new();
+    let mut from = scenario.start.map_or(0.0, |start| date::week(start).1 - start);
+    while from < scenario.horizon {
+        let name = match scenario.start {
+            // Noon of its Monday lies in the week for certain.
+            Some(start) => date::week(start + from + 43_200.0).0,
+            None => format!("week {}", weeks.len() + 1),
+        };
+        weeks.push(Week { name, from: from.max(0.0), to: (from + WEEK).min(scenario.horizon) });
+        from += WEEK;
+    }
+    weeks
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! The answers of a small order table, and what they are made of.
+
+use super::*;
+use crate::study::{StudyOptions, run_study};
+use std::sync::atomic::AtomicBool;
+use toolroom_scenario::file::read;
+
+fn shipped(changes: &[&str]) -> Scenario {
+    let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/shop/orders.toml");
+    read(file.as_ref(), &changes).unwrap_or_else(|error| panic!("{error}")).scenario
+}
+
+fn study(scenario: &Scenario) -> crate::study::Study {
+    run_study(scenario, &StudyOptions::of(scenario), None, &|_| {}, &AtomicBool::new(false)).expect("a study")
+}
+
+#[test]
+fn late_orders_stand_first_with_their_probability() {
+    let scenario = shipped(&["shop.replications=3"]);
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    let first: Vec<(&str, f64)> =
+        all.orders.iter().map(|answer| (scenario.orders[answer.order].id.as_str(), answer.share)).collect();
+    assert_eq!(first[..3], [("O4", 0.0), ("O6", 0.0), ("O2", 1.0)]);
+    assert_eq!(all.orders[0].tardiness, 495.0 * 60.0);
+    assert_eq!(all.orders[0].quantiles[2].shown(&scenario), "2026-03-31 22:15");
+}
+
+#[test]
+fn an_order_that_is_not_finished_is_late_after_the_horizon() {
+    let scenario = shipped(&["shop.horizon=\"1 week\""]);
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    let last = all.orders.iter().find(|answer| scenario.orders[answer.order].id == "O6").expect("the order");
+    assert_eq!((last.unfinished, last.on_time, last.mean.is_nan()), (1, 0, true));
+    assert_eq!(last.quantiles[0].shown(&scenario), "after 2026-04-06 00:00");
+}
+
+#[test]
+fn the_times_of_a_week_add_up_to_its_planned_time() {
+    let scenario = shipped(&["dispatch.rule=edd"]);
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    assert_eq!(
+        Figures::of(&scenario).weeks.iter().map(|week| week.name.as_str()).collect::<Vec<_>>(),
+        ["2026-W14", "2026-W15"]
+    );
+    for answer in &all.loads {
+        let spent: f64 = LoadKind::ALL[1..].iter().map(|kind| answer.mean(*kind)).sum();
+        assert!((spent - answer.mean(LoadKind::PlannedBusy)).abs() < 1e-6, "{answer:?}");
+    }
+    // Monday to Thursday and four hours on Saturday.
+    assert_eq!(all.loads[0].mean(LoadKind::PlannedBusy), 36.0 * 3600.0);
+}
+
+#[test]
+fn waits_and_lengths_agree_by_littles_law() {
+    let scenario = shipped(&[]);
+    let all = answers(&scenario, &study(&scenario), 0).expect("orders");
+    for answer in &all.queues {
+        // Everything that waits is begun before the horizon: six orders, or four at the washer.
+        let jobs = if answer.machines == [2] { 4.0 } else { 6.0 };
+        assert!((answer.length * scenario.horizon - jobs * answer.wait[0]).abs() < 1e-6, "{answer:?}");
+    }
+    assert_eq!(most_at_once(&[(0.0, 2.0), (1.0, 3.0), (2.0, 4.0), (5.0, 5.0)]), 2);
+}

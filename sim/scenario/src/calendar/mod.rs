@@ -1,0 +1,115 @@
+//! Working time: shifts that repeat, or shifts of dates.
+
+mod dated;
+mod periodic;
+
+pub use dated::{Dated, WeekPlan};
+pub use periodic::Periodic;
+
+use crate::Interruption;
+
+/// When a machine or a person works.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShiftCalendar {
+    /// Name, unique.
+    pub name: String,
+    /// The shifts.
+    pub time: WorkingTime,
+    /// What happens to the part in the machine when a shift ends.
+    pub at_end: Interruption,
+    /// A step that needs no more than this when a shift ends is finished first, s.
+    pub finish_within: f64,
+}
+
+/// Shifts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WorkingTime {
+    /// The same in every period.
+    Periodic(Periodic),
+    /// Of dates: by weekday, with holidays and overtime.
+    Dated(Dated),
+}
+
+/// One working interval, s from the start of a period or of the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Start, s.
+    pub start: f64,
+    /// End, s.
+    pub end: f64,
+}
+
+/// A change of working time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// Instant, s.
+    pub time: f64,
+    /// Whether work begins there.
+    pub starts: bool,
+}
+
+impl ShiftCalendar {
+    /// Shifts that repeat after `period`, s.
+    pub fn periodic(name: &str, period: f64, shifts: Vec<Shift>, at_end: Interruption) -> Self {
+        let time = WorkingTime::Periodic(Periodic { period, shifts });
+        Self { name: name.to_owned(), time, at_end, finish_within: 0.0 }
+    }
+
+    /// Whether work goes on at `time`, s.
+    pub fn works_at(&self, time: f64) -> bool {
+        match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.works_at(time),
+            WorkingTime::Dated(shifts) => shifts.works_at(time),
+        }
+    }
+
+    /// Working time from `start` to `end`, s. Shifts that overlap count once.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_scenario::{Interruption, Shift, ShiftCalendar};
+    /// let shifts = vec![Shift { start: 6.0, end: 14.0 }];
+    /// let early = ShiftCalendar::periodic("early", 24.0, shifts, Interruption::Resume);
+    /// assert_eq!((early.working_time(0.0, 48.0), early.working_time(10.0, 31.0)), (16.0, 5.0));
+    /// ```
+    pub fn working_time(&self, start: f64, end: f64) -> f64 {
+        let until = |time| match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.worked_until(time),
+            WorkingTime::Dated(shifts) => shifts.worked_until(time),
+        };
+        (until(end) - until(start)).max(0.0)
+    }
+
+    /// The next change strictly after `time`; shifts that touch are one. `None` where work never
+    /// stops or never begins.
+    pub fn next_boundary(&self, time: f64) -> Option<Boundary> {
+        match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.next_boundary(time),
+            WorkingTime::Dated(shifts) => shifts.next_boundary(time),
+        }
+    }
+
+    /// Name of the shift that is on or was last on, `S1`, `S2` … ; `None` without shifts.
+    pub fn shift_at(&self, time: f64) -> Option<String> {
+        match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.shift_at(time),
+            WorkingTime::Dated(shifts) => shifts.shift_at(time),
+        }
+    }
+
+    /// Most shifts of one period or day.
+    pub fn shift_count(&self) -> usize {
+        match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.shifts.len(),
+            WorkingTime::Dated(shifts) => shifts.shift_count(),
+        }
+    }
+
+    /// Time after which shifts repeat, s; of dates it is a week, holidays and overtime aside.
+    pub fn period(&self) -> f64 {
+        match &self.time {
+            WorkingTime::Periodic(shifts) => shifts.period,
+            WorkingTime::Dated(_) => dated::WEEK,
+        }
+    }
+}

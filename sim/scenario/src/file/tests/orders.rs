@@ -1,0 +1,135 @@
+//! Orders, tables and dates: what is read, and what is told of bad ones.
+
+use super::*;
+
+/// A plain shop with dates and a calendar, to which orders are added.
+const SHOP: &str = r#"schema = 1
+[shop]
+name = "dated"
+start = "2026-03-30 00:00"
+horizon = "1 week"
+[[calendar]]
+name = "early"
+week = { mon-fri = ["06:00-14:00"], fri = ["06:00-12:00"] }
+holidays = ["2026-04-02..2026-04-03"]
+[[machine]]
+name = "saw"
+process = "plain"
+calendar = "early"
+[[part]]
+name = "bar"
+flow_allowance = "2 day"
+operation = [{ name = "saw", machines = "saw", work = "5 min" }]
+"#;
+
+const ORDER: &str =
+    "[[order]]\nid = \"A\"\npart = \"bar\"\nquantity = 4\nrelease = \"2026-03-30 06:00\"\ndue = \"2026-03-31\"\n";
+
+fn read_with(order: &str) -> Vec<(&'static str, usize, String)> {
+    faults_of(&format!("{SHOP}{order}"), &[])
+}
+
+#[test]
+fn dates_count_from_the_start() {
+    let file = parse("dated.toml", &format!("{SHOP}{ORDER}"), &[]).unwrap_or_else(|error| panic!("{error}"));
+    let scenario = &file.scenario;
+    let order = &scenario.orders[0];
+    assert_eq!((order.release, order.due, order.quantity), (6.0 * 3600.0, 86_400.0, 4));
+    // Four days, the last of them short, and the last two holidays.
+    assert_eq!(scenario.calendars[0].working_time(0.0, 7.0 * 86_400.0), 24.0 * 3600.0);
+    assert!(scenario.calendars[0].at_end == crate::Interruption::Resume);
+    let later = parse("dated.toml", &format!("{SHOP}{}", ORDER.replace("due = \"2026-03-31\"\n", "")), &[]).unwrap();
+    assert_eq!(later.scenario.orders[0].due, order.release + 2.0 * 86_400.0);
+    let hours = parse("dated.toml", &format!("{SHOP}{}", ORDER.replace("2026-03-30 06:00", "6 h")), &[]).unwrap();
+    assert_eq!(hours.scenario.orders, scenario.orders);
+}
+
+#[test]
+fn bad_orders_and_dates_are_told_in_their_place() {
+    let line = SHOP.lines().count();
+    let cases = [
+        ("part = \"bar\"", "part = \"bra\"", "unknown-name", line + 3, "did you mean `bar`"),
+        ("quantity = 4", "quantity = 0", "out-of-range", line + 4, "quantity"),
+        ("2026-03-30 06:00", "2026-02-30 06:00", "no-date", line + 5, "is no date"),
+        ("2026-03-30 06:00", "2026-04-07 06:00", "order-beyond-horizon", line + 5, "2026-04-07 06:00"),
+        ("2026-03-30 06:00", "2026-03-29 06:00", "order-beyond-horizon", line + 5, "2026-03-29 06:00"),
+        ("2026-03-31", "2026-03-30", "contradiction", line + 6, "due after it is released"),
+        ("2026-03-31", "soon", "quantity", line + 6, "due"),
+    ];
+    for (from, to, code, place, words) in cases {
+        let told = read_with(&ORDER.replace(from, to));
+        assert!(
+            told.iter().any(|(own, at, text)| *own == code && *at == place && text.contains(words)),
+            "{to}: {told:#?}"
+        );
+    }
+    let twice = only(read_with(&format!("{ORDER}{ORDER}")));
+    assert_eq!((twice.0, twice.1), ("duplicate-name", line + 8));
+    let without = faults_of(&format!("{SHOP}{ORDER}").replace("start = \"2026-03-30 00:00\"\n", ""), &[]);
+    assert!(without.iter().filter(|(code, ..)| *code == "date-without-start").count() == 3, "{without:#?}");
+}
+
+#[test]
+fn impossible_calendars_are_told() {
+    let cases = [
+        ("mon-fri = [\"06:00-14:00\"]", "mon-fry = [\"06:00-14:00\"]", "no-date", "weekday"),
+        ("\"06:00-14:00\"", "\"6-14\"", "no-date", "shift"),
+        ("\"06:00-14:00\"", "\"06:00-14:00\", \"13:00-22:00\"", "shifts-overlap", "shift 2"),
+        ("2026-04-02..2026-04-03", "2026-04-03..2026-04-02", "no-date", "holiday"),
+        ("2026-04-02..2026-04-03", "2026-03-01..2026-05-03", "calendar-empty", "no working time"),
+        ("holidays", "period = \"1 week\"\nholidays", "not-applicable", "week"),
+    ];
+    for (from, to, code, words) in cases {
+        let told = faults_of(&format!("{SHOP}{ORDER}").replacen(from, to, 1), &[]);
+        assert!(told.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {told:#?}");
+    }
+}
+
+/// Faults of a table of orders beside the scenario.
+fn of_table(table: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+    // One folder a table: tests run side by side.
+    let folder = std::env::temp_dir().join(format!("toolroom-orders-{}-{:x}", std::process::id(), table.len()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("shop.toml");
+    std::fs::write(&path, format!("{SHOP}[tables]\norders = \"orders.csv\"\n")).expect("written");
+    std::fs::write(folder.join("orders.csv"), table).expect("written");
+    let read = read(&path, &[]);
+    std::fs::remove_dir_all(&folder).expect("removed");
+    match read {
+        Ok(file) => Ok(file.scenario.orders),
+        Err(ReadError::Faults(list)) => Err(list.problems.iter().map(|problem| problem.fault.to_string()).collect()),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+#[test]
+fn a_table_is_read_like_sections() {
+    let table = "id,part,quantity,release,due,customer\n# a remark\nA,bar,4,2026-03-30 06:00,2026-03-31,\n7,bar,,6 h,,\"north, inc\"\n";
+    let orders = of_table(table).expect("a good table");
+    let section = parse("dated.toml", &format!("{SHOP}{ORDER}"), &[]).unwrap().scenario.orders;
+    assert_eq!(orders[0], section[0]);
+    assert_eq!((orders[1].id.as_str(), orders[1].quantity, orders[1].customer.as_str()), ("7", 1, "north, inc"));
+    assert_eq!(of_table(&table.replace(',', ";").replace("north; inc", "north, inc")).expect("semicolons"), orders);
+}
+
+#[test]
+fn faults_of_a_table_name_file_line_and_column() {
+    let told = of_table("id,part,quantity\nA,bar,4\nB,bra,0\nA,bar,x\n").expect_err("three bad cells and a name twice");
+    assert_eq!(told.len(), 4, "{told:#?}");
+    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("bra")), "{told:#?}");
+    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 3:") && text.contains("quantity")), "{told:#?}");
+    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("quantity")), "{told:#?}");
+    assert!(told.iter().any(|text| text.starts_with("orders.csv, line 4:") && text.contains("\"A\"")), "{told:#?}");
+    let told = of_table("id,prat\nA,bar\n").expect_err("a column that is none, and one that is missing");
+    assert!(told.iter().any(|text| text.contains("no column \"prat\"")), "{told:#?}");
+    assert!(told.iter().any(|text| text.contains("`part` is missing")), "{told:#?}");
+    let told = of_table("id,part\nA,bar,4\n").expect_err("a cell too many");
+    assert!(told[0].starts_with("orders.csv, line 2:"), "{told:#?}");
+}
+
+proptest! {
+    #[test]
+    fn any_table_is_read_or_refused(table in "(id,part,quantity,release\n)?([A-Za-z0-9 ,;:\"\n.-]{0,80})") {
+        let _ = of_table(&table);
+    }
+}

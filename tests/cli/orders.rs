@@ -1,0 +1,58 @@
+//! A planner's path: an order table is checked, run, and answered.
+
+use super::*;
+
+#[test]
+fn an_order_table_is_checked_and_answered() {
+    let scenario = shipped("shop/orders");
+    let checked = toolroom(&["check", &scenario]);
+    assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
+    let out = directory("orders");
+    let ran = |more: &[&str]| {
+        let out = out.display().to_string();
+        json(&toolroom(&[&["run", &scenario, "--out", &out, "--force", "--json"], more].concat()))
+    };
+    let fifo = ran(&[]);
+    let order = |answers: &Value, id: &str| {
+        let orders = answers["orders"].as_array().expect("orders");
+        orders.iter().find(|order| order["id"] == id).expect("the order").clone()
+    };
+    assert_eq!(order(&fifo, "O1")["finish"]["mean"], "2026-03-30 22:55");
+    assert_eq!(order(&fifo, "O6")["finish"]["p95"], "2026-04-07 12:40");
+    let late = |answers: &Value| {
+        let orders = answers["orders"].as_array().expect("orders").clone();
+        orders
+            .iter()
+            .filter(|order| order["on_time"]["share"] == 0.0)
+            .map(|order| order["id"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(late(&fifo), ["O4", "O6"]);
+    assert_eq!(late(&ran(&["--set", "dispatch.rule=edd"])), ["O6"]);
+    let table = fs::read_to_string(out.join("orders.csv")).expect("the orders");
+    assert!(
+        table.lines().nth(1).expect("a row").contains("O6,hub,west,80,2026-04-01 06:00,2026-04-07 12:00"),
+        "{table}"
+    );
+    let loads = fs::read_to_string(out.join("load.csv")).expect("the loads");
+    assert_eq!(loads.lines().count(), 1 + 4 * 2, "four machines in two weeks: {loads}");
+    let told = stdout(&toolroom(&["run", &scenario, "--out", &out.display().to_string(), "--force"]));
+    assert!(told.contains("2 of 6 orders are late") && told.contains("2026-03-31 22:15"), "{told}");
+}
+
+#[test]
+fn a_bad_row_is_told_with_its_line() {
+    let folder = directory("orders-bad");
+    let text = fs::read_to_string(shipped("shop/orders")).expect("the scenario");
+    let table = fs::read_to_string(shipped("shop/orders").replace(".toml", ".csv")).expect("the table");
+    let scenario = folder.join("orders.toml");
+    fs::write(&scenario, text).expect("written");
+    fs::write(folder.join("orders.csv"), table.replace("O3,hub", "O3,hubb")).expect("written");
+    let checked = toolroom(&["check", &scenario.display().to_string()]);
+    assert_eq!(checked.status.code(), Some(2), "{}", stdout(&checked));
+    let told = stderr(&checked);
+    assert!(
+        told.contains("orders.csv, line 4") && told.contains("hubb") && told.contains("did you mean `hub`"),
+        "{told}"
+    );
+}
