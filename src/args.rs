@@ -9,6 +9,7 @@ mod files;
 mod gap;
 mod import;
 mod lobes;
+mod modes;
 mod planning;
 mod program;
 
@@ -21,6 +22,7 @@ pub use gap::{
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
+pub use modes::{ModesArgs, SwapArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
@@ -132,6 +134,20 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
   toolroom lobes chart.toml --plan plan.json --shards 64     for a cluster
   toolroom lobes --run plan.json --shard 17 --out parts      one shard of it; then: toolroom merge parts")]
     Lobes(LobesArgs),
+    /// Vibration modes with their uncertainty from a tap test: frequency responses in CSV or universal files
+    #[command(before_help = "Examples:
+  toolroom modes tap.csv --averages 5 --out spindle3-d12.toml
+  toolroom modes tap.uff --averages 4 --report out/modes       pictures and the stabilisation diagram
+  toolroom modes tap.csv --pick \"612 Hz\" --pick \"1185 Hz\" --direction \"30 deg\"
+  toolroom modes tap.csv --read                                what the file holds, without a fit
+
+A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of its [[mode]].")]
+    Modes(ModesArgs),
+    /// Modes at the tip of a tool on a spindle that was measured, by receptance coupling
+    #[command(before_help = "Examples:
+  toolroom swap spindle.toml --tool endmill12.toml --out spindle-d12.toml
+  toolroom swap spindle.toml --tool endmill12.toml --range \"50 Hz\" \"8000 Hz\" --report out/swap")]
+    Swap(SwapArgs),
     /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
   toolroom life scenarios/life/policies.toml          study of policies, report in out/policies

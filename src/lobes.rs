@@ -8,6 +8,7 @@ use crate::output::{OutputDir, provenance};
 use crate::shard::{of_plan, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
+use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
@@ -31,7 +32,7 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let file = read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {
-        return verdict(&file.content, speed, depth, voice);
+        return verdict(&file.content, [speed, depth], args.measured.as_deref(), voice);
     }
     let input = path.display().to_string();
     if let Some(target) = &args.plan {
@@ -91,9 +92,21 @@ fn refused(error: ChatterError) -> Failure {
     }
 }
 
-/// `--at SPEED DEPTH`.
-fn verdict(file: &LobesFile, speed: &str, depth: &str, voice: &Voice) -> Result<(), Failure> {
+/// `--at SPEED DEPTH`, with the limit straight from a `measured` response beside it.
+fn verdict(
+    file: &LobesFile,
+    [speed, depth]: [&String; 2],
+    measured: Option<&Path>,
+    voice: &Voice,
+) -> Result<(), Failure> {
     let place = file.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
-    let verdict = PointVerdict::new(file, place).map_err(refused)?;
+    let mut verdict = PointVerdict::new(file, place).map_err(refused)?;
+    if let Some(path) = measured {
+        let measured = crate::modes::measurement(path)?.0;
+        verdict = verdict.beside(&measured).map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
+        if let Some(warning) = verdict.warning() {
+            voice.say(format_args!("warning: {warning}"));
+        }
+    }
     if voice.json { voice.json(&verdict.json()) } else { voice.data(verdict.text()) }
 }

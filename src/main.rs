@@ -24,6 +24,7 @@ mod import;
 mod life;
 mod lobes;
 mod merge;
+mod modes;
 mod new;
 mod output;
 mod point;
@@ -70,6 +71,8 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Check(args) => check::run(&args, voice),
         Command::Point(args) => point::run(&args, voice),
         Command::Lobes(args) => lobes::run(&args, voice),
+        Command::Modes(args) => modes::run(&args, voice),
+        Command::Swap(args) => modes::swap(&args, voice),
         Command::Life(args) => life::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),

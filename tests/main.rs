@@ -5,6 +5,7 @@ mod blind;
 mod calibration;
 mod cli;
 mod determinism;
+mod dynamics;
 mod examples;
 mod extension;
 mod fmu_files;

@@ -11,6 +11,9 @@ pub struct LobesArgs {
     /// Verdict at this point alone: the values of the two axes, such as spindle speed and depth of cut
     #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
     pub at: Vec<String>,
+    /// Frequency responses (CSV or universal file) whose own limit stands beside that of the modes; turning
+    #[arg(long, value_name = "FRF", requires = "at")]
+    pub measured: Option<PathBuf>,
     /// Replace a value of the file: path=value with unit, repeatable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "run")]
     pub set: Vec<String>,

@@ -58,9 +58,11 @@ fn every_problem_is_reported_at_once_with_file_line_and_column() {
 }
 
 /// One shipped file of every kind that can be read.
-const KINDS: [(&str, &str); 9] = [
+const KINDS: [(&str, &str); 11] = [
     ("scenario", "template"),
     ("lobes", "chatter/milling-slot"),
+    ("structure", "chatter/spindle"),
+    ("tool", "chatter/endmill12"),
     ("life", "life/policies"),
     ("cycle", "grinding/cycle"),
     ("contour", "contour/rk3"),

@@ -22,6 +22,8 @@ pub enum Quantity {
     ToolChangeTime,
     /// Loading and unloading of one operation.
     HandlingTime,
+    /// Standard deviation of the logarithm of loading and unloading.
+    HandlingScatter,
     /// Share of parts that are scrapped.
     Scrap,
     /// Time between two orders of a source.
@@ -42,6 +44,7 @@ impl Quantity {
             Self::SetupTime => "setup_time",
             Self::ToolChangeTime => "tool_change_time",
             Self::HandlingTime => "handling_time",
+            Self::HandlingScatter => "handling_scatter",
             Self::Scrap => "scrap",
             Self::ArrivalInterval => "arrival_interval",
             Self::EdgeLife => "edge_life",
@@ -58,6 +61,7 @@ impl Quantity {
             Self::SetupTime => "setup time",
             Self::ToolChangeTime => "tool change time",
             Self::HandlingTime => "handling time",
+            Self::HandlingScatter => "scatter of handling times",
             Self::Scrap => "share of scrap",
             Self::ArrivalInterval => "time between arrivals",
             Self::EdgeLife => "life of edges",
@@ -74,6 +78,7 @@ impl Quantity {
             | Self::SetupTime
             | Self::ToolChangeTime
             | Self::HandlingTime
+            | Self::HandlingScatter
             | Self::Scrap
             | Self::ArrivalInterval
             | Self::EdgeLife => true,
@@ -89,7 +94,7 @@ impl Quantity {
         }
         match self {
             Self::FailureShape => digits(value),
-            Self::Scrap => format!("{} %", digits(100.0 * value)),
+            Self::HandlingScatter | Self::Scrap => format!("{} %", digits(100.0 * value)),
             Self::TimeBetweenFailures
             | Self::TimeToRepair
             | Self::SetupTime

@@ -12,6 +12,7 @@
 //! | [`renewal`] | the same where intervals are not exponential (replicated counts) |
 //! | [`failures`] | time between failures of a machine or pool, with censored exposure; shape of the intervals |
 //! | [`times`] | do repairs, setups, changes, handling last and scatter as the file says? |
+//! | [`spread`] | do times scatter as the file says, whatever their middle? |
 //! | [`arrivals`] | do as many jobs come, and as evenly? |
 //! | [`survival`] | do edges live as long as simulated ones (log-rank, censored)? |
 //! | [`waits`] | do queues wait as replicated ones do (days are blocks)? |
@@ -33,6 +34,7 @@ pub mod count;
 mod fact;
 pub mod failures;
 pub mod renewal;
+pub mod spread;
 pub mod survival;
 pub mod times;
 pub mod waits;

@@ -20,6 +20,7 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod constants;
 mod error;
 mod figures;
 mod known;

@@ -1,5 +1,6 @@
 //! The diagnosis of a data set, with its documents.
 
+use crate::constants::constants_of_facts;
 use crate::known::{self, Known};
 use crate::{GapRequest, GapStudyError, Reading, Table, tables};
 use serde_json::Value;
@@ -61,7 +62,10 @@ impl GapStudy {
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
         let pages = completed(request, &mut answers, rest, &asked);
         let processes: Vec<Process<'_>> = stated.iter().zip(&points).map(|(known, own)| known.process(own)).collect();
-        let document = document(answers.json(), &processes, known::data(&stated));
+        let mut document = document(answers.json(), &processes, known::data(&stated));
+        if let Some(list) = document["applied"]["calibration"].as_array_mut() {
+            list.extend(answers.processes.iter().flat_map(|(process, own)| constants_of_facts(process, own)));
+        }
         Ok(Self { answers, document, predictions, pages })
     }
 

@@ -5,7 +5,7 @@ use super::catalogue::entry;
 use super::constants::{NINETY, TOO_FEW};
 use super::diagnosing::Diagnosing;
 use super::left_out::LeftOut;
-use super::measures::{CLOSABLE, Left, Measures, apart};
+use super::measures::{CLOSABLE, Left, Measures, apart, usual};
 use super::noise::HUBER;
 use super::reframed::Reframed;
 use super::settle::settled;
@@ -146,19 +146,28 @@ fn readings(
 ) -> Vec<(usize, Left)> {
     let measured = &model.frame().measured;
     let transform = measured.channels[channel].transform;
+    let off = |i: usize, residual: &[f64]| match transform {
+        Transform::Linear => residual[i],
+        Transform::Log => {
+            let value = measured.observations[i].value;
+            value.exp() - (value - residual[i]).exp()
+        }
+    };
+    // What is usual is that of all groups: few may be scored.
+    let all: Vec<usize> = (0..measured.len()).filter(|i| measured.observations[*i].channel == channel).collect();
+    let frame = model.frame();
+    let row = |i: &usize| measured.observations[*i].row;
+    let before: Vec<f64> = all.iter().map(|i| off(*i, &base.residual)).collect();
+    let repeats: Vec<Option<usize>> = all.iter().map(|i| frame.repeats.get(row(i)).copied().flatten()).collect();
+    let kinds: Vec<usize> = all.iter().map(|i| frame.kind_of(row(i))).collect();
+    let mut usual_of = vec![f64::INFINITY; measured.len()];
+    all.iter().zip(usual(&before, &repeats, &kinds)).for_each(|(i, own)| usual_of[*i] = own);
     let of = |i: usize| {
-        let value = measured.observations[i].value;
         let deviation = basis.noise.deviation(measured, i);
-        let kind = model.frame().kind_of(measured.observations[i].row);
-        let left = match transform {
-            Transform::Linear => Left { before: base.residual[i], after: chosen.residual[i], deviation, kind },
-            Transform::Log => {
-                let off = |residual: f64| value.exp() - (value - residual).exp();
-                let deviation = deviation * value.exp();
-                Left { before: off(base.residual[i]), after: off(chosen.residual[i]), deviation, kind }
-            }
-        };
-        (i, left)
+        let deviation =
+            if transform == Transform::Log { deviation * measured.observations[i].value.exp() } else { deviation };
+        let (before, after) = (off(i, &base.residual), off(i, &chosen.residual));
+        (i, Left { before, after, deviation, usual: usual_of[i] })
     };
     let places = scored.iter().flat_map(|group| measured.spans[*group].clone());
     places.filter(|i| measured.observations[*i].channel == channel).map(of).collect()

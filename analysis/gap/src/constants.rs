@@ -10,6 +10,9 @@
 /// Gain that a named effect needs beside the price of having been chosen, in log posterior density (1).
 /// Assumption: odds of e⁴ ≈ 55 to 1, and a name without cause costs more than a missed one.
 pub(super) const GATE: f64 = 4.0;
+/// Gain with which fewer groups than [`FEWEST_GROUPS`] ask for an effect that calibration may have taken up, in log
+/// posterior density (1). Assumption: twice [`GATE`], since neither their agreement nor a score can be asked.
+pub(super) const FEW_GROUPS_GATE: f64 = 8.0;
 /// Lead of a pair over its best single effect that names both, the choice among pairs paid for, in log
 /// posterior density (1). Assumption: twice [`GATE`], since the second effect may only mend the form of the
 /// first.

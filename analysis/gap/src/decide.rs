@@ -1,7 +1,7 @@
 //! From fitted trials to a verdict.
 
 use super::closure::crossed;
-use super::constants::{CLEAR, CLEARLY_LEFT_OUT, FEWEST_GROUPS, GATE, MOST_EFFECTS, RIVAL, SAME};
+use super::constants::{CLEAR, CLEARLY_LEFT_OUT, FEW_GROUPS_GATE, FEWEST_GROUPS, GATE, MOST_EFFECTS, RIVAL, SAME};
 use super::diagnosing::Diagnosing;
 use super::evidence::{Evidence, gain, predictive_gain};
 use super::rules::{Judged, Refusal, Rule, agreed, stands};
@@ -36,6 +36,8 @@ pub struct Decision {
     pub trials: Vec<Trial>,
     /// The chosen trial; `None` keeps the nominal model.
     pub chosen: Option<usize>,
+    /// The trial that the data ask for and that a rule kept from being named.
+    pub(super) refused: Option<usize>,
     /// What the dictionary finds beside the nominal model.
     pub before: Remainder,
     /// What it finds beside the chosen trial.
@@ -63,6 +65,16 @@ impl Decision {
     /// Gain of a trial over the nominal model, the choice among many paid for.
     pub fn gain_of(&self, trial: &Trial, candidates: usize) -> f64 {
         gain(&trial.evidence, &self.base.evidence) - price(candidates, trial.fit.active.len()) - self.share
+    }
+
+    /// The model that the data ask for, named or not, if they ask loudly enough: few groups, whose agreement nobody can
+    /// judge, by [`FEW_GROUPS_GATE`]. Its effects with those that cannot be told from them, and its gain.
+    pub(super) fn asked_for(&self, context: Diagnosing<'_>) -> Option<(String, f64)> {
+        let index = self.chosen.or(self.refused)?;
+        let gain = self.gain_of(&self.trials[index], context.candidates());
+        let few = context.model.frame().measured.fitted_groups().count() < FEWEST_GROUPS;
+        let gate = if few { FEW_GROUPS_GATE } else { GATE };
+        (gain > gate).then(|| (self.suspects(context, index), gain))
     }
 
     /// Whether the strongest generic signature is nothing but the image of one of `effects`.
@@ -127,6 +139,7 @@ pub(super) fn decide(context: Diagnosing<'_>, base: Trial) -> Decision {
         singles,
         trials,
         chosen: None,
+        refused: None,
         before,
         after: None,
         reasons: Vec::new(),
@@ -240,6 +253,7 @@ fn choose(context: Diagnosing<'_>, decision: &mut Decision) {
                     decision.reasons.push(format!("{ids} not named because of the rule {}: {found}", rule.id));
                     decision.after = Some(after);
                     decision.verdict = GapVerdict::Unknown;
+                    decision.refused = Some(index);
                     not_named(decision, context, index, rules);
                 }
             }

@@ -14,7 +14,7 @@ use super::left_out::LeftOut;
 use super::method::Bare;
 use super::settle::{settled, stated};
 use super::trial::Trial;
-use super::verdict::backed;
+use super::verdict::{backed, unrejected};
 use super::{
     Basis, Budget, Calibrated, Cell, Diagnosis, Fit, Forward, GapVerdict, Method, NamedEffect, NextExperiment, Ranked,
     Transform, Tried,
@@ -135,12 +135,10 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
             diagnosis.fit_with_effects = Some(test(&decision.model().fit.clone().complete(model)));
         }
         let spared = diagnosis.verdict == GapVerdict::Effect && spares(context, &decision.base, decision.model());
-        backed(&mut diagnosis, pushed, spared, || closed_by_constants(context, &decision.base));
-    } else if diagnosis.verdict == GapVerdict::NoGap
-        && let Some(why) = pushed()
-    {
-        diagnosis.verdict = GapVerdict::Masked;
-        diagnosis.notes.push(why);
+        let asked = || decision.asked_for(context);
+        backed(&mut diagnosis, pushed, asked, spared, || closed_by_constants(context, &decision.base));
+    } else if diagnosis.verdict == GapVerdict::NoGap {
+        unrejected(&mut diagnosis, pushed);
     }
     diagnosis.next = next(&diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }

@@ -12,9 +12,12 @@ use toolroom_statistics::median;
 /// Residual in standard deviations beyond which a reading stands apart, before and after (1). Assumption: no reading of
 /// noise lies there.
 const FAR: f64 = 6.0;
-/// Residual of such a reading over the median of its kind (1). Assumption: where all readings are far off, none of them
+/// Residual of such a reading over what is usual of its like (1). Assumption: where all readings are far off, none of them
 /// stands apart.
 const BEYOND: f64 = 5.0;
+/// Fewest readings of the same thing that say what is usual of it (count). Derivation: the median of three does not follow
+/// one of them.
+const FEWEST_ALIKE: usize = 3;
 /// Share of the mean square above the floor of noise, below which a share of it says nothing (1). Assumption: the floor
 /// is known to a tenth.
 pub(super) const CLOSABLE: f64 = 0.2;
@@ -28,15 +31,37 @@ pub struct Left {
     pub after: f64,
     /// Standard deviation of its noise, in the same unit.
     pub deviation: f64,
-    /// Its kind: what is usual is the median of its kind.
-    pub kind: usize,
+    /// What is [`usual`] of its like, in the same unit.
+    pub usual: f64,
 }
 
 impl Left {
     /// The same in standard deviations of the noise.
     pub fn standardised(self) -> Self {
-        Self { before: self.before / self.deviation, after: self.after / self.deviation, deviation: 1.0, ..self }
+        let [before, after, usual] = [self.before, self.after, self.usual].map(|value| value / self.deviation);
+        Self { before, after, deviation: 1.0, usual }
     }
+}
+
+/// What is usual of each of the residuals `before`: their median size among readings of the same thing (`repeats`), where
+/// at least [`FEWEST_ALIKE`] are, else among those of one kind. A stretch of a program that takes longer than the model
+/// says in every piece does not stand apart, however long it is.
+pub fn usual(before: &[f64], repeats: &[Option<usize>], kinds: &[usize]) -> Vec<f64> {
+    let medians = |of: &dyn Fn(usize) -> Option<usize>, fewest: usize| -> BTreeMap<usize, f64> {
+        let mut sizes: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for (i, value) in before.iter().enumerate() {
+            of(i).into_iter().for_each(|own| sizes.entry(own).or_default().push(value.abs()));
+        }
+        sizes.retain(|_, sizes| sizes.len() >= fewest);
+        sizes.into_iter().map(|(own, mut sizes)| (own, median(&mut sizes))).collect()
+    };
+    let alike = medians(&|i| repeats.get(i).copied().flatten(), FEWEST_ALIKE);
+    let of_kind = medians(&|i| kinds.get(i).copied(), 1);
+    let own = |i: usize| {
+        let same = repeats.get(i).copied().flatten().and_then(|own| alike.get(&own));
+        same.or_else(|| of_kind.get(kinds.get(i)?)).copied().unwrap_or(f64::INFINITY)
+    };
+    (0..before.len()).map(own).collect()
 }
 
 /// Measures of how far a gap shrinks; `NaN` where there is no gap of that kind.
@@ -55,13 +80,10 @@ pub struct Measures {
     pub of_closable: f64,
 }
 
-/// Places of the readings that stand apart: far off before and after, and by much more than is usual among their kind.
+/// Places of the readings that stand apart: far off before and after, and by much more than is usual of their like.
 pub fn apart(readings: &[Left]) -> Vec<usize> {
-    let mut kinds: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    readings.iter().for_each(|own| kinds.entry(own.kind).or_default().push(own.before.abs()));
-    let usual: BTreeMap<usize, f64> = kinds.into_iter().map(|(kind, mut sizes)| (kind, median(&mut sizes))).collect();
     let far = |own: &Left| {
-        own.before.abs().min(own.after.abs()) > FAR * own.deviation && own.before.abs() > BEYOND * usual[&own.kind]
+        own.before.abs().min(own.after.abs()) > FAR * own.deviation && own.before.abs() > BEYOND * own.usual
     };
     (0..readings.len()).filter(|i| far(&readings[*i])).collect()
 }
@@ -117,7 +139,8 @@ mod tests {
     use super::*;
 
     fn readings(before: [f64; 8], after: [f64; 8]) -> Vec<Left> {
-        let own = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, kind: 0 };
+        let usual = usual(&before, &[], &[0; 8])[0];
+        let own = |(before, after): (f64, f64)| Left { before, after, deviation: 1.0, usual };
         before.into_iter().zip(after).map(own).collect()
     }
 
@@ -144,11 +167,25 @@ mod tests {
 
     #[test]
     fn what_is_usual_for_one_kind_is_far_for_another() {
-        let mut all = readings(BEFORE, AFTER);
-        all.extend([110.0, 118.0, 125.0].map(|before| Left { before, after: 100.0, deviation: 1.0, kind: 1 }));
-        assert_eq!(apart(&all), [4]);
-        all[4].kind = 1;
-        assert!(apart(&all).is_empty());
+        let before: Vec<f64> = BEFORE.into_iter().chain([110.0, 118.0, 125.0]).collect();
+        let places = |repeats: &[Option<usize>], kinds: &[usize]| {
+            let usual = usual(&before, repeats, kinds).into_iter();
+            let own = |(before, usual): (&f64, f64)| Left { before: *before, after: 100.0, deviation: 1.0, usual };
+            apart(&before.iter().zip(usual).map(own).collect::<Vec<_>>())
+        };
+        let mut kinds = [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1];
+        assert_eq!(places(&[], &kinds), [4]);
+        kinds[4] = 1;
+        assert!(places(&[], &kinds).is_empty());
+        // A stretch of a kind whose others are well predicted, off in each of three pieces; in one of them by far more.
+        let mut repeats = [None; 11];
+        repeats[8..].fill(Some(7));
+        assert_eq!(places(&repeats, &[0; 11]), [4]);
+        repeats[3..5].fill(Some(7));
+        assert!(places(&repeats, &[0; 11]).is_empty(), "the fifth is one of the stretch");
+        repeats = [None; 11];
+        repeats[8..10].fill(Some(7));
+        assert_eq!(places(&repeats, &[0; 11])[..], [4, 8, 9, 10], "two alike say nothing");
     }
 
     #[test]
@@ -168,7 +205,7 @@ mod tests {
                     before: unit * own.before,
                     after: unit * own.after,
                     deviation: unit * own.deviation,
-                    ..*own
+                    usual: unit * own.usual,
                 })
                 .collect();
             assert_eq!(apart(&scaled), apart(&all));

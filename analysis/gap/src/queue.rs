@@ -16,7 +16,7 @@ use super::{Diagnosis, NamedEffect};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, BTreeSet};
-use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score};
+use toolroom_nominal::shop::{Constant, Shop, Visit, Visits, normal_score, scope_names};
 use toolroom_scenario::{Deviation, MICRO_STOP, Scope};
 use toolroom_statistics::Moments;
 
@@ -166,7 +166,7 @@ struct Acting {
 
 impl Acting {
     fn named(effect: &NamedEffect) -> Self {
-        let scope = effect.shape.strip_prefix("shift=").map(Scope::shift).unwrap_or_default();
+        let scope = Scope { names: scope_names(&effect.shape), ..Scope::default() };
         Self { id: effect.id, as_recorded: effect.shape == "as recorded", scope, size: effect.size }
     }
 

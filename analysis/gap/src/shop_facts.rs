@@ -1,10 +1,13 @@
 //! What the log of a shop counts, against what its file says.
 //!
-//! Handling, edge changes and programmed times are channels with a calibration of their own, and are no facts here.
+//! Handling, edge changes and programmed times are channels with a calibration of their own, and are no facts here, but
+//! for the scatter of handling.
 
 use super::queue::{QueueScore, queues};
 use super::{Diagnosis, GapVerdict};
+use std::collections::BTreeMap;
 use toolroom_facts::failures::{History, shape, time_between};
+use toolroom_facts::spread::spread;
 use toolroom_facts::survival::{Life, lives};
 use toolroom_facts::times::{share_above, times};
 use toolroom_facts::waits::waits;
@@ -32,6 +35,10 @@ pub fn add_facts(shop: &Shop, records: &Records, stated: &[Deviation], diagnosis
     let mut facts = of_failures(shop, &seen, named("breakdown_shape"), seed);
     if !named("tool_change_policy") {
         facts.extend(of_edges(shop, &seen));
+    }
+    // What adds to every handling makes its relative scatter smaller.
+    if !named("operator_delay") {
+        facts.extend(of_handling(shop, &seen));
     }
     facts.extend(scores.iter().filter_map(|score| of_queue(score, explained)));
     diagnosis.notes.extend(scores.iter().map(|score| score.words(explained)));
@@ -127,6 +134,19 @@ fn of_edges(shop: &Shop, seen: &Visits) -> Vec<Fact> {
         let mut recorded: Vec<Life> = ended.map(|own| Life { time: own.2, ended: true }).collect();
         recorded.extend(ages.map(|own| Life { time: own.1, ended: false }));
         lives(name, &recorded, &shop.station(name)?.lives, LIFE)
+    };
+    seen.machines.iter().enumerate().filter_map(of).collect()
+}
+
+/// How loading and unloading scatters at every machine, among operations of one program in one shift.
+fn of_handling(shop: &Shop, seen: &Visits) -> Vec<Fact> {
+    let of = |(machine, name): (usize, &String)| {
+        let mut alike: BTreeMap<(usize, String), Vec<f64>> = BTreeMap::new();
+        for visit in seen.list.iter().filter(|visit| visit.machine == machine && visit.handling > 0.0) {
+            alike.entry((visit.program, shop.shift(name, visit.start))).or_default().push(visit.handling);
+        }
+        let recorded: Vec<Vec<f64>> = alike.into_values().collect();
+        spread(Quantity::HandlingScatter, name, &recorded, &shop.station(name)?.handling)
     };
     seen.machines.iter().enumerate().filter_map(of).collect()
 }

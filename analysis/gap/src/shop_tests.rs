@@ -5,7 +5,7 @@ use crate::{Diagnosis, GapVerdict, NominalModel, NominalProcess, Settings, diagn
 use toolroom_facts::{Finding, Quantity};
 use toolroom_recording::simulated;
 use toolroom_records::{RecordKind, Records};
-use toolroom_scenario::{Deviation, Distribution, Scenario};
+use toolroom_scenario::{Deviation, Distribution, Scenario, Scope};
 
 fn nominal() -> NominalModel {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/gap/shop.toml");
@@ -99,6 +99,53 @@ fn holds_of_the_simulated_shop_are_named_with_their_length() {
     let cycle = |records: &Records| ShopKpi::of(shop, &visits(records), &mix(&seen)).cycle_time;
     let longer = cycle(&records) - cycle(&recorded(11, &[]));
     assert!((longer - 15.0 * held).abs() < 0.2, "{longer} s");
+}
+
+#[test]
+fn an_effect_of_one_machine_or_part_is_named_there_with_its_size_and_its_queue() {
+    let cases = [
+        ("operator_delay", 30.0, "machine", "L1"),
+        ("feed_override", 0.25, "part", "flange"),
+        ("tool_change_delay", 60.0, "machine", "L2"),
+    ];
+    for (id, size, key, name) in cases {
+        let scope = Scope { names: vec![(key, vec![name.to_owned()])], ..Scope::default() };
+        let records = recorded(1, &[Deviation { scope, ..Deviation::new(id, size) }]);
+        let model = nominal();
+        let diagnosis = diagnose(model.over(&records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+        let named: Vec<(&str, &str)> = diagnosis.effects.iter().map(|own| (own.id, own.shape.as_str())).collect();
+        assert_eq!(named, [(id, format!("{key}={name}").as_str())], "{}", diagnosis.terminal());
+        let found = diagnosis.effects[0].size;
+        assert!((found / size - 1.0).abs() < 0.05, "{found} instead of {size}");
+        // The replay of the queues slows the operations of the scope alone.
+        let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+        for queue in queues(shop, &visits(&records), &[], &diagnosis, 1) {
+            assert!(queue.with.score.abs() < 4.0, "{id}: {}", queue.words(true));
+        }
+    }
+}
+
+#[test]
+fn handling_that_scatters_more_than_its_file_is_a_constant_of_it() {
+    let uneven = |scenario: &mut Scenario| {
+        for machine in &mut scenario.machines {
+            machine.load_time = Distribution::Lognormal { mean: 40.0, cv: 1.2 };
+            machine.unload_time = Distribution::Lognormal { mean: 20.0, cv: 1.2 };
+        }
+    };
+    let found = |records: &Records| {
+        let model = nominal();
+        let NominalProcess::Shop(shop) = &model.process else { panic!("a shop") };
+        let mut diagnosis = diagnose(model.over(records, None, |_, _| false).0.as_ref(), 1).diagnosis;
+        add_facts(shop, records, &[], &mut diagnosis, 1);
+        diagnosis
+    };
+    let diagnosis = found(&of_shop(1, &uneven));
+    assert_eq!(diagnosis.verdict, GapVerdict::Constant, "{}", diagnosis.terminal());
+    let scatter = diagnosis.facts.iter().filter(|fact| fact.quantity == Quantity::HandlingScatter);
+    let factors: Vec<f64> = scatter.map(toolroom_facts::Fact::factor).collect();
+    assert!(factors.len() == 4 && factors.iter().all(|factor| (4.0..6.0).contains(factor)), "{factors:?}");
+    assert_eq!(found(&recorded(2, &[])).verdict, GapVerdict::NoGap);
 }
 
 #[test]

@@ -3,7 +3,9 @@
 //! | the test | what the search found | verdict |
 //! |---|---|---|
 //! | passes | an effect that spares the model a constant beyond belief | `effect` |
-//! | passes | else | `no_gap`; `masked` or `constant` where calibration went far for it |
+//! | passes | a constant beyond belief | `constant`; `masked` where a masked effect may have pushed it there |
+//! | passes | a model that the evidence asks for, with effects | `masked`: constants within belief do as well |
+//! | passes | nothing | `no_gap` |
 //! | rejects | an effect | `effect`; what is left beside it is said |
 //! | rejects | a constant beyond belief that closes like a cause | `constant`; what is left beside it is said |
 //! | rejects | nothing | `small` where nothing that is left matters, else `unknown` |
@@ -25,11 +27,12 @@ impl Structure {
 }
 
 /// Sets the verdict of `diagnosis` by its tests. `pushed` says which masked effect calibration may have taken up,
-/// `spared` whether the named effects do without a constant beyond belief that the model needs without them, and
+/// `asked` which effects the evidence asks for and with what gain, `spared` whether the named effects do without a constant beyond belief that the model needs without them, and
 /// `by_constants` what such constants close on groups left out.
 pub(super) fn backed(
     diagnosis: &mut Diagnosis,
     pushed: impl Fn() -> Option<String>,
+    asked: impl Fn() -> Option<(String, f64)>,
     spared: bool,
     by_constants: impl Fn() -> Option<Closure>,
 ) {
@@ -37,18 +40,22 @@ pub(super) fn backed(
     // A model that fits with a constant that nobody believes competes with the effect by evidence, which is named.
     if fit.passed() && !(diagnosis.verdict == GapVerdict::Effect && spared) {
         if diagnosis.verdict == GapVerdict::Effect {
-            let ids: Vec<&str> = diagnosis.effects.drain(..).map(|effect| effect.id).collect();
-            let why = format!("{}: the model fits without it (p = {:.3})", ids.join(" with "), fit.p);
-            diagnosis.notes.push(why);
+            diagnosis.effects.clear();
             diagnosis.fit_with_effects = None;
         }
-        diagnosis.verdict = GapVerdict::NoGap;
-        if let Some(why) = pushed() {
+        unrejected(diagnosis, &pushed);
+        if diagnosis.verdict == GapVerdict::NoGap
+            && let Some((ids, gain)) = asked()
+        {
             diagnosis.verdict = GapVerdict::Masked;
-            diagnosis.notes.push(why);
-        } else if let Some(constant) = diagnosis.constant() {
-            diagnosis.verdict = GapVerdict::Constant;
-            diagnosis.notes.insert(0, constant);
+            diagnosis.notes.insert(
+                0,
+                format!(
+                    "{ids} would explain the records better (gain {gain:.1}), but constants within what is believed of \
+                     them explain them as well (p = {:.3}): the next experiment tells",
+                    fit.p
+                ),
+            );
         }
         return;
     }
@@ -68,6 +75,19 @@ pub(super) fn backed(
         && let Some(constant) = diagnosis.constant()
         && by_constants().is_some_and(|closed| closed.closed > LEAST_CLOSED && closed.ci90[0] > 0.0)
     {
+        diagnosis.verdict = GapVerdict::Constant;
+        diagnosis.notes.insert(0, constant);
+    }
+}
+
+/// Sets the verdict where no test stands against the calibrated model: calibration that went far says why it did, or is
+/// the finding.
+pub(super) fn unrejected(diagnosis: &mut Diagnosis, pushed: impl Fn() -> Option<String>) {
+    diagnosis.verdict = GapVerdict::NoGap;
+    if let Some(why) = pushed() {
+        diagnosis.verdict = GapVerdict::Masked;
+        diagnosis.notes.push(why);
+    } else if let Some(constant) = diagnosis.constant() {
         diagnosis.verdict = GapVerdict::Constant;
         diagnosis.notes.insert(0, constant);
     }

@@ -39,9 +39,10 @@ use toolroom_contour::{CONTOUR, SETUP};
 use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
 use toolroom_nominal::NominalModel;
+use toolroom_planning::modes::TOOL;
 use toolroom_records::import::MAPPING;
 use toolroom_scenario::file::SCENARIO;
-use toolroom_scenario::lobes::LOBES;
+use toolroom_scenario::lobes::{LOBES, STRUCTURE};
 
 /// One kind of file.
 #[derive(Debug)]
@@ -77,6 +78,20 @@ pub static KINDS: &[FileKind] = &[
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
         read: Some(readers::scenario),
         form: Described::By(&SCENARIO),
+    },
+    FileKind {
+        word: "structure",
+        doc: "Vibration modes from a tap test, for `structure` of lobes files; modes writes them",
+        signs: &["measurement", "covariance"],
+        read: Some(readers::structure),
+        form: Described::By(&STRUCTURE),
+    },
+    FileKind {
+        word: "tool",
+        doc: "A tool as round segments, for swap",
+        signs: &["segment"],
+        read: Some(readers::tool),
+        form: Described::By(&TOOL),
     },
     FileKind {
         word: "lobes",
@@ -198,6 +213,7 @@ impl FileKind {
         match self.word {
             "life" => "toolroom tool-life study".to_owned(),
             "lobes" => "toolroom lobes file".to_owned(),
+            "structure" => "toolroom structure file".to_owned(),
             "gap" => "toolroom nominal model".to_owned(),
             "cycle" => "toolroom cycle file".to_owned(),
             "contour" => "toolroom contour file".to_owned(),

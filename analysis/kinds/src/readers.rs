@@ -72,6 +72,18 @@ pub fn chart(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     Ok(checked("lobes", Some(&file.content.name), file.echo, &format!("a chart with {points} operating points")))
 }
 
+pub fn structure(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_scenario::lobes::read_structure(path, set)?;
+    let modes = file.content.modes.len();
+    Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes} modes")))
+}
+
+pub fn tool(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_planning::modes::read_tool(path, set)?;
+    let segments = file.content.segments.len();
+    Ok(checked("tool", Some(&file.content.name), file.echo, &format!("a tool of {segments} segments")))
+}
+
 pub fn study(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let file = toolroom_life::file::read(path, set)?;
     let study = &file.content.study;

@@ -165,6 +165,8 @@ pub struct Frame {
     pub order: Vec<usize>,
     /// Kind of each row, among whose readings one may stand apart; empty where all are of one kind.
     pub kinds: Vec<usize>,
+    /// What each row times once more, such as a stretch of a program in another piece; empty where nothing is repeated.
+    pub repeats: Vec<Option<usize>>,
 }
 
 impl Frame {
@@ -183,6 +185,7 @@ impl Frame {
             discrepancy: None,
             order: Vec::new(),
             kinds: Vec::new(),
+            repeats: Vec::new(),
         }
     }
 

@@ -6,6 +6,7 @@
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
+//! | [`modes`] | vibration modes from a tap test, with their uncertainty |
 //! | [`point`] | every output of a process at one operating point |
 //! | [`program`] | the nominal cycle time of a part program, by tool and by block |
 //!
@@ -20,6 +21,7 @@ pub mod contour;
 pub mod cycle;
 pub mod identification;
 pub mod lobes;
+pub mod modes;
 pub mod point;
 pub mod program;
 mod tables;

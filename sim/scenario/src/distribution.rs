@@ -160,6 +160,43 @@ fn normal_above(z: f64) -> f64 {
 }
 
 impl Distribution {
+    /// The distribution of `factor` (above 0) times such a time.
+    ///
+    /// # Examples
+    /// ```
+    /// use toolroom_scenario::Distribution;
+    /// let law = Distribution::Triangular { low: 1.0, mode: 2.0, high: 6.0 };
+    /// assert_eq!(law.scaled(2.0).quantile(0.3), 2.0 * law.quantile(0.3));
+    /// ```
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        match *self {
+            Self::Constant(value) => Self::Constant(factor * value),
+            Self::Exponential { mean } => Self::Exponential { mean: factor * mean },
+            Self::Erlang { mean, phases } => Self::Erlang { mean: factor * mean, phases },
+            Self::Gamma { mean, cv } => Self::Gamma { mean: factor * mean, cv },
+            Self::Lognormal { mean, cv } => Self::Lognormal { mean: factor * mean, cv },
+            Self::Weibull { mean, shape } => Self::Weibull { mean: factor * mean, shape },
+            Self::Triangular { low, mode, high } => {
+                Self::Triangular { low: factor * low, mode: factor * mode, high: factor * high }
+            }
+            Self::Beta { low, mode, high } => {
+                Self::Beta { low: factor * low, mode: factor * mode, high: factor * high }
+            }
+            Self::Normal { mean, sd, low, high } => {
+                Self::Normal { mean: factor * mean, sd: factor * sd, low: factor * low, high: factor * high }
+            }
+            Self::Uniform { low, high } => Self::Uniform { low: factor * low, high: factor * high },
+            Self::DiscreteUniform { low, step, count } => {
+                Self::DiscreteUniform { low: factor * low, step: factor * step, count }
+            }
+            Self::Empirical(ref times) => {
+                let steps = times.steps.iter().map(|(time, share)| (factor * time, *share)).collect();
+                Self::Empirical(Arc::new(Empirical { steps, mean: factor * times.mean }))
+            }
+        }
+    }
+
     /// Mean, s.
     pub fn mean(&self) -> f64 {
         match *self {

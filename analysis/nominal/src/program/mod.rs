@@ -121,6 +121,9 @@ impl Stretches {
         // Motions, holes and tool changes are off by times of their own order.
         let kind = |row: usize| usize::from(rows.holes[row] > 0.0) + 2 * usize::from(rows.changes[row] > 0.0);
         frame.kinds = (0..records.len()).map(kind).collect();
+        // What a model has wrong of a stretch it has wrong of it in every piece.
+        let blocks: usize = model.programs.iter().map(|(_, program)| program.blocks.len()).max().unwrap_or(0);
+        frame.repeats = rows.of_program.iter().map(|place| place.map(|(at, first, _)| at * blocks + first)).collect();
         frame.order = order;
         let mut stretches = Self { model, frame, rows, actions: Vec::new(), features: Vec::new() };
         stretches.allowance(&records);

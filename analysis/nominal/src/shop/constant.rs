@@ -29,7 +29,7 @@ impl fmt::Display for Constant<'_> {
         match self {
             Self::ProgrammedTimes => write!(f, "programmed times"),
             Self::ProgrammedTime(program) => write!(f, "programmed time of {program}"),
-            Self::MachineGain(machine) => write!(f, "gain of machine {machine}"),
+            Self::MachineGain(machine) => write!(f, "times in cut at {machine}"),
             Self::Handling => write!(f, "handling time"),
             Self::HandlingOfProgram(program) => write!(f, "handling time of {program}"),
             Self::HandlingAtMachine(machine) => write!(f, "handling at {machine}"),

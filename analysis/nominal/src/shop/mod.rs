@@ -35,3 +35,4 @@ pub use model::ShopModel;
 pub use nominal::{Program, Shop, Station};
 pub use state::State;
 pub use visit::{Breakdowns, SHORT_STOP, Visit, Visits, visits};
+pub use words::scope_names;

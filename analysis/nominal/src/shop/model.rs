@@ -47,6 +47,10 @@ const BOOKED: f64 = 0.2 / 3600.0;
 /// Channels that live on the few operations of a block that were stopped.
 const RARE: [&str; 5] = ["cutting_tail", "cutting_excess", "cutting_spread", "feed_hold_time", "stop_count"];
 
+/// Shifts, machines or parts among which one may have an effect of its own (count). Assumption: among more the price of
+/// the choice hides what is to be found.
+const MOST_LEVELS: usize = 12;
+
 /// What a candidate does to a block.
 pub(super) enum Action {
     /// Longer cutting, by share, on blocks by weight.
@@ -175,6 +179,30 @@ impl ShopModel {
         shifts
     }
 
+    /// Scopes in which an effect may act: shifts, machines and parts, where blocks differ in them, with the weight of each
+    /// block.
+    fn scopes(&self, seen: &Visits) -> Vec<(String, Vec<f64>)> {
+        let blocks = &self.blocks.list;
+        let part = |block: &Block| block.program.and_then(|program| Some(seen.programs[program].split_once('/')?.0));
+        let of_block = |key: &str, block: &Block| match key {
+            "shift" => block.shift.clone(),
+            "machine" => seen.machines[block.machine].clone(),
+            _ => part(block).unwrap_or_default().to_owned(),
+        };
+        let mut scopes = Vec::new();
+        for key in ["shift", "machine", "part"] {
+            let names: Vec<String> = blocks.iter().map(|block| of_block(key, block)).collect();
+            let mut levels: Vec<&String> = names.iter().filter(|name| !name.is_empty()).collect();
+            levels.sort();
+            levels.dedup();
+            for level in levels.iter().filter(|_| (2..=MOST_LEVELS).contains(&levels.len())) {
+                let on = names.iter().map(|name| f64::from(u8::from(name == *level))).collect();
+                scopes.push((format!("{key}={level}"), on));
+            }
+        }
+        scopes
+    }
+
     fn calibration(&mut self, shop: &Shop, seen: &Visits) {
         let rows = self.blocks.list.len();
         let blocks = &self.blocks.list;
@@ -200,6 +228,8 @@ impl ShopModel {
             add(Constant::ProgrammedTime(name).to_string(), time.clone(), own.clone(), level, false);
             add(Constant::HandlingOfProgram(name).to_string(), handling.clone(), own.clone(), 0.5 * HANDLING, false);
             add(format!("scatter of {name}"), self.place(3), own.clone(), SCATTER, false);
+            // What adds to every handling makes its relative scatter smaller.
+            add(format!("scatter of handling for {name}"), self.place(5), own.clone(), 0.5 * SCATTER, false);
             let skew: Vec<f64> = own.iter().map(|own| own * self.blocks.scatter[program]).collect();
             add(format!("skewness of {name}"), self.place(2), skew, SKEW, true);
             add(format!("tails of {name}"), self.place(1), own, TAILS, false);
@@ -250,16 +280,13 @@ impl ShopModel {
     fn catalogue(&mut self, shop: &Shop, seen: &Visits) {
         let blocks = &self.blocks.list;
         let has = |kind: usize| self.kinds.contains(&kind);
-        let shifts = self.shifts();
-        let on = |shift: &str| -> Vec<f64> {
-            blocks.iter().map(|block| f64::from(u8::from(block.shift == shift))).collect()
-        };
+        let scopes = self.scopes(seen);
         let mut list: Vec<(&'static str, String, f64, Action)> = Vec::new();
         if has(0) {
             let everywhere = vec![1.0; blocks.len()];
             list.push(("feed_override", String::new(), 0.1, Action::Slower(everywhere)));
-            for shift in shifts.iter().filter(|_| shifts.len() > 1) {
-                list.push(("feed_override", format!("shift={shift}"), 0.1, Action::Slower(on(shift))));
+            for (scope, on) in &scopes {
+                list.push(("feed_override", scope.clone(), 0.1, Action::Slower(on.clone())));
             }
             if seen.overridden {
                 let all = blocks.iter().flat_map(|block| block.excesses.iter()).filter(|excess| **excess > 1e-3);
@@ -289,12 +316,16 @@ impl ShopModel {
         }
         if has(4) {
             list.push(("operator_delay", String::new(), 20.0, Action::Delay(vec![1.0; blocks.len()])));
-            for shift in shifts.iter().filter(|_| shifts.len() > 1) {
-                list.push(("operator_delay", format!("shift={shift}"), 20.0, Action::Delay(on(shift))));
+            for (scope, on) in &scopes {
+                list.push(("operator_delay", scope.clone(), 20.0, Action::Delay(on.clone())));
             }
         }
         if has(6) {
             list.push(("tool_change_delay", String::new(), 20.0, Action::Change(vec![1.0; blocks.len()])));
+            // A change belongs to no program.
+            for (scope, on) in scopes.iter().filter(|(scope, _)| !scope.starts_with("part=")) {
+                list.push(("tool_change_delay", scope.clone(), 20.0, Action::Change(on.clone())));
+            }
         }
         if has(7) {
             list.push(("feed_hold", String::new(), 10.0, Action::Hold));

@@ -4,8 +4,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use toolroom_facts::survival::Life;
-use toolroom_scenario::Scenario;
-use toolroom_scenario::{Cut, FailureMode, ProcessModel, ShiftCalendar, Work};
+use toolroom_scenario::{
+    Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar, Work, calibrated,
+};
 use toolroom_shop::RunLog;
 use toolroom_shop::programmed_cutting_times;
 use toolroom_shop::runlog::{ChangeReason, EdgeRow, MachineState};
@@ -56,6 +57,7 @@ pub struct Shop {
 impl Shop {
     /// The shop of a scenario. The lives of edges come from a simulation of its first policy.
     pub fn of(scenario: &Scenario) -> Self {
+        let failures: Vec<FailureMode> = scenario.failures.iter().map(|mode| stated(scenario, mode)).collect();
         // What the file states of the shop itself is counted from there, not simulated into it.
         let planned = Scenario { deviations: Vec::new(), calibrations: Vec::new(), ..scenario.clone() };
         let scenario = &planned;
@@ -78,7 +80,7 @@ impl Shop {
         }
         let stretch = Scenario { horizon: scenario.horizon.min(STRETCH), ..scenario.clone() };
         let log = toolroom_shop::run(&stretch, 0, 0).unwrap_or_default();
-        let station = |index: usize| station(scenario, index, &log);
+        let station = |index: usize| station(scenario, &failures, index, &log);
         Self { stations: (0..scenario.machines.len()).map(station).collect(), programs }
     }
 
@@ -106,7 +108,23 @@ fn feed_speed(cut: &Cut, duration: f64, process: &ProcessModel) -> f64 {
     }
 }
 
-fn station(scenario: &Scenario, index: usize, log: &RunLog) -> Station {
+/// A failure mode with what the file states of its times: no block of a log is compared with them.
+fn stated(scenario: &Scenario, mode: &FailureMode) -> FailureMode {
+    let mut place = Occasion::default();
+    place.set("machine", scenario.machines[mode.machine].name.as_str());
+    let moved = |word: &str, law: &Distribution| {
+        let mean = law.mean();
+        let factor = calibrated(&scenario.calibrations, word, &place, mean) / mean;
+        if factor.is_finite() && factor > 0.0 { law.scaled(factor) } else { law.clone() }
+    };
+    FailureMode {
+        time_between: moved("time_between_failures", &mode.time_between),
+        time_to_repair: moved("time_to_repair", &mode.time_to_repair),
+        ..mode.clone()
+    }
+}
+
+fn station(scenario: &Scenario, failures: &[FailureMode], index: usize, log: &RunLog) -> Station {
     let machine = &scenario.machines[index];
     let mut random = ChaCha8Rng::seed_from_u64(index as u64);
     let mut draw = || machine.load_time.quantile(random.random()) + machine.unload_time.quantile(random.random());
@@ -119,7 +137,7 @@ fn station(scenario: &Scenario, index: usize, log: &RunLog) -> Station {
         handling,
         tool_change: machine.tool_change_time,
         calendar: machine.calendar.map(|at| scenario.calendars[at].clone()),
-        failures: scenario.failures.iter().filter(|mode| mode.machine == index).cloned().collect(),
+        failures: failures.iter().filter(|mode| mode.machine == index).cloned().collect(),
         lives: edges.map(life).filter(|life| life.time > 0.0).collect(),
         edge_life: edge_life(log, index),
     }

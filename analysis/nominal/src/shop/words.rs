@@ -6,7 +6,7 @@ use super::visit::Visits;
 use crate::stated::{Movable, Stated, Words};
 use crate::{Candidate, WrittenEffect};
 use toolroom_scenario::effects::SHOP_EFFECTS;
-use toolroom_scenario::{Occasion, Scope, Target};
+use toolroom_scenario::{Calibration, Occasion, Scope, Target};
 
 impl ShopModel {
     /// Takes over what the file states about these blocks.
@@ -47,8 +47,11 @@ impl ShopModel {
             };
             self.frame.words.effects.push((index, own.size));
         }
-        // Constants of tools are in the processes behind the lives of edges already.
-        stated.calibrations.retain(|own| own.constant().is_none());
+        // Constants of tools are in the processes behind the lives of edges already, those of breakdowns in the stations.
+        let of_breakdowns = |own: &Calibration| {
+            matches!(own.parameter.as_str(), "time_between_failures" | "time_to_repair") && own.scope.is_everywhere()
+        };
+        stated.calibrations.retain(|own| own.constant().is_none() && !of_breakdowns(own));
         Words::settle(&mut self.frame, stated);
     }
 
@@ -77,13 +80,7 @@ impl ShopModel {
 
     /// How a scenario says a candidate.
     pub(super) fn written_effect(&self, candidate: usize) -> WrittenEffect {
-        let shape = &self.frame.candidates[candidate].shape;
-        let names = |part: &str| {
-            let (key, list) = part.split_once('=')?;
-            let key = toolroom_scenario::SCOPE_NAMES.iter().find(|own| **own == key)?;
-            Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
-        };
-        let scope = Scope { names: shape.split(", ").filter_map(names).collect(), ..Scope::default() };
+        let scope = Scope { names: scope_names(&self.frame.candidates[candidate].shape), ..Scope::default() };
         let recorded = match &self.actions[candidate] {
             Action::Overridden(mean) => Some(*mean),
             Action::Slower(_)
@@ -98,6 +95,16 @@ impl ShopModel {
         };
         WrittenEffect { scope, recorded, ..WrittenEffect::default() }
     }
+}
+
+/// The names of a scope in the shape of a candidate, such as `machine=L1`.
+pub fn scope_names(shape: &str) -> Vec<(&'static str, Vec<String>)> {
+    let names = |part: &str| {
+        let (key, list) = part.split_once('=')?;
+        let key = toolroom_scenario::SCOPE_NAMES.iter().find(|own| **own == key)?;
+        Some((*key, list.split('|').map(str::to_owned).collect::<Vec<_>>()))
+    };
+    shape.split(", ").filter_map(names).collect()
 }
 
 /// The words of a scenario for surfaces; those that no scenario can hold have none.
@@ -120,7 +127,7 @@ fn movable<'a>(shop: &Shop, names: impl Iterator<Item = &'a str>) -> Vec<(String
         let rest = |start: &str| name.strip_prefix(start);
         None.or_else(|| Some(Movable::factor("programmed_time", program(rest("programmed time of ")?)?)))
             .or_else(|| Some(Movable::factor("handling_time", program(rest("handling time of ")?)?)))
-            .or_else(|| Some(Movable::factor("programmed_time", machine(rest("gain of machine ")?)?)))
+            .or_else(|| Some(Movable::factor("programmed_time", machine(rest("times in cut at ")?)?)))
             .or_else(|| Some(Movable::factor("handling_time", machine(rest("handling at ")?)?)))
             .or_else(|| Some(Movable::factor("tool_change_time", machine(rest("changes at ")?)?)))
             .or_else(|| {

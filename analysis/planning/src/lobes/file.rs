@@ -2,6 +2,7 @@
 
 use super::cut::Cut;
 use std::path::Path;
+use toolroom_chatter::Scatter;
 use toolroom_form::{FormFile, ReadError};
 use toolroom_scenario::lobes;
 pub use toolroom_scenario::lobes::{Chart, Point};
@@ -19,6 +20,8 @@ pub struct LobesFile {
     pub chart: Chart,
     /// Operating points that are judged beside the chart.
     pub points: Vec<Point>,
+    /// How well the modes of a structure file are known, where it says so.
+    pub scatter: Option<Scatter>,
 }
 
 /// Reads a lobes file; `overrides` are `path=value`.
@@ -39,6 +42,7 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 
 fn judged(file: FormFile<lobes::LobesFile>) -> FormFile<LobesFile> {
     let FormFile { content, echo, text, files } = file;
-    let lobes::LobesFile { name, title, cut, variation, chart, points } = content;
-    FormFile { content: LobesFile { name, title, cut: Cut::new(cut, variation), chart, points }, echo, text, files }
+    let lobes::LobesFile { name, title, cut, variation, chart, points, scatter } = content;
+    let content = LobesFile { name, title, cut: Cut::new(cut, variation), chart, points, scatter };
+    FormFile { content, echo, text, files }
 }

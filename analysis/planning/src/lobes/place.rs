@@ -2,9 +2,11 @@
 
 use super::cut::Cut;
 use super::{Judgement, LobesFile};
+use crate::modes::{MeasuredError, MeasuredLimit, measured_limit};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use toolroom_chatter::ChatterError;
+use toolroom_chatter::{ChatterError, Probability};
+use toolroom_dynamics::Measurement;
 use toolroom_form::significant;
 use toolroom_process::unit;
 
@@ -65,7 +67,19 @@ impl Cut {
 pub struct PointVerdict<'a> {
     file: &'a LobesFile,
     judgement: Judgement,
+    /// The limit straight from a measured response, and none where no neutral vibration lies in its band.
+    measured: Option<Option<MeasuredLimit>>,
+    /// Probability that the point is stable, where a structure file says how well its modes are known.
+    probability: Option<Probability>,
 }
+
+/// Samples behind a probability: its standard error is at most 2.5 %.
+const SAMPLES: u64 = 400;
+/// Seed of these samples.
+const SEED: u64 = 1;
+
+/// Difference of the limits of modes and of the measured response from which on a warning is due (assumption).
+const GREATEST_DIFFERENCE: f64 = 0.05;
 
 impl<'a> PointVerdict<'a> {
     /// Judges a place, SI, on both axes of the chart of `file`.
@@ -73,20 +87,62 @@ impl<'a> PointVerdict<'a> {
     /// # Errors
     /// [`ChatterError`] where the model refuses a value, or finds no result.
     pub fn new(file: &'a LobesFile, (speed, depth): (f64, f64)) -> Result<Self, ChatterError> {
-        Ok(Self { file, judgement: file.cut.judge(speed, depth, &file.chart)? })
+        let judgement = file.cut.judge(speed, depth, &file.chart)?;
+        let probability = match (&file.cut, &file.scatter) {
+            (Cut::Milling(cut, None), Some(scatter)) => {
+                Some(cut.stability_probability(speed, depth, scatter, SAMPLES, SEED)?)
+            }
+            (Cut::Turning(cut, None), Some(scatter)) => {
+                Some(cut.stability_probability(speed, depth, scatter, SAMPLES, SEED)?)
+            }
+            (Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_), _) => None,
+        };
+        Ok(Self { file, judgement, measured: None, probability })
+    }
+
+    /// Puts the limit straight from a measured response beside that of the modes.
+    ///
+    /// # Errors
+    /// [`MeasuredError`]: a cut that is no turning at constant speed, a missing function, no clear lines.
+    pub fn beside(mut self, measured: &Measurement) -> Result<Self, MeasuredError> {
+        let Cut::Turning(cut, None) = &self.file.cut else { return Err(MeasuredError::Process) };
+        self.measured = Some(measured_limit(measured, cut, self.judgement.speed)?);
+        Ok(self)
+    }
+
+    /// Limit of the modes over that of the measured response, less one.
+    fn difference(&self) -> Option<f64> {
+        Some(self.judgement.limit? / self.measured??.depth - 1.0)
+    }
+
+    /// That modes and measured response disagree.
+    pub fn warning(&self) -> Option<String> {
+        let difference = self.difference().filter(|difference| difference.abs() > GREATEST_DIFFERENCE)?;
+        Some(format!(
+            "the limit of the modes differs by {:+.1} % from that of the measured response: look at the fit",
+            difference * 100.0
+        ))
     }
 
     /// For programs.
     pub fn json(&self) -> Map<String, Value> {
         let mut object = Map::from_iter([("schema".to_owned(), json!(1)), ("name".to_owned(), json!(self.file.name))]);
         object.extend(self.judgement.json(&self.file.cut));
+        if let Some(probability) = self.probability {
+            object.insert("p_stable".to_owned(), json!(probability.value));
+        }
+        if let Some(measured) = self.measured {
+            object.insert("measured_limit [mm]".to_owned(), json!(measured.map(|limit| limit.depth * 1e3)));
+            object.insert("measured_frequency [Hz]".to_owned(), json!(measured.map(|limit| limit.frequency)));
+            object.insert("measured_difference".to_owned(), json!(self.difference()));
+        }
         object
     }
 
     /// For a terminal: one value a line.
     pub fn text(&self) -> String {
         let mut text = self.file.title.clone();
-        for (name, value) in &self.judgement.json(&self.file.cut) {
+        for (name, value) in self.json().iter().filter(|(name, _)| !matches!(name.as_str(), "schema" | "name")) {
             let value = match value {
                 Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), significant),
                 Value::String(text) => text.clone(),

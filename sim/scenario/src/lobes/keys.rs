@@ -3,11 +3,11 @@
 use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
 use toolroom_form::{Form, Key, Kind};
 
-const FREQUENCY: Kind = Kind::positive("Hz", "Hz", 1e6, "922 Hz");
+pub(super) const FREQUENCY: Kind = Kind::positive("Hz", "Hz", 1e6, "922 Hz");
 /// A mode with a damping ratio of one does not vibrate.
-const DAMPING_RATIO: Kind = Kind::positive("1", "1", 0.999, "0.011");
+pub(super) const DAMPING_RATIO: Kind = Kind::positive("1", "1", 0.999, "0.011");
 const MASS: Kind = Kind::positive("kg", "kg", 1e6, "0.04 kg");
-const STIFFNESS: Kind = Kind::positive("N/m", "N/um", 1e12, "1.34 N/um");
+pub(super) const STIFFNESS: Kind = Kind::positive("N/m", "N/um", 1e12, "1.34 N/um");
 const PRESSURE: Kind = Kind::positive("Pa", "MPa", 1e12, "600 MPa");
 const INDENTATION: Kind = Kind::quantity("N/m", "N/m", 0.0, 1e9, "6e5 N/m");
 const LENGTH: Kind = Kind::positive("m", "mm", 100.0, "20 mm");
@@ -43,6 +43,12 @@ pub static LOBES: Form = Form {
              and modulation, the same at rest over lag and cutting stiffness, tool and work together",
         ),
         Key::optional("mode", Kind::Tables(&MODE), "Vibration modes of tool and workpiece").when("process", CUTTING),
+        Key::optional(
+            "structure",
+            Kind::Text,
+            "Structure file in place of [[mode]], as `toolroom modes` writes it; the path counts from this file",
+        )
+        .when("process", CUTTING),
         Key::required("cutter", Kind::Table(&CUTTER), "Milling cutter").when("process", MILLING),
         Key::required("engagement", Kind::Table(&ENGAGEMENT), "How the cutter meets the work").when("process", MILLING),
         Key::required("force", Kind::Table(&FORCE), "Cutting force of milling").when("process", MILLING),

@@ -1,17 +1,20 @@
 //! Lobes files: what vibrates around a cut, the range of a stability chart, operating points.
 //!
-//! `toolroom lobes` draws them; a tool of a scenario names one as its `structure`.
+//! `toolroom lobes` draws them; a tool of a scenario names one as its `structure`. The modes can stand in a structure file of
+//! their own, as a tap test has found them.
 
 mod keys;
 mod read;
+mod structure;
 mod words;
 
 pub use keys::LOBES;
 pub use read::{parse, read};
+pub use structure::{STRUCTURE, Structure, read_structure};
 pub use words::LobesProcess;
 
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
-use toolroom_chatter::{Axis, Bar, Milling, SpeedVariation, Turning};
+use toolroom_chatter::{Axis, Bar, Milling, Scatter, SpeedVariation, Turning};
 
 /// What a lobes file says.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub struct LobesFile {
     pub chart: Chart,
     /// Operating points.
     pub points: Vec<Point>,
+    /// How well the modes of a structure file are known, where it says so.
+    pub scatter: Option<Scatter>,
 }
 
 /// A cut without its operating point.

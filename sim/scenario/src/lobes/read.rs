@@ -1,6 +1,7 @@
 //! From the sections of a lobes file to cut, chart and operating points.
 
 use super::keys::LOBES;
+use super::structure::{self, Structure};
 use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
 use super::{Chart, LobesCut, LobesFile, Point, axes};
 use std::f64::consts::TAU;
@@ -31,9 +32,10 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 /// From the sections of a lobes file to what they mean.
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let process = root.chosen("process", LobesProcess::from_word);
+    let structure = if root.given("structure") { structure::named(walk, root) } else { None };
     let cut = match process {
-        Some(LobesProcess::Milling) => milling(walk, root).map(LobesCut::Milling),
-        Some(LobesProcess::Turning) => turning(walk, root),
+        Some(LobesProcess::Milling) => milling(walk, root, structure.as_ref()).map(LobesCut::Milling),
+        Some(LobesProcess::Turning) => turning(walk, root, structure.as_ref()),
         Some(LobesProcess::Chuck) => chuck(walk, root, LobesProcess::Chuck).map(LobesCut::Chuck),
         Some(LobesProcess::ChipLag) => chuck(walk, root, LobesProcess::ChipLag).map(LobesCut::ChipLag),
         Some(LobesProcess::Lathe) => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
@@ -56,7 +58,8 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let points = points.collect();
     let name = root.text("name")?.to_owned();
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
-    Some(LobesFile { name, title, cut: cut?, variation, chart: chart?, points })
+    let scatter = structure.and_then(|structure| structure.scatter);
+    Some(LobesFile { name, title, cut: cut?, variation, chart: chart?, points, scatter })
 }
 
 /// Key of an axis, its unit in files and that for people.
@@ -114,13 +117,28 @@ fn pair(walk: &mut Walk, section: &Section<'_>, key: &str, expected: &str) -> Op
     None
 }
 
-/// All modes; `None` where one of them has a fault.
-fn modes(walk: &mut Walk, root: &Section<'_>) -> Option<Vec<Mode>> {
+/// All modes, of the file or of the structure file that it names; `None` where one of them has a fault.
+fn modes(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<Vec<Mode>> {
     let sections = walk.sections(root, "mode", None);
+    if root.given("structure") {
+        if !sections.is_empty() {
+            let fault = Fault::Contradiction {
+                first: "structure",
+                first_value: root.text("structure").unwrap_or_default().to_owned(),
+                second: "mode",
+                second_value: format!("{} modes", sections.len()),
+                rule: "the modes stand in one of the two places",
+            };
+            walk.fault(root.span_of("structure"), fault);
+            return None;
+        }
+        return structure.map(|structure| structure.modes.clone());
+    }
     sections.iter().map(|section| mode(walk, section)).collect::<Vec<_>>().into_iter().collect()
 }
 
-fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Mode> {
+/// The direction of a mode, which has a length.
+pub(super) fn direction(walk: &mut Walk, section: &Section<'_>) -> Option<[f64; 2]> {
     let direction = pair(walk, section, "direction", "two components")?;
     if direction == [0.0, 0.0] {
         let fault = Fault::OutOfRange {
@@ -131,6 +149,11 @@ fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Mode> {
         };
         walk.fault(section.span_of("direction"), fault);
     }
+    Some(direction)
+}
+
+fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<Mode> {
+    let direction = direction(walk, section)?;
     let (natural_frequency, damping_ratio) = (section.si("natural_frequency")?, section.si("damping_ratio")?);
     match (section.given("stiffness"), section.given("mass")) {
         (true, false) => {
@@ -166,8 +189,8 @@ fn some_modes(walk: &mut Walk, root: &Section<'_>, modes: &[Mode]) {
     }
 }
 
-fn milling(walk: &mut Walk, root: &Section<'_>) -> Option<Milling> {
-    let modes = modes(walk, root);
+fn milling(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<Milling> {
+    let modes = modes(walk, root, structure);
     if let Some(modes) = &modes {
         some_modes(walk, root, modes);
     }
@@ -229,8 +252,8 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
     })
 }
 
-fn turning(walk: &mut Walk, root: &Section<'_>) -> Option<LobesCut> {
-    let modes = modes(walk, root);
+fn turning(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<LobesCut> {
+    let modes = modes(walk, root, structure);
     let cut = walk.table(root, "cut");
     let diameter = cut.as_ref().and_then(|cut| cut.si("diameter"));
     let section = walk.table(root, "bar");

@@ -1,0 +1,56 @@
+//! Vibration modes from a tap test, or of a tool on a spindle that was tapped: fit, text, tables, pictures and the structure
+//! file.
+
+mod files;
+mod measured;
+mod picture;
+mod request;
+mod swap;
+mod text;
+mod tool;
+
+pub use files::NAMES;
+pub use measured::{MeasuredError, MeasuredLimit, measured_limit};
+pub use request::{Request, RequestError, range, scatter};
+pub use swap::{SwapError, tip};
+pub use text::read as summary;
+pub use tool::{TOOL, Tool, read_tool};
+
+use toolroom_chart::page::Provenance;
+use toolroom_dynamics::{DynamicsError, Fit, FitOptions, Measurement, Scatter, StructureText, fit};
+
+/// Modes fitted to a measurement.
+#[derive(Debug)]
+pub struct ModesStudy {
+    /// Name of the structure.
+    pub name: String,
+    /// What was measured.
+    pub measured: Measurement,
+    /// What was found.
+    pub fit: Fit,
+    /// What is added to the uncertainty of the fit.
+    pub scatter: Scatter,
+}
+
+impl ModesStudy {
+    /// Fits modes to a measurement.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] where no mode can be found.
+    pub fn new(
+        name: String,
+        measured: Measurement,
+        options: &FitOptions,
+        scatter: Scatter,
+    ) -> Result<Self, DynamicsError> {
+        let fit = fit(&measured, options)?;
+        Ok(Self { name, measured, fit, scatter })
+    }
+
+    /// The structure file, with the command and the digests of the files that it was made of.
+    pub fn structure(&self, provenance: &Provenance) -> String {
+        let digests = provenance.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
+        let source = format!("{} of {}", provenance.command, digests.collect::<Vec<_>>().join(", "));
+        StructureText { name: &self.name, fit: &self.fit, source: &source, scatter: self.scatter }.to_string()
+    }
+}

@@ -1,0 +1,79 @@
+//! A tool on a spindle whose modes are known: the modes at the tip of the tool, by receptance coupling.
+
+use super::tool::Tool;
+use std::f64::consts::TAU;
+use toolroom_dynamics::{BaseMode, Direction, Frf, Measurement, Motion, base, chain};
+use toolroom_scenario::lobes::Structure;
+
+/// Step of the frequencies (Hz) at which the tip is computed: a half-power band of 1 % damping at 250 Hz has five lines.
+const STEP: f64 = 1.0;
+
+/// Why a tool cannot be put on a spindle.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SwapError {
+    /// A mode of the base without its slope.
+    #[error("mode {mode} of the base lacks `rotation`, its slope over displacement at the face, such as \"-9 1/m\"")]
+    NoRotation {
+        /// Number of the mode, from 1.
+        mode: usize,
+    },
+    /// Modes that move along different lines.
+    #[error(
+        "mode {mode} of the base moves along another line than the first; put the modes of each direction into a file of \
+             their own"
+    )]
+    Directions {
+        /// Number of the mode, from 1.
+        mode: usize,
+    },
+    /// A receptance that is infinite.
+    #[error("the receptance of the tool is infinite at {frequency} Hz; give a segment a loss factor")]
+    Infinite {
+        /// The frequency (Hz).
+        frequency: f64,
+    },
+}
+
+/// Receptance at the tip of `tool` on the spindle `spindle` from `range[0]` to `range[1]` (Hz), with the line along which
+/// the modes of the spindle move.
+///
+/// # Errors
+/// [`SwapError`]: modes without slope or along different lines, an undamped tool at a frequency of its own.
+pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measurement, [f64; 2]), SwapError> {
+    let [x, y] = spindle.modes.first().map_or([1.0, 0.0], |mode| mode.direction);
+    let mut modes = Vec::new();
+    // The stiff modes of a residual have no slope, and follow those of the file.
+    for (i, (mode, rotation)) in spindle.modes.iter().zip(&spindle.rotations).enumerate() {
+        let rotation = rotation.ok_or(SwapError::NoRotation { mode: i + 1 })?;
+        let [a, b] = mode.direction;
+        if (a * y - b * x).abs() > 1e-6 * a.hypot(b) * x.hypot(y) {
+            return Err(SwapError::Directions { mode: i + 1 });
+        }
+        let (natural_frequency, damping_ratio, stiffness) =
+            (mode.natural_frequency, mode.damping_ratio, mode.stiffness);
+        modes.push(BaseMode { natural_frequency, damping_ratio, stiffness, rotation });
+    }
+    let lines = ((range[1] - range[0]) / STEP).floor() as usize;
+    let frequencies: Vec<f64> = (0..=lines).map(|i| range[0] + STEP * i as f64).collect();
+    let at = |frequency: &f64| -> Result<_, SwapError> {
+        let w = TAU * frequency;
+        let found = chain(&tool.segments, w).and_then(|body| body.on(&base(&modes, w), tool.joint.as_ref()));
+        let value =
+            found.map(|receptance| receptance[(0, 0)]).filter(|value| value.re.is_finite() && value.im.is_finite());
+        value.ok_or(SwapError::Infinite { frequency: *frequency })
+    };
+    let receptance = frequencies.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let function =
+        Frf { response: Direction::X, force: Direction::X, motion: Motion::Displacement, receptance, coherence: None };
+    let measured = Measurement {
+        source: format!("{} on {}", tool.name, spindle.name),
+        frequencies,
+        functions: vec![function],
+        averages: None,
+        coherence_digit: 0.0,
+        notes: Vec::new(),
+    };
+    let length = x.hypot(y);
+    Ok((measured, [x / length, y / length]))
+}

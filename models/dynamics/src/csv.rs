@@ -1,0 +1,246 @@
+//! Frequency responses in a table with units in its header.
+
+use crate::error::DynamicsError;
+use crate::frf::{Direction, Frf, Measurement};
+use crate::unit::{self, Motion};
+use nalgebra::Complex;
+use std::collections::BTreeMap;
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
+    Frequency,
+    Real,
+    Imaginary,
+    Magnitude,
+    /// Magnitude in decibels.
+    Level,
+    Phase,
+    Coherence,
+}
+
+/// A column with the directions of its function.
+struct Column {
+    title: String,
+    function: [Direction; 2],
+    quantity: Quantity,
+    /// Factor of its values to SI.
+    factor: f64,
+    motion: Motion,
+}
+
+/// The columns of one function and their values.
+#[derive(Default)]
+struct Parts {
+    values: Vec<(Quantity, f64, Motion, Vec<f64>)>,
+}
+
+/// Reads frequency responses from a table; `file` is its name in messages.
+///
+/// Columns stand in any order, with units in the header: `frequency [Hz]` and either `real [um/N]`, `imag [um/N]` or
+/// `magnitude [um/N]`, `phase [deg]`, and `coherence` where it is known. Several functions have `xx.`, `xy.`, `yx.` or
+/// `yy.` before the name: the direction of the response, then that of the force. Cells are separated by commas,
+/// semicolons or tabs; lines that start with `#` are comments.
+///
+/// # Errors
+/// [`DynamicsError`] with file, line and column of the first fault.
+///
+/// # Examples
+/// ```
+/// let text = "frequency [Hz],real [um/N],imag [um/N]\n100,0.5,-0.1\n102,0.6,-0.2\n";
+/// let measured = toolroom_dynamics::read_csv("tap.csv", text).unwrap();
+/// assert_eq!(measured.functions[0].name(), "xx");
+/// assert!((measured.functions[0].receptance[1].im + 0.2e-6).abs() < 1e-18);
+/// ```
+pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(i, line)| (i + 1, line))
+        .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+    let (line, header) = lines.next().ok_or_else(|| DynamicsError::Empty { file: file.to_owned() })?;
+    let separator = [',', ';', '\t'].into_iter().max_by_key(|mark| header.matches(*mark).count()).unwrap_or(',');
+    let columns: Vec<Column> =
+        header.split(separator).map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
+    let mut cells: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
+    let mut digits = 0;
+    for (line, row) in lines {
+        let texts: Vec<&str> = row.split(separator).map(str::trim).collect();
+        if texts.len() != columns.len() {
+            let (cells, columns) = (texts.len(), columns.len());
+            return Err(DynamicsError::UnevenRow { file: file.to_owned(), line, cells, columns });
+        }
+        for ((text, column), values) in texts.iter().zip(&columns).zip(&mut cells) {
+            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+            values.push(value.ok_or_else(|| DynamicsError::NotANumber {
+                file: file.to_owned(),
+                line,
+                column: column.title.clone(),
+                text: (*text).to_owned(),
+            })?);
+            if column.quantity == Quantity::Coherence && !text.contains(['e', 'E']) {
+                digits = digits.max(text.split_once('.').map_or(0, |(_, decimals)| decimals.len()));
+            }
+        }
+    }
+    let missing = |column: String| DynamicsError::ColumnCount { file: file.to_owned(), line, column };
+    let mut frequencies = None;
+    let mut functions: BTreeMap<[Direction; 2], Parts> = BTreeMap::new();
+    for (column, values) in columns.into_iter().zip(cells) {
+        if column.quantity == Quantity::Frequency {
+            if frequencies.replace(values.iter().map(|value| value * column.factor).collect::<Vec<f64>>()).is_some() {
+                return Err(missing(column.title));
+            }
+            continue;
+        }
+        let parts = functions.entry(column.function).or_default();
+        if parts.values.iter().any(|(quantity, ..)| *quantity == column.quantity) {
+            return Err(missing(column.title));
+        }
+        parts.values.push((column.quantity, column.factor, column.motion, values));
+    }
+    let frequencies = frequencies.ok_or_else(|| missing("frequency [Hz]".to_owned()))?;
+    let functions = functions.into_iter().map(|([response, force], parts)| {
+        parts
+            .function(response, force)
+            .ok_or_else(|| missing(format!("{response}{force}.real, {response}{force}.imag")))
+    });
+    let coherence_digit = 0.5 * 10f64.powi(-i32::try_from(digits).unwrap_or(i32::MAX));
+    Measurement {
+        source: file.to_owned(),
+        frequencies,
+        functions: functions.collect::<Result<_, _>>()?,
+        averages: None,
+        coherence_digit,
+        notes: Vec::new(),
+    }
+    .checked()
+}
+
+/// What a title of the header means.
+fn column(file: &str, line: usize, title: &str) -> Result<Column, DynamicsError> {
+    let title = title.trim().trim_matches('"').trim();
+    let (name, unit) = match title.split_once('[') {
+        Some((name, rest)) => (name.trim(), rest.trim().strip_suffix(']').map(str::trim)),
+        None => (title, None),
+    };
+    let name = name.to_lowercase();
+    let unknown = || DynamicsError::UnknownColumn { file: file.to_owned(), line, column: title.to_owned() };
+    let (function, name) = match name.split_once('.') {
+        None => ([Direction::X, Direction::X], name.as_str()),
+        Some(("xx", name)) => ([Direction::X, Direction::X], name),
+        Some(("xy", name)) => ([Direction::X, Direction::Y], name),
+        Some(("yx", name)) => ([Direction::Y, Direction::X], name),
+        Some(("yy", name)) => ([Direction::Y, Direction::Y], name),
+        Some(_) => return Err(unknown()),
+    };
+    let (quantity, example, accepted) = match name {
+        "frequency" => (Quantity::Frequency, "frequency [Hz]", "Hz, kHz, rad/s"),
+        "real" => (Quantity::Real, "real [um/N]", unit::RESPONSES),
+        "imag" => (Quantity::Imaginary, "imag [um/N]", unit::RESPONSES),
+        "magnitude" => (Quantity::Magnitude, "magnitude [um/N]", unit::RESPONSES),
+        "phase" => (Quantity::Phase, "phase [deg]", "deg, rad"),
+        "coherence" => (Quantity::Coherence, "coherence", "1"),
+        _ => return Err(unknown()),
+    };
+    let title = title.to_owned();
+    let found = |quantity, factor, motion| Ok(Column { title: title.clone(), function, quantity, factor, motion });
+    if quantity == Quantity::Coherence {
+        return found(quantity, 1.0, Motion::Displacement);
+    }
+    let column = || title.clone();
+    let unit = unit.filter(|unit| !unit.is_empty()).ok_or_else(|| DynamicsError::MissingUnit {
+        file: file.to_owned(),
+        line,
+        column: column(),
+        example,
+    })?;
+    let refused = || DynamicsError::UnknownUnit {
+        file: file.to_owned(),
+        line,
+        column: column(),
+        unit: unit.to_owned(),
+        accepted,
+    };
+    match quantity {
+        Quantity::Frequency => found(quantity, unit::frequency(unit).ok_or_else(refused)?, Motion::Displacement),
+        Quantity::Phase => found(quantity, unit::phase(unit).ok_or_else(refused)?, Motion::Displacement),
+        Quantity::Real | Quantity::Imaginary | Quantity::Magnitude | Quantity::Level | Quantity::Coherence => {
+            let (level, plain) = match unit.strip_prefix("dB re 1 ") {
+                Some(plain) if quantity == Quantity::Magnitude => (true, plain),
+                _ => (false, unit),
+            };
+            let (factor, motion) = unit::response(plain).ok_or_else(refused)?;
+            found(if level { Quantity::Level } else { quantity }, factor, motion)
+        }
+    }
+}
+
+impl Parts {
+    /// The function, if its columns make one.
+    fn function(self, response: Direction, force: Direction) -> Option<Frf> {
+        let find = |wanted: Quantity| self.values.iter().find(|(quantity, ..)| *quantity == wanted);
+        let complex = |a: &[f64], b: &[f64], of: &dyn Fn(f64, f64) -> Complex<f64>| -> Vec<Complex<f64>> {
+            a.iter().zip(b).map(|(a, b)| of(*a, *b)).collect()
+        };
+        let (motion, receptance) = match (find(Quantity::Real), find(Quantity::Imaginary)) {
+            (Some((_, re, motion, a)), Some((_, im, other, b))) if motion == other => {
+                (*motion, complex(a, b, &|a, b| Complex::new(a * re, b * im)))
+            }
+            _ => {
+                let (quantity, scale, motion, a) = find(Quantity::Magnitude).or_else(|| find(Quantity::Level))?;
+                let (_, radians, _, b) = find(Quantity::Phase)?;
+                let level = *quantity == Quantity::Level;
+                let size = |a: f64| if level { 10f64.powf(a / 20.0) } else { a } * scale;
+                (*motion, complex(a, b, &|a, b| Complex::from_polar(size(a), b * radians)))
+            }
+        };
+        let coherence = find(Quantity::Coherence).map(|(.., values)| values.clone());
+        Some(Frf { response, force, motion, receptance, coherence })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn columns_stand_in_any_order_and_unit() {
+        let one = read_csv("a", "imag [m/N];frequency [kHz];real [m/N]\n-2e-7;0.1;3e-7\n-1e-7;0.2;1e-7\n").unwrap();
+        let text = "frequency [Hz],magnitude [dB re 1 m/N],phase [rad],coherence\n100,-128.860566,-0.5880026,0.99\n200,-136.9897,-0.78539816,1.000\n";
+        let two = read_csv("b", text).unwrap();
+        for (a, b) in one.functions[0].receptance.iter().zip(&two.functions[0].receptance) {
+            assert!((a - b).norm() < 1e-6 * a.norm(), "{a} {b}");
+        }
+        assert_eq!(two.coherence_digit, 0.0005);
+    }
+
+    #[test]
+    fn acceleration_becomes_displacement() {
+        let found = read_csv("a", "frequency [Hz],real [g/N],imag [g/N]\n100,-1,0\n").unwrap();
+        let expected = 9.80665 / (628.318_530_717_958_6f64).powi(2);
+        assert!((found.functions[0].receptance[0].re / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn faults_name_file_line_and_column() {
+        let fault = |text: &str| read_csv("tap.csv", text).unwrap_err().to_string();
+        assert!(fault("frequency [Hz],real,imag [um/N]\n").starts_with("tap.csv:1: the column `real` has no unit"));
+        assert!(fault("frequency [Hz],real [V/N],imag [um/N]\n").contains("the unit `V/N` of the column"));
+        assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n1,2,x\n").starts_with("tap.csv:2: `x` in the column"));
+        assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n1,2\n").contains("the row has 2 cells, the header 3"));
+        assert!(fault("frequency [Hz],real [um/N]\n1,2\n").contains("must be there once"));
+        assert!(fault("frequency [Hz],real [um/N],imag [um/N]\n2,1,1\n1,1,1\n").contains("1 Hz follows 2 Hz"));
+        assert!(fault("frequency [Hz],real [um/N],imag [um/N],coherence\n2,1,1,1.2\n").contains("coherence at 2 Hz"));
+        assert!(fault("").contains("no frequency response"));
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_read_or_refused(text in "(frequency \\[Hz\\]|[a-z.]{1,6}|\\[um/N\\]|[0-9.,;\\-\n ]|real|imag){0,40}") {
+            let _ = read_csv("a", &text);
+        }
+    }
+}

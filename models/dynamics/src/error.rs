@@ -1,0 +1,183 @@
+//! Why measured dynamics were not understood.
+
+/// Why a file with measured dynamics, or a question about it, was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DynamicsError {
+    /// A table without header or rows, or a file without any response.
+    #[error("{file}: there is no frequency response in this file")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// A column without its unit.
+    #[error("{file}:{line}: the column `{column}` has no unit; write for example `{example}`")]
+    MissingUnit {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column as it is written.
+        column: String,
+        /// A header that would do.
+        example: &'static str,
+    },
+    /// A unit that is none of those that are known.
+    #[error("{file}:{line}: the unit `{unit}` of the column `{column}` is not known; write one of {accepted}")]
+    UnknownUnit {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+        /// Its unit as written.
+        unit: String,
+        /// Units that would do.
+        accepted: &'static str,
+    },
+    /// A column of no known meaning.
+    #[error(
+        "{file}:{line}: the column `{column}` is not known; columns are `frequency [Hz]`, `real [um/N]`, `imag [um/N]`, \
+         `magnitude [um/N]`, `phase [deg]` and `coherence`, of several functions with `xx.`, `xy.`, `yx.` or `yy.` before"
+    )]
+    UnknownColumn {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+    },
+    /// A column that is needed and missing, or there twice.
+    #[error("{file}:{line}: the column `{column}` must be there once")]
+    ColumnCount {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+    },
+    /// A cell that holds no number.
+    #[error("{file}:{line}: `{text}` in the column `{column}` is no number")]
+    NotANumber {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column, or the place in a record.
+        column: String,
+        /// The cell.
+        text: String,
+    },
+    /// A row with more or fewer cells than the header.
+    #[error("{file}:{line}: the row has {cells} cells, the header {columns}")]
+    UnevenRow {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Cells of the row.
+        cells: usize,
+        /// Cells of the header.
+        columns: usize,
+    },
+    /// Frequencies that do not ascend.
+    #[error("{file}: the frequencies must ascend; {value} Hz follows {before} Hz")]
+    Order {
+        /// The file.
+        file: String,
+        /// The frequency before (Hz).
+        before: f64,
+        /// The frequency after (Hz).
+        value: f64,
+    },
+    /// A coherence outside its range.
+    #[error("{file}: the coherence at {frequency} Hz is {value}; it must lie in 0 … 1")]
+    Coherence {
+        /// The file.
+        file: String,
+        /// Where (Hz).
+        frequency: f64,
+        /// What was read.
+        value: f64,
+    },
+    /// A universal file that breaks off or contradicts itself.
+    #[error("{file}:{line}: {problem}")]
+    Universal {
+        /// The file.
+        file: String,
+        /// Line of the data set, from 1.
+        line: usize,
+        /// What is wrong.
+        problem: UniversalProblem,
+    },
+    /// Two functions of the same directions.
+    #[error("{file}: there are two responses {function}; keep one of them in the file")]
+    Duplicate {
+        /// The file.
+        file: String,
+        /// Directions of response and force.
+        function: String,
+    },
+    /// Functions over different frequencies.
+    #[error("{file}: {function} has other frequencies than the functions before it; measure all over the same lines")]
+    OtherFrequencies {
+        /// The file.
+        file: String,
+        /// Directions of response and force.
+        function: String,
+    },
+    /// No response is measured where and in the direction in which the force acts.
+    #[error("{file}: no function has its response in the direction of its force; stiffness needs `xx` or `yy`")]
+    NoDirect {
+        /// The file.
+        file: String,
+    },
+    /// Too few lines for a fit.
+    #[error("{file}: {lines} lines are too few for a fit, at least {least} are needed")]
+    TooFewLines {
+        /// The file.
+        file: String,
+        /// Lines with information.
+        lines: usize,
+        /// Lines that are needed.
+        least: usize,
+    },
+    /// No resonance stands out of the noise.
+    #[error("{file}: no resonance stands out of the noise; tap harder, average more, or measure a wider range")]
+    NoModes {
+        /// The file.
+        file: String,
+    },
+}
+
+/// What is wrong with a data set of a universal file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UniversalProblem {
+    /// The file ends within a data set.
+    #[error("the data set breaks off; export the file again")]
+    BrokenOff,
+    /// A field that holds no number.
+    #[error("`{0}` is no number")]
+    NotANumber(String),
+    /// A count that no file can hold.
+    #[error("{0} values are promised, more than the file can hold")]
+    TooMany(usize),
+    /// A number format that is not read.
+    #[error("the data type {0} is not known; 2, 4, 5 and 6 are read")]
+    DataType(i64),
+    /// A binary format that is not read.
+    #[error("the binary format with byte order {0} and number format {1} is not read; export IEEE numbers or ASCII")]
+    Binary(i64, i64),
+    /// The units are not told.
+    #[error("no data set 164 and no label `{0}` tells the units; export the file with units")]
+    Units(String),
+    /// The response is not over force.
+    #[error(
+        "the ordinate is of type {0} over {1}; displacement (8), velocity (11) or acceleration (12) over force (13) is read"
+    )]
+    Ordinate(i64, i64),
+}

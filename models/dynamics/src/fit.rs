@@ -1,0 +1,445 @@
+//! Modes from measured frequency responses: selection, refinement, uncertainty.
+
+use crate::error::DynamicsError;
+use crate::frf::Measurement;
+use crate::likelihood::{Likelihood, Maximum, Model, RealMode, pair};
+use crate::quality::Quality;
+use crate::stabilisation::{Pole, stabilisation};
+use nalgebra::{Complex, DMatrix};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Least number of lines for a fit (assumption).
+const LEAST_LINES: usize = 20;
+/// Greatest number of modes that are found without being asked for (assumption).
+const MOST_MODES: usize = 12;
+/// Standard deviations by which the residue of a mode has to differ from zero (assumption: noise alone reaches four among
+/// some hundred independent bands, and a real mode of that size moves no limit).
+const SIGNIFICANT: f64 = 6.0;
+/// Standard deviations by which a lower residual has to differ from zero (assumption, as above with a handful of trials).
+const SIGNIFICANT_RESIDUAL: f64 = 5.0;
+/// Distance of neighbouring poles of one column of the stabilisation diagram, in damping ratios times the frequency
+/// (assumption: a fifth of half of the half-power band).
+const COLUMN: f64 = 0.2;
+/// Least number of stable poles in a column (assumption; there are 28 orders).
+const STABLE_ORDERS: usize = 5;
+/// Damping ratio beyond which a mode bars no candidates that are farther away (assumption).
+const BROADEST: f64 = 0.05;
+/// Candidates in a row that may fail before the search ends (assumption).
+const MOST_FAILURES: usize = 4;
+/// Greatest damping ratio of a mode (assumption).
+const GREATEST_DAMPING: f64 = 0.3;
+/// Frequencies of modes, over the ends of the measured range (assumption): beyond, residuals stand for them.
+const REACH: [f64; 2] = [0.7, 1.3];
+/// Greatest number of rounds in which the variances follow from the fitted modulus.
+const ROUNDS: usize = 40;
+/// Relative change of the misfit at which these rounds end.
+const SETTLED: f64 = 1e-6;
+
+/// What the user of a fit decides.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FitOptions {
+    /// Averages behind each function; the file's, if left out. Where neither tells, the residuals give the scale.
+    pub averages: Option<u32>,
+    /// Number of modes, instead of all that are significant.
+    pub modes: Option<usize>,
+    /// Frequencies (Hz) of the modes to be fitted, instead of all that are significant.
+    pub picks: Vec<f64>,
+    /// Direction in the plane of the cut of a measurement in one direction; x, if left out.
+    pub direction: Option<[f64; 2]>,
+}
+
+/// A value with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+}
+
+/// A mode with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FittedMode {
+    /// Direction of the motion at the point of cut, of unit length.
+    pub direction: [f64; 2],
+    /// Standard deviation of the direction (rad), of a measurement in both directions.
+    pub direction_sd: Option<f64>,
+    /// Undamped natural frequency (Hz).
+    pub natural_frequency: Estimate,
+    /// Share of critical damping.
+    pub damping_ratio: Estimate,
+    /// Modal stiffness at the point of cut (N/m).
+    pub stiffness: Estimate,
+}
+
+/// What a fit has found.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Modes by ascending frequency.
+    pub modes: Vec<FittedMode>,
+    /// Compliance (m/N) of all modes above the range, by name of the pair of directions.
+    pub upper: Vec<(&'static str, Estimate)>,
+    /// Covariance of natural frequency (Hz), damping ratio and stiffness (N/m) of the first mode, of the second, …
+    pub covariance: Vec<Vec<f64>>,
+    /// How well the fit describes the measurement, and whether it may be used.
+    pub quality: Quality,
+    /// Poles of the stabilisation diagram.
+    pub poles: Vec<Pole>,
+    /// The fitted response (m/N) of every function at every line.
+    pub fitted: Vec<Vec<Complex<f64>>>,
+}
+
+/// Names of pairs of directions by their place among the residuals.
+const PAIRS: [&str; 3] = ["xx", "xy", "yy"];
+
+/// Fits real modes to what was measured.
+///
+/// Columns of poles that are stable over the order of a common denominator are the first modes. All are refined to the
+/// greatest likelihood; a mode whose residue differs from zero by less than six standard deviations goes, and further stable
+/// poles join where they explain most of what is left, as long as they stand out as much. Variances are those of Bendat and Piersol, `|H|² (1 − γ²)/(2 n γ²)` for real and imaginary part,
+/// with the fitted modulus.
+///
+/// # Errors
+/// [`DynamicsError::TooFewLines`], [`DynamicsError::NoDirect`] and [`DynamicsError::NoModes`]; a fit that should not be used
+/// is returned with its [`Quality::refusals`].
+pub fn fit(measured: &Measurement, options: &FitOptions) -> Result<Fit, DynamicsError> {
+    let file = || measured.source.clone();
+    let lines = measured.frequencies.len();
+    if lines < LEAST_LINES {
+        return Err(DynamicsError::TooFewLines { file: file(), lines, least: LEAST_LINES });
+    }
+    if !measured.functions.iter().any(|function| function.is_direct()) {
+        return Err(DynamicsError::NoDirect { file: file() });
+    }
+    let (turned, wrong_signs) = upright(measured);
+    let averages = options.averages.or(measured.averages);
+    let likelihood = Likelihood::new(&turned, f64::from(averages.unwrap_or(1)));
+    let known_scale = averages.is_some() && measured.functions.iter().all(|function| function.coherence.is_some());
+    let poles = stabilisation(&turned);
+    let mut search =
+        Search { likelihood, known_scale, range: [measured.frequencies[0], measured.frequencies[lines - 1]] };
+    let most = options.modes.unwrap_or(if options.picks.is_empty() { MOST_MODES } else { options.picks.len() });
+    let columns = Search::columns(&poles, &options.picks);
+    let forced = options.modes.is_some() || !options.picks.is_empty();
+    let mut found = search.modes(&columns, &poles, most, forced);
+    if found.is_none() {
+        // Where nothing stands out of the noise, the best that there is tells why it must not be used.
+        search.likelihood = Likelihood::new(&turned, f64::from(averages.unwrap_or(1)));
+        found = search.modes(&columns, &poles, 1, true);
+    }
+    let found = found.ok_or_else(|| DynamicsError::NoModes { file: file() })?;
+    let maximum = search.finish(found).ok_or_else(|| DynamicsError::NoModes { file: file() })?;
+    Ok(search.fit(&turned, maximum, options, poles, wrong_signs))
+}
+
+/// The measurement with the sign of every sensor turned so that work is done on the structure at its peaks, and the
+/// direct functions of which the sign was wrong.
+fn upright(measured: &Measurement) -> (Measurement, Vec<String>) {
+    let mut turned = measured.clone();
+    let mut wrong = Vec::new();
+    for function in measured.functions.iter().filter(|function| function.is_direct()) {
+        let ratio = |i: usize| function.coherence.as_ref().map_or(1.0, |c| c[i] / (1.0 - c[i]).max(1e-3));
+        let values = function.receptance.iter().enumerate();
+        let sum: f64 = values.map(|(i, h)| ratio(i) * h.im / h.norm().max(f64::MIN_POSITIVE)).sum();
+        if sum > 0.0 {
+            wrong.push(function.name());
+            for other in turned.functions.iter_mut().filter(|other| other.response == function.response) {
+                other.receptance.iter_mut().for_each(|value| *value = -*value);
+            }
+        }
+    }
+    (turned, wrong)
+}
+
+/// A search for modes.
+struct Search {
+    likelihood: Likelihood,
+    /// Whether the variances are known rather than proportional.
+    known_scale: bool,
+    /// First and last frequency (Hz).
+    range: [f64; 2],
+}
+
+impl Search {
+    /// Frequencies (rad/s) and damping ratios of the columns of the stabilisation diagram, or of the poles nearest to picks.
+    fn columns(poles: &[Pole], picks: &[f64]) -> Vec<(f64, f64)> {
+        if !picks.is_empty() {
+            let nearest = |pick: &f64| {
+                let distance = |pole: &&Pole| (pole.natural_frequency - pick).abs();
+                let near = poles.iter().filter(|pole| distance(pole) < 0.02 * pick);
+                near.min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or(0.02, |pole| pole.damping_ratio)
+            };
+            return picks.iter().map(|pick| (TAU * pick, nearest(pick))).collect();
+        }
+        let mut stable: Vec<&Pole> = poles.iter().filter(|pole| pole.stable).collect();
+        stable.sort_by(|a, b| a.natural_frequency.total_cmp(&b.natural_frequency));
+        let together = |a: &&Pole, b: &&Pole| {
+            b.natural_frequency - a.natural_frequency
+                < COLUMN * a.damping_ratio.min(b.damping_ratio) * a.natural_frequency
+        };
+        stable.chunk_by(together).filter(|column| column.len() >= STABLE_ORDERS).flat_map(apart).collect()
+    }
+
+    /// Every place where a mode may be that no column shows: single stable poles, and resonances beyond the range.
+    fn candidates(&self, poles: &[Pole]) -> Vec<(f64, f64)> {
+        let stable = poles.iter().filter(|pole| pole.stable);
+        let mut found: Vec<(f64, f64)> =
+            stable.map(|pole| (TAU * pole.natural_frequency, pole.damping_ratio)).collect();
+        for (end, factor) in self.range.iter().zip([0.97, 1.03]) {
+            found.extend([0.01, 0.03, 0.1].map(|zeta| (TAU * end * factor, zeta)));
+        }
+        found
+    }
+
+    /// The scale by which covariances grow.
+    fn scale(&self, maximum: &Maximum) -> f64 {
+        let scale = maximum.chi2 / maximum.freedom as f64;
+        if self.known_scale { scale.max(1.0) } else { scale }
+    }
+
+    /// The model of greatest likelihood near `start`, the variances following it until they settle.
+    fn refined(&mut self, start: &Model) -> Option<Maximum> {
+        let mut found = self.likelihood.maximum(start)?;
+        for _ in 0..ROUNDS {
+            let before = found.chi2;
+            self.likelihood.reweigh(&found.model);
+            found = self.likelihood.maximum(&found.model)?;
+            if (found.chi2 / before - 1.0).abs() < SETTLED {
+                break;
+            }
+        }
+        Some(found)
+    }
+
+    /// The modes of greatest likelihood: those of the columns without what does not stand out of the noise, and then
+    /// further candidates one by one, each where it explains most of what is left. `forced` takes just `most` modes.
+    fn modes(&mut self, columns: &[(f64, f64)], poles: &[Pole], most: usize, forced: bool) -> Option<Maximum> {
+        let start = self.likelihood.linear(columns)?;
+        let of = |((frequency, damping_ratio), residues): (&(f64, f64), &[f64; 3])| RealMode {
+            frequency: *frequency,
+            damping_ratio: *damping_ratio,
+            shape: shape(*residues),
+        };
+        let modes: Vec<RealMode> = columns.iter().zip(&start.residues).map(of).collect();
+        let mut model = Model { modes, upper: start.upper, lower: [0.0; 3] };
+        let mut best = if model.modes.is_empty() { None } else { self.pruned(model.clone(), most, forced) };
+        model = best.as_ref().map_or(Model { modes: Vec::new(), ..model }, |best| best.model.clone());
+        let mut open = self.candidates(poles);
+        let mut failures = 0;
+        while model.modes.len() < most && failures < MOST_FAILURES {
+            let away = |(w, zeta): &(f64, f64), mode: &RealMode| {
+                (w / mode.frequency - 1.0).abs() > 0.5 * zeta.max(mode.damping_ratio).min(BROADEST)
+            };
+            open.retain(|candidate| model.modes.iter().all(|mode| away(candidate, mode)));
+            let left = self.likelihood.left(&model);
+            let scores: Vec<(f64, [f64; 3])> = open.iter().map(|candidate| self.score(&left, *candidate)).collect();
+            let Some(top) = (0..open.len()).max_by(|a, b| scores[*a].0.total_cmp(&scores[*b].0)) else { break };
+            let (frequency, damping_ratio) = open[top];
+            let mut trial = model.clone();
+            let added = RealMode { frequency, damping_ratio, shape: shape(scores[top].1) };
+            trial.modes.push(added.clone());
+            let before = model.modes.len();
+            match self.pruned(trial, most, forced).filter(|found| found.model.modes.len() > before) {
+                Some(found) => {
+                    model = found.model.clone();
+                    best = Some(found);
+                    failures = 0;
+                }
+                None => {
+                    open.retain(|candidate| away(candidate, &added));
+                    self.likelihood.reweigh(&model);
+                    failures += 1;
+                }
+            }
+        }
+        best
+    }
+
+    /// How much of the misfit that is left a further mode explains, and its residues xx, xy, yy.
+    fn score(&self, left: &[Vec<Complex<f64>>], (wr, zeta): (f64, f64)) -> (f64, [f64; 3]) {
+        let (mut gain, mut sums) = (0.0, [[0.0; 2]; 3]);
+        for (target, left) in self.likelihood.targets.iter().zip(left) {
+            let (mut cross, mut square) = (0.0, 0.0);
+            for ((w, left), variance) in self.likelihood.lines.iter().zip(left).zip(&target.variance) {
+                let g = Complex::new(wr * wr - w * w, 2.0 * zeta * wr * w).inv();
+                cross += (g.re * left.re + g.im * left.im) / variance;
+                square += g.norm_sqr() / variance;
+            }
+            gain += cross * cross / square;
+            let sum = &mut sums[pair(target.response, target.force)];
+            sum[0] += cross;
+            sum[1] += square;
+        }
+        (gain, sums.map(|[cross, square]| if square > 0.0 { cross / square } else { 0.0 }))
+    }
+
+    /// The modes of a model at their greatest likelihood, at most `most`, without those that do not stand out of the noise
+    /// unless they are `forced`.
+    fn pruned(&mut self, mut model: Model, most: usize, forced: bool) -> Option<Maximum> {
+        loop {
+            let found = self.refined(&model)?;
+            let weakest = (0..found.model.modes.len())
+                .map(|r| (r, self.strength(&found, r)))
+                .min_by(|a, b| a.1.total_cmp(&b.1))
+                .filter(|(_, strength)| found.model.modes.len() > most || !forced && *strength < SIGNIFICANT);
+            let Some((weakest, _)) = weakest else { return Some(found) };
+            if found.model.modes.len() == 1 {
+                return None;
+            }
+            model = found.model;
+            model.modes.remove(weakest);
+        }
+    }
+
+    /// Residue of mode `r` over its standard deviation; zero where it is no mode: overdamped, or far beyond the range.
+    fn strength(&self, found: &Maximum, r: usize) -> f64 {
+        let mode = &found.model.modes[r];
+        let frequency = mode.frequency / TAU;
+        if mode.damping_ratio > GREATEST_DAMPING
+            || frequency < REACH[0] * self.range[0]
+            || frequency > REACH[1] * self.range[1]
+        {
+            return 0.0;
+        }
+        let each = 2 + self.likelihood.directions.len();
+        let parts = self.likelihood.directions.iter().enumerate();
+        let gradient: Vec<(usize, f64)> = parts.map(|(k, d)| (each * r + 2 + k, 2.0 * mode.shape[*d])).collect();
+        let mut variance = 0.0;
+        for (i, a) in &gradient {
+            for (j, b) in &gradient {
+                variance += a * b * found.covariance[(*i, *j)];
+            }
+        }
+        let residue: f64 = mode.shape.iter().map(|part| part * part).sum();
+        residue / (self.scale(found) * variance).sqrt()
+    }
+
+    /// The last refinement, with lower residuals where they differ from zero.
+    fn finish(&mut self, plain: Maximum) -> Option<Maximum> {
+        self.likelihood.lower = true;
+        let count = self.likelihood.pairs().len();
+        let with = self.refined(&plain.model).filter(|with| {
+            let size = with.covariance.nrows();
+            let scale = self.scale(with).sqrt();
+            let parameters = self.likelihood.parameters(&with.model);
+            (size - count..size)
+                .any(|i| parameters[i].abs() > SIGNIFICANT_RESIDUAL * scale * with.covariance[(i, i)].max(0.0).sqrt())
+        });
+        if with.is_some() {
+            return with;
+        }
+        self.likelihood.lower = false;
+        self.refined(&plain.model)
+    }
+
+    fn fit(
+        &self,
+        measured: &Measurement,
+        maximum: Maximum,
+        options: &FitOptions,
+        poles: Vec<Pole>,
+        wrong_signs: Vec<String>,
+    ) -> Fit {
+        let Maximum { model, chi2, freedom, covariance } = &maximum;
+        let scale = self.scale(&maximum);
+        let each = 2 + self.likelihood.directions.len();
+        let mut order: Vec<usize> = (0..model.modes.len()).collect();
+        order.sort_by(|a, b| model.modes[*a].frequency.total_cmp(&model.modes[*b].frequency));
+        // Frequency (Hz), damping ratio, stiffness and angle of every mode by the parameters of the search.
+        let mut slopes = DMatrix::zeros(4 * order.len(), covariance.nrows());
+        for (place, r) in order.iter().enumerate() {
+            let mode = &model.modes[*r];
+            let square: f64 = mode.shape.iter().map(|part| part * part).sum();
+            let stiffness = mode.frequency * mode.frequency / square;
+            slopes[(4 * place, each * r)] = mode.frequency / TAU;
+            slopes[(4 * place + 1, each * r + 1)] = mode.damping_ratio;
+            slopes[(4 * place + 2, each * r)] = 2.0 * stiffness;
+            for (k, direction) in self.likelihood.directions.iter().enumerate() {
+                let at = each * r + 2 + k;
+                slopes[(4 * place + 2, at)] = -2.0 * stiffness * mode.shape[*direction] / square;
+                let across = if *direction == 0 { -mode.shape[1] } else { mode.shape[0] };
+                slopes[(4 * place + 3, at)] = across / square;
+            }
+        }
+        let spread = &slopes * covariance * slopes.transpose() * scale;
+        let sd = |i: usize| spread[(i, i)].max(0.0).sqrt();
+        let plane = self.likelihood.directions.len() > 1;
+        let modes: Vec<FittedMode> = order
+            .iter()
+            .enumerate()
+            .map(|(place, r)| {
+                let mode = &model.modes[*r];
+                let length = mode.shape[0].hypot(mode.shape[1]);
+                let greatest = if mode.shape[0].abs() >= mode.shape[1].abs() { mode.shape[0] } else { mode.shape[1] };
+                let direction = match options.direction {
+                    Some(direction) if !plane => direction,
+                    _ => mode.shape.map(|part| part / (length * greatest.signum())),
+                };
+                let estimate = |value, i: usize| Estimate { value, sd: sd(4 * place + i) };
+                FittedMode {
+                    direction,
+                    direction_sd: plane.then(|| sd(4 * place + 3)),
+                    natural_frequency: estimate(mode.frequency / TAU, 0),
+                    damping_ratio: estimate(mode.damping_ratio, 1),
+                    stiffness: estimate((mode.frequency / length).powi(2), 2),
+                }
+            })
+            .collect();
+        let kept: Vec<usize> = (0..4 * modes.len()).filter(|i| i % 4 != 3).collect();
+        let pairs = self.likelihood.pairs();
+        let first = each * modes.len();
+        let upper = pairs.iter().enumerate().map(|(i, pair)| {
+            let sd = (covariance[(first + i, first + i)] * scale).max(0.0).sqrt();
+            (PAIRS[*pair], Estimate { value: model.upper[*pair], sd })
+        });
+        let fitted: Vec<Vec<Complex<f64>>> = measured
+            .functions
+            .iter()
+            .map(|f| {
+                let (p, q) = (f.response.index(), f.force.index());
+                self.likelihood.lines.iter().map(|w| model.receptance(p, q, *w)).collect()
+            })
+            .collect();
+        let quality = Quality::new(measured, &fitted, &modes, chi2 / *freedom as f64, wrong_signs);
+        Fit {
+            upper: upper.collect(),
+            covariance: kept.iter().map(|i| kept.iter().map(|j| spread[(*i, *j)]).collect()).collect(),
+            quality,
+            poles,
+            fitted,
+            modes,
+        }
+    }
+}
+
+/// The modes of poles beside each other: as many as the higher half of the orders has, each the median of its poles.
+fn apart(column: &[&Pole]) -> Vec<(f64, f64)> {
+    let mut orders: BTreeMap<usize, Vec<&Pole>> = BTreeMap::new();
+    for pole in column {
+        orders.entry(pole.order).or_default().push(pole);
+    }
+    let mut counts: Vec<usize> = orders.values().skip(orders.len() / 2).map(Vec::len).collect();
+    counts.sort_unstable();
+    let count = counts[counts.len() / 2];
+    let full: Vec<&Vec<&Pole>> = orders.values().filter(|poles| poles.len() == count).collect();
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    (0..count)
+        .map(|i| {
+            let frequency = median(full.iter().map(|poles| poles[i].natural_frequency).collect());
+            (TAU * frequency, median(full.iter().map(|poles| poles[i].damping_ratio).collect()))
+        })
+        .collect()
+}
+
+/// The shape whose products are nearest to residues xx, xy, yy: the dominant direction of their matrix.
+fn shape([xx, xy, yy]: [f64; 3]) -> [f64; 2] {
+    let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+    let (sine, cosine) = angle.sin_cos();
+    let residue = xx * cosine * cosine + 2.0 * xy * sine * cosine + yy * sine * sine;
+    let size = residue.abs().sqrt();
+    [size * cosine, size * sine]
+}

@@ -1,0 +1,43 @@
+//! Measured dynamics of machine, tool and workpiece: from a tap test to vibration modes with their uncertainty.
+//!
+//! ```text
+//!  CSV, universal file ──► Measurement: receptance and coherence over frequency
+//!                              ├── Stabilisation ──► poles over the order of a common denominator
+//!                              └── fit ──► Fit: modes, covariance, quality, refusals
+//!  Segments, Joint, BaseMode ──► chain, Body::on: receptance at the tip of a tool on a spindle
+//! ```
+//!
+//! # What is modelled
+//! Real modes with viscous damping, `H_pq(w) = Σ phi_pr phi_qr/(w_r² − w² + 2 i zeta_r w_r w) + U_pq − L_pq/w²`, with the upper
+//! residual U of the modes above the range and the lower residual L of a body that moves freely below it.
+//!
+//! # What is not modelled
+//! Complex modes, gyroscopic splitting, joints with friction; time records of hammer and accelerometer have to be turned into
+//! frequency responses by the analyser.
+
+#![deny(clippy::wildcard_enum_match_arm)]
+
+mod coupling;
+mod csv;
+mod error;
+mod fit;
+mod frf;
+mod likelihood;
+mod quality;
+mod read;
+mod stabilisation;
+mod structure;
+mod uff;
+mod unit;
+
+pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
+pub use csv::read_csv;
+pub use error::{DynamicsError, UniversalProblem};
+pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
+pub use frf::{Direction, Frf, Measurement};
+pub use quality::{Quality, Refusal};
+pub use read::read;
+pub use stabilisation::{Pole, stabilisation};
+pub use structure::{Scatter, StructureText};
+pub use uff::read_uff;
+pub use unit::Motion;

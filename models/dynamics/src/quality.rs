@@ -1,0 +1,244 @@
+//! How good a fit is, and when it must not be used.
+
+use crate::fit::FittedMode;
+use crate::frf::Measurement;
+use nalgebra::Complex;
+use std::fmt;
+
+/// Least coherence over the half-power band of the mode that limits the cut: below, three tenths of the motion have
+/// another cause than the hammer (assumption, usual in practice).
+const LEAST_COHERENCE: f64 = 0.7;
+/// Coherence from which on a line counts for residual and reciprocity (assumption).
+const CLEAR: f64 = 0.5;
+/// Share of its peak that a fitted response may have at an end of the range (assumption: half of a peak is on its flank).
+const GREATEST_AT_END: f64 = 0.5;
+/// Least number of lines in a half-power band (assumption: three lines meet a circle without telling its noise).
+const LEAST_LINES: f64 = 5.0;
+/// Greatest residual of a fit over the measured response (assumption).
+const GREATEST_RESIDUAL: f64 = 0.15;
+/// Difference of the two responses xy and yx over their size from which on a warning is due (assumption).
+const GREATEST_ASYMMETRY: f64 = 0.2;
+
+/// Why a fit must not be used.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The mode that sets the least limit is measured with little coherence.
+    LowCoherence {
+        /// Its frequency (Hz).
+        frequency: f64,
+        /// Median coherence over its half-power band.
+        coherence: f64,
+    },
+    /// A resonance is at the end of the range or beyond.
+    EdgeOfRange {
+        /// The end (Hz), or the fitted frequency beyond it.
+        frequency: f64,
+    },
+    /// A direct response that does work on the hammer at its peaks.
+    SensorSign {
+        /// The function.
+        function: String,
+    },
+    /// A half-power band with too few lines.
+    CoarseFrequency {
+        /// Frequency of the mode (Hz).
+        frequency: f64,
+        /// Lines in the band.
+        lines: f64,
+    },
+    /// A fit that leaves too much.
+    PoorFit {
+        /// The function.
+        function: String,
+        /// Residual over the response.
+        residual: f64,
+    },
+}
+
+impl Refusal {
+    /// Its code for programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::LowCoherence { .. } => "low-coherence",
+            Self::EdgeOfRange { .. } => "edge-of-range",
+            Self::SensorSign { .. } => "sensor-sign",
+            Self::CoarseFrequency { .. } => "coarse-frequency",
+            Self::PoorFit { .. } => "poor-fit",
+        }
+    }
+
+    /// What the user can do.
+    pub fn fix(&self) -> &'static str {
+        match self {
+            Self::LowCoherence { .. } => "tap harder or with a harder tip, look for loose parts, average more",
+            Self::EdgeOfRange { .. } => "measure a wider range of frequencies",
+            Self::SensorSign { .. } => "turn the sensor, or swap its axes, and measure again",
+            Self::CoarseFrequency { .. } => "record for longer, so that the lines are closer",
+            Self::PoorFit { .. } => "look at the picture: a joint that rattles, or modes that were not picked",
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LowCoherence { frequency, coherence } => {
+                write!(f, "the coherence at the mode of {frequency:.1} Hz, which limits the cut, is {coherence:.2}")
+            }
+            Self::EdgeOfRange { frequency } => {
+                write!(f, "a resonance lies at the edge of the range, at {frequency:.1} Hz")
+            }
+            Self::SensorSign { function } => {
+                write!(f, "the imaginary part of {function} is positive at its peaks: a sensor is turned around")
+            }
+            Self::CoarseFrequency { frequency, lines } => {
+                write!(f, "the half-power band of the mode of {frequency:.1} Hz has {lines:.1} lines")
+            }
+            Self::PoorFit { function, residual } => {
+                write!(f, "the fit of {function} leaves {:.0} % of the response", residual * 100.0)
+            }
+        }
+    }
+}
+
+/// How well a fit describes a measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// Misfit over degrees of freedom; one where the variances are right.
+    pub reduced_chi2: f64,
+    /// Residual over response of every function, on lines of clear coherence.
+    pub residuals: Vec<(String, f64)>,
+    /// Median coherence over the half-power band of every mode.
+    pub coherence: Vec<Option<f64>>,
+    /// Difference of xy and yx over their size, on lines of clear coherence.
+    pub reciprocity: Option<f64>,
+    /// Why the fit must not be used, the first reason first.
+    pub refusals: Vec<Refusal>,
+}
+
+impl Quality {
+    pub(crate) fn new(
+        measured: &Measurement,
+        fitted: &[Vec<Complex<f64>>],
+        modes: &[FittedMode],
+        reduced_chi2: f64,
+        wrong_signs: Vec<String>,
+    ) -> Self {
+        let clear = |values: Option<&Vec<f64>>, i: usize| values.is_none_or(|values| values[i] >= CLEAR);
+        let residuals: Vec<(String, f64)> = measured
+            .functions
+            .iter()
+            .zip(fitted)
+            .map(|(function, fitted)| {
+                let lines = (0..fitted.len()).filter(|i| clear(function.coherence.as_ref(), *i));
+                (function.name(), difference(lines, &function.receptance, fitted))
+            })
+            .collect();
+        let coherence: Vec<Option<f64>> = modes.iter().map(|mode| band_coherence(measured, mode)).collect();
+        let mut refusals = Vec::new();
+        let flexible = |mode: &FittedMode| {
+            let zeta = mode.damping_ratio.value;
+            4.0 * mode.stiffness.value * zeta * (1.0 + zeta)
+        };
+        let limiting = (0..modes.len()).min_by(|a, b| flexible(&modes[*a]).total_cmp(&flexible(&modes[*b])));
+        if let Some((mode, Some(coherence))) = limiting.map(|i| (&modes[i], coherence[i]))
+            && coherence < LEAST_COHERENCE
+        {
+            refusals.push(Refusal::LowCoherence { frequency: mode.natural_frequency.value, coherence });
+        }
+        refusals.extend(edge(measured, fitted, modes));
+        refusals.extend(wrong_signs.into_iter().map(|function| Refusal::SensorSign { function }));
+        for mode in modes {
+            let (frequency, lines) = (mode.natural_frequency.value, band(mode) / measured.step());
+            if lines < LEAST_LINES {
+                refusals.push(Refusal::CoarseFrequency { frequency, lines });
+            }
+        }
+        let poor = residuals.iter().filter(|(_, residual)| *residual > GREATEST_RESIDUAL);
+        refusals.extend(
+            poor.map(|(function, residual)| Refusal::PoorFit { function: function.clone(), residual: *residual }),
+        );
+        Self { reduced_chi2, residuals, coherence, reciprocity: reciprocity(measured), refusals }
+    }
+
+    /// What does not forbid the use of the fit and should be known.
+    pub fn warnings(&self) -> Vec<String> {
+        let asymmetry = self.reciprocity.filter(|difference| *difference > GREATEST_ASYMMETRY);
+        let asymmetry = asymmetry.map(|difference| {
+            format!(
+                "xy and yx differ by {:.0} %: the structure answers both ways alike, so one is wrong",
+                difference * 100.0
+            )
+        });
+        asymmetry.into_iter().collect()
+    }
+
+    /// `good`, `usable` or `refused`, with the reason.
+    pub fn verdict(&self) -> String {
+        if let Some(refusal) = self.refusals.first() {
+            return format!("refused because {refusal}");
+        }
+        let worst = self.residuals.iter().map(|(_, residual)| *residual).fold(0.0, f64::max);
+        if worst < 0.5 * GREATEST_RESIDUAL && self.warnings().is_empty() {
+            "good".to_owned()
+        } else {
+            "usable".to_owned()
+        }
+    }
+}
+
+/// Half-power bandwidth (Hz).
+fn band(mode: &FittedMode) -> f64 {
+    2.0 * mode.damping_ratio.value * mode.natural_frequency.value
+}
+
+/// Norm of a difference over the norm of the first, on some lines; zero without any.
+fn difference(lines: impl Iterator<Item = usize>, one: &[Complex<f64>], other: &[Complex<f64>]) -> f64 {
+    let (mut left, mut size) = (0.0, 0.0);
+    for i in lines {
+        left += (one[i] - other[i]).norm_sqr();
+        size += one[i].norm_sqr();
+    }
+    if size > 0.0 { (left / size).sqrt() } else { 0.0 }
+}
+
+/// Median coherence over the half-power band of a mode, of the direct function nearest to its direction.
+fn band_coherence(measured: &Measurement, mode: &FittedMode) -> Option<f64> {
+    let share = |d: usize| mode.direction[d].abs();
+    let direct = measured.functions.iter().filter(|function| function.is_direct());
+    let nearest = direct.max_by(|a, b| share(a.response.index()).total_cmp(&share(b.response.index())))?;
+    let (centre, half) = (mode.natural_frequency.value, 0.5 * band(mode).max(3.0 * measured.step()));
+    let values = measured.frequencies.iter().zip(nearest.coherence.as_ref()?);
+    let mut inside: Vec<f64> = values.filter(|(f, _)| (*f - centre).abs() <= half).map(|(_, c)| *c).collect();
+    inside.sort_by(f64::total_cmp);
+    inside.get(inside.len() / 2).copied()
+}
+
+/// A resonance at an end of the range or beyond.
+fn edge(measured: &Measurement, fitted: &[Vec<Complex<f64>>], modes: &[FittedMode]) -> Option<Refusal> {
+    let (first, last) = (*measured.frequencies.first()?, *measured.frequencies.last()?);
+    let beyond = modes.iter().map(|mode| mode.natural_frequency.value).find(|f| !(first..=last).contains(f));
+    if let Some(frequency) = beyond {
+        return Some(Refusal::EdgeOfRange { frequency });
+    }
+    let direct = measured.functions.iter().zip(fitted).filter(|(function, _)| function.is_direct());
+    for (_, values) in direct {
+        let peak = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        for (frequency, value) in [(first, values.first()?), (last, values.last()?)] {
+            if value.norm() > GREATEST_AT_END * peak {
+                return Some(Refusal::EdgeOfRange { frequency });
+            }
+        }
+    }
+    None
+}
+
+/// Difference of xy and yx over their size, on lines where both are clear.
+fn reciprocity(measured: &Measurement) -> Option<f64> {
+    let find = |name: &str| measured.functions.iter().find(|function| function.name() == name);
+    let (one, other) = (find("xy")?, find("yx")?);
+    let clear = |function: &crate::Frf, i: usize| function.coherence.as_ref().is_none_or(|values| values[i] >= CLEAR);
+    let lines = (0..measured.frequencies.len()).filter(|i| clear(one, *i) && clear(other, *i));
+    Some(difference(lines, &one.receptance, &other.receptance))
+}

@@ -1,0 +1,239 @@
+//! Structure files: the modes of machine and tool that a tap test has found, in a file of their own.
+
+use super::keys::{DAMPING_RATIO, FREQUENCY, STIFFNESS};
+use super::read::direction;
+use std::path::Path;
+use toolroom_chatter::{Mode, Scatter};
+use toolroom_form::{Content, ContentFault, Fault, Form, FormFile, Key, Kind, ReadError, Section, Walk};
+
+/// Natural frequency of the mode that stands for all modes above the range, over the highest one of the file: its
+/// compliance is 10 % more than the residual at the highest mode and 1 % more at a third of that frequency, and a residual is
+/// itself a few hundredths of the compliance. Farther up the period map of milling would have to resolve shorter waves.
+const ABOVE: f64 = 10.0 / 3.0;
+/// Damping ratio of that mode (assumption: between that of a tool and that of a joint; at a tenth of its frequency it turns
+/// the compliance by 0.02 rad).
+const ABOVE_DAMPING: f64 = 0.1;
+
+/// The whole file.
+pub static STRUCTURE: Form = Form {
+    title: "the structure file",
+    doc: "Vibration modes of machine and tool as a tap test has found them, for `structure` of lobes files",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::required("name", Kind::Name, "Short name"),
+        Key::required("measurement", Kind::Table(&MEASUREMENT), "Where the modes come from"),
+        Key::required("mode", Kind::Tables(&FITTED_MODE), "Vibration modes at the point of cut"),
+        Key::optional("residual", Kind::Table(&RESIDUAL), "What the modes above the measured range give way"),
+        Key::optional("covariance", Kind::Table(&COVARIANCE), "Covariance of all values of the modes"),
+    ],
+};
+
+static MEASUREMENT: Form = Form {
+    title: "[measurement]",
+    doc: "Where the modes come from",
+    keys: &[
+        Key::default("source", Kind::Text, "", "Measured file and the command that fitted it"),
+        Key::default("quality", Kind::Text, "", "What the fit says of itself"),
+    ],
+};
+
+static FITTED_MODE: Form = Form {
+    title: "[[mode]]",
+    doc: "One vibration mode at the point of cut",
+    keys: &[
+        Key::optional("name", Kind::Name, "Name, for --set mode.NAME.stiffness.value=…"),
+        Key::required(
+            "direction",
+            Kind::List(&Kind::quantity("1", "1", -1e6, 1e6, "1")),
+            "Two components: (feed, normal to it) in milling, (chip thickness, cutting speed) in turning",
+        ),
+        Key::required("natural_frequency", Kind::Table(&FREQUENCY_FORM), "Undamped natural frequency"),
+        Key::required("damping_ratio", Kind::Table(&DAMPING_FORM), "Share of critical damping"),
+        Key::required("stiffness", Kind::Table(&STIFFNESS_FORM), "Modal stiffness"),
+        Key::optional(
+            "rotation",
+            Kind::quantity("1/m", "1/m", -1e4, 1e4, "-9 1/m"),
+            "Slope over displacement of a base that `toolroom swap` puts a tool on",
+        ),
+    ],
+};
+
+static FREQUENCY_FORM: Form = Form {
+    title: "natural_frequency",
+    doc: "Natural frequency with its standard deviation",
+    keys: &[
+        Key::required("value", FREQUENCY, "The value"),
+        Key::default("sd", Kind::quantity("Hz", "Hz", 0.0, 1e6, "2 Hz"), "0 Hz", "Its standard deviation"),
+    ],
+};
+
+static DAMPING_FORM: Form = Form {
+    title: "damping_ratio",
+    doc: "Damping ratio with its standard deviation",
+    keys: &[
+        Key::required("value", DAMPING_RATIO, "The value"),
+        Key::default("sd", Kind::quantity("1", "1", 0.0, 1.0, "0.001"), "0", "Its standard deviation"),
+    ],
+};
+
+static STIFFNESS_FORM: Form = Form {
+    title: "stiffness",
+    doc: "Modal stiffness with its standard deviation",
+    keys: &[
+        Key::required("value", STIFFNESS, "The value"),
+        Key::default("sd", Kind::quantity("N/m", "N/um", 0.0, 1e12, "1 N/um"), "0 N/um", "Its standard deviation"),
+    ],
+};
+
+const COMPLIANCE: Kind = Kind::quantity("m/N", "um/N", -1.0, 1.0, "0.002 um/N");
+
+static RESIDUAL: Form = Form {
+    title: "[residual]",
+    doc: "Static compliance of all modes above the measured range",
+    keys: &[
+        Key::default("upper_xx", COMPLIANCE, "0 um/N", "In the first direction"),
+        Key::default("upper_xy", COMPLIANCE, "0 um/N", "Of one direction under a force in the other"),
+        Key::default("upper_yy", COMPLIANCE, "0 um/N", "In the second direction"),
+    ],
+};
+
+static COVARIANCE: Form = Form {
+    title: "[covariance]",
+    doc: "Covariance of all values, in Hz, 1 and N/m",
+    keys: &[
+        Key::required("names", Kind::List(&Kind::Text), "Modes and their keys, such as m1.stiffness"),
+        Key::required("matrix", Kind::Content(&MATRIX), "One row a name"),
+    ],
+};
+
+static MATRIX: Content = Content {
+    expected: "a list of rows",
+    example: "[[0.01, 0], [0, 1e-8]]",
+    schema: || serde_json::json!({ "type": "array", "items": { "type": "array", "items": { "type": "number" } } }),
+    entry: None,
+};
+
+/// A structure file that could not be read.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("structure \"{file}\": {reason}")]
+pub(super) struct StructureFault {
+    /// The file.
+    file: String,
+    /// What is wrong.
+    reason: String,
+}
+
+impl ContentFault for StructureFault {
+    fn code(&self) -> &'static str {
+        "structure"
+    }
+
+    fn fix(&self) -> Option<String> {
+        Some(format!(
+            "give a structure file of `toolroom modes`; `toolroom check {}` tells its faults line by line",
+            self.file
+        ))
+    }
+}
+
+/// What a structure file says.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// Short name.
+    pub name: String,
+    /// The modes; what the modes above the range give way is a stiff mode, or two of them, at the end.
+    pub modes: Vec<Mode>,
+    /// Slope over displacement (1/m) of the modes of the file, where it is given.
+    pub rotations: Vec<Option<f64>>,
+    /// Relative standard deviations, of the least known mode each; none where the file has none.
+    pub scatter: Option<Scatter>,
+}
+
+/// Relative standard deviation of a cutting-force coefficient from a table (assumption, usual for a work material that was
+/// not tested itself). The stiffness of a mode acts on stability as the coefficients do, and adds to it.
+const COEFFICIENTS: f64 = 0.15;
+
+/// Reads a structure file; `overrides` are `path=value` as after `--set`.
+///
+/// # Errors
+/// As [`file::read`](toolroom_form::read).
+pub fn read_structure(path: &Path, overrides: &[String]) -> Result<FormFile<Structure>, ReadError> {
+    toolroom_form::read(path, overrides, &STRUCTURE, resolve)
+}
+
+/// The structure file that a lobes file names.
+pub(super) fn named(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
+    let name = root.text("structure")?.to_owned();
+    let path = walk.folder.join(&name);
+    walk.named(path.clone());
+    match read_structure(&path, &[]) {
+        Ok(file) => Some(file.content),
+        Err(error) => {
+            let fault = StructureFault { file: path.display().to_string(), reason: error.to_string() };
+            walk.fault(root.span_of("structure"), Fault::Content(std::sync::Arc::new(fault)));
+            None
+        }
+    }
+}
+
+fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
+    let sections = walk.sections(root, "mode", None);
+    let modes: Vec<Option<(Mode, [f64; 3])>> = sections.iter().map(|section| mode(walk, section)).collect();
+    for described in ["measurement", "covariance"] {
+        walk.table(root, described);
+    }
+    let residual = walk.table(root, "residual");
+    let upper = residual.map_or(Some([0.0; 3]), |section| {
+        Some([section.si("upper_xx")?, section.si("upper_xy")?, section.si("upper_yy")?])
+    });
+    let rotations = sections.iter().map(|section| section.si("rotation")).collect();
+    let (mut modes, sds): (Vec<Mode>, Vec<[f64; 3]>) =
+        modes.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip();
+    let name = root.text("name")?.to_owned();
+    modes.extend(stiff_modes(&modes, upper?));
+    let greatest = |i: usize| sds.iter().map(|sd| sd[i]).fold(0.0, f64::max).min(1.0);
+    let [natural_frequency, damping_ratio, stiffness] = [0, 1, 2].map(greatest);
+    let known = natural_frequency > 0.0 || damping_ratio > 0.0 || stiffness > 0.0;
+    let coefficients = COEFFICIENTS.hypot(stiffness).min(1.0);
+    let scatter = known.then_some(Scatter { natural_frequency, damping_ratio, coefficients });
+    Some(Structure { name, modes, rotations, scatter })
+}
+
+/// A mode, and the relative standard deviations of frequency, damping and stiffness.
+fn mode(walk: &mut Walk, section: &Section<'_>) -> Option<(Mode, [f64; 3])> {
+    let direction = direction(walk, section)?;
+    let mut estimate = |key: &str| {
+        let table = walk.table(section, key)?;
+        Some((table.si("value")?, table.si("sd")?))
+    };
+    let (frequency, damping, stiffness) =
+        (estimate("natural_frequency"), estimate("damping_ratio"), estimate("stiffness"));
+    let (frequency, damping, stiffness) = (frequency?, damping?, stiffness?);
+    let mode = Mode { direction, natural_frequency: frequency.0, damping_ratio: damping.0, stiffness: stiffness.0 };
+    Some((mode, [frequency, damping, stiffness].map(|(value, sd)| sd / value)))
+}
+
+/// The compliance xx, xy, yy (m/N) of the modes above the range as stiff modes along its principal directions. A negative
+/// one is left out: it would be no structure. Where all modes move along one line, so do they.
+fn stiff_modes(modes: &[Mode], [xx, xy, yy]: [f64; 3]) -> Vec<Mode> {
+    let Some(highest) = modes.iter().map(|mode| mode.natural_frequency).reduce(f64::max) else { return Vec::new() };
+    let [x, y] = modes[0].direction;
+    let parallel = modes.iter().all(|mode| (mode.direction[0] * y - mode.direction[1] * x).abs() < 1e-9);
+    let principal = if parallel {
+        vec![([x, y], xx.max(yy))]
+    } else {
+        let (mean, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        let (sine, cosine) = (0.5 * (2.0 * xy).atan2(xx - yy)).sin_cos();
+        vec![([cosine, sine], mean + half), ([-sine, cosine], mean - half)]
+    };
+    principal
+        .into_iter()
+        .filter(|(_, compliance)| *compliance > 0.0)
+        .map(|(direction, compliance)| Mode {
+            direction,
+            natural_frequency: ABOVE * highest,
+            damping_ratio: ABOVE_DAMPING,
+            stiffness: 1.0 / compliance,
+        })
+        .collect()
+}

@@ -1,0 +1,61 @@
+//! Arguments of `toolroom modes` and `toolroom swap`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub struct ModesArgs {
+    /// Frequency responses: a table (CSV) with units in its header, or a universal file (58, 58b)
+    pub file: PathBuf,
+    /// Averages behind each response; left out, the residuals of the fit tell the noise
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub averages: Option<u32>,
+    /// Direction of a measurement in one direction: feed, normal, or an angle from the feed such as "30 deg"
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    pub direction: Option<String>,
+    /// Number of modes, instead of all that stand out of the noise
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=40), conflicts_with = "pick")]
+    pub modes: Option<u32>,
+    /// Frequency of a mode, such as "612 Hz", repeatable: these modes and no others
+    #[arg(long, value_name = "FREQUENCY")]
+    pub pick: Vec<String>,
+    /// What changes from mounting to mounting, relative: f=SHARE, zeta=SHARE or k=SHARE, repeatable
+    #[arg(long, value_name = "KEY=SHARE")]
+    pub scatter: Vec<String>,
+    /// Structure file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Directory of tables, pictures and the report
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Write a structure file even where the fit must not be used
+    #[arg(long)]
+    pub accept_refused: bool,
+    /// Say what the file holds, and fit nothing
+    #[arg(long, conflicts_with_all = ["out", "report"])]
+    pub read: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct SwapArgs {
+    /// Structure file of the spindle at its face, each mode with its rotation
+    pub base: PathBuf,
+    /// Tool file: segments from the tip on, and the joint
+    #[arg(long, value_name = "FILE")]
+    pub tool: PathBuf,
+    /// Replace a value of the tool file: segment.1.length="30 mm", repeatable
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// First and last frequency at which the tip is computed
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], default_values = ["50 Hz", "6000 Hz"])]
+    pub range: Vec<String>,
+    /// Structure file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Directory of tables, pictures and the report
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Write a structure file even where the fit must not be used
+    #[arg(long)]
+    pub accept_refused: bool,
+}

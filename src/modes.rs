@@ -1,0 +1,119 @@
+//! `toolroom modes FRF`: vibration modes from a tap test; `toolroom swap BASE`: of another tool on the same spindle.
+
+use crate::args::{ModesArgs, SwapArgs};
+use crate::failure::Failure;
+use crate::output::{Files, OutputDir, provenance};
+use crate::speak::Voice;
+use std::path::Path;
+use std::time::Instant;
+use toolroom_chart::page::Provenance;
+use toolroom_dynamics::{FitOptions, Measurement, Scatter};
+use toolroom_planning::modes::{ModesStudy, NAMES, Request, RequestError, range, read_tool, scatter, summary, tip};
+use toolroom_scenario::lobes::read_structure;
+
+/// Where the files and the words of a fault are described.
+const GUIDE: &str = "see docs/dynamics.md";
+
+pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
+    let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
+    let (measured, bytes) = measurement(&args.file)?;
+    if args.read {
+        return voice.data(summary(&measured) + "\n");
+    }
+    let ModesArgs { averages, modes, .. } = *args;
+    let request = Request { averages, direction: args.direction.as_deref(), modes, picks: &args.pick };
+    let (options, scatter) = (request.options()?, scatter(&args.scatter)?);
+    let files = target.files([args.file.as_path()], voice)?;
+    let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
+    let inputs = [(args.file.display().to_string(), bytes.as_slice())];
+    let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
+    let study = ModesStudy::new(target.name(&args.file), measured, &options, scatter);
+    target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// The frequency responses of a file, and its bytes.
+pub fn measurement(path: &Path) -> Result<(Measurement, Vec<u8>), Failure> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| {
+        Failure::argument(format_args!("{file} cannot be read: {error}"), "give a CSV or universal file")
+    })?;
+    let measured = toolroom_dynamics::read(&file, &bytes).map_err(|error| Failure::argument(error, GUIDE))?;
+    Ok((measured, bytes))
+}
+
+/// `toolroom swap BASE --tool TOOL`.
+pub fn swap(args: &SwapArgs, voice: &Voice) -> Result<(), Failure> {
+    let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
+    let (base, tool) = (read_structure(&args.base, &[])?, read_tool(&args.tool, &args.set)?);
+    let found = tip(&base.content, &tool.content, range(&args.range)?);
+    let (measured, direction) = found.map_err(|error| Failure::argument(error, GUIDE))?;
+    let files = target.files([args.base.as_path(), args.tool.as_path()], voice)?;
+    let inputs = [(&args.base, &base.text), (&args.tool, &tool.text)];
+    let inputs = inputs.map(|(path, text)| (path.display().to_string(), text.as_bytes()));
+    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let provenance = provenance("swap", &inputs, changes, None);
+    let options = FitOptions { direction: Some(direction), ..FitOptions::default() };
+    let study = ModesStudy::new(target.name(&args.tool), measured, &options, Scatter::ASSUMED);
+    target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// Where modes are written.
+struct Target<'a> {
+    out: Option<&'a Path>,
+    report: Option<&'a Path>,
+    accept_refused: bool,
+    start: Instant,
+}
+
+impl<'a> Target<'a> {
+    fn new(out: Option<&'a Path>, report: Option<&'a Path>, accept_refused: bool) -> Self {
+        Self { out, report, accept_refused, start: Instant::now() }
+    }
+
+    /// The files of a command that reads `inputs`; a structure file that must not be written is refused now.
+    fn files<'b>(&self, inputs: impl IntoIterator<Item = &'b Path>, voice: &Voice) -> Result<Files, Failure> {
+        let files = Files::new(inputs, voice.force);
+        self.out.map_or(Ok(()), |out| files.check(out))?;
+        Ok(files)
+    }
+
+    /// Name of the structure: that of its file, or of the file that it is made of.
+    fn name(&self, input: &Path) -> String {
+        let name = self.out.unwrap_or(input).file_stem();
+        name.map_or_else(|| "structure".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Prints the modes, and writes the report and the structure file.
+    fn write(&self, study: &ModesStudy, files: &Files, provenance: &Provenance, voice: &Voice) -> Result<(), Failure> {
+        if let Some(folder) = self.report {
+            let out = OutputDir::create(folder, NAMES, [], voice.force)?;
+            out.put_all(&study.files(provenance.clone()))?;
+            out.record(provenance, self.start.elapsed())?;
+            voice.say(format_args!("wrote {}", out.publish()?.join("report.html").display()));
+        }
+        if voice.json {
+            voice.json(&study.json())?
+        } else {
+            voice.data(study.text())?
+        }
+        voice.detail(format_args!("{:.2} s", self.start.elapsed().as_secs_f64()));
+        if let Some(refusal) = study.fit.quality.refusals.first().filter(|_| !self.accept_refused) {
+            let message = format!("refused ({}): {refusal}; {}", refusal.code(), refusal.fix());
+            return Err(Failure::Work { message });
+        }
+        let Some(out) = self.out else { return Ok(()) };
+        if let Some(folder) = out.parent() {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+        }
+        files.put(out, study.structure(provenance).as_bytes())?;
+        voice.say(format_args!("wrote {}; a lobes file takes it by structure = \"…\"", out.display()));
+        Ok(())
+    }
+}
+
+impl From<RequestError> for Failure {
+    fn from(error: RequestError) -> Self {
+        Self::argument(&error, error.fix)
+    }
+}
