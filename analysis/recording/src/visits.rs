@@ -92,6 +92,7 @@ impl Visits {
                 | MachineState::ToolChange
                 | MachineState::Dressing
                 | MachineState::Idle
+                | MachineState::Starved
                 | MachineState::OffShift => {}
             }
         }
