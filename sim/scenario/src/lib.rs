@@ -37,6 +37,7 @@ mod part;
 pub mod policies;
 mod policy;
 mod posterior;
+mod resource;
 mod scope;
 mod stability;
 mod station;
@@ -56,6 +57,7 @@ pub use order::{MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
 pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
+pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
 pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
@@ -94,6 +96,12 @@ pub struct Scenario {
     pub arrivals: Vec<Arrival>,
     /// Orders, beside what comes from the sources.
     pub orders: Vec<Order>,
+    /// Names of what operators can do.
+    pub skills: Vec<String>,
+    /// People.
+    pub operators: Vec<Operator>,
+    /// Times of changing over between setup groups.
+    pub setup_matrices: Vec<SetupMatrix>,
     /// Which of several idle machines takes a job.
     pub machine_choice: MachineChoice,
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.

@@ -1,6 +1,6 @@
 //! Parts, routings, arrivals.
 
-use super::{ContourWork, CycleWork, Distribution};
+use super::{Attendance, ContourWork, CycleWork, Distribution};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -45,6 +45,8 @@ pub struct Operation {
     pub setup_group: String,
     /// Setup time, s; `None`: the machine's.
     pub setup_time: Option<f64>,
+    /// Skills that it needs.
+    pub attendance: Attendance,
     /// What is done.
     pub work: Work,
     /// Greatest size error of a good part, m. Infinite where it is not looked at.

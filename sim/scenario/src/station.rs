@@ -26,6 +26,8 @@ pub struct MachineType {
     pub tool_change_time: f64,
     /// Change over when the setup group changes, s, unless the operation gives its own.
     pub setup_time: f64,
+    /// Index into [`Scenario::setup_matrices`](super::Scenario::setup_matrices): goes before the setup times.
+    pub setup_matrix: Option<usize>,
     /// Setup group for which it stands ready at the start, empty for none; `None`: for whatever comes first.
     pub setup_at_start: Option<String>,
     /// Edges in the magazine before an operator has to refill it. It is full at the start and

@@ -133,6 +133,14 @@ fn facts(scenario: &Scenario, layout: &Layout, streams: &Streams, jobs: &Jobs, s
     }
 }
 
+/// Keys of a job in a machine under the machine's rules, at this moment.
+pub(super) fn keys_of<R: Recorder>(shop: &Shop<'_, R>, machine: usize, slot: u32) -> Keys {
+    let (scenario, jobs) = (shop.scenario, &shop.world.jobs);
+    let facts = facts(scenario, &shop.layout, &shop.streams, jobs, slot, machine);
+    let moment = Moment { now: shop.now().seconds(), mean_time: facts.time, ..Moment::default() };
+    keys(scenario.rules(machine), jobs.at(slot).queued.seconds(), &facts, &moment)
+}
+
 impl<R: Recorder> Shop<'_, R> {
     /// Puts a machine on the list of those that may choose when the instant is settled.
     pub(super) fn may_choose(&mut self, machine: usize) {
@@ -191,9 +199,9 @@ impl<R: Recorder> Shop<'_, R> {
             let state = &self.world.machines[candidate];
             match self.scenario.machine_choice {
                 MachineChoice::First => 0.0,
-                MachineChoice::LeastSetup if state.ready.suits(group) => 0.0,
                 MachineChoice::LeastSetup => {
-                    operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time)
+                    let usual = operation.setup_time.unwrap_or(self.scenario.machines[candidate].setup_time);
+                    self.layout.setup(self.scenario, candidate, state.ready, group, usual).unwrap_or(0.0)
                 }
                 MachineChoice::LongestIdle => state.state_since.seconds(),
             }
@@ -251,7 +259,8 @@ impl<R: Recorder> Shop<'_, R> {
 
     fn choose(&mut self, machine: usize) -> Option<Waiting> {
         let now = self.now().seconds();
-        let (rules, layout, world) = (self.scenario.rules(machine), &self.layout, &mut self.world);
+        let scenario = self.scenario;
+        let (rules, layout, world) = (scenario.rules(machine), &self.layout, &mut self.world);
         let (jobs, waiting_work) = (&world.jobs, &world.waiting_work);
         let state = &mut world.machines[machine];
         let ready = state.ready;
@@ -263,7 +272,7 @@ impl<R: Recorder> Shop<'_, R> {
             now,
             mean_time,
             next_work: facts.next_station.filter(|_| layout.looks_ahead).map_or(0.0, work_at),
-            setup: if ready.suits(facts.setup_group) { 0.0 } else { facts.setup_time },
+            setup: layout.setup(scenario, machine, ready, facts.setup_group, facts.setup_time).unwrap_or(0.0),
         };
         state.queue.take(
             |waiting| is_here(jobs, waiting),

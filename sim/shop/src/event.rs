@@ -30,6 +30,13 @@ pub enum Event {
         /// Index into the orders of the scenario.
         order: u32,
     },
+    /// A person comes to work or leaves.
+    Operator {
+        /// Index into the operators of the scenario.
+        operator: u32,
+        /// Whether the person comes.
+        comes: bool,
+    },
     /// A shift begins.
     ShiftStart {
         /// Machine.
@@ -48,7 +55,7 @@ impl Event {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
             Self::Arrival { .. } | Self::Release { .. } => Class::Arrive,
-            Self::ShiftStart { .. } | Self::ShiftEnd { .. } => Class::Shift,
+            Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
         }
     }
 
@@ -62,6 +69,7 @@ impl Event {
             Self::ShiftStart { machine } => (4, machine),
             Self::ShiftEnd { machine } => (5, machine),
             Self::Release { order } => (6, order),
+            Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };
         kind << 32 | u64::from(index)
     }

@@ -142,6 +142,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.stop_clocks(machine);
         self.halt(machine)?;
+        self.release_operator(machine);
         match how {
             Interruption::Resume | Interruption::Finish => Ok(()),
             Interruption::Repeat => {

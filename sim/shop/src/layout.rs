@@ -7,7 +7,8 @@ use super::ports::{Ports, read, start_values, write};
 use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
-    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario, Work,
+    ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario,
+    SetupMatrix, Work,
 };
 
 /// Tables that follow from the scenario alone.
@@ -27,6 +28,8 @@ pub(super) struct Layout {
     pub modes_of: Vec<Vec<u32>>,
     /// Names of setup groups, by number.
     groups: Vec<String>,
+    /// Row and column of every setup group in every setup matrix.
+    matrix_places: Vec<Vec<Option<usize>>>,
     /// Name of every machine as an owner of random streams.
     pub machines: Vec<Entity>,
     /// Most operations of a part that has plain work.
@@ -120,6 +123,8 @@ impl Layout {
             }
             operations.push(plans);
         }
+        let places = |matrix: &SetupMatrix| groups.iter().map(|group| matrix.group(group)).collect();
+        let matrix_places = scenario.setup_matrices.iter().map(places).collect();
         let shared = |own: &Vec<usize>| {
             let shares = |(_, other): &(u32, &Vec<usize>)| own.iter().any(|machine| other.contains(machine));
             (0..).zip(&stations).filter(shares).map(|(station, _)| station).collect()
@@ -144,6 +149,7 @@ impl Layout {
             overlapping,
             looks_ahead,
             modes_of,
+            matrix_places,
             groups,
             machines,
             plain_operations,
@@ -164,6 +170,22 @@ impl Layout {
             }
             ContentPlan::Machining { .. } => plan.known_time,
         }
+    }
+
+    /// Setup that a machine needs for a setup group, s; `None` where it needs none. `usual` is the time of machine
+    /// or operation, which a setup matrix of the machine replaces.
+    pub fn setup(&self, scenario: &Scenario, machine: usize, ready: Readiness, group: u32, usual: f64) -> Option<f64> {
+        let Some(index) = scenario.machines[machine].setup_matrix else {
+            return if ready.suits(group) { None } else { Some(usual) };
+        };
+        let (matrix, places) = (&scenario.setup_matrices[index], &self.matrix_places[index]);
+        let to = places[group as usize]?;
+        let time = match ready {
+            Readiness::Anything => return None,
+            Readiness::Nothing => matrix.first.as_ref().map(|times| times[to]),
+            Readiness::Group(from) => places[from as usize].map(|from| matrix.times[from][to]),
+        };
+        time.filter(|time| *time > 0.0)
     }
 
     /// For what a machine stands ready at the start that names a setup group, an empty one for none.

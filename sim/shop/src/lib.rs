@@ -27,9 +27,8 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Transport and buffers (a part is at the next queue at once, queues are endless), operators and
-//! shared tool cribs, sequence-dependent setup matrices, rework, preemption of one job by
-//! another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! Transport and buffers (a part is at the next queue at once, queues are endless), shared tool cribs
+//! and fixtures, walking times of operators, rework, preemption of one job by another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 #![deny(clippy::wildcard_enum_match_arm)]
@@ -52,6 +51,7 @@ mod layout;
 mod lot;
 mod machine;
 mod operation;
+mod operator;
 mod pass;
 mod ports;
 mod program;
@@ -72,6 +72,7 @@ pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
 pub use lot::{Lot, LotStep};
 pub use machine::{Content, Machine, Machining, Pass, Piece, Readiness, Step, Task};
+pub use operator::OperatorState;
 pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
@@ -176,6 +177,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             lots: vec![None; scenario.orders.len()],
             waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
+            operators: Vec::new(),
+            awaiting: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -194,6 +197,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         shop.open_sources()?;
         shop.open_orders()?;
         shop.open_shifts()?;
+        shop.open_operators()?;
         shop.open_failures()?;
         for machine in 0..scenario.machines.len() {
             shop.show_state(machine);
@@ -242,7 +246,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
                     return Err(ShopError::NoProgress { time: now.seconds(), events: count });
                 }
             }
+            self.assign_operators()?; // steps in work go before those that are yet to begin
             self.dispatch()?;
+            self.assign_operators()?;
         }
         Ok(())
     }
@@ -334,6 +340,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             Event::Repair { mode } => self.repair(mode as usize),
             Event::Arrival { source } => self.arrive(source as usize),
             Event::Release { order } => self.release_order(order as usize),
+            Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),
         }

@@ -90,6 +90,10 @@ pub struct Task {
     pub since: SimTime,
     /// Its end in the calendar; `None` while nothing moves.
     pub end: Option<EventKey>,
+    /// Who attends to it, by index into the operators of the scenario.
+    pub operator: Option<u32>,
+    /// Whether it waits for somebody.
+    pub waits: bool,
     /// Time of loading, s.
     pub load_time: f64,
     /// Time of unloading, s.
@@ -331,7 +335,8 @@ impl Machine {
             MachineState::OffShift
         } else {
             let empty = if self.kept_for.is_some() { MachineState::Starved } else { MachineState::Idle };
-            self.task.as_ref().map_or(empty, |task| task.step.state())
+            let busy = |task: &Task| if task.waits { MachineState::WaitingOperator } else { task.step.state() };
+            self.task.as_ref().map_or(empty, busy)
         }
     }
 }

@@ -62,9 +62,10 @@ impl<R: Recorder> Shop<'_, R> {
             }
         };
         let state = &mut self.world.machines[machine];
-        let change = !state.ready.suits(plan.setup_group);
-        let setup = self.scenario.parts[part].operations[index].setup_time;
-        let setup = asked.calibrated(self.scenario, "setup_time", setup.unwrap_or(kind.setup_time));
+        let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
+        let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup);
+        let change = needed.is_some();
+        let setup = asked.calibrated(self.scenario, "setup_time", needed.unwrap_or(0.0));
         state.task = Some(Task {
             slot,
             begun: now,
@@ -72,6 +73,8 @@ impl<R: Recorder> Shop<'_, R> {
             left: if change { setup } else { 0.0 },
             since: now,
             end: None,
+            operator: None,
+            waits: false,
             load_time: pieces * load_time,
             unload_time: pieces * unload_time,
             content,
@@ -90,6 +93,11 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn drive(&mut self, machine: usize, dispatching: bool) -> Result<(), ShopError> {
         loop {
             let Some(task) = &self.world.machines[machine].task else { return Ok(()) }; // the operation is over
+            if task.left > 0.0 && !self.is_attended(machine) {
+                self.show_state(machine);
+                return Ok(());
+            }
+            let Some(task) = &self.world.machines[machine].task else { return Ok(()) };
             if task.left > 0.0 || dispatching && matches!(task.step, Step::Unload) {
                 let at = self.now().after(task.left)?;
                 let end = self.schedule(at, super::Event::StepEnd { machine: machine as u32 })?;
@@ -228,6 +236,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// Inspection: a good part goes on, a bad one leaves.
     fn end_operation(&mut self, machine: usize) -> Result<(), ShopError> {
         self.stop_clocks(machine);
+        self.release_operator(machine);
         let state = &mut self.world.machines[machine];
         let task = state.task.take().expect(IN_WORK);
         if std::mem::take(&mut state.leaving) {

@@ -17,6 +17,8 @@ pub enum MachineState {
     Dressing,
     /// Kept for a lot of which nothing is there.
     Starved,
+    /// With a job whose step waits for somebody.
+    WaitingOperator,
     /// Broken down.
     Down,
     /// Ready, nothing to do.
@@ -27,7 +29,7 @@ pub enum MachineState {
 
 impl MachineState {
     /// All states in the order of reports.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Cutting,
         Self::Working,
         Self::Handling,
@@ -35,6 +37,7 @@ impl MachineState {
         Self::ToolChange,
         Self::Dressing,
         Self::Starved,
+        Self::WaitingOperator,
         Self::Down,
         Self::Idle,
         Self::OffShift,
@@ -50,6 +53,7 @@ impl MachineState {
             Self::ToolChange => "tool_change",
             Self::Dressing => "dressing",
             Self::Starved => "starved",
+            Self::WaitingOperator => "waiting_operator",
             Self::Down => "down",
             Self::Idle => "idle",
             Self::OffShift => "off_shift",

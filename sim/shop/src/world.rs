@@ -3,6 +3,7 @@
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
+use super::operator::{Awaiting, OperatorState};
 use toolroom_kernel::{EventKey, SimTime, Stream};
 
 /// Jobs, machines with their queues and edges, failure clocks, sources. Cloning it takes a
@@ -19,6 +20,10 @@ pub struct World {
     pub sources: Vec<SourceState>,
     /// Orders of which several jobs are in the shop, by order.
     pub lots: Vec<Option<Lot>>,
+    /// People, as in the scenario.
+    pub operators: Vec<OperatorState>,
+    /// Steps that wait for somebody.
+    pub(super) awaiting: Vec<Awaiting>,
     /// Edges mounted so far.
     pub edges_mounted: u32,
     /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.

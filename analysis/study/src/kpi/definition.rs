@@ -2,7 +2,9 @@
 
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
-use MachineState::{Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, Working};
+use MachineState::{
+    Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingOperator, Working,
+};
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
 use toolroom_shop::runlog::MachineState;
@@ -510,6 +512,17 @@ pub(super) const MACHINE: &[MachineFigure] = &[
             "Share of all time kept for an order of which nothing is there.",
         ),
         |t, m| m.state(Starved) / t.window,
+    ),
+    (
+        define(
+            "waiting_operator_time_share",
+            "waiting for operators",
+            "1",
+            "%",
+            Neither,
+            "Share of all time with a job whose step waits for somebody.",
+        ),
+        |t, m| m.state(WaitingOperator) / t.window,
     ),
     (define("down_time_share", "down", "1", "%", Neither, "Share of all time broken down in shift."), |t, m| {
         m.state(Down) / t.window

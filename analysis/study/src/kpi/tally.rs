@@ -45,8 +45,14 @@ impl MachineTally {
 
     /// Production, setup and delay: all but idle.
     pub fn busy_time(&self) -> f64 {
-        let delay = [MachineState::ToolChange, MachineState::Dressing, MachineState::Starved, MachineState::Down]
-            .map(|state| self.state(state));
+        let delay = [
+            MachineState::ToolChange,
+            MachineState::Dressing,
+            MachineState::Starved,
+            MachineState::WaitingOperator,
+            MachineState::Down,
+        ]
+        .map(|state| self.state(state));
         self.production_time() + self.state(MachineState::Setup) + delay.iter().sum::<f64>()
     }
 

@@ -42,6 +42,8 @@ pub enum LoadKind {
     Delay,
     /// Kept for a lot of which nothing is there.
     Starved,
+    /// With a job whose step waits for somebody.
+    WaitingOperator,
     /// Broken down in shift.
     Down,
     /// Ready without work.
@@ -50,8 +52,16 @@ pub enum LoadKind {
 
 impl LoadKind {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::PlannedBusy, Self::Production, Self::Setup, Self::Delay, Self::Starved, Self::Down, Self::Free];
+    pub const ALL: [Self; 8] = [
+        Self::PlannedBusy,
+        Self::Production,
+        Self::Setup,
+        Self::Delay,
+        Self::Starved,
+        Self::WaitingOperator,
+        Self::Down,
+        Self::Free,
+    ];
 
     /// Name in files.
     pub fn name(self) -> &'static str {
@@ -61,6 +71,7 @@ impl LoadKind {
             Self::Setup => "setup",
             Self::Delay => "delay",
             Self::Starved => "starved",
+            Self::WaitingOperator => "waiting_operator",
             Self::Down => "down",
             Self::Free => "free",
         }
@@ -73,6 +84,7 @@ impl LoadKind {
             MachineState::Setup => Some(Self::Setup),
             MachineState::ToolChange | MachineState::Dressing => Some(Self::Delay),
             MachineState::Starved => Some(Self::Starved),
+            MachineState::WaitingOperator => Some(Self::WaitingOperator),
             MachineState::Down => Some(Self::Down),
             MachineState::Idle => Some(Self::Free),
             MachineState::OffShift => None,

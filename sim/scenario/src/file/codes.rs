@@ -68,6 +68,14 @@ pub const CODES: &[(&str, &str)] = &[
         "An order that is released before second 0 or after the horizon would silently be missing from the results. `start` in [shop] is the date of second 0, `horizon` the length of the run. What is already in work at the start cannot be given yet.",
     ),
     (
+        "skill-nobody",
+        "A step that needs a skill waits for somebody who has it. Skills are words of your own: those under `skills` of an [[operator]].",
+    ),
+    (
+        "missing-pair",
+        "A machine with a setup matrix takes every setup time from it, so that every setup group of its operations, and of `setup_at_start`, needs a row and a column. A machine that stands ready for nothing at the start needs the row in front.",
+    ),
+    (
         "table-cell",
         "A row of a table that the scenario names under [tables] is at fault. The message names file, line and column; the keys are those of the section in the scenario, the first line names them.",
     ),

@@ -193,6 +193,26 @@ pub enum ScenarioFault {
         /// What is wrong.
         reason: String,
     },
+    /// A skill that no operator has.
+    #[error("nobody has the skill \"{skill}\"")]
+    SkillNobody {
+        /// The skill.
+        skill: String,
+        /// The most similar one.
+        nearest: Option<String>,
+        /// All that somebody has.
+        known: String,
+    },
+    /// A setup group that a setup matrix does not have.
+    #[error("setup matrix \"{matrix}\" has no row and column for \"{group}\", which comes to machine \"{machine}\"")]
+    MissingPair {
+        /// The matrix.
+        matrix: String,
+        /// The machine that has it.
+        machine: String,
+        /// The setup group; empty for a machine that was never set up.
+        group: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -223,6 +243,8 @@ impl ContentFault for ScenarioFault {
             Self::OrderOutside { .. } => "order-beyond-horizon",
             Self::TableCell { .. } => "table-cell",
             Self::Draws { .. } => "draws",
+            Self::SkillNobody { .. } => "skill-nobody",
+            Self::MissingPair { .. } => "missing-pair",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -250,6 +272,14 @@ impl ContentFault for ScenarioFault {
             Self::OrderOutside { .. } => "lengthen `horizon`, move `start`, or take the order out".to_owned(),
             Self::TableCell { fix, .. } => return fix.clone(),
             Self::Draws { .. } => "`toolroom calibrate --data` writes such a table beside the set".to_owned(),
+            Self::SkillNobody { nearest: Some(nearest), known, .. } => {
+                format!("did you mean `{nearest}`? known: {known}")
+            }
+            Self::SkillNobody { nearest: None, .. } => "add [[operator]] with this skill".to_owned(),
+            Self::MissingPair { group, .. } if group.is_empty() => {
+                "add a row in front of the others, for a machine that was never set up".to_owned()
+            }
+            Self::MissingPair { .. } => "add the group to `groups`, and a row and a column to `times`".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"

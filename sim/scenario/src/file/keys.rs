@@ -2,9 +2,11 @@
 
 mod order;
 mod policy;
+mod resource;
 
 use order::{CALENDAR, ORDER, TABLES};
 pub use policy::SENSORS;
+use resource::{ATTENDANCE, OPERATOR, SETUP_MATRIX};
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
@@ -143,6 +145,11 @@ static MACHINE: Form = Form {
             TIME,
             "0 min",
             "Change over when the setup group changes, unless the operation gives its own",
+        ),
+        Key::optional(
+            "setup_matrix",
+            Kind::Reference("setup_matrix"),
+            "Setup times by the groups before and after; goes before those of machine and operation",
         ),
         Key::optional(
             "setup_at_start",
@@ -285,6 +292,7 @@ static OPERATION: Form = Form {
             "Fixture and program family; a change of it costs a setup; left out: the part's name",
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
+        Key::optional("operator", Kind::Table(&ATTENDANCE), "Skills that its steps need; left out: none"),
         Key::required("size_tolerance", Kind::positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
             .when("process", ProcessKind::WORDS),
         Key::optional(
@@ -475,6 +483,8 @@ pub static SCENARIO: Form = Form {
         Key::required("shop", Kind::Table(&SHOP), "The study"),
         Key::optional("calendar", Kind::Tables(&CALENDAR), "Working time"),
         Key::optional("machine", Kind::Tables(&MACHINE), "Machines"),
+        Key::optional("setup_matrix", Kind::Tables(&SETUP_MATRIX), "Setup times between setup groups"),
+        Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),

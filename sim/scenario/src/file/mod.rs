@@ -23,6 +23,7 @@ mod planned;
 mod processes;
 mod random;
 mod resolve;
+mod resources;
 mod routing;
 mod rules;
 mod speed;

@@ -4,7 +4,7 @@ use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, orders, planned, processes, routing, rules, stability, tune};
+use super::{Output, measured, orders, planned, processes, resources, routing, rules, stability, tune};
 use crate::{
     Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target, ToolType,
     TuneRequest, Variants,
@@ -18,6 +18,9 @@ use toolroom_process::Record;
 #[derive(Default)]
 pub(super) struct Names {
     pub calendars: Vec<String>,
+    pub setup_matrices: Vec<String>,
+    /// What any operator can do.
+    pub skills: Vec<String>,
     /// A name and the machines that it stands for.
     pub machines: Vec<(String, Vec<usize>)>,
     /// The name of each machine.
@@ -82,7 +85,10 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let start = shop.as_ref().and_then(|shop| start(walk, shop));
     let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
     let calendars = calendars(walk, root, &mut names, start, horizon);
+    let setup_matrices = resources::setup_matrices(walk, root, &mut names);
     let machines = machines(walk, root, &mut names);
+    let (operators, skills) = resources::operators(walk, root, &names);
+    names.skills = skills;
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
@@ -99,6 +105,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let tools: Vec<ToolType> = tools.into_iter().filter_map(|tool| tool.tool).collect();
     let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
+    resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -132,6 +139,9 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         parts,
         arrivals,
         orders,
+        skills: names.skills,
+        operators,
+        setup_matrices,
         machine_choice,
         dispatch,
         calendars,
@@ -206,6 +216,8 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
     let example = "[[machine]] with name, process, rate, load_time, unload_time";
     for (name, section) in named(walk, root, "machine", Some(example)) {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
+        let matrices = names.setup_matrices.iter().map(String::as_str);
+        let setup_matrix = reference(walk, "setup_matrix", section.got("setup_matrix"), matrices);
         let load_time = distribution(walk, &section, "load_time");
         let unload_time = distribution(walk, &section, "unload_time");
         let speed_range = speed_range(walk, &section);
@@ -231,6 +243,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 unload_time: unload_time.clone(),
                 tool_change_time: section.required("tool_change_time"),
                 setup_time: section.required("setup_time"),
+                setup_matrix,
                 setup_at_start: section.text("setup_at_start").map(str::to_owned),
                 magazine: section.count32("magazine"),
                 refill_time: section.required("refill_time"),

@@ -5,6 +5,7 @@ use super::fault::ScenarioFault;
 use super::planned::{contour, cycle};
 use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
+use super::resources::attendance;
 use crate::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
@@ -111,6 +112,7 @@ fn operations(
             tool: if plain { None } else { Some(tool.unwrap_or(0)) },
             setup_group: section.text("setup_group").unwrap_or(part_name).to_owned(),
             setup_time: section.si("setup_time"),
+            attendance: attendance(walk, &section, names),
             work,
             size_tolerance: section.si("size_tolerance").unwrap_or(f64::INFINITY),
             roughness_limit: section.si("roughness_limit").unwrap_or(f64::INFINITY),

@@ -294,6 +294,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         unload_time: Distribution::Constant(0.0),
         tool_change_time: 90.0,
         setup_time: 0.0,
+        setup_matrix: None,
         setup_at_start: None,
         magazine: 10,
         refill_time: 300.0,
