@@ -164,6 +164,16 @@ impl WearModel {
         Pair { law: with_values(&self.template, &values), ..self.base.clone() }
     }
 
+    /// Whether every value of the law lies in its range, so that parameter files and shops take it.
+    fn possible(&self, u: &[f64]) -> bool {
+        let mut pair = self.pair(u);
+        let record = pair.law.record_mut();
+        let within = |(index, field): (usize, &toolroom_process::Field)| {
+            record.value(index).is_some_and(|value| field.check(value).is_ok())
+        };
+        record.fields().iter().enumerate().all(within)
+    }
+
     /// Life in min of an edge of median level under a cut.
     pub fn life(&self, u: &[f64], cut: &Cut) -> f64 {
         self.curve(cut, &self.pair(u)).time(self.limit)
@@ -215,6 +225,9 @@ impl Model for WearModel {
     }
 
     fn ln_likelihood(&self, u: &[f64], edges: &[usize]) -> f64 {
+        if !self.possible(u) {
+            return f64::NEG_INFINITY;
+        }
         let curves = self.curves(u, edges);
         let common = self.common(u, &curves);
         edges.iter().map(|index| common.ln_density(&self.edges[*index])).sum()
