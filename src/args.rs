@@ -23,11 +23,13 @@ pub use gap::{
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
 pub use modes::{ModesArgs, SwapArgs};
-pub use planning::{ContourArgs, GrindArgs, IdentifyArgs, IdentifyBasis};
+pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use toolroom_fmu::{Entry, Platform, units};
 
 /// Constant against adaptive cutting speed in a simulated machining shop.
 #[derive(Parser, Debug)]
@@ -317,14 +319,15 @@ pub struct FmuSimArgs {
 #[derive(Args, Debug)]
 pub struct FmuExportArgs {
     /// Model
-    pub model: FmuModel,
+    #[arg(value_parser = entries())]
+    pub model: &'static Entry,
     /// Version of the standard; both, if left out, and 3 for a single file
     #[arg(long, value_name = "VERSION", value_parser = clap::value_parser!(u32).range(2..=3))]
     pub fmi: Option<u32>,
-    /// Platform to run on, repeatable; this one, if left out. Others are compiled, which needs
-    /// cargo-zigbuild and the sources
-    #[arg(long, value_name = "PLATFORM", value_enum)]
-    pub platforms: Vec<FmuPlatform>,
+    /// Platform to run on, repeatable; `host`, which is this one, if left out. Others, and `all` that can be had, are
+    /// compiled, which needs cargo-zigbuild and the sources
+    #[arg(long, value_name = "PLATFORM", value_parser = platforms())]
+    pub platforms: Vec<String>,
     /// Parameter set file to pack beside the shipped sets, repeatable
     #[arg(long, value_name = "SET")]
     pub parameters: Vec<PathBuf>,
@@ -333,27 +336,14 @@ pub struct FmuExportArgs {
     pub out: PathBuf,
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FmuModel {
-    Turning,
-    Milling,
-    Infeed,
+fn entries() -> impl TypedValueParser<Value = &'static Entry> {
+    let named = |name: String| units().find(|entry| entry.name == name).ok_or("no such model");
+    PossibleValuesParser::new(units().map(|entry| entry.name)).try_map(named)
 }
 
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FmuPlatform {
-    /// This machine
-    Host,
-    /// Every platform that can be compiled for here
-    All,
-    #[value(name = "x86_64-linux")]
-    X86Linux,
-    #[value(name = "aarch64-linux")]
-    ArmLinux,
-    #[value(name = "x86_64-windows")]
-    X86Windows,
-    #[value(name = "darwin")]
-    UniversalMac,
+/// This machine, every platform that can be compiled for here, and each by its name.
+fn platforms() -> PossibleValuesParser {
+    PossibleValuesParser::new(["host", "all"].into_iter().chain(Platform::ALL.iter().map(|platform| platform.name())))
 }
 
 #[derive(Args, Debug)]

@@ -1,6 +1,6 @@
 //! `toolroom identify DATA`: lag and stiffnesses from plunge trials.
 
-use crate::args::{IdentifyArgs, IdentifyBasis};
+use crate::args::IdentifyArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
@@ -8,7 +8,7 @@ use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_infeed::{Basis, IdentifyOptions};
+use toolroom_infeed::IdentifyOptions;
 use toolroom_planning::identification::{IdentificationStudy, NAMES, Table, TrialsError, measurement_errors};
 use toolroom_shards::fingerprint;
 
@@ -44,7 +44,7 @@ fn origin(args: &IdentifyArgs, inputs: &[Table]) -> Provenance {
     if let Some(force) = &args.forces {
         arguments.extend(["--forces".to_owned(), force.display().to_string()]);
     }
-    arguments.extend(["--basis".to_owned(), args.basis.name().to_owned()]);
+    arguments.extend(["--basis".to_owned(), args.basis.word().to_owned()]);
     arguments.extend(args.error.iter().flat_map(|change| ["--error".to_owned(), change.clone()]));
     let trials = [(inputs[0].name.clone(), inputs[0].bytes.as_slice())];
     let mut provenance = provenance("identify", &trials, arguments, Some(args.seed));
@@ -70,14 +70,9 @@ fn refused(error: TrialsError) -> Failure {
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
-    let basis = match args.basis {
-        IdentifyBasis::Both => Basis::Both,
-        IdentifyBasis::Stock => Basis::Stock,
-        IdentifyBasis::Force => Basis::Force,
-    };
     let errors = measurement_errors(&args.error)
         .map_err(|error| Failure::argument(format_args!("--error: {error}"), error.fix()))?;
-    Ok(IdentifyOptions { basis, resamples: args.resamples, seed: args.seed, errors })
+    Ok(IdentifyOptions { basis: args.basis, resamples: args.resamples as usize, seed: args.seed, errors })
 }
 
 fn read(path: &Path) -> Result<Table, Failure> {

@@ -5,25 +5,20 @@ mod study;
 
 use crate::args::{LifeArgs, Statistics};
 use crate::failure::Failure;
-use crate::shard as shards;
+use crate::shard;
 use crate::speak::Voice;
 use toolroom_life::analysis::Request;
 use toolroom_life::replacement::Costs;
 
-pub use study::{merge, shard};
+pub use study::{merge, shard as run_shard};
 
 pub fn run(args: &LifeArgs, voice: &Voice) -> Result<(), Failure> {
     match (&args.fit, &args.file) {
         (Some(csv), _) => fit::run(args, csv, voice),
         (None, Some(file)) => study::run(args, file, voice),
         (None, None) => {
-            let (Some(plan), Some(number), Some(out)) = (&args.shards.run, args.shards.shard, &args.out) else {
-                return Err(Failure::argument(
-                    "--run needs --shard and --out",
-                    "write --run plan.json --shard 0 --out parts",
-                ));
-            };
-            shards::perform(plan, number, out, args.shards.threads, voice)
+            let shards = &args.shards;
+            shard::of_plan(shards.run.as_deref(), shards.shard, args.out.as_deref(), shards.threads, voice)
         }
     }
 }

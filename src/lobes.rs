@@ -5,7 +5,7 @@ mod shards;
 use crate::args::LobesArgs;
 use crate::failure::Failure;
 use crate::output::{OutputDir, provenance};
-use crate::shard::{perform, pool};
+use crate::shard::{of_plan, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
@@ -28,13 +28,7 @@ struct Origin<'a> {
 
 pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let Some(path) = &args.file else {
-        let (Some(plan), Some(number), Some(out)) = (&args.run, args.shard, &args.out) else {
-            return Err(Failure::argument(
-                "--run needs --shard and --out",
-                "write --run plan.json --shard 0 --out parts",
-            ));
-        };
-        return perform(plan, number, out, args.threads, voice);
+        return of_plan(args.run.as_deref(), args.shard, args.out.as_deref(), args.threads, voice);
     };
     let file = read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {

@@ -15,8 +15,23 @@ pub fn run(args: &ShardArgs, voice: &Voice) -> Result<(), Failure> {
     perform(&args.plan, args.shard, &args.out, args.threads, voice)
 }
 
+/// The shard that `--run`, `--shard` and `--out` of a verb name.
+pub fn of_plan(
+    plan: Option<&Path>,
+    number: Option<u64>,
+    out: Option<&Path>,
+    threads: usize,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let (Some(plan), Some(number), Some(out)) = (plan, number, out) else {
+        let help = "write --run plan.json --shard 0 --out parts";
+        return Err(Failure::argument("--run needs --shard and --out", help));
+    };
+    perform(plan, number, out, threads, voice)
+}
+
 /// Runs a shard and leaves the plan beside its part.
-pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
+fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) -> Result<(), Failure> {
     let plan = read_plan(path).map_err(refused)?;
     plan.check(env!("CARGO_PKG_VERSION")).map_err(refused)?;
     fs::create_dir_all(out).map_err(|source| Failure::Unwritable { path: out.to_owned(), source })?;
@@ -38,7 +53,7 @@ pub fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voi
     threads.install(|| match plan.kind {
         Work::Compare => Ok(planned::shard(&plan, number, out)?),
         Work::Lobes => lobes::shard(&plan, number, out),
-        Work::Life => life::shard(&plan, number, out),
+        Work::Life => life::run_shard(&plan, number, out),
     })?;
     voice.say(format_args!("shard {number} of {} is in {}", plan.shards, out.display()));
     Ok(())

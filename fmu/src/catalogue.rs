@@ -12,6 +12,7 @@ use toolroom_cutting::{Milling, Turning};
 use toolroom_infeed::InfeedProfile;
 
 /// One unit that can be instantiated and described.
+#[derive(Debug)]
 pub struct Entry {
     /// Name on the command line.
     pub name: &'static str,

@@ -46,6 +46,7 @@
 //! a step), binary variables, source code units. Logging is the importer's. A unit has no access
 //! to network, files (but its own resources) or threads.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 #![deny(unsafe_code)]
 
 mod abi;

@@ -1,7 +1,9 @@
 //! Arguments of `identify`, `grind` and `contour`.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
+use toolroom_infeed::Basis;
 
 #[derive(Args, Debug)]
 pub struct IdentifyArgs {
@@ -10,15 +12,15 @@ pub struct IdentifyArgs {
     /// Table of recorded forces (CSV): trial_id, revolution or time [s], normal_force [N]
     #[arg(long, value_name = "CSV")]
     pub forces: Option<PathBuf>,
-    /// What the lag is taken from
-    #[arg(long, value_enum, default_value_t = IdentifyBasis::Both)]
-    pub basis: IdentifyBasis,
+    /// What the lag is taken from: stock and force weighted by their errors, stock alone, or rise and decay of the force
+    #[arg(long, value_parser = basis(), default_value = "both")]
+    pub basis: Basis,
     /// Standard deviation of a measurement (stock, infeed_per_rev, revolutions, force), repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub error: Vec<String>,
     /// Bootstrap resamples of more than six trials; fewer trials are enumerated
-    #[arg(long, default_value_t = 10_000, value_parser = resamples)]
-    pub resamples: usize,
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(..=10_000_000))]
+    pub resamples: u32,
     /// Seed of the resampling
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -27,32 +29,8 @@ pub struct IdentifyArgs {
     pub out: Option<PathBuf>,
 }
 
-/// A number of resamples that fits into memory.
-fn resamples(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if count <= 10_000_000 => Ok(count),
-        _ => Err("a whole number up to 10 000 000 is due".to_owned()),
-    }
-}
-
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-pub enum IdentifyBasis {
-    /// Stock and force, weighted by their errors
-    Both,
-    /// Stock alone
-    Stock,
-    /// Rise and decay of the force alone
-    Force,
-}
-
-impl IdentifyBasis {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Both => "both",
-            Self::Stock => "stock",
-            Self::Force => "force",
-        }
-    }
+fn basis() -> impl TypedValueParser<Value = Basis> {
+    PossibleValuesParser::new(Basis::WORDS).try_map(|word| Basis::from_word(&word).ok_or("no such basis"))
 }
 
 #[derive(Args, Debug)]

@@ -1,17 +1,15 @@
 //! `toolroom fmu export MODEL`.
 
-use crate::args::{FmuExportArgs, FmuModel, FmuPlatform};
+use crate::args::FmuExportArgs;
 use crate::failure::Failure;
 use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{
-    Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package, units,
-};
+use toolroom_fmu::{Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package};
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
-    let unit = unit(args.model)?;
+    let unit = args.model;
     let versions: &[Version] = match args.fmi {
         // A file holds one version: the newer one, which the last line says.
         None if is_file(&args.out) => &[Version::Three],
@@ -92,25 +90,16 @@ fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> 
     versions.iter().map(|version| (*version, place(version))).collect()
 }
 
-fn unit(model: FmuModel) -> Result<&'static Entry, Failure> {
-    let name = match model {
-        FmuModel::Turning => "turning",
-        FmuModel::Milling => "milling",
-        FmuModel::Infeed => "infeed",
-    };
-    units().find(|unit| unit.name == name).ok_or_else(|| Failure::Work { message: format!("there is no unit {name}") })
-}
-
 /// Libraries of the wanted platforms, each once and in a fixed order.
-fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failure> {
+fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
     let host = Platform::host();
-    let named = |platform: &FmuPlatform| match platform {
-        FmuPlatform::Host => host.into_iter().collect(),
-        FmuPlatform::All => Platform::ALL.to_vec(),
-        FmuPlatform::X86Linux => vec![Platform::X86Linux],
-        FmuPlatform::ArmLinux => vec![Platform::ArmLinux],
-        FmuPlatform::X86Windows => vec![Platform::X86Windows],
-        FmuPlatform::UniversalMac => vec![Platform::UniversalMac],
+    let named = |word: &String| -> Vec<Platform> {
+        let is_wanted = |platform: &Platform| match word.as_str() {
+            "host" => Some(*platform) == host,
+            "all" => true,
+            name => platform.name() == name,
+        };
+        Platform::ALL.into_iter().filter(is_wanted).collect()
     };
     let mut platforms: Vec<Platform> = wanted.iter().flat_map(named).collect();
     if wanted.is_empty() {
@@ -118,7 +107,7 @@ fn binaries(wanted: &[FmuPlatform], voice: &Voice) -> Result<Vec<Binary>, Failur
     }
     platforms.sort_unstable();
     platforms.dedup();
-    let every = wanted.contains(&FmuPlatform::All);
+    let every = wanted.iter().any(|word| word == "all");
     let cross = Compiler::find();
     let began = |target: &str| voice.say(format_args!("compiling for {target} …"));
     let mut binaries = Vec::new();

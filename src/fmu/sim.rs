@@ -11,7 +11,7 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, simulate};
+use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, named_values, simulate};
 use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
@@ -39,7 +39,8 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
         start: None,
         stop: seconds("--stop", args.stop.as_deref())?,
         step: seconds("--step", args.step.as_deref())?,
-        start_values: start_values(&args.start)?,
+        start_values: named_values(&args.start)
+            .map_err(|error| Failure::argument(error, "such as --start tool.set=ni_vk6om"))?,
     };
     let inputs = args.input.as_deref().map(|path| inputs(&unit, &experiment.start_values, path)).transpose()?;
     let left_out = left_out(unit.description(), &experiment.start_values);
@@ -124,18 +125,4 @@ fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
         quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
     };
     text.map(read).transpose()
-}
-
-fn start_values(pairs: &[String]) -> Result<BTreeMap<String, String>, Failure> {
-    let mut values = BTreeMap::new();
-    for pair in pairs {
-        let Some((name, value)) = pair.split_once('=') else {
-            return Err(Failure::argument(
-                format_args!("`{pair}` is not of the form name=value"),
-                "such as --start tool.set=ni_vk6om",
-            ));
-        };
-        values.insert(name.to_owned(), value.to_owned());
-    }
-    Ok(values)
 }

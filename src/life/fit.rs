@@ -6,7 +6,6 @@ use crate::failure::Failure;
 use crate::output::OutputDir;
 use crate::speak::Voice;
 use crate::study::default_out;
-use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
@@ -31,22 +30,18 @@ pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {
     });
     let out = OutputDir::create(&target, &["summary.json", "report.html"], [csv], voice.force)?;
     let study = MeasuredStudy::new(&measured, &args.regress, &request).map_err(refused)?;
-    let inputs = vec![(file.clone(), fingerprint(&bytes))];
-    let command = std::env::args().collect::<Vec<_>>().join(" ");
     let provenance = Provenance {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: command.clone(),
+        command: std::env::args().collect::<Vec<_>>().join(" "),
         seed: Some(request.seed),
-        inputs,
+        inputs: vec![(file.clone(), fingerprint(&bytes))],
     };
     let summary = study.summary(&file);
-    let report = study.report(&file).provenance(provenance);
+    let report = study.report(&file).provenance(provenance.clone());
     let wall = start.elapsed();
-    let run = json!({ "schema": 1, "version": env!("CARGO_PKG_VERSION"), "command": command,
-        "inputs": [{ "name": file, "hash": fingerprint(&bytes) }], "complete": true, "wall_time [s]": wall.as_secs_f64() });
     out.put_json("summary.json", &summary)?;
     out.put("report.html", &report.html())?;
-    out.put_json("run.json", &run)?;
+    out.record(&provenance, wall)?;
     let target = out.publish()?;
     if voice.json {
         voice.json(&summary)?;

@@ -31,6 +31,8 @@
 //! - The tool body's temperature follows at once, as in lives by quadrature.
 //! - An edge's level acts on the whole rate; it is not split into a mechanical and a thermal part.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod calibration;
 mod choice;
 mod curve;

@@ -163,7 +163,7 @@ pub(crate) fn label_references(canvas: &mut Canvas, frame: &Frame, layers: &[Lay
     let line = |l: &Layer| match l {
         Layer::Horizontal { value, .. } => frame.y.at(*value).map(|y| Area::new(a.left, y, a.right, y)),
         Layer::Vertical { value, .. } => frame.x.at(*value).map(|x| Area::new(x, a.top, x, a.bottom)),
-        _ => None,
+        Layer::Points { .. } | Layer::Band { .. } | Layer::Columns { .. } => None,
     };
     let lines: Vec<Area> = layers.iter().filter_map(line).collect();
     let mut labels: Vec<Area> = Vec::new();

@@ -11,6 +11,8 @@
 //! is set into a [report](crate::page). It holds no identifiers, scripts or links, so any number of
 //! charts can share one page.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod axis;
 mod bars;
 mod files;

@@ -9,6 +9,8 @@
 //! Nothing here knows a model or a channel: what is asked of a [`Gram`] is how well some of its columns explain the last
 //! one, in all groups and in those that were left out.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod amplitude;
 mod evidence;
 mod gram;

@@ -27,6 +27,8 @@
 //! Intervals that depend on each other, failure modes that share a clock, calendars within which a rate
 //! changes.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 pub mod arrivals;
 pub mod count;
 mod fact;

@@ -18,6 +18,8 @@
 //! not do. The greatest of standardised statistics: Westfall & Young 1993, with differences from the
 //! median over the upper spread in place of ranks, which tie. Anderson & Darling 1954.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod design;
 mod judged;
 mod statistics;

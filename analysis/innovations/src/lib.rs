@@ -13,6 +13,8 @@
 //! Kalman 1960; innovations as whitening: Kailath 1968. Sequential processing of readings with independent errors:
 //! Durbin & Koopman, Time Series Analysis by State Space Methods, 2nd ed., section 6.4.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 

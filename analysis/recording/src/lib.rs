@@ -5,6 +5,8 @@
 //! cycle and stop times belong to operations and are written where an operation has one pass. A row
 //! of `trials` is one part.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod cutting;
 mod events;
 mod grinding;

@@ -86,7 +86,15 @@ impl Visits {
                     visit.stops += 1;
                     visit.stop_time += state.end - state.start;
                 }
-                _ => {}
+                MachineState::Cutting
+                | MachineState::Working
+                | MachineState::Setup
+                | MachineState::ToolChange
+                | MachineState::Dressing
+                | MachineState::Idle
+                | MachineState::Starved
+                | MachineState::WaitingOperator
+                | MachineState::OffShift => {}
             }
         }
         visits

@@ -17,6 +17,8 @@
 //! | [`mtconnect`] | logs of machines that speak MTConnect, as records |
 //! | [`mod@import`] | tables of others, by a mapping |
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod columns;
 mod csv_table;
 pub mod import;

@@ -266,7 +266,13 @@ fn rows(table: &RawTable, used: &[Used], kind: RecordKind, report: &mut ReadRepo
     // Ids may start anew with each edge: a record is the same only on the same edge.
     let identity: Vec<usize> = match kind {
         RecordKind::Shop => Vec::new(),
-        _ => used.iter().filter(|each| IDENTITY.contains(&each.name.as_str())).map(|each| each.at).collect(),
+        RecordKind::Turning
+        | RecordKind::Milling
+        | RecordKind::Grinding
+        | RecordKind::Program
+        | RecordKind::Empirical => {
+            used.iter().filter(|each| IDENTITY.contains(&each.name.as_str())).map(|each| each.at).collect()
+        }
     };
     let mut beyond: BTreeMap<usize, (Vec<usize>, usize, String)> = BTreeMap::new();
     'rows: for (at, (line, cells)) in table.rows.iter().enumerate() {
@@ -347,7 +353,9 @@ fn ordered(records: Records, report: &mut ReadReport) -> Records {
     let groups: &[&str] = match records.kind {
         RecordKind::Grinding if records.texts(group).is_none() => return records,
         RecordKind::Grinding => &["machine", "wheel_id", "dressing_cycle"],
-        _ => &[group],
+        RecordKind::Turning | RecordKind::Milling | RecordKind::Shop | RecordKind::Program | RecordKind::Empirical => {
+            &[group]
+        }
     };
     let Some(sequence) = records.numbers(order) else { return records };
     let mut rows: Vec<usize> = (0..records.len()).collect();

@@ -8,6 +8,8 @@
 //! A part is written under another name and renamed when it is whole, its sidecar last: what has
 //! a sidecar is complete. Running a shard again changes nothing.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod fingerprint;
 
 pub use fingerprint::{FNV_OFFSET, fingerprint, fnv};

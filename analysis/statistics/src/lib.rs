@@ -3,6 +3,8 @@
 //! A value that is not defined in a replication (a cost per part without parts) is NaN there and
 //! leaves the sample; [`Interval::count`] says how many values are left.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 
 /// Confidence of every interval that the product reports.

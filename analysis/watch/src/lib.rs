@@ -22,6 +22,8 @@
 //! # Not modelled
 //! Trends within the null (wear that nobody resets), seasons, streams that share one cause: each is watched by itself.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod blocks;
 mod change;
 mod conformal;

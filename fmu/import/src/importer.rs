@@ -66,7 +66,11 @@ fn fix(error: &LoadError) -> Option<String> {
         LoadError::Platform { .. } => {
             Some("get the unit with a library for this computer; its exporter names the platforms".to_owned())
         }
-        _ => None,
+        LoadError::Archive(_)
+        | LoadError::Description { .. }
+        | LoadError::Interface { .. }
+        | LoadError::Symbols { .. }
+        | LoadError::Library { .. } => None,
     }
 }
 

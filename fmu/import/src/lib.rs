@@ -33,6 +33,8 @@
 //! FMI 1.0, Scheduled Execution, clocks, binary variables, arrays as ports of a machine, stiff equations
 //! of Model Exchange (the integrator is explicit), source-code units, layered standards.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 pub mod archive;
 pub mod check;
 pub mod description;

@@ -277,6 +277,18 @@ fn outputs<'a>(description: &'a ModelDescription, start: &BTreeMap<String, Strin
     description.variables.iter().filter(wanted).filter_map(output).collect()
 }
 
+/// Start values by name from texts of the form `name=value`.
+///
+/// # Errors
+/// Which text is not of that form.
+pub fn named_values(texts: &[String]) -> Result<BTreeMap<String, String>, String> {
+    let named = |text: &String| {
+        let (name, value) = text.split_once('=').ok_or_else(|| format!("`{text}` is not of the form name=value"))?;
+        Ok((name.to_owned(), value.to_owned()))
+    };
+    texts.iter().map(named).collect()
+}
+
 /// Names of the outputs of `description` that [`simulate`] leaves out: binary ones, clocks, and arrays whose size cannot
 /// be known.
 pub fn left_out(description: &ModelDescription, start: &BTreeMap<String, String>) -> Vec<String> {

@@ -155,7 +155,7 @@ pub(super) fn value(variable: &Variable) -> Vec<(&'static str, String)> {
     let text = |value: f64| match variable.value_type {
         ValueType::Real => number(value),
         ValueType::Boolean => (value > 0.5).to_string(),
-        _ => format!("{value:.0}"),
+        ValueType::Integer | ValueType::String => format!("{value:.0}"),
     };
     if variable.value_type != ValueType::Boolean {
         attributes.extend((field.min != f64::MIN).then(|| ("min", text(field.min))));

@@ -63,7 +63,19 @@ impl<U: Unit> Instance<U> {
             Slot::State(i) if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, i) => {
                 self.states().get(i).copied()
             }
-            _ => None,
+            Slot::Time
+            | Slot::Input(_)
+            | Slot::State(_)
+            | Slot::Derivative(_)
+            | Slot::Output(_)
+            | Slot::Parameter(_)
+            | Slot::Indicator(_)
+            | Slot::Event(_)
+            | Slot::Renewal(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed
+            | Slot::Set => None,
         }
     }
 
@@ -133,7 +145,19 @@ impl<U: Unit> Instance<U> {
                     Set::Now
                 }
             }
-            _ => Set::Never,
+            Slot::Time
+            | Slot::Input(_)
+            | Slot::State(_)
+            | Slot::Derivative(_)
+            | Slot::Output(_)
+            | Slot::Parameter(_)
+            | Slot::Indicator(_)
+            | Slot::Event(_)
+            | Slot::Renewal(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed
+            | Slot::Set => Set::Never,
         }
     }
 
@@ -147,7 +171,16 @@ impl<U: Unit> Instance<U> {
             Slot::Input(i) => U::Input::FIELDS[i].check(value),
             Slot::State(i) => U::State::FIELDS[i].check(value),
             Slot::Parameter(i) => self.parameters[i].1.check(value),
-            _ => Ok(()),
+            Slot::Time
+            | Slot::Derivative(_)
+            | Slot::Output(_)
+            | Slot::Indicator(_)
+            | Slot::Event(_)
+            | Slot::Renewal(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed
+            | Slot::Set => Ok(()),
         };
         range.map_err(|source| Fault::Value { variable: self.name_of(slot), source }.into())
     }
@@ -207,7 +240,15 @@ impl<U: Unit> Instance<U> {
             Slot::State(i) => self.core.state.get(self.state_offsets[i] + element),
             Slot::Parameter(i) => self.core.model.values.get(i).copied(),
             Slot::Renewal(i) => Some(f64::from(self.core.discrete.renewals[i])),
-            _ => None,
+            Slot::Time
+            | Slot::Derivative(_)
+            | Slot::Output(_)
+            | Slot::Indicator(_)
+            | Slot::Event(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed
+            | Slot::Set => None,
         }
     }
 

@@ -92,7 +92,14 @@ impl<U: Unit> Instance<U> {
             Slot::Input(i) => of(U::Input::FIELDS, i),
             Slot::Output(i) => of(U::Output::FIELDS, i),
             Slot::Indicator(i) => (i < U::EVENTS.len()).then_some(1),
-            _ => None,
+            Slot::Time
+            | Slot::Parameter(_)
+            | Slot::Event(_)
+            | Slot::Renewal(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed
+            | Slot::Set => None,
         }
     }
 

@@ -100,7 +100,18 @@ fn table(text: &mut String, title: &str, description: &Description, roles: &[Rol
             Slot::Set => description.sets[0].0.to_owned(),
             _ if !variable.has_start() => String::new(),
             _ if variable.value_type == ValueType::Boolean => (field.start > 0.5).to_string(),
-            _ => shown(field.start),
+            Slot::Time
+            | Slot::Input(_)
+            | Slot::State(_)
+            | Slot::Derivative(_)
+            | Slot::Output(_)
+            | Slot::Parameter(_)
+            | Slot::Indicator(_)
+            | Slot::Event(_)
+            | Slot::Renewal(_)
+            | Slot::Count(_)
+            | Slot::Lost
+            | Slot::CommandedSpeed => shown(field.start),
         };
         let _ = writeln!(
             text,
@@ -138,7 +149,7 @@ fn prose(text: &str) -> String {
 fn variable_range(variable: &Variable) -> String {
     match variable.value_type {
         ValueType::Boolean => "true, false".to_owned(),
-        _ => String::new(),
+        ValueType::Real | ValueType::Integer | ValueType::String => String::new(),
     }
 }
 

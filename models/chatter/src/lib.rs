@@ -77,6 +77,8 @@
 //! * Amplitudes of milling chatter from the table: it is filled by turning, where the chip is
 //!   always there; use [`Milling::simulate`].
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod amplitude;
 mod boundary;
 mod claims;

@@ -37,7 +37,7 @@ impl Contour {
     pub fn smallest_concave_radius(&self) -> f64 {
         let radius = |section: &Section| match self.shape(section) {
             Shape::Concave(radius) => radius,
-            _ => f64::INFINITY,
+            Shape::Straight | Shape::Convex(_) => f64::INFINITY,
         };
         self.sections.iter().map(radius).fold(f64::INFINITY, f64::min)
     }

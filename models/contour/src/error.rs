@@ -212,7 +212,24 @@ impl ContourError {
             | Self::EmptyFeasibleSet { section, .. }
             | Self::NoRamp { section }
             | Self::EdgeTooShort { section } => Some(*section),
-            _ => None,
+            Self::Empty
+            | Self::Division { .. }
+            | Self::Open { .. }
+            | Self::Model(_)
+            | Self::NoSpindleSpeed
+            | Self::NoCommonSetting { .. }
+            | Self::NoHandbookRegime { .. }
+            | Self::SettingCount { .. }
+            | Self::Set(_)
+            | Self::Syntax { .. }
+            | Self::SectionForm { .. }
+            | Self::UnknownPass { .. }
+            | Self::NoPass
+            | Self::GcodeUnsupported { .. }
+            | Self::GcodeTwoMotions
+            | Self::GcodeArc
+            | Self::GcodeVariable { .. }
+            | Self::GcodeSide => None,
         }
     }
 }

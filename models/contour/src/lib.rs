@@ -47,6 +47,8 @@
 //! and the change from the last spindle speed back to the first take no time. The direction of
 //! the feed forces moves the cutter along the wall only. Friction, backlash and jerk of the drives.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod baseline;
 mod claims;
 mod constraint;

@@ -87,7 +87,7 @@ impl PathError {
     pub fn sign(&self, wall_curvature: f64) -> f64 {
         match self {
             Self::Servo { .. } if wall_curvature > 0.0 => -1.0,
-            _ => 1.0,
+            Self::Servo { .. } | Self::Empirical | Self::ExplicitEuler { .. } | Self::Off => 1.0,
         }
     }
 }

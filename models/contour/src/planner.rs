@@ -511,7 +511,7 @@ impl<'a> Planner<'a> {
         match self.models.path_error {
             PathError::ExplicitEuler { step } => warnings.push(Warning::ExplicitEuler { step }),
             PathError::Empirical => warnings.push(Warning::EmpiricalPathError),
-            _ => {}
+            PathError::Servo { .. } | PathError::Off => {}
         }
         let ratio = self.parameters.cutter.radius() / self.contour.smallest_concave_radius();
         if ratio > 0.75 || (ratio > 0.0 && ratio < 0.70) {

@@ -41,6 +41,8 @@
 //! the limit cycle of turning with a tooth period for a revolution. The forced vibration of turning
 //! is quasi-static.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 pub mod milling;
 pub mod turning;
 mod vibration;

@@ -97,8 +97,8 @@ const PAIRS: [&str; 3] = ["xx", "xy", "yy"];
 ///
 /// Columns of poles that are stable over the order of a common denominator are the first modes. All are refined to the
 /// greatest likelihood; a mode whose residue differs from zero by less than six standard deviations goes, and further stable
-/// poles join where they explain most of what is left, as long as they stand out as much. Variances are those of Bendat and Piersol, `|H|² (1 − γ²)/(2 n γ²)` for real and imaginary part,
-/// with the fitted modulus.
+/// poles join where they explain most of what is left, as long as they stand out as much. Variances are those of Bendat and
+/// Piersol, `|H|² (1 − γ²)/(2 n γ²)` for real and imaginary part, with the fitted modulus.
 ///
 /// # Errors
 /// [`DynamicsError::TooFewLines`], [`DynamicsError::NoDirect`] and [`DynamicsError::NoModes`]; a fit that should not be used

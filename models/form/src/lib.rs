@@ -24,6 +24,8 @@
 //! # What is not modelled
 //! Files of other formats; JSON is read by `serde_json`, tables by the rooms that own them.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod codes;
 mod error;
 mod fault;

@@ -62,6 +62,8 @@
 //! finish limit of a cycle is its last depth. In the design of a cycle: dulling within the part, and
 //! work rotation that changes between phases.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod claims;
 mod cycle;
 mod first_order;

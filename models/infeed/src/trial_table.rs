@@ -76,14 +76,14 @@ pub fn read_trials(file: &str, bytes: &[u8]) -> Result<TrialTable, TableError> {
 fn number_at(row: &Row, at: usize) -> Option<f64> {
     match row.cells[at] {
         Cell::Number(value) => Some(value),
-        _ => None,
+        Cell::Missing | Cell::Text(_) => None,
     }
 }
 
 fn text_at(row: &Row, at: usize) -> Option<String> {
     match &row.cells[at] {
         Cell::Text(text) => Some(text.clone()),
-        _ => None,
+        Cell::Missing | Cell::Number(_) => None,
     }
 }
 

@@ -7,6 +7,8 @@
 //! | [`gamma_quantile`] | the same for the gamma distribution |
 //! | [`beta_quantile`] | the same for the beta distribution |
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod inverse;
 mod quantile;
 

@@ -40,6 +40,8 @@
 //! Nothing is: this crate holds no physics. Stiff systems are refused by [`ode::integrate`]
 //! rather than solved slowly.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod claim;
 pub mod contract;
 mod error;

@@ -80,7 +80,7 @@ impl UnitError {
     pub fn at(&self) -> usize {
         match self {
             Self::UnknownUnit { at, .. } | Self::WrongDimension { at, .. } => *at,
-            _ => 0,
+            Self::NotANumber { .. } | Self::DecimalComma { .. } | Self::MissingUnit { .. } => 0,
         }
     }
 }

@@ -33,7 +33,7 @@ impl Pair {
     pub fn calibrated(&self, cut: &Cut, flank_wear: f64, target: WearTarget) -> Self {
         let law = match self.law {
             WearLaw::EnergyBalance(law) => law,
-            _ => EnergyBalance::default(),
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => EnergyBalance::default(),
         };
         let contact = self.contact(cut);
         let theta = contact.steady_temperature(flank_wear);

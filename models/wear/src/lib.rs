@@ -57,6 +57,8 @@
 //!   the tool is colder at the start of a pass.
 //! - The observer knows neither thermal damage nor errors of the land's stresses.
 
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
 mod calibrate;
 mod chipping;
 mod claims;

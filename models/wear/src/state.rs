@@ -125,7 +125,10 @@ impl<N: Number> Contact<'_, N> {
                 self.cut().engaged * rate * law.activation(temperature) * (-damage + 1.0)
                     - damage * wear_rate / law.damage_wear_depth
             }
-            _ => N::from(0.0),
+            crate::WearLaw::EnergyBalance(_)
+            | crate::WearLaw::ExtendedTaylor(_)
+            | crate::WearLaw::TakeyamaMurata(_)
+            | crate::WearLaw::Usui(_) => N::from(0.0),
         }
     }
 

@@ -198,7 +198,9 @@ fn complete(
     for (row, (_, samples)) in operations.iter().enumerate() {
         let lacking = required.iter().find(|column| match column.kind {
             ColumnKind::Text => records.texts(column.name).is_some_and(|texts| texts[row].is_empty()),
-            _ => records.numbers(column.name).is_some_and(|numbers| !numbers[row].is_finite()),
+            ColumnKind::Condition | ColumnKind::Channel => {
+                records.numbers(column.name).is_some_and(|numbers| !numbers[row].is_finite())
+            }
         });
         match lacking {
             Some(column) => report.dropped.push((source.lines[samples[0]], format!("{} is missing", column.name))),

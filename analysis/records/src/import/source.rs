@@ -43,7 +43,7 @@ impl Source {
             .iter()
             .filter_map(|mapped| match &mapped.origin {
                 Origin::Column { from, .. } => position(table, from),
-                _ => None,
+                Origin::Number(_) | Origin::Text(_) => None,
             })
             .collect();
         let unused = table.header.iter().enumerate().filter(|(at, title)| !used.contains(at) && !title.is_empty());

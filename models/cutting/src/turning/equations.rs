@@ -166,7 +166,7 @@ impl<N: Number> Turning<N> {
     pub(crate) fn cut(&self, u: &TurningInput<N>, terms: &Terms<N>) -> Cut<N> {
         let own_damage_rate = match &self.pair.law {
             WearLaw::EnergyBalance(law) => law.damage_rate,
-            _ => N::from(0.0),
+            WearLaw::ExtendedTaylor(_) | WearLaw::TakeyamaMurata(_) | WearLaw::Usui(_) => N::from(0.0),
         };
         Cut {
             cutting_speed: u.cutting_speed,

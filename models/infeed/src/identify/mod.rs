@@ -15,16 +15,18 @@ pub use stock::{Pooled, lag_from_stock};
 use crate::{Trial, TrialFault, stiffness_from_k};
 use toolroom_process::record;
 
-/// What the lag is taken from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Basis {
-    /// Stock and recorded force, whatever a trial has; both are weighted by their errors.
-    #[default]
-    Both,
-    /// Stock alone.
-    Stock,
-    /// Rise and spark-out of the force alone.
-    Force,
+toolroom_form::vocabulary! {
+    /// What the lag is taken from.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Basis {
+        /// Stock and recorded force, whatever a trial has; both are weighted by their errors.
+        #[default]
+        Both = "both",
+        /// Stock alone.
+        Stock = "stock",
+        /// Rise and spark-out of the force alone.
+        Force = "force",
+    }
 }
 
 record! {
@@ -267,11 +269,11 @@ fn trial_lag(trial: &Trial, options: &IdentifyOptions) -> Result<TrialLag, Vec<T
     }
     let from_stock = match options.basis {
         Basis::Force => None,
-        _ => stock::estimate(trial, &options.errors),
+        Basis::Both | Basis::Stock => stock::estimate(trial, &options.errors),
     };
     let from_force = match options.basis {
         Basis::Stock => None,
-        _ => force::estimate(trial, &options.errors),
+        Basis::Both | Basis::Force => force::estimate(trial, &options.errors),
     };
     let lag = match (from_stock, from_force) {
         (Some(stock), Some(force)) => weighted(stock, force),

@@ -192,15 +192,13 @@ impl ParameterSet {
             let path = folder.join(reference);
             return read::file(&path, &[], &[catalogue], chain).map_err(|error| {
                 let message = error.to_string();
-                match error {
-                    ReadError::Unreadable { .. } => {
-                        let file = path.file_name().and_then(|name| name.to_str()).unwrap_or(reference);
-                        let files = neighbours(path.parent().unwrap_or(folder), file);
-                        let there = if files.is_empty() { "no TOML files".to_owned() } else { files.join(", ") };
-                        SetError::File(format!("{message}; its folder has {there}"))
-                    }
-                    _ => SetError::File(message),
+                if !matches!(error, ReadError::Unreadable { .. }) {
+                    return SetError::File(message);
                 }
+                let file = path.file_name().and_then(|name| name.to_str()).unwrap_or(reference);
+                let files = neighbours(path.parent().unwrap_or(folder), file);
+                let there = if files.is_empty() { "no TOML files".to_owned() } else { files.join(", ") };
+                SetError::File(format!("{message}; its folder has {there}"))
             });
         }
         let names = || catalogue.sets.iter().map(|(name, _)| *name);

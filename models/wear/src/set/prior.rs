@@ -42,11 +42,19 @@ pub(super) fn priors(walk: &mut Walk, root: &Section<'_>, catalogue: &'static Ca
         let number = |value: &DeValue<'_>| match value {
             DeValue::Float(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
             DeValue::Integer(number) => number.as_str().replace('_', "").parse::<f64>().ok(),
-            _ => None,
+            DeValue::String(_) | DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => {
+                None
+            }
         };
         let one = match entry.get_ref() {
             DeValue::Table(table) if table.len() == 1 => table.iter().next(),
-            _ => None,
+            DeValue::String(_)
+            | DeValue::Integer(_)
+            | DeValue::Float(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_)
+            | DeValue::Array(_)
+            | DeValue::Table(_) => None,
         };
         let spread = one.map(|(word, value)| (word.get_ref().to_string(), number(value.get_ref())));
         match spread.as_ref().map(|(word, value)| (word.as_str(), *value)) {

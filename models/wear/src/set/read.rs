@@ -299,7 +299,7 @@ fn valued(walk: &mut Walk, field: &'static Field, table: &DeTable<'_>, span: Ran
     };
     match walk.quantity(field.name, &Quantity::of(field), value) {
         Value::Si(value) => Some((value, text.to_owned())),
-        _ => None,
+        Value::Count(_) | Value::Text(_) | Value::Flag(_) | Value::List(_) | Value::Raw(_) | Value::Faulty => None,
     }
 }
 
