@@ -133,3 +133,51 @@ proptest! {
         let _ = of_table(&table);
     }
 }
+
+/// A machine that needs a setter and has a setup matrix.
+const PEOPLE: &str = r#"
+[[operator]]
+name = "setter"
+skills = ["setup"]
+[[setup_matrix]]
+name = "chucks"
+groups = ["a", "b"]
+times = [["1 min", "2 min"], ["0 min", "3 min"], ["4 min", "0 min"]]
+[[machine]]
+name = "lathe"
+process = "plain"
+setup_matrix = "chucks"
+setup_at_start = "a"
+[[part]]
+name = "bolt"
+operation = [{ name = "turn", machines = "lathe", work = "5 min", setup_group = "b", operator = { setup = "setup" } }]
+"#;
+
+#[test]
+fn people_and_setup_matrices_are_read_and_their_faults_told() {
+    let text = format!("{SHOP}{PEOPLE}{ORDER}");
+    let scenario = parse("people.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}")).scenario;
+    let matrix = &scenario.setup_matrices[0];
+    assert_eq!(matrix.first.as_deref(), Some([60.0, 120.0].as_slice()));
+    assert_eq!(matrix.times, [[0.0, 180.0], [240.0, 0.0]]);
+    assert_eq!(scenario.parts[1].operations[0].attendance.setup, Some(0));
+    let cases = [
+        ("{ setup = \"setup\" }", "{ setup = \"setpu\" }", "skill-nobody", "did you mean `setup`"),
+        ("setup_group = \"b\"", "setup_group = \"c\"", "missing-pair", "\"c\""),
+        (", [\"4 min\", \"0 min\"]]", "]", "", ""),
+        ("[[\"1 min\", \"2 min\"], [\"0 min\", \"3 min\"], ", "[", "contradiction", "1 rows"),
+        ("[\"4 min\", \"0 min\"]", "[\"4 min\"]", "contradiction", "1 entries"),
+        ("groups = [\"a\", \"b\"]", "groups = [\"a\", \"a\"]", "duplicate-name", "setup group"),
+        ("setup_at_start = \"a\"", "setup_at_start = \"d\"", "missing-pair", "\"d\""),
+        ("setup_matrix = \"chucks\"", "setup_matrix = \"chuck\"", "unknown-name", "chucks"),
+    ];
+    for (from, to, code, words) in cases {
+        assert!(text.contains(from), "{from}");
+        let told = faults_of(&text.replacen(from, to, 1), &[]);
+        if code.is_empty() {
+            assert!(told.is_empty(), "a matrix without the row in front: {told:#?}");
+        } else {
+            assert!(told.iter().any(|(own, _, text)| *own == code && text.contains(words)), "{to}: {told:#?}");
+        }
+    }
+}
