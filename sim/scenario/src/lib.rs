@@ -20,10 +20,8 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 #![cfg_attr(test, allow(clippy::wildcard_enum_match_arm))]
 
-mod calendar;
 mod calibration;
 mod contour;
-pub mod date;
 mod deviation;
 mod dispatch;
 mod distribution;
@@ -45,7 +43,6 @@ mod tuning;
 mod unit;
 mod variants;
 
-pub use calendar::{Boundary, Dated, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
@@ -60,7 +57,10 @@ pub use posterior::{DrawReader, DrawTable, Posterior, set_draw_reader};
 pub use resource::{Attendance, Operator, SetupMatrix};
 pub use scope::{Occasion, SCOPE_NAMES, Scope};
 pub use stability::{StabilityRule, StructureScatter, Uncertainty};
-pub use station::{FailureClock, FailureMode, Interruption, MachineType, ProcessModel, ToolType};
+pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType};
+pub use toolroom_calendar::{
+    Boundary, Dated, Interruption, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
+};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};

@@ -3,6 +3,7 @@
 use super::{Calibration, DispatchRule, Distribution, Posterior, StructureScatter, Target, Variants};
 use std::fmt;
 use std::sync::Arc;
+use toolroom_calendar::Interruption;
 use toolroom_cutting::{Milling, Turning};
 use toolroom_form::vocabulary;
 use toolroom_infeed::Infeed;
@@ -190,21 +191,6 @@ impl ToolType {
     /// The process of the parameter set, without effects and calibration.
     pub fn bare(&self) -> &ProcessModel {
         self.variants.bare.as_ref().unwrap_or(&self.process)
-    }
-}
-
-vocabulary! {
-    /// What becomes of an operation that is interrupted.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Interruption {
-        /// Finish it first (shift ends only).
-        Finish = "finish",
-        /// Go on from where it stopped.
-        Resume = "resume",
-        /// Start the operation again.
-        Repeat = "repeat",
-        /// The part is lost.
-        Scrap = "scrap",
     }
 }
 

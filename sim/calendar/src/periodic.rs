@@ -1,6 +1,6 @@
 //! Working time that repeats: shifts within a period, and when they change.
 
-use super::{Boundary, Shift};
+use crate::{Boundary, Shift};
 
 /// Working time that repeats.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Working time of dates: shifts by weekday, breaks, holidays, overtime.
 
-use super::{Boundary, Shift};
 use crate::date::weekday;
+use crate::{Boundary, Shift};
 
 const DAY: f64 = 86_400.0;
 /// Days of a week, s.
@@ -46,7 +46,7 @@ impl Dated {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::{Dated, Shift, WeekPlan, date};
+    /// use toolroom_calendar::{Dated, Shift, WeekPlan, date};
     /// let early = vec![Shift { start: 6.0 * 3600.0, end: 14.0 * 3600.0 }];
     /// let plan = WeekPlan { week: std::array::from_fn(|day| if day < 5 { early.clone() } else { vec![] }), ..WeekPlan::default() };
     /// let monday = date::parse("2026-03-30").unwrap();

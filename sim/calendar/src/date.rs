@@ -37,8 +37,8 @@ fn digits(text: &str, count: usize) -> Option<(i64, &str)> {
     Some((number.parse().ok()?, rest))
 }
 
-/// Seconds of a time of the day, `06:00` or `06:00:30`; `24:00` is the end of the day.
-pub(crate) fn clock(text: &str) -> Option<f64> {
+/// Seconds of a time of the day, `06:00` or `06:00:30`; `24:00` is the end of the day; `None` where it is no time.
+pub fn clock(text: &str) -> Option<f64> {
     let (hour, rest) = digits(text, 2)?;
     let (minute, rest) = digits(rest.strip_prefix(':')?, 2)?;
     let (second, rest) = if rest.is_empty() { (0, rest) } else { digits(rest.strip_prefix(':')?, 2)? };
@@ -47,7 +47,7 @@ pub(crate) fn clock(text: &str) -> Option<f64> {
 }
 
 /// Days since 1970-01-01 of a date `2026-03-30`; `None` where there is no such day.
-pub(crate) fn day(text: &str) -> Option<i64> {
+pub fn day(text: &str) -> Option<i64> {
     let (year, rest) = digits(text, 4)?;
     let (month, rest) = digits(rest.strip_prefix('-')?, 2)?;
     let (day, rest) = digits(rest.strip_prefix('-')?, 2)?;
@@ -60,7 +60,7 @@ pub(crate) fn day(text: &str) -> Option<i64> {
 ///
 /// # Examples
 /// ```
-/// use toolroom_scenario::date;
+/// use toolroom_calendar::date;
 /// assert_eq!(date::parse("1970-01-02T00:01").unwrap(), 86_460.0);
 /// assert_eq!(date::parse("2026-02-29"), None);
 /// ```
@@ -79,7 +79,7 @@ pub fn is_date(text: &str) -> bool {
 ///
 /// # Examples
 /// ```
-/// use toolroom_scenario::date;
+/// use toolroom_calendar::date;
 /// let start = date::parse("2026-03-30 06:00").unwrap();
 /// assert_eq!(date::show(start + 90.4), "2026-03-30 06:01:30");
 /// ```
@@ -102,7 +102,7 @@ pub(crate) fn weekday(days: i64) -> usize {
 ///
 /// # Examples
 /// ```
-/// use toolroom_scenario::date;
+/// use toolroom_calendar::date;
 /// let (name, monday) = date::week(date::parse("2027-01-01 12:00").unwrap());
 /// assert_eq!((name.as_str(), date::show(monday).as_str()), ("2026-W53", "2026-12-28 00:00"));
 /// ```

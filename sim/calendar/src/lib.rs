@@ -1,12 +1,29 @@
 //! Working time: shifts that repeat, or shifts of dates.
+#![deny(clippy::wildcard_enum_match_arm)]
 
+pub mod date;
 mod dated;
 mod periodic;
 
 pub use dated::{Dated, WeekPlan};
 pub use periodic::Periodic;
 
-use crate::Interruption;
+use toolroom_form::vocabulary;
+
+vocabulary! {
+    /// What becomes of an operation that is interrupted.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Interruption {
+        /// Finish it first (shift ends only).
+        Finish = "finish",
+        /// Go on from where it stopped.
+        Resume = "resume",
+        /// Start the operation again.
+        Repeat = "repeat",
+        /// The part is lost.
+        Scrap = "scrap",
+    }
+}
 
 /// When a machine or a person works.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +84,7 @@ impl ShiftCalendar {
     ///
     /// # Examples
     /// ```
-    /// use toolroom_scenario::{Interruption, Shift, ShiftCalendar};
+    /// use toolroom_calendar::{Interruption, Shift, ShiftCalendar};
     /// let shifts = vec![Shift { start: 6.0, end: 14.0 }];
     /// let early = ShiftCalendar::periodic("early", 24.0, shifts, Interruption::Resume);
     /// assert_eq!((early.working_time(0.0, 48.0), early.working_time(10.0, 31.0)), (16.0, 5.0));
