@@ -65,7 +65,7 @@ fn point_takes_effects_and_refuses_slips() {
         ("cutting_speed=40 mm", "m/min"),
         ("cutting_speed=9000 m/min", "outside"),
         ("limits.wear=1", "wear_limit"),
-        ("nonsense", "key=value"),
+        ("nonsense", "name=value"),
     ] {
         let output = toolroom(&["point", "turning", "--set", wrong]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");
