@@ -31,7 +31,7 @@ pub struct Left {
     pub after: f64,
     /// Standard deviation of its noise, in the same unit.
     pub deviation: f64,
-    /// What is [`usual`] of its like, in the same unit.
+    /// Median size of the residuals of the same thing, else of its kind, in the same unit.
     pub usual: f64,
 }
 
