@@ -38,6 +38,19 @@ pub enum Slot {
     Set,
 }
 
+/// What a master may set by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Settable {
+    /// Input field.
+    Input(usize),
+    /// Input that renews a part of the state.
+    Renewal(usize),
+    /// State field.
+    State(usize),
+    /// Parameter.
+    Parameter(usize),
+}
+
 /// Length of a block of value references.
 const BLOCK: u32 = 1000;
 
@@ -82,6 +95,26 @@ impl Slot {
             (10, 2) => Self::Set,
             _ => return None,
         })
+    }
+
+    /// What setting the slot by number changes; `None` for what a unit computes and for the name of the parameter set,
+    /// which is text.
+    pub(crate) fn settable(self) -> Option<Settable> {
+        match self {
+            Self::Input(i) => Some(Settable::Input(i)),
+            Self::Renewal(i) => Some(Settable::Renewal(i)),
+            Self::State(i) => Some(Settable::State(i)),
+            Self::Parameter(i) => Some(Settable::Parameter(i)),
+            Self::Time
+            | Self::Derivative(_)
+            | Self::Output(_)
+            | Self::Indicator(_)
+            | Self::Event(_)
+            | Self::Count(_)
+            | Self::Lost
+            | Self::CommandedSpeed
+            | Self::Set => None,
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
-use crate::variable::{Slot, ValueType, can_be_lost, variables};
+use crate::variable::{Settable, Slot, ValueType, can_be_lost, variables};
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
 use toolroom_process::{Field, Kind, Record};
@@ -46,7 +46,7 @@ impl<U: Unit> Instance<U> {
     }
 
     /// Slot of a reference of the wanted type, with its number of elements.
-    fn find(&self, value_type: ValueType, reference: u32) -> Outcome<(Slot, usize)> {
+    pub(super) fn find(&self, value_type: ValueType, reference: u32) -> Outcome<(Slot, usize)> {
         let slot = Slot::of(reference).ok_or(Fault::Reference { reference })?;
         match self.shape(slot) {
             Some((found, len)) if found == value_type => Ok((slot, len)),
@@ -58,25 +58,19 @@ impl<U: Unit> Instance<U> {
     #[inline]
     fn real(&mut self, reference: u32) -> Option<f64> {
         let is_real = |fields: &[Field], i: usize| fields.get(i).is_some_and(|field| field.kind == Kind::Real);
-        match Slot::of(reference)? {
-            Slot::Output(i) if is_real(U::Output::FIELDS, i) => self.outputs().get(i).copied(),
-            Slot::State(i) if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, i) => {
-                self.states().get(i).copied()
-            }
-            Slot::Time
-            | Slot::Input(_)
-            | Slot::State(_)
-            | Slot::Derivative(_)
-            | Slot::Output(_)
-            | Slot::Parameter(_)
-            | Slot::Indicator(_)
-            | Slot::Event(_)
-            | Slot::Renewal(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed
-            | Slot::Set => None,
+        let slot = Slot::of(reference)?;
+        if let Slot::Output(i) = slot
+            && is_real(U::Output::FIELDS, i)
+        {
+            return self.outputs().get(i).copied();
         }
+        if let Slot::State(i) = slot
+            && U::State::LEN == U::State::FIELDS.len()
+            && is_real(U::State::FIELDS, i)
+        {
+            return self.states().get(i).copied();
+        }
+        None
     }
 
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
@@ -131,33 +125,24 @@ impl<U: Unit> Instance<U> {
         Ok(())
     }
 
-    /// What setting `slot` does now.
-    fn settable(&self, slot: Slot, discrete: bool) -> Set {
+    /// What setting `target` does now.
+    fn setting(&self, target: Settable, discrete: bool) -> Set {
         let before = matches!(self.core.mode, Mode::Instantiated | Mode::Initialization);
         let running = matches!(self.core.mode, Mode::Event | Mode::Step);
-        match slot {
-            Slot::State(_) if before && U::CONTINUOUS => Set::Now,
-            Slot::Input(_) | Slot::Renewal(_) | Slot::Parameter(_) if before || running => Set::Now,
-            Slot::Input(_) | Slot::Renewal(_) if self.core.mode == Mode::Continuous => {
-                if discrete {
-                    Set::AtEvent
-                } else {
-                    Set::Now
-                }
+        let continuous = self.core.mode == Mode::Continuous;
+        let (now, at_event) = match target {
+            Settable::State(_) => (before && U::CONTINUOUS, false),
+            Settable::Parameter(_) => (before || running, false),
+            Settable::Input(_) | Settable::Renewal(_) => {
+                (before || running || continuous && !discrete, continuous && discrete)
             }
-            Slot::Time
-            | Slot::Input(_)
-            | Slot::State(_)
-            | Slot::Derivative(_)
-            | Slot::Output(_)
-            | Slot::Parameter(_)
-            | Slot::Indicator(_)
-            | Slot::Event(_)
-            | Slot::Renewal(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed
-            | Slot::Set => Set::Never,
+        };
+        if now {
+            Set::Now
+        } else if at_event {
+            Set::AtEvent
+        } else {
+            Set::Never
         }
     }
 
@@ -165,22 +150,13 @@ impl<U: Unit> Instance<U> {
         variables::<U>().into_iter().find(|each| each.slot == slot).map_or_else(String::new, |each| each.name)
     }
 
-    /// Whether `value` may stand in `slot`.
-    fn check(&self, slot: Slot, value: f64) -> Outcome<()> {
-        let range = match slot {
-            Slot::Input(i) => U::Input::FIELDS[i].check(value),
-            Slot::State(i) => U::State::FIELDS[i].check(value),
-            Slot::Parameter(i) => self.parameters[i].1.check(value),
-            Slot::Time
-            | Slot::Derivative(_)
-            | Slot::Output(_)
-            | Slot::Indicator(_)
-            | Slot::Event(_)
-            | Slot::Renewal(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed
-            | Slot::Set => Ok(()),
+    /// Whether `value` may stand in `slot`, which is `target`.
+    fn check(&self, slot: Slot, target: Settable, value: f64) -> Outcome<()> {
+        let range = match target {
+            Settable::Input(i) => U::Input::FIELDS[i].check(value),
+            Settable::State(i) => U::State::FIELDS[i].check(value),
+            Settable::Parameter(i) => self.parameters[i].1.check(value),
+            Settable::Renewal(_) => Ok(()),
         };
         range.map_err(|source| Fault::Value { variable: self.name_of(slot), source }.into())
     }
@@ -191,11 +167,13 @@ impl<U: Unit> Instance<U> {
         for &reference in references {
             let (slot, len) = self.find(value_type, reference)?;
             let given = values.get(at..at + len).ok_or(Fault::Length { values: values.len(), expected: at + len })?;
-            let unchanged = || given.iter().enumerate().all(|(k, value)| self.present(slot, k) == Some(*value));
-            if self.settable(slot, value_type != ValueType::Real) == Set::Never && !unchanged() {
-                return Err(Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode }.into());
+            let refused = || Fault::NotSettable { variable: self.name_of(slot), mode: self.core.mode };
+            let target = slot.settable().ok_or_else(refused)?;
+            let unchanged = || given.iter().enumerate().all(|(k, value)| self.present(target, k) == Some(*value));
+            if self.setting(target, value_type != ValueType::Real) == Set::Never && !unchanged() {
+                return Err(refused().into());
             }
-            given.iter().try_for_each(|value| self.check(slot, *value))?;
+            given.iter().try_for_each(|value| self.check(slot, target, *value))?;
             at += len;
         }
         expect_length(values.len(), at)?;
@@ -206,23 +184,22 @@ impl<U: Unit> Instance<U> {
             let (slot, len) = self.find(value_type, reference)?;
             let given = &values[at..at + len];
             at += len;
-            match (slot, self.settable(slot, value_type != ValueType::Real)) {
+            let Some(target) = slot.settable() else { continue };
+            match (target, self.setting(target, value_type != ValueType::Real)) {
                 (_, Set::Never) => {}
-                (Slot::Input(i), Set::AtEvent) => status = status.max(self.wait(slot, i, given[0])),
-                (Slot::Renewal(i), Set::AtEvent) => {
-                    status = status.max(self.wait(slot, U::Input::LEN + i, given[0]));
+                (Settable::Input(_) | Settable::Renewal(_), Set::AtEvent) => {
+                    status = status.max(self.wait(slot, target, given[0]));
                 }
-                (Slot::Input(i), _) => {
+                (Settable::Input(i), Set::Now) => {
                     self.core.input.set(i, given[0]);
                 }
-                (Slot::Renewal(i), _) => self.core.discrete.renewals[i] = given[0] > 0.5,
-                (Slot::State(i), _) => {
+                (Settable::Renewal(i), Set::Now) => self.core.discrete.renewals[i] = given[0] > 0.5,
+                (Settable::State(i), Set::Now | Set::AtEvent) => {
                     for (k, value) in given.iter().enumerate() {
                         self.core.state.set(self.state_offsets[i] + k, *value);
                     }
                 }
-                (Slot::Parameter(i), _) => parameters.push((i, given[0])),
-                _ => {}
+                (Settable::Parameter(i), Set::Now | Set::AtEvent) => parameters.push((i, given[0])),
             }
         }
         if !parameters.is_empty() {
@@ -233,37 +210,28 @@ impl<U: Unit> Instance<U> {
         Ok(status)
     }
 
-    /// Present value of what could be set.
-    fn present(&self, slot: Slot, element: usize) -> Option<f64> {
-        match slot {
-            Slot::Input(i) => self.core.input.get(i),
-            Slot::State(i) => self.core.state.get(self.state_offsets[i] + element),
-            Slot::Parameter(i) => self.core.model.values.get(i).copied(),
-            Slot::Renewal(i) => Some(f64::from(self.core.discrete.renewals[i])),
-            Slot::Time
-            | Slot::Derivative(_)
-            | Slot::Output(_)
-            | Slot::Indicator(_)
-            | Slot::Event(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed
-            | Slot::Set => None,
+    /// Present value of an element of `target`.
+    fn present(&self, target: Settable, element: usize) -> Option<f64> {
+        match target {
+            Settable::Input(i) => self.core.input.get(i),
+            Settable::State(i) => self.core.state.get(self.state_offsets[i] + element),
+            Settable::Parameter(i) => self.core.model.values.get(i).copied(),
+            Settable::Renewal(i) => Some(f64::from(self.core.discrete.renewals[i])),
         }
     }
 
     /// A discrete input that is set between events: many importers do it. It waits.
-    fn wait(&mut self, slot: Slot, index: usize, value: f64) -> Status {
-        let waits = self.waiting.iter().find(|(i, _)| *i == index).map(|(_, value)| *value);
-        let present = self.present(slot, 0);
+    fn wait(&mut self, slot: Slot, target: Settable, value: f64) -> Status {
+        let waits = self.waiting.iter().find(|(own, _)| *own == target).map(|(_, value)| *value);
+        let present = self.present(target, 0);
         if waits.or(present) == Some(value) {
             return Status::Ok;
         }
-        self.waiting.retain(|(i, _)| *i != index);
+        self.waiting.retain(|(own, _)| *own != target);
         if present == Some(value) {
             return Status::Ok;
         }
-        self.waiting.push((index, value));
+        self.waiting.push((target, value));
         let name = self.name_of(slot);
         self.say(Category::Warning, || format!("{name} was set in Continuous-Time Mode; it waits for the next event"));
         Status::Warning

@@ -7,7 +7,7 @@ use crate::log::Status;
 use crate::mode::Mode;
 use crate::unit::Unit;
 use crate::variable::{Slot, ValueType};
-use toolroom_process::{Field, Record};
+use toolroom_process::Record;
 
 /// Derivatives of everything along one direction.
 struct Slopes<U: Unit> {
@@ -68,39 +68,17 @@ impl<U: Unit> Instance<U> {
 
     /// Puts `value` into the direction of a known; inputs and states can be known.
     fn seed(&self, known: u32, value: f64, dx: &mut U::State, du: &mut U::Input) -> Outcome<()> {
-        let unknown = Fault::Reference { reference: known };
-        match (Slot::of(known), self.find_real(known)) {
-            (Some(Slot::State(i)), Some(1)) => add(dx, self.state_offsets[i], value),
-            (Some(Slot::Input(i)), Some(1)) => {
+        match self.find(ValueType::Real, known)? {
+            (Slot::State(i), 1) => add(dx, self.state_offsets[i], value),
+            (Slot::Input(i), 1) => {
                 // The speed of the input does not count while the policy commands.
                 if !(self.is_adaptive() && self.speed == Some(i)) {
                     add(du, i, value);
                 }
             }
-            _ => return Err(unknown.into()),
+            _ => return Err(Fault::Reference { reference: known }.into()),
         }
         Ok(())
-    }
-
-    fn find_real(&self, reference: u32) -> Option<usize> {
-        let of = |fields: &[Field], i: usize| {
-            let field = fields.get(i)?;
-            (ValueType::from(field.kind) == ValueType::Real).then_some(field.len)
-        };
-        match Slot::of(reference)? {
-            Slot::State(i) | Slot::Derivative(i) => of(U::State::FIELDS, i),
-            Slot::Input(i) => of(U::Input::FIELDS, i),
-            Slot::Output(i) => of(U::Output::FIELDS, i),
-            Slot::Indicator(i) => (i < U::EVENTS.len()).then_some(1),
-            Slot::Time
-            | Slot::Parameter(_)
-            | Slot::Event(_)
-            | Slot::Renewal(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed
-            | Slot::Set => None,
-        }
     }
 
     fn slopes(&self, dx: &U::State, du: &U::Input) -> Outcome<Slopes<U>> {
@@ -127,10 +105,10 @@ impl<U: Unit> Instance<U> {
     }
 
     fn slope_of(&self, unknown: u32, slopes: &Slopes<U>) -> Outcome<f64> {
-        let value = match (Slot::of(unknown), self.find_real(unknown)) {
-            (Some(Slot::Derivative(i)), Some(1)) => slopes.rates.get(self.state_offsets[i]),
-            (Some(Slot::Output(i)), Some(1)) => slopes.outputs.get(i),
-            (Some(Slot::Indicator(i)), Some(1)) => Some(slopes.indicators[i]),
+        let value = match self.find(ValueType::Real, unknown)? {
+            (Slot::Derivative(i), 1) => slopes.rates.get(self.state_offsets[i]),
+            (Slot::Output(i), 1) => slopes.outputs.get(i),
+            (Slot::Indicator(i), 1) => Some(slopes.indicators[i]),
             _ => None,
         };
         value.ok_or_else(|| Fault::Reference { reference: unknown }.into())

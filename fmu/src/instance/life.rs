@@ -6,6 +6,7 @@ use crate::fault::{Fault, Outcome};
 use crate::log::{Category, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
+use crate::variable::Settable;
 use toolroom_process::{ProcessEvent, Record};
 
 impl<U: Unit> Instance<U> {
@@ -72,12 +73,14 @@ impl<U: Unit> Instance<U> {
 
     /// Discrete inputs that were set outside events take effect.
     fn take_waiting(&mut self) {
-        for (i, value) in std::mem::take(&mut self.waiting) {
-            match i.checked_sub(U::Input::LEN) {
-                None => {
+        for (target, value) in std::mem::take(&mut self.waiting) {
+            match target {
+                Settable::Input(i) => {
                     self.core.input.set(i, value);
                 }
-                Some(renewal) => self.core.discrete.renewals[renewal] = value > 0.5,
+                Settable::Renewal(i) => self.core.discrete.renewals[i] = value > 0.5,
+                // Neither waits: they are set at once or refused.
+                Settable::State(_) | Settable::Parameter(_) => {}
             }
         }
         self.changed();

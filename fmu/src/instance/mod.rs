@@ -16,6 +16,7 @@ use crate::configured::Configured;
 use crate::log::{Category, Log, Status};
 use crate::mode::Mode;
 use crate::unit::Unit;
+use crate::variable::Settable;
 use saved::Saved;
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -119,7 +120,7 @@ pub struct Instance<U: Unit> {
     states: Vec<f64>,
     states_valid: bool,
     /// Discrete inputs that wait for an event.
-    waiting: Vec<(usize, f64)>,
+    waiting: Vec<(Settable, f64)>,
     saved: Saved<U>,
     text: CString,
     /// Index of the input that says whether the edge is in cut.

@@ -2,7 +2,7 @@
 
 use super::Version;
 use crate::description::{Description, LICENCE, TOOL, VERSION, escaped};
-use crate::variable::{Role, Slot, ValueType, Variable};
+use crate::variable::{Role, ValueType, Variable};
 use std::fmt::Write as _;
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:72em;margin:2em auto;padding:0 1em;\
@@ -96,22 +96,11 @@ fn table(text: &mut String, title: &str, description: &Description, roles: &[Rol
             (true, true) => String::new(),
             (false, _) => variable_range(variable),
         };
-        let start = match variable.slot {
-            Slot::Set => description.sets[0].0.to_owned(),
-            _ if !variable.has_start() => String::new(),
-            _ if variable.value_type == ValueType::Boolean => (field.start > 0.5).to_string(),
-            Slot::Time
-            | Slot::Input(_)
-            | Slot::State(_)
-            | Slot::Derivative(_)
-            | Slot::Output(_)
-            | Slot::Parameter(_)
-            | Slot::Indicator(_)
-            | Slot::Event(_)
-            | Slot::Renewal(_)
-            | Slot::Count(_)
-            | Slot::Lost
-            | Slot::CommandedSpeed => shown(field.start),
+        let start = match variable.value_type {
+            ValueType::String => description.sets[0].0.to_owned(),
+            ValueType::Real | ValueType::Integer | ValueType::Boolean if !variable.has_start() => String::new(),
+            ValueType::Boolean => (field.start > 0.5).to_string(),
+            ValueType::Real | ValueType::Integer => shown(field.start),
         };
         let _ = writeln!(
             text,
