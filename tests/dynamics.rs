@@ -1,40 +1,10 @@
 //! `toolroom modes` and `toolroom swap`: from a tap test to a verdict, and what is refused.
 
+use crate::command_line::{directory, json, shipped, stderr, toolroom};
 use serde_json::Value;
 use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
-fn json(output: &Output) -> Value {
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
-
-fn shipped(name: &str) -> String {
-    format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
-}
-
-/// An empty directory of this test.
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("dynamics-{name}"));
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("the target directory is writable");
-    path
-}
+use std::path::Path;
 
 fn close(value: &Value, expected: f64, relative: f64) {
     let value = value.as_f64().expect("a number");
@@ -79,7 +49,7 @@ fn tap(last: f64, sign: f64) -> String {
 
 #[test]
 fn a_tap_test_becomes_a_verdict() {
-    let folder = directory("verdict");
+    let folder = directory("dynamics", "verdict");
     let place = |name: &str| folder.join(name).display().to_string();
     fs::write(place("tap.csv"), tap(3200.0, 1.0)).expect("writable");
     let (tap, structure, report) = (place("tap.csv"), place("tool.toml"), place("report"));
@@ -128,7 +98,7 @@ fn a_tap_test_becomes_a_verdict() {
 
 #[test]
 fn a_bad_tap_test_leaves_no_structure_behind() {
-    let folder = directory("refused");
+    let folder = directory("dynamics", "refused");
     let place = |name: &str| folder.join(name).display().to_string();
     for (name, text, code) in [("turned", tap(3200.0, -1.0), "sensor-sign"), ("cut", tap(930.0, 1.0), "edge-of-range")]
     {
@@ -148,7 +118,7 @@ fn a_bad_tap_test_leaves_no_structure_behind() {
 
 #[test]
 fn a_shorter_tool_on_the_same_spindle_is_stiffer() {
-    let folder = directory("swap");
+    let folder = directory("dynamics", "swap");
     let out = folder.join("d12.toml").display().to_string();
     let (spindle, tool) = (shipped("chatter/spindle"), shipped("chatter/endmill12"));
     let swap = |change: &[&str]| {

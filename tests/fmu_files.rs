@@ -1,9 +1,9 @@
 //! `toolroom fmu info` and `fmu check` as a user meets them.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 const GAIN: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="Gain" guid="{g}" description="Doubles">
@@ -15,10 +15,6 @@ const GAIN: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
   </ModelVariables>
   <ModelStructure><Outputs><Unknown index="2"/></Outputs><InitialUnknowns><Unknown index="2"/></InitialUnknowns></ModelStructure>
 </fmiModelDescription>"#;
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom")).args(arguments).env("NO_COLOR", "1").output().expect("the binary runs")
-}
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")

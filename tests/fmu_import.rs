@@ -5,6 +5,7 @@
 #[path = "../fmu/import/tests/run/fixture.rs"]
 mod fixture;
 
+use crate::command_line::{shipped, stderr, toolroom};
 use serde_json::Value;
 use std::fs;
 use std::io::{Read, Write};
@@ -12,23 +13,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom")).args(arguments).env("NO_COLOR", "1").output().expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
 /// Runs and expects an exit code.
 fn expect(code: i32, arguments: &[&str]) -> Output {
     let output = toolroom(arguments);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
     output
-}
-
-fn shipped(name: &str) -> String {
-    format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn json(path: &Path) -> Value {

@@ -1,24 +1,11 @@
 //! The gap commands on measured data as it comes: lookalikes of public sets, bad data, and the sets
 //! themselves where they are to be had.
 
+use crate::command_line::{shipped, toolroom};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn shipped(name: &str) -> String {
-    format!("{}/scenarios/gap/{name}.toml", env!("CARGO_MANIFEST_DIR"))
-}
 
 /// Diagnosis of a table by a shipped model, with what was said.
 fn diagnosis(model: &str, csv: &str) -> (Value, String) {
@@ -115,7 +102,7 @@ fn scaled(csv: &str, column: &str, factor: f64) -> String {
 fn wrong_units_are_said(process: &'static str, slips: &[(&str, f64)]) {
     let csv = toolroom_truth::Case::null(process, 7).records();
     for (column, factor) in slips {
-        let (found, said) = diagnosis(&shipped(process), &scaled(&csv, column, *factor));
+        let (found, said) = diagnosis(&shipped(&format!("gap/{process}")), &scaled(&csv, column, *factor));
         let notes = format!("{} {said}", found["notes"]);
         assert!(ids(&found).is_empty(), "{column} ×{factor}: {found:#}");
         assert!(notes.contains(column) && notes.contains("unit"), "{column} ×{factor}: {notes}");
@@ -131,7 +118,7 @@ fn turning_in_wrong_units_is_said() {
 #[test]
 fn a_cutting_speed_in_a_wrong_unit_names_nothing() {
     let csv = toolroom_truth::Case::null("turning", 7).records();
-    let (found, _) = diagnosis(&shipped("turning"), &scaled(&csv, "cutting_speed", 1.0 / 25.4));
+    let (found, _) = diagnosis(&shipped("gap/turning"), &scaled(&csv, "cutting_speed", 1.0 / 25.4));
     assert!(ids(&found).is_empty(), "{found:#}");
     assert!(found["notes"].to_string().contains("a condition may be in a wrong unit"), "{}", found["notes"]);
 }
@@ -228,7 +215,7 @@ fn a_broken_quote_is_refused_with_its_line() {
     let out = dir.path().join("out").display().to_string();
     for arguments in [
         vec!["gap", "diagnose", "--model", &model, "--data", &data],
-        vec!["import", "csv", &data, "--map", &shipped("map-18-tools"), "--out", &out],
+        vec!["import", "csv", &data, "--map", &shipped("gap/map-18-tools"), "--out", &out],
     ] {
         let run = toolroom(&arguments);
         let said = String::from_utf8_lossy(&run.stderr);
@@ -243,7 +230,7 @@ fn conditions_in_a_wrong_unit_are_refused_with_the_place() {
     let path = dir.path().join("operations.csv");
     let head = "operation_id,machine,tool_id,sequence,cutting_speed [m/min],feed_per_rev [mm],depth_of_cut [mm],cutting_time [min],cutting_force [N]";
     fs::write(&path, format!("{head}\n1,L,A,1,12000,0.2,1,1,900\n")).expect("a writable folder");
-    let run = toolroom(&["gap", "diagnose", "--model", &shipped("turning"), "--data", &path.display().to_string()]);
+    let run = toolroom(&["gap", "diagnose", "--model", &shipped("gap/turning"), "--data", &path.display().to_string()]);
     let said = String::from_utf8_lossy(&run.stderr);
     assert!(run.status.code() == Some(2) && said.contains("line 2") && said.contains("unit"), "{said}");
 }
@@ -285,9 +272,17 @@ fn of_public(file: &str, map: &str, model: &str) -> Option<Value> {
     let path = public(file)?;
     let dir = tempfile::tempdir().expect("a folder");
     let out = dir.path().join("records").display().to_string();
-    let run = toolroom(&["import", "csv", &path.display().to_string(), "--map", &shipped(map), "--out", &out]);
+    let run = toolroom(&[
+        "import",
+        "csv",
+        &path.display().to_string(),
+        "--map",
+        &shipped(&format!("gap/{map}")),
+        "--out",
+        &out,
+    ]);
     assert_eq!(run.status.code(), Some(0), "{run:?}");
-    let run = toolroom(&["gap", "diagnose", "--model", &shipped(model), "--data", &out, "--json"]);
+    let run = toolroom(&["gap", "diagnose", "--model", &shipped(&format!("gap/{model}")), "--data", &out, "--json"]);
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     Some(serde_json::from_slice(&run.stdout).expect("JSON"))
 }

@@ -1,23 +1,11 @@
 //! Several processes in one data set: a directory of tables, a model for each, one answer.
 
+use crate::command_line::{shipped, toolroom};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use toolroom_truth::Case;
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn shipped(name: &str) -> String {
-    format!("{}/scenarios/gap/{name}.toml", env!("CARGO_MANIFEST_DIR"))
-}
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
@@ -63,7 +51,7 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
         ("trials", Case::one("grinding", "wheel_dulling", 2.0, 22)),
     ]);
     let [data_path, out, better] = ["", "gap", "better"].map(|name| path(data.path(), name));
-    let (turning, grinding) = (shipped("turning"), shipped("grinding"));
+    let (turning, grinding) = (shipped("gap/turning"), shipped("gap/grinding"));
     let models = ["--model", &turning, "--model", &grinding];
     let run = toolroom(&[&["gap", "diagnose", "--data", &data_path, "--out", &out], &models[..]].concat());
     assert_eq!(run.status.code(), Some(0), "{}", said(&run));
@@ -104,7 +92,7 @@ fn an_effect_of_one_process_is_named_there_and_the_other_stays_clean() {
 #[test]
 fn nothing_hidden_in_two_processes_is_blamed_on_nothing() {
     let data = tables(&[("trials", Case::null("grinding", 31)), ("operations", Case::null("turning", 21))]);
-    let (data, grinding, turning) = (path(data.path(), ""), shipped("grinding"), shipped("turning"));
+    let (data, grinding, turning) = (path(data.path(), ""), shipped("gap/grinding"), shipped("gap/turning"));
     let run = toolroom(&["gap", "diagnose", "--data", &data, "--model", &grinding, "--model", &turning, "--json"]);
     let found: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}", said(&run)));
     assert_eq!(found["effects"], Value::Array(Vec::new()), "{}", found["notes"]);
@@ -117,7 +105,7 @@ fn nothing_hidden_in_two_processes_is_blamed_on_nothing() {
 fn tables_and_models_that_do_not_meet_are_told_with_a_fix() {
     let data = tables(&[("operations", Case::null("turning", 21)), ("trials", Case::null("grinding", 31))]);
     let (dir, file) = (path(data.path(), ""), path(data.path(), "trials.csv"));
-    let models = ["turning", "grinding", "milling"].map(shipped);
+    let models = ["gap/turning", "gap/grinding", "gap/milling"].map(shipped);
     let refused = |arguments: &[&str], words: [&str; 2]| {
         let run = toolroom(&[&["gap", "diagnose"], arguments].concat());
         assert_eq!(run.status.code(), Some(2), "{arguments:?}");

@@ -1,18 +1,9 @@
 //! `toolroom import` as a user meets it.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
 
 fn put(dir: &Path, name: &str, text: &str) -> String {
     let path = dir.join(name);

@@ -1,22 +1,10 @@
 //! `toolroom life` and `toolroom merge`: fits of measured lives, studies, shards, refusals.
 
+use crate::command_line::{directory, stderr, toolroom};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
+use std::process::{Command, Stdio};
 
 fn json(arguments: &[&str]) -> Value {
     let output = toolroom(arguments);
@@ -29,14 +17,6 @@ fn refused(arguments: &[&str]) -> String {
     let output = toolroom(arguments);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     stderr(&output).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
-}
-
-/// An empty directory of this test.
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("life-{name}"));
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("the target directory is writable");
-    path
 }
 
 /// Changes and cuts a part at some places, and asks that it is refused by its name each time; it is then as
@@ -87,7 +67,7 @@ fn study(at: &Path, more: &str) -> PathBuf {
 
 #[test]
 fn measured_lives_give_the_published_law() {
-    let at = directory("fit");
+    let at = directory("life", "fit");
     let lives = at.join("bearings.csv");
     // J. Lieblein, M. Zelen, J. Research NBS 57 (1956) 273.
     let ages = "17.88 28.92 33.00 41.52 42.12 45.60 48.40 51.84 51.96 54.12 55.56 67.80 68.64 68.64 68.88 84.12 \
@@ -123,7 +103,7 @@ fn public_wear_data_give_their_known_numbers() {
         eprintln!("skipped: no wear data in {}", data.display());
         return;
     }
-    let at = directory("public");
+    let at = directory("life", "public");
     let fit = |arguments: &[&str]| {
         let out = at.join("out");
         json(&[&["life", "--json", "--goodness", "0", "--out", text(&out), "--fit"], arguments, &QUICK].concat())
@@ -160,7 +140,7 @@ fn public_wear_data_give_their_known_numbers() {
 
 #[test]
 fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
-    let at = directory("extremes");
+    let at = directory("life", "extremes");
     let file = at.join("lives.csv");
     let out = at.join("out");
     let fit = ["life", "--fit", text(&file), "--out", text(&out), "--bootstrap", "20", "--goodness", "19", "--json"];
@@ -226,7 +206,7 @@ fn lives_that_no_edge_has_are_refused_and_others_of_any_size_are_fitted() {
 
 #[test]
 fn a_broken_quote_is_refused_with_its_line() {
-    let at = directory("quotes");
+    let at = directory("life", "quotes");
     let file = at.join("lives.csv");
     fs::write(&file, "life,group\n12,a\n17,\"a\n21,b\n").unwrap();
     let said = refused(&["life", "--fit", text(&file), "--out", text(&at.join("out"))]);
@@ -235,7 +215,7 @@ fn a_broken_quote_is_refused_with_its_line() {
 
 #[test]
 fn shards_threads_and_interruptions_change_nothing() {
-    let at = directory("shards");
+    let at = directory("life", "shards");
     let file = study(&at, "");
     let run = |out: &str, more: &[&str]| {
         let out = at.join(out);
@@ -302,7 +282,7 @@ fn shards_threads_and_interruptions_change_nothing() {
 
 #[test]
 fn a_study_says_what_was_asked_of_it() {
-    let at = directory("study");
+    let at = directory("life", "study");
     let more = "[[policy]]\nname = \"constant\"\nspeed = \"programmed\"\n[[policy]]\nname = \"adaptive\"\n\
         speed = \"minimum_wear\"\nreading = \"pass\"\n[early]\nage = \"8 min\"\nwear_shift = 1.5\n\
         [replacement]\nplanned = \"10 EUR\"\nfailure = \"50 EUR\"\n[sensitivity]\nsamples = 64\ntrajectories = 4\n";
@@ -328,7 +308,7 @@ fn a_study_says_what_was_asked_of_it() {
 
 #[test]
 fn a_precision_sets_the_number_of_lives() {
-    let at = directory("precision");
+    let at = directory("life", "precision");
     let file = study(&at, "").with_file_name("study.toml");
     let text_of = fs::read_to_string(&file).unwrap().replace("lives = 600", "lives = 50000\nuntil = \"2 %\"");
     fs::write(&file, text_of).unwrap();
@@ -342,7 +322,7 @@ fn a_precision_sets_the_number_of_lives() {
 
 #[test]
 fn input_that_makes_no_sense_is_refused() {
-    let at = directory("refused");
+    let at = directory("life", "refused");
     let with = |more: &str| {
         let file = study(&at, more);
         refused(&["life", text(&file), "--out", text(&at.join("out"))])
@@ -386,7 +366,7 @@ fn input_that_makes_no_sense_is_refused() {
 
 #[test]
 fn a_file_that_changes_between_shards_is_refused() {
-    let at = directory("changed");
+    let at = directory("life", "changed");
     let field = "[[field]]\nname = \"cut.hardness\"\ndistribution = \"empirical\"\nfile = \"h.csv\"\ncolumn = \"h\"\n";
     let file = study(&at, field);
     let (csv, plan, parts) = (at.join("h.csv"), at.join("plan.json"), at.join("parts"));
@@ -403,7 +383,7 @@ fn a_file_that_changes_between_shards_is_refused() {
 #[cfg(unix)]
 #[test]
 fn a_signal_keeps_the_shards_that_are_complete_and_leaves_no_lock() {
-    let at = directory("signal");
+    let at = directory("life", "signal");
     let file = study(&at, "");
     let arguments = |out: &'static str, more: &[&'static str]| -> Vec<String> {
         let all = ["life", text(&file), "--json", "--lives", "40000", "--shards", "40", "--out"];
@@ -452,7 +432,7 @@ fn a_signal_keeps_the_shards_that_are_complete_and_leaves_no_lock() {
 #[cfg(unix)]
 #[test]
 fn a_plan_takes_the_place_of_nothing_but_a_plan() {
-    let at = directory("life-plan-place");
+    let at = directory("life", "life-plan-place");
     let file = study(&at, "");
     let plan_to =
         |place: &Path, shards: &str| toolroom(&["life", text(&file), "--plan", text(place), "--shards", shards]);
@@ -478,7 +458,7 @@ fn a_plan_takes_the_place_of_nothing_but_a_plan() {
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing_that_was_complete() {
-    let at = directory("full");
+    let at = directory("life", "full");
     let file = study(&at, "");
     let out = at.join("out");
     // Files above 64 KiB cannot be written: the plan fits, a part of 4000 lives does not.
@@ -497,7 +477,7 @@ fn a_full_disk_loses_nothing_that_was_complete() {
 
 #[test]
 fn a_shop_in_shards_is_the_shop_in_one_piece() {
-    let at = directory("shop");
+    let at = directory("life", "shop");
     let scenario = format!("{}/scenarios/demo.toml", env!("CARGO_MANIFEST_DIR"));
     let policies = ["--policy", "v0 at 0.2 mm", "--policy", "productivity"];
     let common = ["compare", &scenario, "--replications", "5"];

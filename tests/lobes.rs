@@ -1,39 +1,9 @@
 //! `toolroom lobes`: verdicts against published and reference numbers, charts, refusals.
 
+use crate::command_line::{directory, json, shipped, stderr, toolroom};
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
-fn json(output: &Output) -> Value {
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
-
-fn shipped(name: &str) -> String {
-    format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"))
-}
-
-/// An empty directory of this test.
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("lobes-{name}"));
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("the target directory is writable");
-    path
-}
+use std::path::Path;
 
 /// The verdict of a shipped file at a point, with changes.
 fn verdict(name: &str, at: [&str; 2], changes: &[&str]) -> Value {
@@ -106,7 +76,7 @@ fn a_flip_vibrates_at_odd_multiples_of_half_the_tooth_frequency() {
 
 /// A lathe tool of m = 0.561 kg, c = 145 N s/m and k = 6.48 N/um, without a workpiece that bends.
 fn stiff_work(name: &str) -> String {
-    let path = directory(name).join("turning.toml");
+    let path = directory("lobes", name).join("turning.toml");
     let (mass, damping, stiffness): (f64, f64, f64) = (0.561, 145.0, 6.48e6);
     let frequency = (stiffness / mass).sqrt() / std::f64::consts::TAU;
     let ratio = damping / (2.0 * (stiffness * mass).sqrt());
@@ -175,7 +145,7 @@ fn chuck_thresholds_are_those_of_the_paper_s_reduced_system() {
 
 #[test]
 fn a_chart_leaves_picture_table_numbers_and_report() {
-    let out = directory("chart").join("out");
+    let out = directory("lobes", "chart").join("out");
     let (path, place) = (shipped(SLOT), out.display().to_string());
     let small = ["--set", "chart.columns=24", "--set", "chart.rows=10"];
     let arguments = [&["lobes", path.as_str(), "--json", "--out", place.as_str()][..], &small].concat();
@@ -211,7 +181,7 @@ fn a_chart_leaves_picture_table_numbers_and_report() {
 #[test]
 fn a_boundary_alone_is_the_exact_limit() {
     let path = stiff_work("boundary");
-    let out = directory("boundary-out").join("out").display().to_string();
+    let out = directory("lobes", "boundary-out").join("out").display().to_string();
     let change = ["--set", "chart.spindle_speed=[\"3000 rpm\", \"5000 rpm\"]", "--set", "chart.columns=3"];
     let summary = json(&toolroom(&[&["lobes", &path, "--json", "--out", &out][..], &change].concat()));
     let limit = &summary["boundaries"][0]["limit"];
@@ -226,7 +196,7 @@ fn a_boundary_alone_is_the_exact_limit() {
 #[test]
 fn the_shipped_bar_and_chuck_are_charts() {
     for (name, told) in [(BAR, "roughing"), (CHUCK, "limit at lag 40 us: least 0.0423 at speed ratio 2")] {
-        let out = directory(&name.replace('/', "-")).join("out").display().to_string();
+        let out = directory("lobes", &name.replace('/', "-")).join("out").display().to_string();
         let output = toolroom(&["lobes", &shipped(name), "--out", &out, "--set", "chart.boundary_only=true"]);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let text = String::from_utf8(output.stdout).expect("UTF-8");
@@ -290,7 +260,7 @@ fn a_varying_speed_calms_what_chatters_at_constant_speed() {
     }
     // A mill as well: the flip of the standard slot at 12 000 rpm goes deeper.
     let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
-    let path = directory("varying-mill").join("mill.toml");
+    let path = directory("lobes", "varying-mill").join("mill.toml");
     let section = "[speed_variation]\namplitude = 0.2\nrevolutions = 5\n[chart]";
     fs::write(&path, text.replacen("[chart]", section, 1)).expect("writable");
     let path = path.display().to_string();
@@ -301,7 +271,7 @@ fn a_varying_speed_calms_what_chatters_at_constant_speed() {
 
 #[test]
 fn a_chart_is_the_same_from_any_number_of_shards() {
-    let folder = directory("shards");
+    let folder = directory("lobes", "shards");
     let path = shipped(SLOT);
     let small = ["--set", "chart.columns=11", "--set", "chart.rows=7"];
     let place = |name: &str| folder.join(name).display().to_string();
@@ -351,7 +321,7 @@ fn a_chart_is_the_same_from_any_number_of_shards() {
 #[test]
 fn the_shipped_turning_charts_have_a_verdict_at_every_point() {
     for name in [BAR, "chatter/shaft"] {
-        let out = directory(&format!("whole-{}", name.replace('/', "-"))).join("out");
+        let out = directory("lobes", &format!("whole-{}", name.replace('/', "-"))).join("out");
         let small = ["--set", "chart.columns=12", "--set", "chart.rows=9"];
         let output =
             toolroom(&[&["lobes", &shipped(name), "--json", "--out", &out.display().to_string()][..], &small].concat());
@@ -369,7 +339,7 @@ fn the_shipped_turning_charts_have_a_verdict_at_every_point() {
 /// At 40 rpm a slot that is hardly damped is too slow for the period map and too fast for the envelope of the lobes.
 #[test]
 fn a_point_without_verdict_is_a_hole_that_is_told_in_one_piece_and_in_shards() {
-    let folder = directory("holes");
+    let folder = directory("lobes", "holes");
     let place = |name: &str| folder.join(name).display().to_string();
     let path = shipped(SLOT);
     let small = [
@@ -448,7 +418,7 @@ fn faults_of_a_structure_are_told_through_the_scenario() {
     let scenario = fs::read_to_string(shipped("chatter-policies")).expect("shipped");
     let structures =
         ["shaft", "endmill"].map(|name| fs::read_to_string(shipped(&format!("chatter/{name}"))).expect("shipped"));
-    let folder = directory("scenario-faults");
+    let folder = directory("lobes", "scenario-faults");
     fs::create_dir_all(folder.join("chatter")).expect("writable");
     let path = folder.join("shop.toml");
     let check = |changed: [(&str, &str); 3]| {
@@ -537,7 +507,7 @@ fn faults_of_a_file_are_told_with_their_place_and_fix() {
     ];
     for (from, to, told) in cases {
         assert!(text.contains(from), "{from}");
-        let path = directory("faults").join("faulty.toml");
+        let path = directory("lobes", "faults").join("faulty.toml");
         fs::write(&path, text.replacen(from, to, 1)).expect("writable");
         let output = toolroom(&["lobes", &path.display().to_string(), "--at", "5000 rpm", "0.5 mm"]);
         let answer = stderr(&output);
@@ -554,7 +524,7 @@ fn a_file_without_modes_is_refused() {
     let text = fs::read_to_string(shipped(SLOT)).expect("shipped");
     let start = text.find("[[mode]]").expect("a mode");
     let end = text.find("[cutter]").expect("a cutter");
-    let path = directory("no-modes").join("faulty.toml");
+    let path = directory("lobes", "no-modes").join("faulty.toml");
     fs::write(&path, format!("{}{}", &text[..start], &text[end..])).expect("writable");
     let output = toolroom(&["lobes", &path.display().to_string(), "--json"]);
     assert_eq!(output.status.code(), Some(2));
@@ -582,7 +552,7 @@ fn points_that_are_none_are_input_errors() {
 
 #[test]
 fn a_cut_that_is_stable_again_above_its_limit_is_told_in_every_answer() {
-    let path = directory("again").join("again.toml");
+    let path = directory("lobes", "again").join("again.toml");
     let text = "schema = 1\nname = \"again\"\nprocess = \"turning\"\n[[mode]]\nname = \"tool\"\ndirection = [0.81398, 0.5809]\n\
                 natural_frequency = \"968.5 Hz\"\ndamping_ratio = 0.0347\nstiffness = \"4.917 N/um\"\n[cut]\n\
                 cutting_coefficient = \"756.2 MPa\"\nforce_angle = \"34.2 deg\"\nprocess_damping = \"7.69e5 N/m\"\n\
@@ -602,7 +572,7 @@ fn a_cut_that_is_stable_again_above_its_limit_is_told_in_every_answer() {
     assert_eq!(intervals.len(), 3);
     assert_eq!(at("5 mm")["stable"], false);
     // Grid, curve and verdict are one answer: every point of the grid lies on the side that the ends say.
-    let out = directory("again-chart");
+    let out = directory("lobes", "again-chart");
     let chart = json(&toolroom(&["lobes", &path, "--json", "--out", &out.display().to_string()]));
     let table = fs::read_to_string(out.join("lobes.csv")).expect("the table");
     let boundary = &chart["boundaries"][0];

@@ -4,6 +4,7 @@ mod architecture;
 mod blind;
 mod calibration;
 mod cli;
+mod command_line;
 mod determinism;
 mod dynamics;
 mod examples;

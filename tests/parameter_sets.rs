@@ -1,20 +1,11 @@
 //! Parameter sets of one's own: by path wherever a shipped name may stand, every value with its origin,
 //! and a first set from one known life.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 use tempfile::TempDir;
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the binary runs")
-}
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()

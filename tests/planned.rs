@@ -1,17 +1,9 @@
 //! Grinding cycles and contours in scenarios: what is at fault is named with its place, and the same
 //! seed gives the same shop on any number of threads.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn toolroom(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(args)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("toolroom runs")
-}
 
 /// The first message of `toolroom check` on a scenario with changes, which has to be refused.
 fn refused(scenario: &str, changes: &[&str]) -> String {

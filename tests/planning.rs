@@ -1,34 +1,9 @@
 //! `toolroom identify`, `grind` and `contour`: published and reference numbers, files, refusals.
 
+use crate::command_line::{directory, stderr, stdout, toolroom};
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-/// An empty directory of this test.
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("planning-{name}"));
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("the target directory is writable");
-    path
-}
+use std::path::Path;
 
 fn shipped(name: &str) -> String {
     format!("{}/scenarios/{name}", env!("CARGO_MANIFEST_DIR"))
@@ -36,14 +11,14 @@ fn shipped(name: &str) -> String {
 
 /// An input file of a test.
 fn written(test: &str, name: &str, text: &str) -> String {
-    let path = directory(test).join(name);
+    let path = directory("planning", test).join(name);
     fs::write(&path, text).expect("the target directory is writable");
     path.display().to_string()
 }
 
 /// The JSON of a verb on a file, results in a directory of the test.
 fn result(test: &str, verb: &str, file: &str, more: &[&str]) -> Value {
-    let out = directory(&format!("{test}-out")).display().to_string();
+    let out = directory("planning", &format!("{test}-out")).display().to_string();
     let mut arguments = vec![verb, file, "--json", "--out", &out];
     arguments.extend(more);
     let output = toolroom(&arguments);
@@ -157,7 +132,7 @@ fn a_recorded_force_tells_the_lag_that_a_threshold_force_hides_in_the_stock() {
         let force = if i <= 12 { steady * rise } else { steady * rise * lag.powi(i - 12) };
         trace += &format!("t,{i},{}\n", floor + force);
     }
-    let folder = directory("force");
+    let folder = directory("planning", "force");
     fs::write(folder.join("force.csv"), trace).expect("writable");
     // The stock lacks what the threshold force keeps uncut.
     fs::write(
@@ -414,7 +389,7 @@ fn bad_contours_are_refused_with_reason_and_place() {
 
 #[test]
 fn tables_on_the_terminal_say_what_they_compare() {
-    let out = directory("terminal").display().to_string();
+    let out = directory("planning", "terminal").display().to_string();
     let output = toolroom(&["contour", &shipped("contour/mc1.toml"), "--draws", "0", "--out", &out]);
     let text = stdout(&output);
     for words in

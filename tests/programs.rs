@@ -1,28 +1,12 @@
 //! Real programs: from logs of machines and G-code to a diagnosis.
 
+use crate::command_line::{directory, json, toolroom};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 use toolroom_gap::{Diagnosis, GapVerdict, NominalModel, diagnose};
 use toolroom_records::{RecordKind, parse_csv};
 use toolroom_truth::Case;
-
-fn toolroom(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom")).args(arguments).output().expect("the binary runs")
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
-
-fn directory(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).expect("the target directory is writable");
-    path
-}
 
 const PROGRAM: &str = "%\nO1(PART)\nT1 M6\nG21 G90 G54 G0 X0 Y0 Z5. S3000 M3\nG1 Z-1. F300.\nX60. F600.\nY60.\nG0 Z50.\n\
     T2 M6\nG0 X10. Y10. Z5.\nG98 G81 Z-5. R2. F60.\nX20.\nG80\nG4 P500\nM30\n%\n";
@@ -41,7 +25,7 @@ const LOG: &str = "2024-05-02T08:00:00Z|avail|AVAILABLE|execution|READY|program|
 
 #[test]
 fn a_log_becomes_events_runs_and_timed_stretches() {
-    let dir = directory("import-mtconnect");
+    let dir = directory("programs", "import-mtconnect");
     let (log, nc, out) = (dir.join("mill.shdr"), dir.join("part.nc"), dir.join("out"));
     fs::write(&log, LOG).expect("writable");
     fs::write(&nc, PROGRAM).expect("writable");
@@ -69,7 +53,7 @@ fn a_log_becomes_events_runs_and_timed_stretches() {
 
 #[test]
 fn what_is_no_log_and_another_version_of_a_program_are_refused_with_a_fix() {
-    let dir = directory("import-mtconnect-bad");
+    let dir = directory("programs", "import-mtconnect-bad");
     let (log, nc, out) = (dir.join("mill.shdr"), dir.join("part.nc"), dir.join("out"));
     let [log_text, nc_text, out] = [&log, &nc, &out].map(|path| path.display().to_string());
     let refused = |arguments: &[&str]| {
@@ -91,7 +75,7 @@ fn what_is_no_log_and_another_version_of_a_program_are_refused_with_a_fix() {
 
 #[test]
 fn a_table_of_blocks_replaces_nothing_but_one() {
-    let dir = directory("blocks");
+    let dir = directory("programs", "blocks");
     let (nc, csv) = (dir.join("part.nc"), dir.join("blocks.csv"));
     fs::write(&nc, PROGRAM).expect("writable");
     let [nc_text, csv_text] = [&nc, &csv].map(|path| path.display().to_string());
@@ -115,7 +99,7 @@ fn a_table_of_blocks_replaces_nothing_but_one() {
 
 #[test]
 fn the_time_of_a_program_is_told_by_tool() {
-    let nc = directory("program-time").join("part.nc");
+    let nc = directory("programs", "program-time").join("part.nc");
     fs::write(&nc, PROGRAM).expect("writable");
     let summary = json(&toolroom(&["program", &nc.display().to_string(), "--set", "tool_change_time=4 s", "--json"]));
     assert_eq!(summary["tools"].as_array().map(Vec::len), Some(2), "{summary}");
@@ -128,7 +112,7 @@ fn the_time_of_a_program_is_told_by_tool() {
 /// What the program leaves out or differs by control used to be passed over: minutes too many, holes and moves too few.
 #[test]
 fn a_program_that_cannot_be_timed_is_refused_with_line_word_and_fix() {
-    let nc = directory("program-refused").join("part.nc");
+    let nc = directory("programs", "program-refused").join("part.nc");
     let name = nc.display().to_string();
     let told = |text: &str, options: &[&str]| {
         fs::write(&nc, text).expect("writable");
@@ -258,7 +242,7 @@ fn data(name: &str) -> Option<PathBuf> {
 #[test]
 fn the_box_of_the_nist_test_bed_is_timed_and_its_gap_named() {
     let Some(folder) = data("nist-box") else { return };
-    let dir = directory("nist-box");
+    let dir = directory("programs", "nist-box");
     let file = |name: &str| folder.join(name).display().to_string();
     for operation in [2, 3] {
         let logs: Vec<String> =
@@ -285,7 +269,7 @@ fn the_box_of_the_nist_test_bed_is_timed_and_its_gap_named() {
 #[test]
 fn the_log_of_an_okuma_falls_into_its_four_segments() {
     let Some(log) = data("okuma-mtconnect-shdr.txt") else { return };
-    let out = directory("okuma").join("out").display().to_string();
+    let out = directory("programs", "okuma").join("out").display().to_string();
     let summary = json(&toolroom(&["import", "mtconnect", &log.display().to_string(), "--out", &out, "--json"]));
     assert_eq!((summary["sessions"].as_u64(), summary["completed"].as_u64()), (Some(4), Some(4)), "{summary}");
 }

@@ -1,17 +1,13 @@
 //! A scenario against records of its own runs: no gap is answered by a test, and a wrong noise is seen.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
-fn toolroom(arguments: &[&str]) {
-    let output = Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(arguments)
-        .env("NO_COLOR", "1")
-        .stdin(Stdio::null())
-        .output()
-        .expect("the binary runs");
+/// A run of the program that has to succeed.
+fn done(arguments: &[&str]) {
+    let output = toolroom(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
@@ -25,9 +21,9 @@ fn diagnosis(shop: &str, model: &str, table: &str, seed: u64) -> Value {
     let at = |name: &str| Path::join(dir.path(), name).display().to_string();
     fs::write(at("shop.toml"), shop).expect("a writable folder");
     fs::write(at("model.toml"), model).expect("a writable folder");
-    toolroom(&["run", &at("shop.toml"), "--seed", &seed.to_string(), "--records", &at("r"), "--out", &at("o")]);
+    done(&["run", &at("shop.toml"), "--seed", &seed.to_string(), "--records", &at("r"), "--out", &at("o")]);
     let data = at(&format!("r/{table}.csv"));
-    toolroom(&["gap", "diagnose", "--model", &at("model.toml"), "--data", &data, "--out", &at("d")]);
+    done(&["gap", "diagnose", "--model", &at("model.toml"), "--data", &data, "--out", &at("d")]);
     let text = fs::read_to_string(at("d/diagnosis.json")).expect("a diagnosis");
     serde_json::from_str(&text).expect("JSON")
 }
@@ -116,27 +112,18 @@ fn what_was_applied_has_no_gap_to_fresh_records_of_the_same_shop() {
         fs::write(at("model.toml"), &text).expect("a writable folder");
         for (records, seed) in [("first", seed), ("second", seed + 100)] {
             let (seed, out) = (seed.to_string(), at(&format!("o{records}")));
-            toolroom(&["run", &at("shop.toml"), "--seed", &seed, "--records", &at(records), "--out", &out]);
+            done(&["run", &at("shop.toml"), "--seed", &seed, "--records", &at(records), "--out", &out]);
         }
         let diagnosed = |model: &str, records: &str, out: &str| -> Value {
             let data = at(&format!("{records}/operations.csv"));
-            toolroom(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
+            done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &at(out)]);
             let text = fs::read_to_string(at(&format!("{out}/diagnosis.json"))).expect("a diagnosis");
             serde_json::from_str(&text).expect("JSON")
         };
         let first = diagnosed("model.toml", "first", "d1");
         assert_eq!(first["effects"][0]["id"], "wear_force", "seed {seed}: {}", first["notes"]);
         let diagnosis = at("d1/diagnosis.json");
-        toolroom(&[
-            "gap",
-            "apply",
-            "--model",
-            &at("model.toml"),
-            "--diagnosis",
-            &diagnosis,
-            "--out",
-            &at("applied.toml"),
-        ]);
+        done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &at("applied.toml")]);
         let second = diagnosed("applied.toml", "second", "d2");
         assert_eq!(second["effects"], Value::Array(Vec::new()), "seed {seed}: {}", second["notes"]);
         assert!(second["fit"]["p"].is_number(), "seed {seed}: a calibrated model is tested as any other");
@@ -159,18 +146,18 @@ fn breakdowns_that_were_applied_have_no_gap_to_fresh_records() {
     fs::write(at("shop.toml"), &often).expect("a writable folder");
     fs::write(at("model.toml"), &text).expect("a writable folder");
     for seed in ["1", "2"] {
-        toolroom(&["run", &at("shop.toml"), "--seed", seed, "--records", &at(&format!("r{seed}")), "--out", &at("o")]);
+        done(&["run", &at("shop.toml"), "--seed", seed, "--records", &at(&format!("r{seed}")), "--out", &at("o")]);
     }
     let diagnosed = |model: &str, seed: &str| -> Value {
         let (data, out) = (at(&format!("r{seed}/events.csv")), at(&format!("d{seed}")));
-        toolroom(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &out]);
+        done(&["gap", "diagnose", "--model", &at(model), "--data", &data, "--out", &out]);
         let text = fs::read_to_string(at(&format!("d{seed}/diagnosis.json"))).expect("a diagnosis");
         serde_json::from_str(&text).expect("JSON")
     };
     let first = diagnosed("model.toml", "1");
     assert_eq!(first["verdict"], "constant", "{}", first["notes"]);
     let (diagnosis, applied) = (at("d1/diagnosis.json"), at("applied.toml"));
-    toolroom(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &applied]);
+    done(&["gap", "apply", "--model", &at("model.toml"), "--diagnosis", &diagnosis, "--out", &applied]);
     let factor = |parameter: &str| {
         let list = first["applied"]["calibration"].as_array().expect("a list");
         let own = |own: &&Value| own["parameter"] == parameter && own["target"] == "machine L1";

@@ -1,17 +1,9 @@
 //! Rivals are compared at their best: every rule is tuned with the same budget on a seed of its own, and judged on fresh
 //! random numbers.
 
+use crate::command_line::toolroom;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn toolroom(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_toolroom"))
-        .args(args)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("toolroom runs")
-}
 
 /// A short comparison of two rules of the demo shop, tuned with the least budget.
 fn compared(folder: &Path, more: &[&str]) -> Value {

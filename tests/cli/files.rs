@@ -207,7 +207,7 @@ fn the_shipped_schemas_are_the_printed_ones() {
 
 #[test]
 fn new_writes_a_valid_scenario_and_never_overwrites() {
-    let path = directory("new").join("shop");
+    let path = directory("cli", "new").join("shop");
     let dir = path.display().to_string();
     assert_eq!(toolroom(&["new", &dir]).status.code(), Some(0));
     let scenario = path.join("scenario.toml").display().to_string();
@@ -216,7 +216,7 @@ fn new_writes_a_valid_scenario_and_never_overwrites() {
     let again = toolroom(&["new", &dir]);
     assert_eq!(again.status.code(), Some(2), "{}", stderr(&again));
     assert_eq!(fs::read_to_string(&scenario).expect("there"), "mine");
-    let other = directory("new_schema");
+    let other = directory("cli", "new_schema");
     fs::write(other.join("scenario.schema.json"), "mine").expect("writable");
     let refused = toolroom(&["new", &other.display().to_string()]);
     assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));

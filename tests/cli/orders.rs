@@ -7,7 +7,7 @@ fn an_order_table_is_checked_and_answered() {
     let scenario = shipped("shop/orders");
     let checked = toolroom(&["check", &scenario]);
     assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
-    let out = directory("orders");
+    let out = directory("cli", "orders");
     let ran = |more: &[&str]| {
         let out = out.display().to_string();
         json(&toolroom(&[&["run", &scenario, "--out", &out, "--force", "--json"], more].concat()))
@@ -42,7 +42,7 @@ fn an_order_table_is_checked_and_answered() {
 
 #[test]
 fn a_bad_row_is_told_with_its_line() {
-    let folder = directory("orders-bad");
+    let folder = directory("cli", "orders-bad");
     let text = fs::read_to_string(shipped("shop/orders")).expect("the scenario");
     let table = fs::read_to_string(shipped("shop/orders").replace(".toml", ".csv")).expect("the table");
     let scenario = folder.join("orders.toml");

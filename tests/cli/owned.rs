@@ -26,7 +26,7 @@ fn write(path: impl AsRef<Path>, text: &str) {
 
 #[test]
 fn a_second_run_keeps_what_it_did_not_write_and_removes_what_it_no_longer_writes() {
-    let out = directory("owned_second").join("out");
+    let out = directory("cli", "owned_second").join("out");
     done(&quick("run", &out, &["--format", "csv"]));
     let run: Value = serde_json::from_str(&read(out.join("run.json"))).expect("JSON");
     let listed: Vec<&str> =
@@ -47,7 +47,7 @@ fn a_second_run_keeps_what_it_did_not_write_and_removes_what_it_no_longer_writes
 
 #[test]
 fn a_result_that_somebody_changed_is_replaced_by_force_only() {
-    let out = directory("owned_changed").join("out");
+    let out = directory("cli", "owned_changed").join("out");
     done(&quick("compare", &out, &[]));
     let before = read(out.join("summary.json"));
     write(out.join("summary.json"), "annotated");
@@ -63,7 +63,7 @@ fn a_result_that_somebody_changed_is_replaced_by_force_only() {
 
 #[test]
 fn a_folder_of_others_is_used_where_nothing_stands_in_the_way() {
-    let out = directory("owned_foreign").join("out");
+    let out = directory("cli", "owned_foreign").join("out");
     fs::create_dir(&out).expect("writable");
     write(out.join("thesis.txt"), "mine");
     write(out.join("report.html"), "mine");
@@ -85,7 +85,7 @@ fn a_folder_of_others_is_used_where_nothing_stands_in_the_way() {
 
 #[test]
 fn results_of_a_version_without_a_list_are_replaced_and_nothing_else() {
-    let out = directory("owned_earlier").join("out");
+    let out = directory("cli", "owned_earlier").join("out");
     done(&quick("compare", &out, &["--format", "csv"]));
     let mut run: Value = serde_json::from_str(&read(out.join("run.json"))).expect("JSON");
     run.as_object_mut().expect("an object").remove("files");
@@ -101,7 +101,7 @@ fn results_of_a_version_without_a_list_are_replaced_and_nothing_else() {
 #[cfg(unix)]
 #[test]
 fn a_link_is_followed_and_stays_one() {
-    let dir = directory("owned_link");
+    let dir = directory("cli", "owned_link");
     fs::create_dir(dir.join("real")).expect("writable");
     for (link, to) in [("link", "real"), ("dangling", "later")] {
         std::os::unix::fs::symlink(to, dir.join(link)).expect("writable");
@@ -116,7 +116,7 @@ fn a_link_is_followed_and_stays_one() {
 #[test]
 fn a_folder_has_one_writer_and_a_dead_one_keeps_nobody_out() {
     use std::process::{Command, Stdio};
-    let out = directory("owned_lock").join("out");
+    let out = directory("cli", "owned_lock").join("out");
     let mut first = Command::new(env!("CARGO_BIN_EXE_toolroom"))
         .args(["compare", &shipped("template"), "--replications", "100000", "--logged", "0", "--out"])
         .arg(&out)
@@ -140,7 +140,7 @@ fn a_folder_has_one_writer_and_a_dead_one_keeps_nobody_out() {
 
 #[test]
 fn records_replace_nothing_of_others() {
-    let dir = directory("owned_records");
+    let dir = directory("cli", "owned_records");
     let (out, records) = (dir.join("out"), dir.join("records"));
     fs::create_dir(&records).expect("writable");
     write(records.join("events.csv"), "measured");
@@ -163,7 +163,7 @@ fn records_replace_nothing_of_others() {
 
 #[test]
 fn a_model_with_effects_takes_the_place_of_no_model_of_the_user() {
-    let dir = directory("owned_apply");
+    let dir = directory("cli", "owned_apply");
     let [model, diagnosis, better] =
         ["model.toml", "diagnosis.json", "better.toml"].map(|name| dir.join(name).display().to_string());
     let nominal = read(shipped("gap/turning"));
@@ -200,7 +200,7 @@ fn a_model_with_effects_takes_the_place_of_no_model_of_the_user() {
 
 #[test]
 fn a_plan_takes_no_file_of_the_user_and_never_the_scenario() {
-    let dir = directory("owned_plan");
+    let dir = directory("cli", "owned_plan");
     let [scenario, plan] = ["shop.toml", "plan.json"].map(|name| dir.join(name).display().to_string());
     write(&scenario, &read(shipped("template")));
     let to = |place: &str, more: &[&str]| toolroom(&[&["compare", &scenario, "--plan", place], more].concat());

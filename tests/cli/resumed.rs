@@ -21,7 +21,7 @@ fn assert_same(one: &Path, two: &Path) {
 
 #[test]
 fn a_stopped_study_goes_on_to_the_same_bytes() {
-    let dir = directory("resume");
+    let dir = directory("cli", "resume");
     for (verb, more) in [
         ("run", &["--replications", "7"][..]),
         ("run", &["--replications", "7", "--format", "csv"]),
@@ -52,7 +52,7 @@ fn a_stopped_study_goes_on_to_the_same_bytes() {
 
 #[test]
 fn another_study_does_not_go_on_and_says_what_differs() {
-    let dir = directory("resume_other");
+    let dir = directory("cli", "resume_other");
     let out = dir.join("out");
     assert_eq!(quick("run", &out, &["--stop-after", "1"]).status.code(), Some(1));
     let before = bytes(&out);
@@ -85,7 +85,7 @@ fn another_study_does_not_go_on_and_says_what_differs() {
 
 #[test]
 fn a_missing_report_is_drawn_again() {
-    let dir = directory("redraw");
+    let dir = directory("cli", "redraw");
     for (name, more, code) in [("whole", &[][..], 0), ("part", &["--stop-after", "2"], 1)] {
         let out = dir.join(name);
         assert_eq!(quick("compare", &out, more).status.code(), Some(code));
@@ -119,7 +119,7 @@ fn interrupted_after(seconds: u64, out: &Path, signal: &str, code: i32) {
 #[test]
 fn an_interrupted_study_keeps_what_is_complete() {
     for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
-        let dir = directory("interrupt");
+        let dir = directory("cli", "interrupt");
         let out = dir.join("out");
         // A busy machine may need longer for its first replications; until then nothing is written.
         for seconds in [1, 4, 16, 64] {
@@ -146,7 +146,7 @@ fn is_readable_as_far_as_it_came(out: &Path) {
 
 #[test]
 fn a_recorded_shop_is_diagnosed_and_its_key_figures_come_nearer() {
-    let dir = directory("recorded-shop");
+    let dir = directory("cli", "recorded-shop");
     let path = |name: &str| dir.join(name).display().to_string();
     let nominal = shipped("gap/shop");
     let late = "\n[[deviation]]\nid = \"operator_delay\"\nsize = \"15 s\"\nshift = \"S2\"\n";

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn compare_prints_the_table_and_leaves_a_complete_directory() {
-    let dir = directory("compare");
+    let dir = directory("cli", "compare");
     let out = dir.join("result");
     let output = quick("compare", &out, &[]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -56,7 +56,7 @@ fn compare_prints_the_table_and_leaves_a_complete_directory() {
 
 #[test]
 fn run_writes_csv_and_report_and_diff_read_it_again() {
-    let dir = directory("run");
+    let dir = directory("cli", "run");
     let (one, two) = (dir.join("one"), dir.join("two"));
     assert_eq!(quick("run", &one, &["--format", "csv"]).status.code(), Some(0));
     let jobs = fs::read_to_string(one.join("jobs.csv")).expect("a log table");
@@ -135,7 +135,7 @@ fn figure(dir: &Path, id: &str) -> Vec<f64> {
 
 #[test]
 fn runs_that_differ_in_the_dispatch_rule_are_compared_in_pairs() {
-    let dir = directory("diff");
+    let dir = directory("cli", "diff");
     let file = dir.join("busy.toml");
     fs::write(&file, BUSY).expect("writable");
     let run = |name: &str, more: &[&str]| {
@@ -198,7 +198,7 @@ fn runs_that_differ_in_the_dispatch_rule_are_compared_in_pairs() {
 
 #[test]
 fn what_cannot_be_written_is_told_before_any_work() {
-    let dir = directory("unwritable");
+    let dir = directory("cli", "unwritable");
     fs::write(dir.join("file"), "x").expect("writable");
     fs::create_dir(dir.join("mine")).expect("writable");
     fs::write(dir.join("mine/report.html"), "x").expect("writable");
@@ -213,7 +213,7 @@ fn what_cannot_be_written_is_told_before_any_work() {
 
 #[test]
 fn a_study_of_nothing_is_an_input_error() {
-    let out = directory("nothing").join("out");
+    let out = directory("cli", "nothing").join("out");
     let path = shipped("template");
     let out_name = out.display().to_string();
     let with = |more: &[&str]| toolroom(&[&["compare", &path, "--out", &out_name], more].concat());
@@ -236,7 +236,7 @@ fn a_study_of_nothing_is_an_input_error() {
 
 #[test]
 fn a_sweep_gives_a_comparison_at_every_value() {
-    let out = directory("sweep").join("out");
+    let out = directory("cli", "sweep").join("out");
     let sweep = ["-P", "machine.L.tool_change_time", "1 min", "2 min", "1 min"];
     let result = json(&quick("compare", &out, &[&sweep[..], &["--json"]].concat()));
     let points = result["points"].as_array().expect("points");
@@ -246,7 +246,7 @@ fn a_sweep_gives_a_comparison_at_every_value() {
 
 #[test]
 fn precision_stops_a_study_early() {
-    let out = directory("until").join("out");
+    let out = directory("cli", "until").join("out");
     let (path, out) = (shipped("template"), out.display().to_string());
     let until = ["--until", "half-width 90%", "--replications", "400", "--json"];
     let policies = ["--policy", "constant", "--policy", "best constant", "--set", "shop.horizon=6 h"];
