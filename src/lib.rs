@@ -18,7 +18,7 @@
 //! | parameters from measured edges | [`calibrate::Calibration`] | `toolroom calibrate --data` |
 //! | why model and records differ | [`diagnose`] | `toolroom gap diagnose` |
 //! | a diagnosis with its documents | [`gap_study::GapStudy`] | `toolroom gap diagnose` |
-//! | a process at one point | [`planning::point::Point`] | `toolroom point` |
+//! | a process at one point, at many | [`planning::point::Point`], [`planning::point::PointGrid`] | `toolroom point` |
 //! | the cycle time of a part program | [`planning::program::CycleTime`] | `toolroom program` |
 //! | what differs between two runs | [`study::difference::RunDifference`] | `toolroom diff` |
 //! | what is wrong in a file of any kind | [`kinds::FileKind`] | `toolroom check` |
@@ -31,6 +31,7 @@
 //! The functions write no files. A study hands out its tables, pictures and report as [`chart::ResultFiles`], which
 //! the caller writes where they belong.
 
+pub use toolroom_apply as apply;
 pub use toolroom_blind as blind;
 pub use toolroom_calibrate as calibrate;
 pub use toolroom_chart as chart;
@@ -39,6 +40,8 @@ pub use toolroom_contour as contour;
 pub use toolroom_cutting as cutting;
 pub use toolroom_effects as effects;
 pub use toolroom_fmu as fmu;
+#[cfg(feature = "fmu-import")]
+pub use toolroom_fmu_import as fmu_import;
 pub use toolroom_form as form;
 pub use toolroom_gap as gap;
 pub use toolroom_gap_study as gap_study;
@@ -46,6 +49,7 @@ pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
 pub use toolroom_kinds as kinds;
 pub use toolroom_life as life;
+pub use toolroom_parquet as parquet;
 pub use toolroom_planning as planning;
 pub use toolroom_process as process;
 pub use toolroom_program as program;
@@ -119,4 +123,16 @@ pub fn diagnose(model: impl AsRef<Path>, data: impl AsRef<Path>, seed: u64) -> R
     let model = NominalModel::read(model.as_ref(), &[])?;
     let (records, _) = read_records(data, model.kind())?;
     Ok(gap::diagnose_processes(&[model.asked(&records, None, |_, _| false)], seed))
+}
+
+/// The library of exported FMI units for this machine, which is inside the program.
+///
+/// # Errors
+/// A library that cannot be unpacked.
+#[cfg(feature = "embedded-units")]
+pub fn unit_library() -> std::io::Result<Vec<u8>> {
+    const PACKED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib"));
+    let mut library = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)?;
+    Ok(library)
 }

@@ -15,7 +15,7 @@ import threading
 import time
 from pathlib import Path
 
-from toolroom_shards import merge, plan, run_dask, run_ray, run_serial
+from toolroom.shards import merge, plan, run_dask, run_ray, run_serial
 
 SHARDS = 12
 # Folder of this run, by which its processes are told from others.

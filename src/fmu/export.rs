@@ -136,11 +136,8 @@ fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
 /// The library inside this program.
 #[cfg(feature = "embedded-units")]
 fn own_library(_platform: Platform) -> Result<Vec<u8>, Failure> {
-    const PACKED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib"));
-    let mut library = Vec::new();
-    std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)
-        .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })?;
-    Ok(library)
+    toolroom::unit_library()
+        .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })
 }
 
 fn not_compiled(error: &CrossError) -> Failure {

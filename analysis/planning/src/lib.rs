@@ -7,7 +7,7 @@
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
 //! | [`modes`] | vibration modes from a tap test, with their uncertainty |
-//! | [`point`] | every output of a process at one operating point |
+//! | [`point`] | every output of a process at one operating point, or at many |
 //! | [`program`] | the nominal cycle time of a part program, by tool and by block |
 //!
 //! A study hands out text for a terminal, JSON for programs, and its files: tables, pictures and the report. It

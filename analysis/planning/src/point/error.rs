@@ -50,6 +50,30 @@ pub enum PointError {
         /// Inputs and states that there are.
         known: Vec<&'static str>,
     },
+    /// An axis that is given twice, or beside a change of the same value.
+    #[error("`{key}` is given twice")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+    /// Axes of different lengths.
+    #[error("`{key}` has {found} values, and the axes before it have {expected}")]
+    Lengths {
+        /// The axis.
+        key: String,
+        /// Number of its values.
+        found: usize,
+        /// Number of values of the others.
+        expected: usize,
+    },
+    /// A point of a grid that is refused.
+    #[error("point {index}: {source}")]
+    Row {
+        /// Which point, from 0.
+        index: usize,
+        /// Why.
+        source: Box<PointError>,
+    },
     /// A time of the advance that is none.
     #[error("--advance: {0}")]
     AdvanceTime(UnitError),
@@ -71,6 +95,9 @@ impl PointError {
                 let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
                 format!("{near}inputs and states: {}; parameters as group.name", known.join(", "))
             }
+            Self::Twice { .. } => "leave one of them out".to_owned(),
+            Self::Lengths { .. } => "give every axis as many values as there are points".to_owned(),
+            Self::Row { source, .. } => source.fix(),
             Self::AdvanceTime(_) => "--advance \"10 s\"".to_owned(),
             Self::Advance(_) => "see the ranges above".to_owned(),
         }

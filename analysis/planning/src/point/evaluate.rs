@@ -3,17 +3,28 @@
 use super::{Point, PointError, PointOptions};
 use crate::change::{ChangeError, assign, parts};
 use serde_json::{Value, json};
-use toolroom_process::{AnyRecord, Process, Record, unit};
+use toolroom_process::{AnyRecord, Process, ProcessEvent, Record, unit};
 
 /// Applies every change to input, state or parameters, advances, and reads everything.
 pub fn evaluate<P: Process>(
     process: &mut P,
-    mut input: P::Input,
+    input: P::Input,
     options: &PointOptions,
 ) -> Result<(Point, P::Input, P::State), PointError> {
     let changes = options.changes.iter().map(|text| parts(text)).collect::<Result<Vec<_>, _>>()?;
-    // Parameters first: the initial state may depend on them.
-    for (key, value) in &changes {
+    set_parameters(process, &changes)?;
+    let (mut input, mut state) = (input, process.initial());
+    set_values::<P>(&mut input, &mut state, &changes)?;
+    let event = advance(process, &mut input, &mut state, options)?;
+    let output = process.output(&state, &input);
+    let point =
+        Point { process: P::NAME, inputs: values(&input), state: values(&state), outputs: values(&output), event };
+    Ok((point, input, state))
+}
+
+/// Applies changes `group.name` of parameters; they come first, since the initial state may depend on them.
+pub fn set_parameters<P: Process>(process: &mut P, changes: &[(&str, &str)]) -> Result<(), PointError> {
+    for (key, value) in changes {
         if let Some((group, name)) = key.split_once('.') {
             let mut groups = process.parameters_mut();
             let known = groups.iter().map(|(name, _)| *name).collect();
@@ -26,24 +37,41 @@ pub fn evaluate<P: Process>(
             }
         }
     }
-    let mut state = process.initial();
+    Ok(())
+}
+
+/// Applies changes of inputs and states.
+pub fn set_values<P: Process>(
+    input: &mut P::Input,
+    state: &mut P::State,
+    changes: &[(&str, &str)],
+) -> Result<(), PointError> {
     for (key, value) in changes.iter().filter(|(key, _)| !key.contains('.')) {
-        if !assigned(&mut input, key, value)? && !assigned(&mut state, key, value)? {
-            let known = P::Input::FIELDS.iter().chain(P::State::FIELDS).map(|field| field.name).collect();
-            return Err(PointError::NoValue { process: P::NAME, key: (*key).to_owned(), known });
+        if !assigned(input, key, value)? && !assigned(state, key, value)? {
+            return Err(no_value::<P>(key));
         }
     }
-    let mut event = None;
-    if let Some(time) = &options.advance {
-        let time = unit::quantity(time, "s").map_err(PointError::AdvanceTime)?;
-        let advance = process.advance(&mut state, &input, time).map_err(PointError::Advance)?;
-        input = process.input_after(&input, advance.elapsed);
-        event = advance.event;
-    }
-    let output = process.output(&state, &input);
-    let point =
-        Point { process: P::NAME, inputs: values(&input), state: values(&state), outputs: values(&output), event };
-    Ok((point, input, state))
+    Ok(())
+}
+
+/// A key that is neither an input nor a state of the process.
+pub fn no_value<P: Process>(key: &str) -> PointError {
+    let known = P::Input::FIELDS.iter().chain(P::State::FIELDS).map(|field| field.name).collect();
+    PointError::NoValue { process: P::NAME, key: key.to_owned(), known }
+}
+
+/// Advances by the time of the options; what stopped the advance before its time.
+pub fn advance<P: Process>(
+    process: &P,
+    input: &mut P::Input,
+    state: &mut P::State,
+    options: &PointOptions,
+) -> Result<Option<ProcessEvent>, PointError> {
+    let Some(time) = &options.advance else { return Ok(None) };
+    let time = unit::quantity(time, "s").map_err(PointError::AdvanceTime)?;
+    let advance = process.advance(state, input, time).map_err(PointError::Advance)?;
+    *input = process.input_after(input, advance.elapsed);
+    Ok(advance.event)
 }
 
 /// Sets `name` of a record from text; false where the record has no such scalar.

@@ -1,13 +1,15 @@
-//! Every output of a process at one operating point.
+//! Every output of a process at one operating point, or at many.
 //!
 //! A parameter set is used at the cut for which it was made; changes of inputs, states and parameters are texts of the
 //! form `key=value` with a unit. Numbers of a [`Point`] are in the units of their headers.
 
 mod error;
 mod evaluate;
+mod grid;
 mod turning;
 
 pub use error::PointError;
+pub use grid::{Axis, Column, PointGrid};
 
 use evaluate::evaluate;
 use serde_json::{Map, Value, json};
@@ -45,6 +47,13 @@ pub struct PointOptions {
     pub life_model: LifeModel,
 }
 
+impl Default for PointOptions {
+    /// A set of the demo without changes and effects; lives of a tool body in balance.
+    fn default() -> Self {
+        Self { tool: None, changes: Vec::new(), effects: Vec::new(), advance: None, life_model: LifeModel::QuasiSteady }
+    }
+}
+
 /// One operating point worked out: values by header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
@@ -60,32 +69,47 @@ pub struct Point {
     pub event: Option<ProcessEvent>,
 }
 
+/// Effects of the options.
+fn effects(options: &PointOptions) -> Result<Effects, PointError> {
+    let effects = options.effects.iter().map(|text| text.parse::<Effect>()).collect::<Result<Vec<_>, _>>();
+    effects.and_then(Effects::new).map_err(PointError::Effect)
+}
+
+/// Milling with the set of the options, at the cut for which that was made, unless a change says otherwise.
+fn milling(options: &PointOptions, effects: Effects) -> Result<(Milling, MillingInput), PointError> {
+    let milling = Milling::load(options.tool.as_deref().unwrap_or("c45_endmill_d12"), Path::new(""))?;
+    effects.check(Milling::NAME).map_err(PointError::Effect)?;
+    let start = MillingInput {
+        cutting_speed: milling.life.reference_speed,
+        feed_per_tooth: milling.life.reference_feed,
+        depth_of_cut: milling.life.reference_depth,
+        width_of_cut: milling.life.reference_width,
+        ..MillingInput::default()
+    };
+    Ok((Milling { effects, ..milling }, start))
+}
+
+/// Grinding with the set of the options.
+fn infeed(options: &PointOptions, effects: Effects) -> Result<Infeed, PointError> {
+    let parameters = Parameters::named(options.tool.as_deref().unwrap_or("zb153u_40kh"))?;
+    Infeed::new(parameters, effects).map_err(PointError::Effect)
+}
+
 impl Point {
     /// Evaluates a process.
     ///
     /// # Errors
     /// See [`PointError`].
     pub fn new(process: PointProcess, options: &PointOptions) -> Result<Self, PointError> {
-        let effects = options.effects.iter().map(|text| text.parse::<Effect>()).collect::<Result<Vec<_>, _>>();
-        let effects = effects.and_then(Effects::new).map_err(PointError::Effect)?;
+        let effects = effects(options)?;
         match process {
             PointProcess::Turning => turning::point(options, effects),
             PointProcess::Milling => {
-                let milling = Milling::load(options.tool.as_deref().unwrap_or("c45_endmill_d12"), Path::new(""))?;
-                effects.check(Milling::NAME).map_err(PointError::Effect)?;
-                // A set is used at the cut for which it was made, unless a change says otherwise.
-                let start = MillingInput {
-                    cutting_speed: milling.life.reference_speed,
-                    feed_per_tooth: milling.life.reference_feed,
-                    depth_of_cut: milling.life.reference_depth,
-                    width_of_cut: milling.life.reference_width,
-                    ..MillingInput::default()
-                };
-                Ok(evaluate(&mut Milling { effects, ..milling }, start, options)?.0)
+                let (mut milling, start) = milling(options, effects)?;
+                Ok(evaluate(&mut milling, start, options)?.0)
             }
             PointProcess::Infeed => {
-                let parameters = Parameters::named(options.tool.as_deref().unwrap_or("zb153u_40kh"))?;
-                let mut infeed = Infeed::new(parameters, effects).map_err(PointError::Effect)?;
+                let mut infeed = infeed(options, effects)?;
                 Ok(evaluate(&mut infeed, toolroom_infeed::Input::default(), options)?.0)
             }
         }

@@ -2,39 +2,81 @@
 
 use super::evaluate::{evaluate, values};
 use super::{Point, PointError, PointOptions};
-use serde_json::{Value, json};
+use serde_json::json;
+use std::borrow::Cow;
 use toolroom_cutting::{LifeModel, Turning, TurningInput, TurningState};
 use toolroom_effects::Effects;
 use toolroom_process::Process;
 use toolroom_wear::{Cut, Pair};
 
-pub fn point(options: &PointOptions, effects: Effects) -> Result<Point, PointError> {
+/// Heads of what is worked out beside the outputs, in the order of [`Beside`].
+pub const BESIDE: [&str; 5] =
+    ["minimum_wear_speed [m/min]", "tool_life [min]", "path_life [m]", "life_ends_by", "life_model"];
+
+/// What is worked out beside the outputs.
+pub struct Beside {
+    /// Speed of least wear in m/min, life in min and path in m; NaN for the lives of an edge that does not end.
+    pub numbers: [f64; 3],
+    /// What ends the life, or why nothing does.
+    pub ends_by: Cow<'static, str>,
+}
+
+/// The process of the options before their changes, with the cut for which its set was made.
+pub fn start(options: &PointOptions, effects: Effects) -> Result<(Turning, TurningInput), PointError> {
     let pair = Pair::load(options.tool.as_deref().unwrap_or("ni_vk6om"), std::path::Path::new(""))?;
     effects.check(Turning::NAME).map_err(PointError::Effect)?;
     // A set is used at the cut for which it was made, unless a change says otherwise.
     let reference = pair.reference_cut();
-    let mut turning = Turning { pair, effects, ..Turning::default() };
+    let turning = Turning { pair, effects, ..Turning::default() };
     let start = TurningInput {
         cutting_speed: reference.cutting_speed,
         feed_per_rev: reference.feed_per_rev,
         depth_of_cut: reference.depth_of_cut,
         ..TurningInput::default()
     };
+    Ok((turning, start))
+}
+
+/// Speed of least wear and life; a state whose body temperature nobody `gave` is warmed first where the life model
+/// has a body in balance.
+pub fn beside(
+    turning: &Turning,
+    input: &TurningInput,
+    state: &mut TurningState,
+    model: LifeModel,
+    gave: bool,
+) -> Beside {
+    if model == LifeModel::QuasiSteady && !gave {
+        state.tool_body_temperature_rise = warm_body(turning, state, input);
+    }
+    let least = minimum_wear_speed(turning, state, input) * 60.0;
+    match turning.life(input, model) {
+        Ok((life, event)) => {
+            Beside { numbers: [least, life.cutting_time / 60.0, life.path], ends_by: event.name().into() }
+        }
+        Err(reason) => Beside { numbers: [least, f64::NAN, f64::NAN], ends_by: reason.to_string().into() },
+    }
+}
+
+/// Whether the temperature of the tool body is not to be worked out: it was given, or follows from an advance.
+pub fn gives_body(options: &PointOptions) -> bool {
+    let given = options.changes.iter().any(|text| text.starts_with(BODY));
+    given || options.advance.is_some()
+}
+
+/// The state that is warmed unless it was given.
+pub const BODY: &str = "tool_body_temperature_rise";
+
+pub fn point(options: &PointOptions, effects: Effects) -> Result<Point, PointError> {
+    let (mut turning, start) = start(options, effects)?;
     let (mut point, input, mut state) = evaluate(&mut turning, start, options)?;
     let model = options.life_model;
-    let given = options.changes.iter().any(|text| text.starts_with("tool_body_temperature_rise"));
-    if model == LifeModel::QuasiSteady && !given && options.advance.is_none() {
-        state.tool_body_temperature_rise = warm_body(&turning, &state, &input);
-        point.state = values(&state);
-        point.outputs = values(&turning.output(&state, &input));
-    }
-    let mut add = |name: &str, value: Value| point.outputs.push((name.to_owned(), value));
-    add("minimum_wear_speed [m/min]", json!(minimum_wear_speed(&turning, &state, &input) * 60.0));
-    let life = turning.life(&input, model);
-    add("tool_life [min]", life.as_ref().map_or(Value::Null, |(life, _)| json!(life.cutting_time / 60.0)));
-    add("path_life [m]", life.as_ref().map_or(Value::Null, |(life, _)| json!(life.path)));
-    add("life_ends_by", life.map_or_else(|reason| json!(reason.to_string()), |(_, event)| json!(event.name())));
-    add("life_model", json!(model.name()));
+    let Beside { numbers, ends_by } = beside(&turning, &input, &mut state, model, gives_body(options));
+    point.state = values(&state);
+    point.outputs = values(&turning.output(&state, &input));
+    let texts = [json!(ends_by), json!(model.name())];
+    let beside = BESIDE.iter().zip(numbers.into_iter().map(|number| json!(number)).chain(texts));
+    point.outputs.extend(beside.map(|(head, value)| ((*head).to_owned(), value)));
     Ok(point)
 }
 

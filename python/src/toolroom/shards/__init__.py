@@ -5,7 +5,7 @@ the ``toolroom`` command that writes a part and its sidecar and does nothing whe
 already. So a shard may be run twice, on another host, or again after its worker has died: the
 merged result is the same, bit for bit.
 
-    from toolroom_shards import run_dask, merge
+    from toolroom.shards import run_dask, merge
     run_dask("plan.json", "parts", address="tcp://scheduler:8786")
     summary = merge("parts")
     print(summary["digest"])

@@ -1,0 +1,100 @@
+"""The package and the command line write the same bytes."""
+
+import json
+
+import pytest
+
+import toolroom as tr
+
+# `run.json` holds the wall time.
+UNLIKE = {"run.json"}
+
+
+def same(study, folder):
+    """Every file of a study is as the command line wrote it."""
+    there = {path.name for path in folder.iterdir() if path.is_file()} - UNLIKE
+    assert there == set(study.files) - UNLIKE
+    for name in sorted(there):
+        assert study.read(name) == (folder / name).read_bytes(), name
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_comparison(here, shipped, program):
+    scenario = tr.scenario(shipped / "demo.toml", {"shop.seed": 7})
+    words = ["compare", shipped / "demo.toml", "--set", "shop.seed=7", "--replications", 2, "--out", "cli"]
+    said = json.loads(program(*words, "--json", cwd=here))
+    study = scenario.compare(replications=2, threads=1)
+    same(study, here / "cli")
+    assert study.summary == said and study.complete
+
+
+def test_the_tables_of_a_comparison(here, shipped):
+    study = tr.scenario(shipped / "demo.toml").compare(replications=1)
+    assert {"policy", "kpi", "value"} <= set(study.kpi.columns) and len(study.kpi) > 0
+    for table in (study.operations, study.tools, study.jobs, study.states, study.events):
+        assert len(table) > 0 and table.to_polars().height == len(table)
+    assert set(study.policies) == {row["policy"] for row in study.kpi.rows()}
+
+
+def test_lives(here, shipped, program):
+    file = shipped / "life" / "constant.toml"
+    program("life", file, "--lives", 2000, "--bootstrap", 40, "--goodness", 0, "--out", "cli", cwd=here)
+    same(tr.life(file, lives=2000, bootstrap=40, goodness=0, threads=1), here / "cli")
+
+
+def test_a_chart(here, shipped, program):
+    file = shipped / "chatter" / "turning-bar.toml"
+    program("lobes", file, "--out", "cli", cwd=here)
+    same(tr.lobes(file), here / "cli")
+    said = program("lobes", file, "--at", "1000 rpm", "1 mm", "--json", cwd=here)
+    assert tr.verdict(file, "1000 rpm", "1 mm") == json.loads(said)
+
+
+def test_trials_of_grinding(here, shipped, program):
+    data = shipped / "data" / "zb153u_trials.csv"
+    program("identify", data, "--out", "cli", cwd=here)
+    same(tr.identify(data), here / "cli")
+
+
+def test_a_point(here, program):
+    said = json.loads(program("point", "turning", "--set", "cutting_speed=40 m/min", "--set", "flank_wear=0.2 mm", "--json", cwd=here))
+    table = tr.turning().point(cutting_speed=[40.0], unit="m/min", flank_wear="0.2 mm")
+    row = next(table.rows())
+    for name, value in {**said["inputs"], **said["state"], **said["outputs"]}.items():
+        if not isinstance(value, list):
+            assert row[name] == value, name
+
+
+def test_diagnosis_and_its_application(here, shipped, program):
+    model = shipped / "gap" / "turning.toml"
+    records(here, shipped, program)
+    data = here / "records" / "operations.csv"
+    program("gap", "diagnose", "--model", model, "--data", data, "--out", "cli", cwd=here)
+    found = tr.diagnose(model, data)
+    same(found, here / "cli")
+    assert found.verdict == json.loads((here / "cli" / "diagnosis.json").read_text())["verdict"]
+    if found.effects:
+        program("gap", "apply", "--model", model, "--diagnosis", "cli/diagnosis.json", "--out", "better.toml", cwd=here)
+        assert tr.apply(found, model) == (here / "better.toml").read_text()
+
+
+def test_calibration(here, shipped, program):
+    records(here, shipped, program)
+    data = here / "records" / "operations.csv"
+    words = ["--draws", 200, "--law", "extended_taylor", "--out", "my.toml"]
+    program("calibrate", "turning", "--model", "ni_vk6om", "--data", data, *words, cwd=here)
+    made = tr.calibrate("ni_vk6om", data, draws=200, laws=["extended_taylor"])
+    for name in made.files:
+        assert made.read(name) == (here / name).read_bytes(), name
+    assert len(made.posterior) == 200 and made.intervals
+
+
+def records(here, shipped, program):
+    """Records of a small shop, as its sensors would have written them."""
+    shop = shipped / "gap" / "turning.toml"
+    program("run", shop, "--replications", 1, "--records", "records", "--out", "run", cwd=here)
