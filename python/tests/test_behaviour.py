@@ -116,12 +116,12 @@ def test_a_unit_is_exported(tmp_path):
     """With a library of units at hand: that inside the package, or `TOOLROOM_UNITS`."""
     library = os.environ.get("TOOLROOM_UNITS")
     try:
-        made = tr.export_fmu("turning", tmp_path, library=library)
+        made = tr.export_fmu("turning", tmp_path, fmi=[3], library=library)
     except tr.Error as error:
         if library is None and "embedded-units" in str(error):
             pytest.skip("built without its library of units")
         raise
-    assert len(made) == 2
+    assert len(made) == 1
     for path in made:
         with zipfile.ZipFile(path) as unit:
             names = unit.namelist()

@@ -1,11 +1,13 @@
 """The package and the command line write the same bytes."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 import toolroom as tr
 
+NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
 # `run.json` holds the wall time.
 UNLIKE = {"run.json"}
 
@@ -83,15 +85,18 @@ def test_diagnosis_and_its_application(here, shipped, program):
         assert tr.apply(found, model) == (here / "better.toml").read_text()
 
 
-def test_calibration(here, shipped, program):
-    records(here, shipped, program)
-    data = here / "records" / "operations.csv"
-    words = ["--draws", 200, "--law", "extended_taylor", "--out", "my.toml"]
-    program("calibrate", "turning", "--model", "ni_vk6om", "--data", data, *words, cwd=here)
-    made = tr.calibrate("ni_vk6om", data, draws=200, laws=["extended_taylor"])
+def test_calibration(here, program):
+    data = NOTEBOOKS / "wear.csv"
+    words = ["--limit", "0.4 mm", "--draws", 200, "--law", "energy_balance", "--out", "my.toml"]
+    program("calibrate", "turning", "--model", "c45_t15k6", "--data", data, *words, cwd=here)
+    made = tr.calibrate("c45_t15k6", data, limit="0.4 mm", draws=200, laws=["energy_balance"])
+    assert sorted(made.files) == sorted(path.name for path in here.iterdir())
     for name in made.files:
         assert made.read(name) == (here / name).read_bytes(), name
-    assert len(made.posterior) == 200 and made.intervals
+    assert len(made.posterior) == 200 and made.intervals and made.law == "energy_balance"
+    frame = tr.Table.read(data).to_pandas()
+    again = tr.calibrate("c45_t15k6", frame, limit="0.4 mm", draws=200, laws=["energy_balance"])
+    assert again.set_file == made.set_file
 
 
 def records(here, shipped, program):

@@ -25,7 +25,7 @@ def test_frames_of_others_take_a_table(table):
     own = pyarrow.table(table)
     assert own.schema.field("cutting_speed [m/min]").metadata[b"unit"] == b"m/min"
     assert own.num_rows == 61
-    assert duckdb.sql('select count(*), min("tool_life [min]") > 0 from own').fetchone() == (61, True)
+    assert duckdb.sql('select count(*), min("tool_life [min]") > 0 from own').fetchall() == [(61, True)]
 
 
 def test_a_column_shares_its_memory_with_numpy(table):
