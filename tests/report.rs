@@ -62,3 +62,48 @@ fn a_browser_draws_every_chart_without_a_word() {
     // A blank page of this size is some 20 kB.
     assert!(std::fs::metadata(&picture).expect("a picture").len() > 100_000, "the page is nearly blank");
 }
+
+/// What a browser lays out: the height of the page, and what is wider than its place.
+const MEASURE: &str = "<script>(function(){\
+var over=[];document.querySelectorAll('section,figure,table,.tiles>div,p').forEach(function(e){\
+var box=getComputedStyle(e).overflowX;\
+if(e.clientWidth>0&&e.scrollWidth>e.clientWidth+1&&box!='auto')over.push(e.tagName+' '+e.textContent.trim().slice(0,40))});\
+var marks=[];document.querySelectorAll('svg').forEach(function(s){\
+var t=[...s.querySelectorAll('text')].map(function(x){return[x.textContent,x.getBoundingClientRect()]});\
+t.forEach(function(a,i){t.slice(i+1).forEach(function(b){\
+var w=Math.min(a[1].right,b[1].right)-Math.max(a[1].left,b[1].left),h=Math.min(a[1].bottom,b[1].bottom)-Math.max(a[1].top,b[1].top);\
+if(w>2&&h>3&&a[0]!=b[0])marks.push(a[0]+' on '+b[0])})})});\
+var root=document.documentElement;\
+document.title='MEASURED '+root.scrollHeight+' '+(root.scrollWidth-root.clientWidth)+' ['+over+'] ['+marks+']';})();</script></body>";
+
+#[test]
+fn a_report_fits_the_window_and_no_label_lies_on_another() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium on this machine");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let report = demo(&folder.path().join("demo"));
+    // The page forbids scripts; the copy that is measured does not.
+    let html = std::fs::read_to_string(&report).expect("a report").replace("default-src 'none';", "");
+    let copy = folder.path().join("measured.html");
+    std::fs::write(&copy, html.replace("</body>", MEASURE)).expect("a copy");
+    let measure = |width: u32| {
+        let output = Command::new(browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
+            .arg(format!("--window-size={width},1000"))
+            .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
+            .arg(format!("file://{}", copy.display()))
+            .output()
+            .expect("the browser runs");
+        let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+        let start = dom.find("<title>MEASURED ").expect("the page was measured") + "<title>MEASURED ".len();
+        dom[start..].split("</title>").next().expect("a title").to_owned()
+    };
+    for (width, most) in [(1400, 6000), (700, 11_000)] {
+        let measured = measure(width);
+        let (height, rest) = measured.split_once(' ').expect("a height");
+        assert_eq!(rest, "0 [] []", "at {width} px something overflows or lies on something else");
+        assert!(height.parse::<u32>().expect("a number") <= most, "{height} px tall at {width} px");
+    }
+}

@@ -90,8 +90,7 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     report = report
         .section(wear::section(&source))
-        .section(shop::schedule_section(&source))
-        .section(shop::oee_section(&source))
+        .section(shop::section(&source))
         .section(figures::section(&source))
         .section(notes(&source));
     report.provenance(provenance)
@@ -101,6 +100,11 @@ fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
     format!("{first}{}.", letters.as_str())
+}
+
+/// A number of replications in words.
+fn replications(count: u32) -> String {
+    if count == 1 { "1 replication".to_owned() } else { format!("{count} replications") }
 }
 
 fn tiles(source: &Source<'_>) -> Vec<Tile> {

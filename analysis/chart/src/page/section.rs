@@ -53,6 +53,12 @@ impl Figure {
     }
 }
 
+/// Figures that a [`Section::choice`] offers at most; the style sheet has a rule for each.
+pub(super) const CHOICES: usize = 24;
+
+/// Columns from which a table needs the whole width of the page.
+const WIDE: usize = 10;
+
 #[derive(Clone, Debug)]
 enum Item {
     Paragraph(String),
@@ -61,6 +67,68 @@ enum Item {
     Warning(String),
     Table(String, Table),
     Figure(Figure),
+    Choice(Vec<(String, Figure)>),
+}
+
+impl Item {
+    /// Whether the item is a block: blocks that follow one another stand side by side on a wide screen.
+    fn is_block(&self) -> bool {
+        match self {
+            Self::Table(..) | Self::Figure(_) | Self::Choice(_) => true,
+            Self::Paragraph(_) | Self::List(_) | Self::Note(_) | Self::Warning(_) => false,
+        }
+    }
+
+    fn write(&self, out: &mut String, figures: &mut usize) {
+        match self {
+            Self::Paragraph(text) => {
+                let _ = write!(out, "<p>{}</p>", escape(text));
+            }
+            Self::List(entries) if !entries.is_empty() => {
+                out.push_str("<ul>");
+                for entry in entries {
+                    let _ = write!(out, "<li>{}</li>", escape(entry));
+                }
+                out.push_str("</ul>");
+            }
+            Self::List(_) => {}
+            Self::Note(text) => {
+                let _ = write!(out, "<p class=\"remark\"><b>Note.</b> {}</p>", escape(text));
+            }
+            Self::Warning(text) => {
+                let _ = write!(out, "<p class=\"remark warning\"><b>Warning.</b> {}</p>", escape(text));
+            }
+            Self::Table(caption, table) => write_table(out, table, Some(caption), usize::MAX, readable),
+            Self::Figure(figure) => {
+                *figures += 1;
+                figure.write(out, *figures);
+            }
+            Self::Choice(choices) => write_choice(out, choices, figures),
+        }
+    }
+}
+
+/// Radio buttons with the names, then the figures; the style sheet shows the figure of the button that is set. A page
+/// on paper shows all of them.
+fn write_choice(out: &mut String, choices: &[(String, Figure)], figures: &mut usize) {
+    let group = *figures + 1;
+    let _ = write!(out, "<div class=\"choice\" role=\"group\">");
+    for (index, (name, _)) in choices.iter().enumerate() {
+        let checked = if index == 0 { " checked=\"checked\"" } else { "" };
+        let id = format!("choice-{group}-{}", index + 1);
+        let _ = write!(
+            out,
+            "<input type=\"radio\" name=\"choice-{group}\" id=\"{id}\"{checked}/><label for=\"{id}\">{}</label>",
+            escape(name)
+        );
+    }
+    for (_, figure) in choices {
+        *figures += 1;
+        out.push_str("<div class=\"panel\">");
+        figure.write(out, *figures);
+        out.push_str("</div>");
+    }
+    out.push_str("</div>\n");
 }
 
 /// A heading with paragraphs, tables, figures, notes and warnings below, in the order of the calls.
@@ -118,6 +186,19 @@ impl Section {
         self.with(Item::Figure(figure))
     }
 
+    /// Adds figures of one kind, of which the reader picks one by its name; on paper all of them are shown. The first
+    /// is shown at once. Beyond 24 the figures stand one after another.
+    #[must_use]
+    pub fn choice(self, figures: impl IntoIterator<Item = (String, Figure)>) -> Self {
+        let mut figures: Vec<_> = figures.into_iter().collect();
+        match figures.len() {
+            0 => self,
+            1 => self.with(Item::Figure(figures.remove(0).1)),
+            2..=CHOICES => self.with(Item::Choice(figures)),
+            _ => figures.into_iter().fold(self, |section, (_, figure)| section.figure(figure)),
+        }
+    }
+
     pub(super) fn heading(&self) -> &str {
         &self.heading
     }
@@ -128,30 +209,16 @@ impl Section {
             "<section id=\"section-{number}\"><h2><span class=\"n\">{number}</span>{}</h2>",
             escape(&self.heading)
         );
-        for item in &self.items {
-            match item {
-                Item::Paragraph(text) => {
-                    let _ = write!(out, "<p>{}</p>", escape(text));
-                }
-                Item::List(entries) if !entries.is_empty() => {
-                    out.push_str("<ul>");
-                    for entry in entries {
-                        let _ = write!(out, "<li>{}</li>", escape(entry));
-                    }
-                    out.push_str("</ul>");
-                }
-                Item::List(_) => {}
-                Item::Note(text) => {
-                    let _ = write!(out, "<p class=\"remark\"><b>Note.</b> {}</p>", escape(text));
-                }
-                Item::Warning(text) => {
-                    let _ = write!(out, "<p class=\"remark warning\"><b>Warning.</b> {}</p>", escape(text));
-                }
-                Item::Table(caption, table) => write_table(out, table, Some(caption), usize::MAX, readable),
-                Item::Figure(figure) => {
-                    *figures += 1;
-                    figure.write(out, *figures);
-                }
+        for items in self.items.chunk_by(|one, next| one.is_block() && next.is_block()) {
+            let is_grid = items[0].is_block();
+            if is_grid {
+                out.push_str("<div class=\"blocks\">");
+            }
+            for item in items {
+                item.write(out, figures);
+            }
+            if is_grid {
+                out.push_str("</div>");
             }
         }
         out.push_str("</section>\n");
@@ -163,7 +230,8 @@ fn write_table(out: &mut String, table: &Table, caption: Option<&str>, rows: usi
     let numeric: Vec<bool> =
         (0..table.columns().len()).map(|i| table.rows().iter().any(|row| matches!(row[i], Cell::Number(_)))).collect();
     let class = |i: usize| if numeric[i] { " class=\"num\"" } else { "" };
-    out.push_str("<div class=\"scroll\"><table>");
+    let wide = if table.columns().len() >= WIDE { " wide" } else { "" };
+    let _ = write!(out, "<div class=\"scroll{wide}\"><table>");
     if let Some(caption) = caption.filter(|c| !c.is_empty()) {
         let _ = write!(out, "<caption>{}</caption>", escape(caption));
     }

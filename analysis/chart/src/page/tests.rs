@@ -21,7 +21,8 @@ fn full(text: &str) -> Report {
             .note(text)
             .warning(text)
             .table(text, Table::new([text, text]).row([text.into(), Cell::Number(1.5)]))
-            .figure(Figure::new(&chart, text).data_in(text));
+            .figure(Figure::new(&chart, text).data_in(text))
+            .choice((0..3).map(|_| (text.to_owned(), Figure::new(&chart, text))));
         report = report.section(section);
     }
     report
@@ -123,4 +124,21 @@ fn writing_replaces_the_old_report_and_leaves_nothing_else() {
     let error = Report::new("new").write(&missing).expect_err("the folder is missing");
     assert!(error.to_string().contains("report.html"));
     std::fs::remove_dir_all(&folder).expect("removable");
+}
+
+#[test]
+fn a_choice_shows_one_figure_and_numbers_all() {
+    let chart = Plot::new("x", Axis::linear("x", "m"), Axis::linear("y", "m")).line("", [(0.0, 1.0)], Style::nth(0));
+    let figures = |count: usize| (0..count).map(|i| (format!("name {i}"), Figure::new(&chart, format!("caption {i}"))));
+    let page = |count| Report::new("t").section(Section::new("s").choice(figures(count))).html();
+    let two = page(2);
+    assert_eq!(two.matches("type=\"radio\"").count(), 2);
+    assert_eq!(two.matches("checked=\"checked\"").count(), 1, "the first is shown");
+    assert!(two.contains("Figure 1.</b> caption 0") && two.contains("Figure 2.</b> caption 1"));
+    // One figure needs no choice; more than the style sheet knows stand one after another.
+    for count in [0, 1, 25] {
+        let html = page(count);
+        assert!(!html.contains("type=\"radio\""), "{count}");
+        assert_eq!(html.matches("<figure").count(), count);
+    }
 }

@@ -32,11 +32,8 @@ pub(super) fn section(source: &Source<'_>) -> Option<Section> {
          limits of these verdicts. Lines are what a controller knows: the nominal structure, with a new edge and with \
          one of median wear.",
     );
-    for pair in pairs.iter().take(MOST_PAIRS) {
-        if let Some(figure) = pair.figure(source) {
-            section = section.figure(figure);
-        }
-    }
+    let charts = pairs.iter().take(MOST_PAIRS);
+    section = section.choice(charts.filter_map(|pair| Some((pair.name(source.scenario), pair.figure(source)?))));
     if pairs.len() > MOST_PAIRS {
         section =
             section.note(format!("The first {MOST_PAIRS} of {} pairs of machine and tool are drawn.", pairs.len()));
@@ -96,6 +93,10 @@ fn limit(row: &PassRow) -> f64 {
 }
 
 impl Pair<'_> {
+    fn name(&self, scenario: &Scenario) -> String {
+        format!("{}, {}", scenario.machines[self.machine].name, scenario.tools[self.tool].name)
+    }
+
     /// Judged passes of the pair under a policy, with their diameters.
     fn passes<'l>(&self, source: &Source<'_>, log: &'l RunLog) -> Vec<(&'l PassRow, f64)> {
         let warm = log.warm_up;

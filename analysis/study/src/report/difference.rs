@@ -32,7 +32,11 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     if let Some(figure) = relative(source) {
         section = section.figure(figure);
     }
-    section
+    let mut roles = Table::new(["policy", "what it is"]);
+    for policy in &source.comparison.policies {
+        roles.push([policy.name.as_str().into(), policy.role.describe().into()]);
+    }
+    section.table("Policies", roles)
 }
 
 fn estimate(interval: &Interval) -> Estimate {

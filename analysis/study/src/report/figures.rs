@@ -1,12 +1,12 @@
 //! All key figures as a table.
 
-use super::Source;
+use super::{Source, replications};
 use crate::figure::{decimals, is_noise, label, plain, shown};
 use toolroom_chart::page::Section;
 use toolroom_chart::{Cell, Table};
 
-/// Policies side by side in one table; more do not fit the page.
-const COLUMNS: usize = 5;
+/// Policies side by side in one table; more do not fit a page of paper.
+const COLUMNS: usize = 11;
 
 pub(super) fn section(source: &Source<'_>) -> Section {
     let mut section = Section::new("All key figures");
@@ -28,12 +28,8 @@ pub(super) fn section(source: &Source<'_>) -> Section {
             });
             table.push(std::iter::once(Cell::Text(label(source.scenario, kpi))).chain(cells));
         }
-        section =
-            section.table(format!("Means and 95 % half-widths over {} replications", source.study.replications), table);
+        let over = replications(source.study.replications);
+        section = section.table(format!("Means and 95 % half-widths over {over}"), table);
     }
-    let mut roles = Table::new(["policy", "what it is"]);
-    for policy in policies {
-        roles.push([policy.name.as_str().into(), policy.role.describe().into()]);
-    }
-    section.table("Policies", roles)
+    section
 }

@@ -1,6 +1,6 @@
 //! What the machines did: Gantt charts, state times and OEE.
 
-use super::Source;
+use super::{Source, replications};
 use crate::figure::plain;
 use crate::planner::ticks;
 use crate::trace::{last_machines, machine_of};
@@ -34,16 +34,6 @@ const MARKS: [(&str, &[&str], Marker); 4] = [
     ("edge lost", &["chipping", "thermal_collapse"], Marker::Cross),
     ("part scrapped", &["scrap"], Marker::Diamond),
 ];
-
-pub(super) fn schedule_section(source: &Source<'_>) -> Section {
-    let mut section = Section::new("What the machines did");
-    for position in source.pictured() {
-        if let Some(figure) = gantt(source, position) {
-            section = section.figure(figure);
-        }
-    }
-    section
-}
 
 /// Longest stretch of dates that a Gantt chart of orders shows, s: a week.
 const WEEK: f64 = 7.0 * 86_400.0;
@@ -111,8 +101,8 @@ fn gantt(source: &Source<'_>, position: usize) -> Option<Figure> {
     Some(Figure::new(&chart, caption).data_in("the states table"))
 }
 
-pub(super) fn oee_section(source: &Source<'_>) -> Section {
-    let mut section = Section::new("OEE and state times").paragraph(
+pub(super) fn section(source: &Source<'_>) -> Section {
+    let section = Section::new("What the machines did").paragraph(
         "OEE = availability · effectiveness · quality ratio by ISO 22400-2: production time (cutting and handling) \
          over planned busy time, the working time of the calendar and overtime; programmed time of the operations over \
          production time; programmed time of the good over that of all operations completed. An operation over an end \
@@ -121,6 +111,9 @@ pub(super) fn oee_section(source: &Source<'_>) -> Section {
     );
     let mut table =
         Table::new(["policy", "machine", "OEE", "availability", "effectiveness", "quality ratio", "utilisation, %"]);
+    let schedules = source.pictured().into_iter();
+    let schedules = schedules.filter_map(|position| Some((source.name(position).to_owned(), gantt(source, position)?)));
+    let mut shares_of_time = Vec::new();
     for position in source.pictured() {
         let policy = &source.comparison.policies[position];
         let mean = |machine: usize, id: &str| {
@@ -148,8 +141,8 @@ pub(super) fn oee_section(source: &Source<'_>) -> Section {
                 plain(100.0 * mean(machine, "utilisation"), 1).into(),
             ]);
         }
-        let caption = format!("{}, mean over {} replications.", policy.name, source.study.replications);
-        section = section.figure(Figure::new(&chart, caption).data_in("kpi.csv"));
+        let caption = format!("{}, mean over {}.", policy.name, replications(source.study.replications));
+        shares_of_time.push((policy.name.clone(), Figure::new(&chart, caption).data_in("kpi.csv")));
     }
-    section.table("OEE of every machine", table)
+    section.choice(schedules).choice(shares_of_time).table("OEE of every machine", table)
 }

@@ -33,9 +33,9 @@ pub(super) fn section(source: &Source<'_>) -> Section {
     let limits = limits(source, &policies.clone().collect::<Vec<_>>()).into_iter().map(|(_, limit)| (0.0, limit));
     let (longest, deepest) =
         ends.chain(limits).fold((0.0, 0.0), |most: (f64, f64), end| (most.0.max(end.0), most.1.max(end.1)));
-    for figure in policies.filter_map(|position| fan(source, position, longest, deepest)) {
-        section = section.figure(figure);
-    }
+    let fans = policies
+        .filter_map(|position| Some((source.name(position).to_owned(), fan(source, position, longest, deepest)?)));
+    section = section.choice(fans);
     match lives(source) {
         Some(figure) => section.figure(figure),
         None => section,
