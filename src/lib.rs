@@ -40,8 +40,6 @@ pub use toolroom_contour as contour;
 pub use toolroom_cutting as cutting;
 pub use toolroom_effects as effects;
 pub use toolroom_fmu as fmu;
-#[cfg(feature = "fmu-import")]
-pub use toolroom_fmu_import as fmu_import;
 pub use toolroom_form as form;
 pub use toolroom_gap as gap;
 pub use toolroom_gap_study as gap_study;
@@ -131,8 +129,7 @@ pub fn diagnose(model: impl AsRef<Path>, data: impl AsRef<Path>, seed: u64) -> R
 /// A library that cannot be unpacked.
 #[cfg(feature = "embedded-units")]
 pub fn unit_library() -> std::io::Result<Vec<u8>> {
-    const PACKED: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib"));
+    let packed = include_bytes!(concat!(env!("OUT_DIR"), "/units.zlib")).as_slice();
     let mut library = Vec::new();
-    std::io::Read::read_to_end(&mut flate2::read::ZlibDecoder::new(PACKED), &mut library)?;
-    Ok(library)
+    std::io::copy(&mut flate2::read::ZlibDecoder::new(packed), &mut library).map(|_| library)
 }

@@ -41,7 +41,7 @@ mod _native {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         toolroom::study::draws::register();
         #[cfg(feature = "fmu-import")]
-        toolroom::fmu_import::register();
+        toolroom_fmu_import::register();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }
