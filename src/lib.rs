@@ -24,8 +24,7 @@
 //! | what is wrong in a file of any kind | [`kinds::FileKind`] | `toolroom check` |
 //! | a process as an FMI unit | [`fmu::package`] | `toolroom fmu export` |
 //!
-//! Quantities are SI numbers (rad, K) unless a name says otherwise. The folder `examples` has an example of scenarios,
-//! policies, lives, the diagnosis, points and units.
+//! Quantities are SI numbers (rad, K) unless a name says otherwise. Programs over it are in `examples`.
 //!
 //! # What is not modelled
 //! The functions write no files. A study hands out its tables, pictures and report as [`chart::ResultFiles`], which

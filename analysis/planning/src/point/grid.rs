@@ -133,7 +133,7 @@ fn grid<P: Process + Clone>(
     options: &PointOptions,
     axes: &[Axis<'_>],
     (number_heads, text_heads): (&[&str], &[&str]),
-    beside: &(dyn Fn(&P, &P::Input, &mut P::State) -> Row + Sync),
+    beside: &(impl Fn(&P, &P::Input, &mut P::State) -> Row + Sync),
 ) -> Result<PointGrid, PointError> {
     let changes = options.changes.iter().map(|text| parts(text)).collect::<Result<Vec<_>, _>>()?;
     set_parameters(&mut process, &changes)?;
@@ -275,9 +275,12 @@ mod tests {
         PointOptions { changes: changes.iter().map(|change| (*change).to_owned()).collect(), ..PointOptions::default() }
     }
 
+    /// Process, key of the axis, its unit and values, changes.
+    type Case = (PointProcess, &'static str, &'static str, [f64; 3], &'static [&'static str]);
+
     #[test]
     fn rows_are_the_points_bit_for_bit() {
-        let cases: [(PointProcess, &str, &str, [f64; 3], &[&str]); 5] = [
+        let cases: [Case; 5] = [
             (PointProcess::Turning, "cutting_speed", "m/min", [20.0, 37.3, 80.0], &["flank_wear=0.2 mm"]),
             (PointProcess::Turning, "flank_wear", "um", [0.0, 100.0, 250.0], &["cutting_speed=40 m/min"]),
             (PointProcess::Turning, "limits.wear_limit", "mm", [0.2, 0.3, 0.4], &[]),
