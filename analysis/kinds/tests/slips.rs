@@ -6,11 +6,13 @@ use rand_chacha::ChaCha8Rng;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toolroom_chart::page::Provenance;
+use toolroom_chatter::ChatterError;
 use toolroom_form::{FaultList, ReadError};
 use toolroom_kernel::SimTime;
 use toolroom_kinds::{FileKind, KindError};
 use toolroom_nominal::ModelFileError;
 use toolroom_planning::contour::{self, StudyOptions, Task};
+use toolroom_planning::lobes;
 use toolroom_records::import::{ImportError, Mapped, Mapping, Origin, import_csv};
 use toolroom_scenario::file::{self, ScenarioFile};
 use toolroom_shop::Shop;
@@ -159,6 +161,16 @@ fn grind(path: &Path) -> Result<(), Refused> {
     Ok(())
 }
 
+/// Four points of the chart: one that does not converge is a hole, and no fault of the file.
+fn chart(path: &Path) -> Result<(), Refused> {
+    let mut file = lobes::read(path, &[])?.content;
+    (file.chart.speed.points, file.chart.depth.points) = (2, 2);
+    match file.cut.lobes(&file.chart, 0..2) {
+        Ok(_) | Err(ChatterError::NotConverged { .. }) => Ok(()),
+        Err(error) => Err(work(error)),
+    }
+}
+
 /// Every plan, with draws and files.
 fn plan(path: &Path) -> Result<(), Refused> {
     let task = Task::read(path, None, &[])?;
@@ -278,6 +290,11 @@ fn what_life_refuses_of_a_study_check_finds() {
 #[test]
 fn what_grind_refuses_of_a_cycle_check_finds() {
     tried("cycle", grind);
+}
+
+#[test]
+fn what_lobes_refuses_of_a_chart_check_finds() {
+    tried("lobes", chart);
 }
 
 #[test]

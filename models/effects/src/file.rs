@@ -4,8 +4,9 @@ use crate::{Effect, Effects};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
+use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
-use toolroom_form::{Content, ContentFault, Fault, Section, Span, Walk, field};
+use toolroom_form::{Content, ContentFault, Fault, Section, Span, Value as FormValue, Walk, field};
 
 /// A list of effects under a key of a file; `--set effects.ID=SIZE` sets one.
 pub static EFFECT_LIST: Content = Content {
@@ -41,33 +42,63 @@ impl ContentFault for EffectFault {
     }
 }
 
+/// A list of effects in a file, while it is read.
+#[derive(Debug)]
+pub struct EffectList<'a> {
+    /// The entries as the file has them.
+    pub entries: Vec<Spanned<DeValue<'a>>>,
+    /// Place of the list.
+    pub span: Span,
+    /// The section that holds it, with a colon; empty at the top of a file.
+    subject: String,
+}
+
+impl<'a> EffectList<'a> {
+    /// The list under `effects` of a section; `None` without the key, and where a value of another type was refused.
+    pub fn of(walk: &mut Walk, section: &Section<'a>) -> Option<Self> {
+        let got = section.got("effects")?;
+        let subject = if section.path.is_empty() { String::new() } else { format!("{}: ", section.path) };
+        match &got.value {
+            FormValue::Raw(DeValue::Array(entries)) => {
+                Some(Self { entries: entries.iter().cloned().collect(), span: got.span.clone(), subject })
+            }
+            FormValue::Raw(other) => {
+                walk.wrong_type("effects", other, EFFECT_LIST.expected, got.span.clone(), EXAMPLE.to_owned());
+                None
+            }
+            FormValue::Si(_)
+            | FormValue::Count(_)
+            | FormValue::Text(_)
+            | FormValue::Flag(_)
+            | FormValue::List(_)
+            | FormValue::Faulty => None,
+        }
+    }
+
+    /// The effect of an entry, without keys of the caller's own; a fault where the catalogue does not take it.
+    pub fn read(&self, walk: &mut Walk, entry: Spanned<DeValue<'_>>) -> Option<Effect> {
+        let span = entry.span();
+        let read = Effect::deserialize(ValueDeserializer::from(entry));
+        read.map_err(|error| self.refuse(walk, span, error.message().to_owned())).ok()
+    }
+
+    /// Notes what is wrong at a place of the list.
+    pub fn refuse(&self, walk: &mut Walk, span: Span, message: String) {
+        walk.fault(span, Fault::Content(Arc::new(EffectFault { subject: self.subject.clone(), message })));
+    }
+}
+
 /// The effects that a section lists under `effects`; every one has to act on `process`, where it is known.
 /// Without the key, and where a problem was noted, there are none.
 pub fn read_effects(walk: &mut Walk, section: &Section<'_>, process: Option<&'static str>) -> Effects {
-    let Some(got) = section.got("effects") else { return Effects::default() };
-    let toolroom_form::Value::Raw(DeValue::Array(entries)) = &got.value else {
-        if let toolroom_form::Value::Raw(other) = &got.value {
-            walk.wrong_type("effects", other, EFFECT_LIST.expected, got.span.clone(), EXAMPLE.to_owned());
-        }
-        return Effects::default();
-    };
-    let subject = if section.path.is_empty() { String::new() } else { format!("{}: ", section.path) };
-    let refuse = |walk: &mut Walk, span: Span, message: String| {
-        walk.fault(span, Fault::Content(Arc::new(EffectFault { subject: subject.clone(), message })));
-    };
-    let mut effects = Vec::new();
-    for entry in entries {
-        match Effect::deserialize(ValueDeserializer::from(entry.clone())) {
-            Ok(effect) => effects.push(effect),
-            Err(error) => refuse(walk, entry.span(), error.message().to_owned()),
-        }
-    }
+    let Some(list) = EffectList::of(walk, section) else { return Effects::default() };
+    let effects = list.entries.iter().filter_map(|entry| list.read(walk, entry.clone())).collect();
     let checked = Effects::new(effects).and_then(|effects| {
         process.map_or(Ok(()), |process| effects.check(process))?;
         Ok(effects)
     });
     checked.unwrap_or_else(|reason| {
-        refuse(walk, got.span.clone(), reason.to_string());
+        list.refuse(walk, list.span.clone(), reason.to_string());
         Effects::default()
     })
 }

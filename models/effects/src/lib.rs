@@ -19,7 +19,7 @@
 //! |---|---|
 //! | [`Effect`] | one effect with size and shape; reads `{ id = "wear_force", size = 0.2 }` and `wear_force=0.2` |
 //! | [`Effects`] | the list that a process holds |
-//! | [`EFFECT_LIST`], [`read_effects`] | the list in files |
+//! | [`EFFECT_LIST`], [`EffectList`], [`read_effects`] | the list in files |
 //! | [`Effect::CATALOGUE`], [`CatalogueEntry`] | what is known about each: channels, regime, confounder, separating test |
 //! | [`Search`] | how a diagnosis looks for an effect, or why it does not |
 //! | [`Context`] | what an effect may look at |
@@ -85,6 +85,6 @@ pub use context::Context;
 pub use effect::*;
 pub use effects::Effects;
 pub use error::EffectError;
-pub use file::{EFFECT_LIST, read_effects};
+pub use file::{EFFECT_LIST, EffectList, read_effects};
 pub use search::Search;
 pub use terms::Terms;

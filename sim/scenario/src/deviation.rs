@@ -52,18 +52,6 @@ impl Deviation {
         Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None, recorded: None }
     }
 
-    /// Least size of an effect that is physical, SI: a feed override of 200 % halves the time; times may be shorter
-    /// than planned, edges changed sooner and breakdowns come in bursts.
-    pub fn least(id: &str) -> f64 {
-        match id {
-            "feed_override" => -0.5,
-            "operator_delay" | "tool_change_delay" => -3600.0,
-            "tool_change_policy" => -5e-3,
-            "breakdown_shape" => -0.9,
-            _ => 0.0,
-        }
-    }
-
     /// Those of `id` that act on an operation.
     pub fn acting<'a>(all: &'a [Self], id: &'a str, occasion: &'a Occasion<'_>) -> impl Iterator<Item = &'a Self> {
         all.iter().filter(move |own| own.id == id && own.scope.holds(occasion))

@@ -6,9 +6,12 @@ use toolroom_process::{Record, record};
 
 record! {
     /// How a shop deviates from its nominal simulation; every size is neutral at zero.
+    ///
+    /// Some may be negative: a feed override of 200 % halves the time, times may be shorter than planned, edges changed
+    /// sooner, and breakdowns come in bursts.
     pub struct ShopDeviations {
         /// Share by which the programmed time grows: 100 % / override − 1.
-        feed_override: Real = 0.0, 0.0..=10.0;
+        feed_override: Real = 0.0, -0.5..=10.0;
         /// Time per hold.
         feed_hold: Real["s" => "s"] = 0.0, 0.0..=3600.0;
         /// Inverse of the axis acceleration: a block between speeds v0 and v1 runs with trapezoidal speed.
@@ -18,13 +21,13 @@ record! {
         /// Stops per running time; each lasts 20 s in the mean (assumption).
         micro_stops: Real["1/s" => "1/h"] = 0.0, 0.0..=1.0;
         /// Time per operation of the shift or operator concerned.
-        operator_delay: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        operator_delay: Real["s" => "s"] = 0.0, -3600.0..=3600.0;
         /// Time per change.
-        tool_change_delay: Real["s" => "s"] = 0.0, 0.0..=3600.0;
+        tool_change_delay: Real["s" => "s"] = 0.0, -3600.0..=3600.0;
         /// Shift of the wear at which an edge is changed.
-        tool_change_policy: Real["m" => "mm"] = 0.0, 0.0..=5e-3;
+        tool_change_policy: Real["m" => "mm"] = 0.0, -5e-3..=5e-3;
         /// Weibull shape of the times between breakdowns, less one.
-        breakdown_shape: Real = 0.0, 0.0..=10.0;
+        breakdown_shape: Real = 0.0, -0.9..=10.0;
     }
 }
 
@@ -154,7 +157,8 @@ mod tests {
     fn every_row_is_named_as_its_size_and_neutral_at_zero() {
         assert_eq!(SHOP_EFFECTS.len(), ShopDeviations::<f64>::FIELDS.len());
         for entry in SHOP_EFFECTS {
-            assert_eq!((entry.id, entry.size.start, entry.size.min), (entry.size.name, 0.0, 0.0));
+            assert_eq!((entry.id, entry.size.start), (entry.size.name, 0.0));
+            assert!(entry.size.min <= 0.0 && entry.size.max > 0.0, "{}", entry.id);
             assert!(toolroom_process::unit::parse(entry.size.display).is_ok(), "{}", entry.id);
         }
     }

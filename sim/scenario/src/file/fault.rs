@@ -117,14 +117,6 @@ pub enum ScenarioFault {
         /// What to do about it.
         fix: String,
     },
-    /// An effect that could not be read.
-    #[error("effect of tool \"{tool}\": {message}")]
-    Effect {
-        /// Tool.
-        tool: String,
-        /// What the catalogue says.
-        message: String,
-    },
     /// A name in a scope that nothing carries.
     #[error("scope: there is no {key} \"{name}\"")]
     ScopeName {
@@ -235,7 +227,6 @@ impl ContentFault for ScenarioFault {
             Self::Policy { .. } => "policy",
             Self::Structure { .. } => "structure",
             Self::Unit { .. } => "unit",
-            Self::Effect { .. } => "effect",
             Self::ScopeName { .. } => "scope-name",
             Self::DateWithoutStart { .. } => "date-without-start",
             Self::NoDate { .. } => "no-date",
@@ -291,8 +282,7 @@ impl ContentFault for ScenarioFault {
             | Self::ContourFile { .. }
             | Self::Contour { .. }
             | Self::Policy { .. }
-            | Self::Calibration { .. }
-            | Self::Effect { .. } => return None,
+            | Self::Calibration { .. } => return None,
         })
     }
 }

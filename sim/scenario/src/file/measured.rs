@@ -2,10 +2,10 @@
 
 use super::fault::ScenarioFault;
 use super::resolve::Names;
-use crate::effects::{SHOP_EFFECTS, ShopDeviations};
+use crate::effects::SHOP_EFFECTS;
 use crate::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, SwitchedEffect, Target};
 use toml::de::DeValue;
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::{EffectList, Effects};
 use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};
 use toolroom_process::{Record, unit};
 
@@ -171,18 +171,9 @@ pub(super) fn effects(
     process: &'static str,
     names: &Names,
 ) -> Vec<SwitchedEffect> {
-    let name = tool.text("name").unwrap_or_default().to_owned();
-    let Some(got) = tool.got("effects") else { return Vec::new() };
-    let Value::Raw(DeValue::Array(entries)) = &got.value else {
-        if let Value::Raw(other) = &got.value {
-            let example = "[{ id = \"wear_force\", size = 0.2 }]".to_owned();
-            walk.wrong_type("effects", other, "a list of effects", got.span.clone(), example);
-        }
-        return Vec::new();
-    };
-    let (span, entries) = (got.span.clone(), entries.clone());
+    let Some(read) = EffectList::of(walk, tool) else { return Vec::new() };
     let mut list: Vec<SwitchedEffect> = Vec::new();
-    for entry in &entries {
+    for entry in &read.entries {
         let place = entry.span();
         let mut entry = entry.clone();
         let (mut scope, mut error) = (Scope::default(), None);
@@ -198,15 +189,7 @@ pub(super) fn effects(
             }
             error = table.remove("standard_error");
         }
-        let read = <Effect as serde::Deserialize>::deserialize(toml::de::ValueDeserializer::from(entry));
-        let effect = match read {
-            Ok(effect) => effect,
-            Err(error) => {
-                let message = error.message().to_owned();
-                walk.fault(place, ScenarioFault::Effect { tool: name.clone(), message });
-                continue;
-            }
-        };
+        let Some(effect) = read.read(walk, entry) else { continue };
         let field = effect.entry().size;
         let quantity = amounts(field.unit, field.display, 0.0, f64::MAX);
         let standard_error = error.and_then(|raw| {
@@ -215,14 +198,14 @@ pub(super) fn effects(
         let same = |own: &SwitchedEffect| own.effect.with_size(0.0) == effect.with_size(0.0) && own.scope == scope;
         if list.iter().any(same) {
             let message = format!("`{}` is listed twice with one shape and scope", effect.entry().id);
-            walk.fault(place, ScenarioFault::Effect { tool: name.clone(), message });
+            read.refuse(walk, place, message);
             continue;
         }
         list.push(SwitchedEffect { effect, scope, standard_error });
     }
     let all = Effects::overlaid(list.iter().map(|own| own.effect).collect());
     if let Err(reason) = all.check(process) {
-        walk.fault(span, ScenarioFault::Effect { tool: name, message: reason.to_string() });
+        read.refuse(walk, read.span.clone(), reason.to_string());
         return Vec::new();
     }
     list
@@ -360,11 +343,9 @@ pub(super) fn deviations(walk: &mut Walk, root: &Section<'_>, names: &Names) -> 
             let place = |key: &str| SCOPE_NAMES.iter().position(|own| *own == key);
             scope.names.sort_by_key(|(key, _)| place(key));
         }
-        let (Some(entry), Some(i)) = (entry, section.text("id").and_then(ShopDeviations::<f64>::index_of)) else {
-            continue;
-        };
-        let field = &ShopDeviations::<f64>::FIELDS[i];
-        let sizes = amounts(field.unit, field.display, Deviation::least(entry.id), field.max);
+        let Some(entry) = entry else { continue };
+        let field = entry.size;
+        let sizes = amounts(field.unit, field.display, field.min, field.max);
         let Some(size) = amount(walk, &section, "size", &sizes) else { continue };
         let errors = amounts(field.unit, field.display, 0.0, f64::MAX);
         let standard_error = amount(walk, &section, "standard_error", &errors);
