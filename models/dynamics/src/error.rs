@@ -256,6 +256,22 @@ pub enum RecordProblem {
         /// Its time (s).
         time: f64,
     },
+    /// A sound too short for its lines.
+    #[error("the record lasts {duration:.3} s, at least {least:.3} s are needed at this speed, sixteen revolutions")]
+    Brief {
+        /// Its duration (s).
+        duration: f64,
+        /// The least duration (s).
+        least: f64,
+    },
+    /// A sound in which the teeth are not heard.
+    #[error(
+        "no harmonics of spindle and teeth within 3 % of {speed:.0} rpm; check speed and number of teeth, and record nearer to the cut"
+    )]
+    NoComb {
+        /// The commanded speed (rpm).
+        speed: f64,
+    },
     /// A sound file whose channels are not all explained.
     #[error(
         "the sound file has {channels} channels and {scales} of them have a full scale; give one for each, in their order"

@@ -17,16 +17,19 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod comb;
 mod coupling;
 mod csv;
 mod error;
 mod fft;
 mod fit;
+mod frames;
 mod frf;
 mod likelihood;
 mod quality;
 mod read;
 mod record;
+mod sound;
 mod stabilisation;
 mod structure;
 mod table;
@@ -42,6 +45,7 @@ pub use frf::{Direction, Frf, Measurement};
 pub use quality::{Quality, Refusal};
 pub use read::read;
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
+pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};
 pub use structure::{Scatter, StructureText};
 pub use uff::read_uff;
