@@ -1,4 +1,5 @@
-//! `toolroom modes` and `toolroom swap`: from a tap test to a verdict, and what is refused.
+//! `toolroom modes`, `swap` and `listen`: from a tap test to a verdict and the shop, from a sound to quiet speeds, and what is
+//! refused.
 
 use crate::command_line::{directory, json, shipped, stderr, toolroom};
 use serde_json::Value;
@@ -151,6 +152,7 @@ width_of_cut = "3 mm"
 path_length = "300 mm"
 passes = 4
 roughness_limit = "6.3 um"
+size_tolerance = "200 um"
 [[arrivals]]
 part = "plate"
 pattern = "constant_work"
@@ -252,4 +254,77 @@ fn a_shorter_tool_on_the_same_spindle_is_stiffer() {
     assert_eq!(toolroom(&["check", &tool]).status.code(), Some(0));
     let refused = toolroom(&["swap", &tool, "--tool", &tool]);
     assert_eq!(refused.status.code(), Some(2));
+}
+
+/// A sound of 16-bit samples at 16 kHz: lines of frequency (Hz) and amplitude, and a little noise.
+fn sound(lines: &[[f64; 2]]) -> Vec<u8> {
+    let mut state = 1u64;
+    let mut noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        0.01 * ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
+    };
+    let samples: Vec<u8> = (0..16_000)
+        .flat_map(|i| {
+            let time = f64::from(i) / 16_000.0;
+            let tones =
+                lines.iter().map(|[frequency, amplitude]| amplitude * (std::f64::consts::TAU * frequency * time).sin());
+            ((tones.sum::<f64>() + noise()) * 32_767.0) as i16
+        })
+        .flat_map(i16::to_le_bytes)
+        .collect();
+    let size = u32::try_from(samples.len()).expect("short");
+    let head: [&[u8]; 8] = [
+        b"RIFF",
+        &(size + 36).to_le_bytes(),
+        b"WAVEfmt \x10\0\0\0\x01\0\x01\0",
+        &16_000u32.to_le_bytes(),
+        &32_000u32.to_le_bytes(),
+        b"\x02\0\x10\0data",
+        &size.to_le_bytes(),
+        &samples,
+    ];
+    head.concat()
+}
+
+#[test]
+fn the_sound_of_a_cut_tells_chatter_and_quiet_speeds() {
+    let folder = directory("dynamics", "sound");
+    let place = |name: &str| folder.join(name).display().to_string();
+    // Four teeth at 4244 rpm and their harmonics, runout, and chatter at 1186 Hz, the frequency of the shipped end mill there.
+    let tooth = 4.0 * 4244.0 / 60.0;
+    let teeth = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|k| [k * tooth, 0.3 / k]);
+    let runout = [[0.25 * tooth, 0.02], [0.75 * tooth, 0.02]];
+    let clean = [&teeth[..], &runout].concat();
+    fs::write(place("clean.wav"), sound(&clean)).expect("writable");
+    fs::write(place("chatter.wav"), sound(&[&clean[..], &[[1186.0, 0.1]]].concat())).expect("writable");
+    let listen = |name: &str, more: &[&str]| {
+        let record = place(name);
+        let arguments = ["listen", &record, "--teeth", "4", "--speed", "4300 rpm"];
+        toolroom(&[&arguments[..], more].concat())
+    };
+    let clean = json(&listen("clean.wav", &["--json"]));
+    assert_eq!(clean["chatter"], "no");
+    assert_eq!(clean["suggested_speeds [rpm]"].as_array().map(Vec::len), Some(0));
+    let chart = shipped("chatter/endmill");
+    let heard = json(&listen("chatter.wav", &["--json", "--lobes", &chart]));
+    assert_eq!(heard["chatter"], "yes");
+    close(&heard["speed_true [rpm]"], 4244.0, 1e-4);
+    close(&heard["chatter_frequency [Hz]"], 1186.0, 2e-4);
+    // 60 fc/(4 j) within the chart, 2500 to 7000 rpm; the greatest has the deepest limit, as fewer waves leave wider pockets.
+    let speeds = heard["suggested_speeds [rpm]"].as_array().expect("speeds");
+    assert_eq!(speeds.len(), 5);
+    for (speed, j) in speeds.iter().zip(3..) {
+        close(speed, 60.0 * 1186.0 / (4.0 * f64::from(j)), 2e-4);
+    }
+    let limits: Vec<f64> =
+        heard["limits [mm]"].as_array().expect("limits").iter().map(|limit| limit.as_f64().expect("a limit")).collect();
+    assert!(limits.windows(2).all(|pair| pair[0] > pair[1]), "{limits:?}");
+    let words = listen("chatter.wav", &[]);
+    let words = String::from_utf8_lossy(&words.stdout).into_owned();
+    assert!(words.contains("chatter at 1186.0 Hz, from the start"), "{words}");
+    // Another number of teeth than the cutter of the chart, and a file that is no record.
+    let refused = toolroom(&["listen", &place("clean.wav"), "--teeth", "3", "--speed", "4300 rpm", "--lobes", &chart]);
+    assert!(refused.status.code() == Some(2) && stderr(&refused).contains("has 4"), "{}", stderr(&refused));
+    let refused = toolroom(&["listen", &chart, "--teeth", "3", "--speed", "4300 rpm"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
 }
