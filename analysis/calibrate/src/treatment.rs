@@ -301,8 +301,11 @@ impl Measured {
             let total: f64 = members.iter().map(|member| time[*member]).sum();
             let weight = |member: usize| if total > 0.0 { time[member] / total } else { 1.0 / members.len() as f64 };
             let mean = |i: usize| {
-                let sum = members.iter().map(|member| weight(*member) * quantities(&self.conditions[*member])[i]);
-                sum.sum::<f64>()
+                // From the first, so that equal values stay what they are.
+                let first = quantities(&self.conditions[members[0]])[i];
+                let off =
+                    members.iter().map(|member| weight(*member) * (quantities(&self.conditions[*member])[i] - first));
+                first + off.sum::<f64>()
             };
             members.iter().for_each(|member| joined[*member] = conditions.len());
             conditions.push(Cut::nominal(mean(0), mean(1), mean(2)));
