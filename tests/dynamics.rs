@@ -264,7 +264,7 @@ fn sound(lines: &[[f64; 2]]) -> Vec<u8> {
         0.01 * ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5)
     };
     let samples: Vec<u8> = (0..16_000)
-        .flat_map(|i| {
+        .map(|i| {
             let time = f64::from(i) / 16_000.0;
             let tones =
                 lines.iter().map(|[frequency, amplitude]| amplitude * (std::f64::consts::TAU * frequency * time).sin());
