@@ -22,18 +22,13 @@ pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
     }
     let files = Files::new(std::iter::once(args.file.as_path()).chain(args.input.as_deref()), voice.force);
     args.output.as_ref().map_or(Ok(()), |path| files.check(path))?;
-    let isolation = match args.isolation {
-        FmuIsolation::Process => UnitIsolation::Process,
-        FmuIsolation::None => UnitIsolation::None,
-    };
-    let limit = seconds("--call-limit", Some(&args.call_limit))?.filter(|limit| *limit > 0.0);
-    let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
+    let isolation = isolation(args.isolation, &args.call_limit)?;
     let driven = match args.interface {
         None => Driven::Either,
         Some(FmuInterface::CoSimulation) => Driven::CoSimulation,
         Some(FmuInterface::ModelExchange) => Driven::ModelExchange,
     };
-    let unit = Unit::load_driven(&args.file, &Isolation::of(isolation, Some(limit)), driven).map_err(not_loaded)?;
+    let unit = Unit::load_driven(&args.file, &isolation, driven).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
@@ -120,7 +115,18 @@ fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
     }
 }
 
-fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
+/// Where the code of units runs, by `--isolation` and `--call-limit`.
+pub fn isolation(isolation: FmuIsolation, limit: &str) -> Result<Isolation, Failure> {
+    let isolation = match isolation {
+        FmuIsolation::Process => UnitIsolation::Process,
+        FmuIsolation::None => UnitIsolation::None,
+    };
+    let limit = seconds("--call-limit", Some(limit))?.filter(|limit| *limit > 0.0);
+    let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
+    Ok(Isolation::of(isolation, Some(limit)))
+}
+
+pub fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
     let read = |text| {
         quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
     };
