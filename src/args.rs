@@ -299,19 +299,27 @@ pub struct FmuSimArgs {
     /// CSV of inputs: time [s] first, then one column an input
     #[arg(long, value_name = "CSV")]
     pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: UnitRunArgs,
+}
+
+/// How units are run by themselves.
+#[derive(Args, Debug)]
+pub struct UnitRunArgs {
     /// CSV of outputs, standard output if left out
     #[arg(long, value_name = "CSV")]
     pub output: Option<PathBuf>,
-    /// Stop time; the unit's own or the last time of the inputs, if left out
+    /// Stop time; that of the file or the last time of the inputs, if left out
     #[arg(long, value_name = "TIME")]
     pub stop: Option<String>,
-    /// Communication step; the unit's own, if left out
+    /// Communication step; the units' own, if left out
     #[arg(long, value_name = "TIME")]
     pub step: Option<String>,
-    /// Start value of a parameter or input in the unit's own units, name=value, repeatable
+    /// Start value of a parameter or input in the unit's own units, name=value, repeatable; component.name=value in a
+    /// system
     #[arg(long, value_name = "NAME=VALUE")]
     pub start: Vec<String>,
-    /// Where the code of the unit runs
+    /// Where the code of units runs
     #[arg(long, value_name = "WHERE", value_enum, default_value = "process")]
     pub isolation: FmuIsolation,
     /// Longest time of one call of a unit in a worker process
@@ -369,28 +377,12 @@ pub enum SspCommand {
 pub struct SspSimArgs {
     /// Package of SSP 1.0 or 2.0
     pub file: PathBuf,
-    /// CSV of outputs, standard output if left out
-    #[arg(long, value_name = "CSV")]
-    pub output: Option<PathBuf>,
-    /// Stop time; that of the package, if left out
-    #[arg(long, value_name = "TIME")]
-    pub stop: Option<String>,
-    /// Communication step; the shortest of the units' own, if left out
-    #[arg(long, value_name = "TIME")]
-    pub step: Option<String>,
     /// `gauss-seidel`: one unit after the other as the file has them; `jacobi`: all at once, signals come a step late;
     /// or the units by name, parted by commas
     #[arg(long, value_name = "ORDER", default_value = "gauss-seidel")]
     pub order: String,
-    /// Start value in the unit's own units, component.name=value, repeatable
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub start: Vec<String>,
-    /// Where the code of the units runs
-    #[arg(long, value_name = "WHERE", value_enum, default_value = "process")]
-    pub isolation: FmuIsolation,
-    /// Longest time of one call of a unit in a worker process
-    #[arg(long, value_name = "TIME", default_value = "10 s")]
-    pub call_limit: String,
+    #[command(flatten)]
+    pub run: UnitRunArgs,
 }
 
 #[derive(Args, Debug)]

@@ -32,7 +32,7 @@ mod values;
 mod wires;
 
 #[cfg(feature = "fmi")]
-pub use master::{Done, Experiment, MasterError, Order, System};
+pub use master::{Experiment, MasterError, Order, System};
 pub use package::{Package, STRUCTURE, SspError};
 pub use read::Fault;
 pub use structure::{Boundary, Component, Connection, Connector, End, SystemStructure};

@@ -16,7 +16,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
-use toolroom_fmu_import::simulate::{SimulateError, checked, own_steps};
+use toolroom_fmu_import::simulate::{Done, SimulateError, checked, own_steps};
 use toolroom_fmu_import::wire::start_values;
 use toolroom_fmu_import::{
     Action, Answer, ArchiveError, Driven, Instance, Isolation, LoadError, ModelDescription, Port, Stepped, Unit,
@@ -111,21 +111,6 @@ pub struct Experiment {
     pub stop: Option<f64>,
     /// Communication step, s; the shortest one of the units' default experiments, or a five-hundredth of the time.
     pub step: Option<f64>,
-}
-
-/// What came of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Done {
-    /// Start time, s.
-    pub start: f64,
-    /// Stop time, s.
-    pub stop: f64,
-    /// Communication step, s; the last one may be shorter.
-    pub step: f64,
-    /// Steps taken.
-    pub steps: u64,
-    /// Whether a unit ended the simulation, at `stop`.
-    pub ended: bool,
 }
 
 /// The units of a package, loaded and connected.
