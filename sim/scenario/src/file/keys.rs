@@ -222,7 +222,7 @@ static TOOL: Form = Form {
         Key::optional(
             "structure_scatter",
             Kind::Table(&STRUCTURE_SCATTER),
-            "How the machines' structures differ from that; left out: not at all",
+            "How the machines' structures differ from that; left out: as the modes of its structure file are known, else not at all",
         )
         .when("process", ProcessKind::CUTTING),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),

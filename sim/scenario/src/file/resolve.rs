@@ -306,9 +306,11 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let scatter = processes::tool_scatter(walk, &section);
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
-        let process = processes::process(walk, &section, &scatter, &effects);
+        let structure = stability::structure(walk, &section);
+        let structure_scatter = stability::scatter(walk, &section, structure.as_ref());
+        let cut = structure.map(|structure| structure.cut);
+        let process = processes::process(walk, &section, &scatter, &effects, cut);
         let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
-        let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
             process,
