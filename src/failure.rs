@@ -83,14 +83,6 @@ impl Failure {
         }
     }
 
-    /// What is wrong, in one line, where it is an argument or the work.
-    pub fn message(&self) -> &str {
-        match self {
-            Self::Argument { message, .. } | Self::Work { message } => message,
-            _ => "see above",
-        }
-    }
-
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {

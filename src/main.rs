@@ -22,6 +22,7 @@ mod grind;
 mod identify;
 mod import;
 mod life;
+mod listen;
 mod lobes;
 mod merge;
 mod modes;
@@ -35,6 +36,7 @@ mod run;
 mod schema;
 mod shard;
 mod speak;
+mod ssp;
 mod stop;
 mod study;
 mod sweep;
@@ -73,6 +75,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Modes(args) => modes::run(&args, voice),
         Command::Swap(args) => modes::swap(&args, voice),
+        Command::Listen(args) => listen::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),
@@ -84,6 +87,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),
+        Command::Ssp(command) => ssp::run(&command, voice),
         Command::Schema(args) => schema::run(&args, voice),
         Command::Gap(command) => gap::run(&command, voice),
         Command::Import(command) => import::run(&command, voice),

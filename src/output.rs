@@ -420,7 +420,7 @@ mod tests {
         out.put("kpi.csv", "computed").expect("writable");
         fs::write(target.join("kpi.csv"), "mine").expect("writable");
         let failure = out.publish().expect_err("the file is somebody's");
-        assert!(failure.message().contains("what was computed stays in"), "{failure:?}");
+        assert!(format!("{failure:?}").contains("what was computed stays in"), "{failure:?}");
         assert_eq!(fs::read_to_string(target.join("kpi.csv")).expect("there"), "mine");
         let kept = target.join(format!("partial-{}", std::process::id())).join("kpi.csv");
         assert_eq!(fs::read_to_string(kept).expect("there"), "computed");
