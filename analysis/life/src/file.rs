@@ -209,6 +209,9 @@ fn conditions(walk: &mut Walk, root: &Section<'_>, pair: &Pair) -> Vec<(String, 
     conditions
 }
 
+/// Sensors' keys of shops: single edges have no flank wear readings that take time, and no gains learnt from them.
+const OF_SHOPS: &[&str] = &["reading_time", "read_every", "feed_force_gain", "thermo_emf_gain"];
+
 fn cells(
     walk: &mut Walk,
     root: &Section<'_>,
@@ -241,7 +244,7 @@ fn cells(
             // The key applies to rules with sensors only.
             Some(ReadingWord::Period) | None => Reading::Period,
         };
-        policies.push((name, rule, reading, sensors(walk, &section)));
+        policies.push((name, rule, reading, sensors(walk, &section, OF_SHOPS)));
     }
     if policies.is_empty() {
         let sensors = toolroom_scenario::SensorSheet::default();

@@ -216,6 +216,9 @@ static SENSITIVITY: Form = Form {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::file::parse;
+    use std::path::Path;
+    use toolroom_form::ReadError;
 
     #[test]
     fn a_condition_goes_as_far_as_the_cut_of_the_model() {
@@ -224,5 +227,17 @@ mod tests {
             let field = CUT.iter().find(|field| field.name == key.name).expect("a field of the cut");
             assert_eq!((quantity.unit, quantity.min, quantity.max), (field.unit, field.min, field.max), "{}", key.name);
         }
+    }
+    #[test]
+    fn what_only_a_shop_reads_is_refused() {
+        let text = include_str!("../../../../scenarios/life/policies.toml").replace(
+            "speed = \"minimum_wear\"",
+            "speed = \"minimum_wear\"\nsensors = { spindle_power = \"2 %\", reading_time = \"30 s\", read_every = 2 }",
+        );
+        let refused = parse("policies.toml", &text, Path::new("."), &[]).expect_err("two keys too many");
+        let ReadError::Faults(faults) = refused else { panic!("faults of the file") };
+        let said: Vec<String> = faults.problems.iter().map(|problem| problem.fault.to_string()).collect();
+        let does_not_apply = |key: &str| format!("`{key}` does not apply to a file of this kind");
+        assert_eq!(said, [does_not_apply("reading_time"), does_not_apply("read_every")]);
     }
 }

@@ -97,7 +97,7 @@ pub(super) fn policies(walk: &mut Walk, root: &Section<'_>, machines: &[MachineT
         let speed = speed_rule(walk, &section, machines);
         let tool_change = tool_change(walk, &section);
         let believed_model = believed_model(walk, &section);
-        let sensors = sensors(walk, &section);
+        let sensors = sensors(walk, &section, &[]);
         let grinding = grinding_rule(walk, &section);
         let dressing = dressing_rule(walk, &section);
         let contour = section.chosen("contour", ContourRule::from_word);
@@ -139,14 +139,23 @@ fn believed_model(walk: &mut Walk, section: &Section<'_>) -> Option<Pair> {
     Pair::of_set(&set).map_err(|reason| processes::refuse(walk, section, "believed_model", reason)).ok()
 }
 
-/// The key `sensors` of a section, a table of [`SENSORS`]; left out, the default sensors.
-pub fn sensors(walk: &mut Walk, section: &Section<'_>) -> SensorSheet {
+/// The key `sensors` of a section, a table of [`SENSORS`]; left out, the default sensors. The keys `unused` say nothing
+/// in files of this kind and are refused.
+pub fn sensors(walk: &mut Walk, section: &Section<'_>, unused: &[&'static str]) -> SensorSheet {
     let given = matches!(section.got("sensors").map(|got| &got.value), Some(Value::Raw(_)));
     let table = if given { walk.table(section, "sensors") } else { None };
     let table = table.unwrap_or_else(|| {
         let span = section.span.clone();
         walk.section(&SENSORS, &format!("{}, sensors", section.path), &DeTable::new(), span, None)
     });
+    for key in unused.iter().copied().filter(|key| table.given(key)) {
+        let of_use = SENSORS.keys.iter().map(|key| key.name).filter(|name| !unused.contains(name));
+        let applicable = of_use.collect::<Vec<_>>().join(", ");
+        walk.fault(
+            table.span_of(key),
+            Fault::NotApplicable { key, case: "a file of this kind".to_owned(), applicable },
+        );
+    }
     SensorSheet {
         sampling_period: table.required("sampling_period"),
         spindle_power: table.required("spindle_power"),
