@@ -2,6 +2,7 @@
 
 use crate::KindError;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
+use crate::workload::workload;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
@@ -53,6 +54,8 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();
     result.insert("policies".to_owned(), json!(policies));
     result.insert("values".to_owned(), json!(echo));
+    let workload = workload(&scenario);
+    result.extend(workload.json());
     let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
     let summary = format!(
         "valid: {} machines, {} tools, {} parts with {operations} operations, {} policies, {} replications of {} h",
@@ -62,7 +65,7 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
         scenario.policies.len(),
         scenario.replications,
         scenario.horizon / 3600.0,
-    );
+    ) + &workload.text();
     Ok(Checked { echo, result, summary })
 }
 
