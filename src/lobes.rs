@@ -102,7 +102,7 @@ fn verdict(
     let place = file.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
     let mut verdict = PointVerdict::new(file, place).map_err(refused)?;
     if let Some(path) = measured {
-        let measured = crate::modes::measurement(path)?.0;
+        let measured = crate::modes::measurement(path, &Default::default())?.0;
         verdict = verdict.beside(&measured).map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
         if let Some(warning) = verdict.warning() {
             voice.say(format_args!("warning: {warning}"));
