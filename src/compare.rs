@@ -2,16 +2,16 @@
 
 use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::progress::Bar;
 use crate::shard::{leave, refused};
 use crate::speak::Voice;
-use crate::stop;
 use crate::study::{Request, default_out, perform};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use toolroom_output::Files;
+use toolroom_output::signals as stop;
 use toolroom_scenario::TuneRequest;
 use toolroom_scenario::file::{ScenarioFile, read};
 use toolroom_shards::Plan;

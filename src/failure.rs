@@ -1,8 +1,8 @@
 //! What can go wrong, in words, with the exit code.
 
 use crate::excerpt::Excerpt;
+use crate::shard::refused;
 use crate::speak::Voice;
-use crate::stop;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -11,6 +11,8 @@ use toolroom_form::ReadError;
 use toolroom_gap::ModelFileError;
 use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
+use toolroom_output::OutputError;
+use toolroom_output::signals as stop;
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
 
@@ -159,6 +161,18 @@ impl From<GapStudyError> for Failure {
                 Some(fix) => Self::argument(other, fix),
                 None => Self::Work { message: other.to_string() },
             },
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Refused { message, help } => Self::argument(message, help),
+            OutputError::Unwritable { path, source } => Self::Unwritable { path, source },
+            OutputError::Json(error) => Self::Json(error),
+            OutputError::Shard(error) => refused(error),
+            other => Self::Work { message: other.to_string() },
         }
     }
 }

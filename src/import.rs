@@ -6,11 +6,11 @@ mod nist_runs;
 
 use crate::args::ImportCommand;
 use crate::failure::Failure;
-use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_output::OutputDir;
 use toolroom_records::{ReadReport, RecordKind, Records, write_csv};
 
 pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {

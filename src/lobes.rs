@@ -4,7 +4,6 @@ mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::shard::{of_plan, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
@@ -12,6 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::lobes::{ChartStudy, LobesFile, NAMES, PointVerdict, read};
 
 pub use shards::{merge, shard};

@@ -2,12 +2,12 @@
 
 use crate::args::ShardArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
-use crate::stop::{Begun, keeps, tidy};
 use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
+use toolroom_output::Files;
+use toolroom_output::signals::{Begun, keeps, tidy};
 use toolroom_shards::{Plan, ShardError, Work, read_plan, write_plan};
 use toolroom_study::planned;
 

@@ -2,15 +2,15 @@
 
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir};
 use crate::progress::Bar;
 use crate::report;
 use crate::speak::Voice;
-use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 use toolroom_gap_study::{RECORDED, recorded};
+use toolroom_output::signals as stop;
+use toolroom_output::{Files, OutputDir, quoted};
 use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::file::ScenarioFile;
 use toolroom_shop::RunLog;
@@ -236,12 +236,6 @@ fn reproduce(request: &Request<'_>) -> String {
         reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
     }
     reproduce
-}
-
-/// An argument as it has to be typed.
-pub fn quoted(argument: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:%+,".contains(c);
-    if !argument.is_empty() && argument.chars().all(plain) { argument.to_owned() } else { format!("{argument:?}") }
 }
 
 /// `out/NAME`, the name of a scenario made fit for a directory.

@@ -3,7 +3,6 @@
 use super::refused;
 use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs};
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -13,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, named_values, simulate};
 use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
+use toolroom_output::Files;
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 

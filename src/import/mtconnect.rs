@@ -2,13 +2,13 @@
 
 use crate::args::MtconnectArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::program::{self, REFUSED};
 use crate::speak::Voice;
 use serde_json::json;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_process::unit;
 use toolroom_program::{Control, Drives, Program, Units};
 use toolroom_records::mtconnect::{

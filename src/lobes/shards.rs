@@ -4,13 +4,13 @@
 use super::{Origin, finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir};
 use crate::shard::{leave, refused as failed};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_form::FormFile;
+use toolroom_output::{Files, OutputDir};
 use toolroom_planning::lobes::{self, Columns, LobesFile, NAMES};
 use toolroom_shards::{Computed, Plan, ShardError};
 
