@@ -69,22 +69,6 @@ impl Failure {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
     }
 
-    /// The failure with something to know beside it.
-    pub fn adding(self, more: &str) -> Self {
-        match self {
-            Self::Argument { message, help } => Self::Argument { message: message + more, help },
-            Self::Work { message } => Self::Work { message: message + more },
-            Self::Stopped { message, help } => Self::Stopped { message: message + more, help },
-            Self::TooLittle { message } => Self::TooLittle { message: message + more },
-            Self::Alarm { message } => Self::Alarm { message: message + more },
-            Self::Interrupted { message, help } => Self::Interrupted { message: message + more, help },
-            Self::Unwritable { path, source } => {
-                Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
-            }
-            other @ (Self::File(_) | Self::Json(_)) => other,
-        }
-    }
-
     /// What is wrong, in one line, where it is an argument or the work.
     pub fn message(&self) -> &str {
         match self {

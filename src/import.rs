@@ -29,7 +29,7 @@ fn table(kind: RecordKind) -> String {
 
 /// Takes the folder of an import.
 fn create(out: &Path, kind: RecordKind, inputs: &[&Path], voice: &Voice) -> Result<OutputDir, Failure> {
-    OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)
+    Ok(OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)?)
 }
 
 /// Writes records with the report of their reading, and says what became of the file.

@@ -42,13 +42,13 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let inputs = std::iter::once(path.as_path()).chain(file.files.iter().map(AsRef::as_ref));
     let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     pool(args.threads)?.install(|| {
-        let LobesFile { cut, chart, .. } = &file.content;
+        let LobesFile { chart, .. } = &file.content;
         let start = Instant::now();
         let grid = if chart.boundary_only {
             None
         } else {
             voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
-            Some(cut.lobes(chart, 0..chart.speed.points).map_err(refused)?)
+            Some(shards::grid(&input, &file, args, &out, voice)?)
         };
         let origin = Origin { file: &input, changes: &args.set, start };
         finish(&file, grid, &origin, out, voice)

@@ -61,7 +61,7 @@ fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) 
 
 /// Leaves a plan where `--plan` says.
 pub fn leave(plan: &Plan, path: &Path, files: &Files) -> Result<(), Failure> {
-    files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())
+    Ok(files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())?)
 }
 
 /// Threads, 0 for one per processor.

@@ -36,7 +36,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let policies = policies_named(&file.scenario, &args.study.policy)?;
         voice.say(format_args!("{key} = {value}"));
         let (file, tuning) = match tuning_wanted(args, &file) {
-            Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop)?,
+            Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop, None)?,
             None => (file, None),
         };
         let scenario = &file.scenario;

@@ -127,7 +127,7 @@ fn several(
 
 /// Writes a model; one in its place is replaced if `gap apply` wrote it and nobody changed it since.
 fn put(files: &Files, path: &Path, text: &str) -> Result<(), Failure> {
-    files.put_marked(path, text, is_marked)
+    Ok(files.put_marked(path, text, is_marked)?)
 }
 
 fn wrote(path: &Path, changes: &Changes, next: &str, voice: &Voice) -> Result<(), Failure> {

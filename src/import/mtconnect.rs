@@ -73,7 +73,7 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
 fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
     let mut csv = Vec::new();
     write_csv(records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
-    out.put(name, &String::from_utf8_lossy(&csv))
+    Ok(out.put(name, &String::from_utf8_lossy(&csv))?)
 }
 
 /// Stretches of the part program in every run of it; runs that are left out are told.

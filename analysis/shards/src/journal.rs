@@ -50,9 +50,8 @@ impl<T: Serialize + DeserializeOwned> Journal<T> {
         };
         let (mut whole, mut pieces) = (0, Vec::new());
         let mut lines = Lines(&text).peekable();
-        if let Some(there) = lines.peek()
-            && serde_json::from_slice::<Value>(there).ok().as_ref() != Some(head)
-        {
+        let head = head.to_string();
+        if lines.peek().is_some_and(|there| *there != head.as_bytes()) {
             return Err(ShardError::OtherWork { path: path.to_owned() });
         }
         for (number, line) in lines.enumerate() {
@@ -63,7 +62,7 @@ impl<T: Serialize + DeserializeOwned> Journal<T> {
             whole += (HASH + 1 + line.len() + 1) as u64;
         }
         let state = Mutex::new(State { file: None, whole, failed: None });
-        Ok((Self { path: path.to_owned(), head: head.to_string(), state, pieces: PhantomData }, pieces))
+        Ok((Self { path: path.to_owned(), head, state, pieces: PhantomData }, pieces))
     }
 
     /// Adds a finished piece. After the first failure nothing more is written, and the work goes on without.
