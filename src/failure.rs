@@ -69,14 +69,6 @@ impl Failure {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
     }
 
-    /// What is wrong, in one line, where it is an argument or the work.
-    pub fn message(&self) -> &str {
-        match self {
-            Self::Argument { message, .. } | Self::Work { message } => message,
-            _ => "see above",
-        }
-    }
-
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {

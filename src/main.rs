@@ -34,6 +34,7 @@ mod run;
 mod schema;
 mod shard;
 mod speak;
+mod ssp;
 mod study;
 mod sweep;
 mod validate;
@@ -87,6 +88,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),
+        Command::Ssp(command) => ssp::run(&command, voice),
         Command::Schema(args) => schema::run(&args, voice),
         Command::Gap(command) => gap::run(&command, voice),
         Command::Import(command) => import::run(&command, voice),
