@@ -22,7 +22,7 @@ pub use gap::{
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
-pub use modes::{ModesArgs, SwapArgs};
+pub use modes::{ListenArgs, ModesArgs, SwapArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
@@ -148,6 +148,11 @@ A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of i
   toolroom swap spindle.toml --tool endmill12.toml --out spindle-d12.toml
   toolroom swap spindle.toml --tool endmill12.toml --range \"50 Hz\" \"8000 Hz\" --report out/swap")]
     Swap(SwapArgs),
+    /// Whether the sound of a milling cut is that of chatter, and at which speeds it would be quiet
+    #[command(before_help = "Examples:
+  toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\"
+  toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\" --air air.wav --lobes chart.toml")]
+    Listen(ListenArgs),
     /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
   toolroom life scenarios/life/policies.toml          study of policies, report in out/policies

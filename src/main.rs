@@ -22,6 +22,7 @@ mod grind;
 mod identify;
 mod import;
 mod life;
+mod listen;
 mod lobes;
 mod merge;
 mod modes;
@@ -77,6 +78,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Modes(args) => modes::run(&args, voice),
         Command::Swap(args) => modes::swap(&args, voice),
+        Command::Listen(args) => listen::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),

@@ -33,12 +33,16 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
 
 /// The frequency responses of a file, and its bytes.
 pub fn measurement(path: &Path) -> Result<(Measurement, Vec<u8>), Failure> {
-    let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| {
-        Failure::argument(format_args!("{file} cannot be read: {error}"), "give a CSV or universal file")
-    })?;
-    let measured = toolroom_dynamics::read(&file, &bytes).map_err(|error| Failure::argument(error, GUIDE))?;
+    let bytes = bytes(path)?;
+    let measured = toolroom_dynamics::read(&path.display().to_string(), &bytes)
+        .map_err(|error| Failure::argument(error, GUIDE))?;
     Ok((measured, bytes))
+}
+
+/// The bytes of a measured file.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let refused = |error| format!("{} cannot be read: {error}", path.display());
+    std::fs::read(path).map_err(|error| Failure::argument(refused(error), "see docs/dynamics.md for the files"))
 }
 
 /// `toolroom swap BASE --tool TOOL`.

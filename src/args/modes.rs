@@ -59,3 +59,21 @@ pub struct SwapArgs {
     #[arg(long)]
     pub accept_refused: bool,
 }
+
+#[derive(Args, Debug)]
+pub struct ListenArgs {
+    /// Sound of a milling cut: WAV, or a table (CSV) with time [s] and sound [Pa] or acceleration [g]; its first channel
+    pub record: PathBuf,
+    /// Teeth of the cutter
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=200))]
+    pub teeth: u32,
+    /// Spindle speed as commanded, such as "7500 rpm"; the true one is found within 3 %
+    #[arg(long, value_name = "SPEED")]
+    pub speed: String,
+    /// Sound at the same speed without cutting: its lines are the machine's
+    #[arg(long, value_name = "FILE")]
+    pub air: Option<PathBuf>,
+    /// Lobes file of the cut: modes, range of speeds, and limits at the quiet ones
+    #[arg(long, value_name = "FILE")]
+    pub lobes: Option<PathBuf>,
+}

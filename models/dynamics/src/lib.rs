@@ -17,26 +17,35 @@
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod comb;
 mod coupling;
 mod csv;
 mod error;
+mod fft;
 mod fit;
+mod frames;
 mod frf;
 mod likelihood;
 mod quality;
 mod read;
+mod record;
+mod sound;
 mod stabilisation;
 mod structure;
+mod table;
 mod uff;
 mod unit;
+mod wav;
 
 pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::read_csv;
-pub use error::{DynamicsError, UniversalProblem};
+pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
 pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
 pub use frf::{Direction, Frf, Measurement};
 pub use quality::{Quality, Refusal};
 pub use read::read;
+pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
+pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};
 pub use structure::{Scatter, StructureText};
 pub use uff::read_uff;

@@ -360,15 +360,21 @@ impl Target {
     }
 }
 
-/// `1/sqrt` of the diagonal, which makes the normal equations independent of units.
+/// `1/sqrt` of the diagonal, which makes the normal equations independent of units; zero for a parameter that moves nothing,
+/// such as the part of a shape across its motion where no response across is measured. It is held.
 fn scales(matrix: &DMatrix<f64>) -> DVector<f64> {
-    matrix.diagonal().map(|entry| if entry > 0.0 { 1.0 / entry.sqrt() } else { 1.0 })
+    matrix.diagonal().map(|entry| if entry > 0.0 { 1.0 / entry.sqrt() } else { 0.0 })
+}
+
+/// The matrix with a diagonal of ones.
+fn scaled(matrix: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(scale.len(), scale.len(), |i, j| if i == j { 1.0 } else { matrix[(i, j)] * scale[i] * scale[j] })
 }
 
 /// Step of Marquardt's equations.
 fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let scale = scales(matrix);
-    let mut scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
+    let mut scaled = scaled(matrix, &scale);
     for i in 0..scale.len() {
         scaled[(i, i)] += damping;
     }
@@ -378,7 +384,6 @@ fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option
 /// Inverse of the curvature.
 fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = scales(matrix);
-    let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
+    let inverse = scaled(matrix, &scale).cholesky()?.inverse();
     Some(DMatrix::from_fn(scale.len(), scale.len(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }

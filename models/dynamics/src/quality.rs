@@ -113,6 +113,8 @@ pub struct Quality {
     pub coherence: Vec<Option<f64>>,
     /// Difference of xy and yx over their size, on lines of clear coherence.
     pub reciprocity: Option<f64>,
+    /// Whether modes move in both directions and no response across tells the sign.
+    pub unsigned: bool,
     /// Why the fit must not be used, the first reason first.
     pub refusals: Vec<Refusal>,
 }
@@ -159,7 +161,10 @@ impl Quality {
         refusals.extend(
             poor.map(|(function, residual)| Refusal::PoorFit { function: function.clone(), residual: *residual }),
         );
-        Self { reduced_chi2, residuals, coherence, reciprocity: reciprocity(measured), refusals }
+        let crossed = measured.functions.iter().any(|function| !function.is_direct());
+        let plane = measured.functions.len() > 1;
+        let unsigned = plane && !crossed && modes.iter().any(|mode| mode.direction.iter().all(|part| *part != 0.0));
+        Self { reduced_chi2, residuals, coherence, reciprocity: reciprocity(measured), unsigned, refusals }
     }
 
     /// What does not forbid the use of the fit and should be known.
@@ -171,7 +176,11 @@ impl Quality {
                 difference * 100.0
             )
         });
-        asymmetry.into_iter().collect()
+        let oblique = self.unsigned.then(|| {
+            "neither xy nor yx was measured: modes that move in both directions are taken to do so with the same sign"
+                .to_owned()
+        });
+        asymmetry.into_iter().chain(oblique).collect()
     }
 
     /// `good`, `usable` or `refused`, with the reason.
