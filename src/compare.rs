@@ -44,9 +44,9 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         return plan(args, &file, &policies, target, voice);
     }
     let out = default_out(&file.scenario.name);
-    let (file, tuning, place) = match wanted {
+    let ((file, tuning), place) = match wanted {
         Some(wanted) => tuned_in_place(args, &input, file, (&policies, &wanted), &out, voice)?,
-        None => (file, None, None),
+        None => ((file, None), None),
     };
     let request = Request {
         command: format!("compare {input}"),
@@ -63,6 +63,9 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     perform(&request, place, voice)
 }
 
+/// A scenario with its policies at their best settings, and how these were found.
+type Tuned = (ScenarioFile, Option<Arc<Tuning>>);
+
 /// The scenario tuned, with the journal of an earlier search and of this one in the place of the results; without any
 /// search where an earlier run was tuned.
 fn tuned_in_place(
@@ -72,13 +75,13 @@ fn tuned_in_place(
     (policies, wanted): (&[usize], &TuneRequest),
     out: &Path,
     voice: &Voice,
-) -> Result<(ScenarioFile, Option<Arc<Tuning>>, Option<Place>), Failure> {
+) -> Result<(Tuned, Option<Place>), Failure> {
     let target = args.study.out.as_deref().unwrap_or(out);
     let mut changes = args.scenario.changes.overrides();
     let earlier = if args.study.resume { request_in(target) } else { None };
     if let Some(found) = earlier.and_then(|earlier| earlier.tuning()) {
         changes.extend(found.changes());
-        return Ok((read(&args.scenario.file, &changes)?, Some(found), None));
+        return Ok(((read(&args.scenario.file, &changes)?, Some(found)), None));
     }
     let place = Place::take(input, &file, &args.study, target, voice)?;
     let options = StudyOptions { policies: policies.to_vec(), ..StudyOptions::of(&file.scenario) };
@@ -100,8 +103,7 @@ fn tuned_in_place(
         }
         other => other,
     };
-    let (file, tuning) = found.map_err(kept)?;
-    Ok((file, tuning, Some(place)))
+    Ok((found.map_err(kept)?, Some(place)))
 }
 
 /// How the policies are tuned; `None` where they are compared as the file sets them.
@@ -119,7 +121,7 @@ pub fn tuned(
     voice: &Voice,
     interrupted: &AtomicBool,
     journal: Option<(&Journal<TriedRun>, Vec<TriedRun>)>,
-) -> Result<(ScenarioFile, Option<Arc<Tuning>>), Failure> {
+) -> Result<Tuned, Failure> {
     let bar = Bar::new(voice);
     let found = tune_from(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted, journal);
     bar.finish();
