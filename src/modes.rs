@@ -2,12 +2,12 @@
 
 use crate::args::{ModesArgs, SwapArgs};
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir, provenance};
 use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions};
+use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::modes::{ModesStudy, NAMES, Request, RequestError, range, read_tool, scatter, summary, tip};
 use toolroom_scenario::lobes::read_structure;
 
