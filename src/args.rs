@@ -22,7 +22,7 @@ pub use gap::{
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
-pub use modes::{ModesArgs, SwapArgs};
+pub use modes::{ListenArgs, ModesArgs, SwapArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
@@ -148,6 +148,11 @@ A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of i
   toolroom swap spindle.toml --tool endmill12.toml --out spindle-d12.toml
   toolroom swap spindle.toml --tool endmill12.toml --range \"50 Hz\" \"8000 Hz\" --report out/swap")]
     Swap(SwapArgs),
+    /// Whether the sound of a milling cut is that of chatter, and at which speeds it would be quiet
+    #[command(before_help = "Examples:
+  toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\"
+  toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\" --air air.wav --lobes chart.toml")]
+    Listen(ListenArgs),
     /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
   toolroom life scenarios/life/policies.toml          study of policies, report in out/policies
@@ -215,6 +220,9 @@ A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of i
     /// FMI units: package a model, look into any, check it, run one
     #[command(subcommand)]
     Fmu(FmuCommand),
+    /// Systems of FMI units as SSP packages: look into one, run one
+    #[command(subcommand)]
+    Ssp(SspCommand),
     /// Print the JSON schema of a kind of file, for editors
     #[command(before_help = "Examples:
   toolroom schema > scenario.schema.json
@@ -296,19 +304,27 @@ pub struct FmuSimArgs {
     /// CSV of inputs: time [s] first, then one column an input
     #[arg(long, value_name = "CSV")]
     pub input: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: UnitRunArgs,
+}
+
+/// How units are run by themselves.
+#[derive(Args, Debug)]
+pub struct UnitRunArgs {
     /// CSV of outputs, standard output if left out
     #[arg(long, value_name = "CSV")]
     pub output: Option<PathBuf>,
-    /// Stop time; the unit's own or the last time of the inputs, if left out
+    /// Stop time; that of the file or the last time of the inputs, if left out
     #[arg(long, value_name = "TIME")]
     pub stop: Option<String>,
-    /// Communication step; the unit's own, if left out
+    /// Communication step; the units' own, if left out
     #[arg(long, value_name = "TIME")]
     pub step: Option<String>,
-    /// Start value of a parameter or input in the unit's own units, name=value, repeatable
+    /// Start value of a parameter or input in the unit's own units, name=value, repeatable; component.name=value in a
+    /// system
     #[arg(long, value_name = "NAME=VALUE")]
     pub start: Vec<String>,
-    /// Where the code of the unit runs
+    /// Where the code of units runs
     #[arg(long, value_name = "WHERE", value_enum, default_value = "process")]
     pub isolation: FmuIsolation,
     /// Longest time of one call of a unit in a worker process
@@ -346,9 +362,37 @@ fn platforms() -> PossibleValuesParser {
     PossibleValuesParser::new(["host", "all"].into_iter().chain(Platform::ALL.iter().map(|platform| platform.name())))
 }
 
+#[derive(Subcommand, Debug)]
+pub enum SspCommand {
+    /// What a system is made of: units, signals, start values
+    #[command(before_help = "Examples:
+  toolroom ssp info cell.ssp
+  toolroom ssp info cell.ssp --json")]
+    Info(FmuFileArgs),
+    /// Run a system: its units step together, outputs to a table
+    #[command(before_help = "Examples:
+  toolroom ssp sim cell.ssp
+  toolroom ssp sim cell.ssp --stop \"600 s\" --step \"1 s\" --output result.csv
+  toolroom ssp sim cell.ssp --order jacobi
+  toolroom ssp sim cell.ssp --order controller,lathe --start lathe.tool.set=c45_t15k6")]
+    Sim(SspSimArgs),
+}
+
+#[derive(Args, Debug)]
+pub struct SspSimArgs {
+    /// Package of SSP 1.0 or 2.0
+    pub file: PathBuf,
+    /// `gauss-seidel`: one unit after the other as the file has them; `jacobi`: all at once, signals come a step late;
+    /// or the units by name, parted by commas
+    #[arg(long, value_name = "ORDER", default_value = "gauss-seidel")]
+    pub order: String,
+    #[command(flatten)]
+    pub run: UnitRunArgs,
+}
+
 #[derive(Args, Debug)]
 pub struct FmuFileArgs {
-    /// Unit of FMI 2.0 or 3.0
+    /// Unit of FMI 2.0 or 3.0, or package of SSP
     pub file: PathBuf,
 }
 

@@ -4,7 +4,7 @@ mod check;
 mod export;
 mod info;
 #[cfg(feature = "fmu-import")]
-mod sim;
+pub mod sim;
 
 use crate::args::FmuCommand;
 use crate::failure::Failure;
@@ -25,11 +25,17 @@ pub fn run(command: &FmuCommand, voice: &Voice) -> Result<(), Failure> {
         #[cfg(all(feature = "fmu-import", not(unix)))]
         FmuCommand::Worker => Err(Failure::Work { message: "worker processes are for Linux and macOS".to_owned() }),
         #[cfg(not(feature = "fmu-import"))]
-        FmuCommand::Sim(_) | FmuCommand::Worker => Err(Failure::argument(
-            "this toolroom was built without the import of units",
-            "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what that needs",
-        )),
+        FmuCommand::Sim(_) | FmuCommand::Worker => Err(no_import()),
     }
+}
+
+/// What a program without the import of units answers.
+#[cfg(not(feature = "fmu-import"))]
+pub fn no_import() -> Failure {
+    Failure::argument(
+        "this toolroom was built without the import of units",
+        "build it with `cargo build --release --features fmu-import`; docs/guide/fmu-import.md says what that needs",
+    )
 }
 
 fn open(path: &Path) -> Result<Archive, Failure> {

@@ -55,6 +55,7 @@ pub use toolroom_records as records;
 pub use toolroom_scenario as scenario;
 pub use toolroom_shards as shards;
 pub use toolroom_shop as shop;
+pub use toolroom_ssp as ssp;
 pub use toolroom_statistics as statistics;
 pub use toolroom_study as study;
 pub use toolroom_wear as wear;

@@ -22,11 +22,11 @@ mod grind;
 mod identify;
 mod import;
 mod life;
+mod listen;
 mod lobes;
 mod merge;
 mod modes;
 mod new;
-mod output;
 mod point;
 mod program;
 mod progress;
@@ -35,7 +35,7 @@ mod run;
 mod schema;
 mod shard;
 mod speak;
-mod stop;
+mod ssp;
 mod study;
 mod sweep;
 mod validate;
@@ -45,6 +45,7 @@ use clap::Parser;
 use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
+use toolroom_output::signals;
 
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
@@ -53,7 +54,11 @@ fn main() -> ExitCode {
     #[cfg(feature = "fmu-import")]
     toolroom_fmu_import::register();
     // A worker ends when its program says so, and not by signals of the terminal.
-    let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) { Ok(()) } else { stop::watch() };
+    let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) {
+        Ok(())
+    } else {
+        signals::watch().map_err(Failure::from)
+    };
     match watched.and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),
@@ -73,6 +78,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Lobes(args) => lobes::run(&args, voice),
         Command::Modes(args) => modes::run(&args, voice),
         Command::Swap(args) => modes::swap(&args, voice),
+        Command::Listen(args) => listen::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),
@@ -84,6 +90,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Validate => validate::run(voice),
         Command::Effects => effects::run(voice),
         Command::Fmu(command) => fmu::run(&command, voice),
+        Command::Ssp(command) => ssp::run(&command, voice),
         Command::Schema(args) => schema::run(&args, voice),
         Command::Gap(command) => gap::run(&command, voice),
         Command::Import(command) => import::run(&command, voice),

@@ -25,7 +25,7 @@
 //! | [`Variable`], [`Slot`], [`Role`], [`ValueType`] | the variables and their value references |
 //! | [`Description`], [`Dependencies`] | what the package says |
 //! | [`package()`], [`Platform`], [`Binary`] | the file that importers open |
-//! | [`Compiler`] | the shared library for other platforms |
+//! | [`libraries()`], [`Compiler`] | the shared library for this platform and others |
 //!
 //! ```
 //! use toolroom_fmu::{Interface, Log, Slot, ValueType, units};
@@ -57,6 +57,7 @@ mod cross;
 mod description;
 mod fault;
 mod instance;
+mod libraries;
 mod log;
 mod mode;
 mod package;
@@ -70,6 +71,7 @@ pub use cross::{Compiler, CrossError};
 pub use description::{Dependencies, Description};
 pub use fault::{Fault, Outcome};
 pub use instance::Instance;
+pub use libraries::{LibraryError, libraries, library_beside_program};
 pub use log::{Category, Log, Sink, Status};
 pub use mode::Mode;
 pub use package::{Binary, OwnSet, OwnSetError, PackageError, Platform, Version, file_name, own_set, package};

@@ -2,11 +2,11 @@
 
 use crate::args::FmuExportArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use toolroom_fmu::{Binary, Compiler, CrossError, Entry, OwnSet, Platform, Version, file_name, own_set, package};
+use toolroom_fmu::{Binary, Entry, LibraryError, OwnSet, Platform, Version, file_name, libraries, own_set, package};
+use toolroom_output::Files;
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = args.model;
@@ -90,82 +90,22 @@ fn places(args: &FmuExportArgs, versions: &[Version], name: impl Fn(Version) -> 
     versions.iter().map(|version| (*version, place(version))).collect()
 }
 
-/// Libraries of the wanted platforms, each once and in a fixed order.
-fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
-    let host = Platform::host();
-    let named = |word: &String| -> Vec<Platform> {
-        let is_wanted = |platform: &Platform| match word.as_str() {
-            "host" => Some(*platform) == host,
-            "all" => true,
-            name => platform.name() == name,
-        };
-        Platform::ALL.into_iter().filter(is_wanted).collect()
-    };
-    let mut platforms: Vec<Platform> = wanted.iter().flat_map(named).collect();
-    if wanted.is_empty() {
-        platforms.extend(host);
-    }
-    platforms.sort_unstable();
-    platforms.dedup();
-    let every = wanted.iter().any(|word| word == "all");
-    let cross = Compiler::find();
-    let began = |target: &str| voice.say(format_args!("compiling for {target} …"));
-    let mut binaries = Vec::new();
-    for platform in platforms {
-        // With the cross compiler at hand this machine's library is made for old C libraries too.
-        let library = match &cross {
-            Ok(compiler) if Some(platform) != host || !wanted.is_empty() => {
-                compiler.library(platform, &began).map_err(|error| not_compiled(&error))
-            }
-            _ if Some(platform) == host => own_library(platform),
-            Ok(compiler) => compiler.library(platform, &began).map_err(|error| not_compiled(&error)),
-            Err(missing) => Err(not_compiled(missing)),
-        };
-        match library {
-            Ok(library) => binaries.push(Binary { platform, library }),
-            // With `all` the package has what can be had.
-            Err(failure) if every && Some(platform) != host => {
-                voice.say(format_args!("left out {}: {}", platform.name(), failure.message()));
-            }
-            Err(failure) => return Err(failure),
-        }
-    }
-    Ok(binaries)
+/// Libraries of the wanted platforms.
+pub(crate) fn binaries(wanted: &[String], voice: &Voice) -> Result<Vec<Binary>, Failure> {
+    libraries(wanted, &own_library, &|line| voice.say(line)).map_err(|error| match error.fix() {
+        Some(fix) => Failure::argument(error, fix),
+        None => Failure::Work { message: error.to_string() },
+    })
 }
 
 /// The library inside this program.
 #[cfg(feature = "embedded-units")]
-fn own_library(_platform: Platform) -> Result<Vec<u8>, Failure> {
-    toolroom::unit_library()
-        .map_err(|error| Failure::Work { message: format!("the library in this program is damaged: {error}") })
-}
-
-fn not_compiled(error: &CrossError) -> Failure {
-    match error.fix() {
-        Some(fix) => Failure::argument(error, fix),
-        None => Failure::Work { message: error.to_string() },
-    }
+fn own_library(_platform: Platform) -> Result<Vec<u8>, LibraryError> {
+    toolroom::unit_library().map_err(LibraryError::Damaged)
 }
 
 /// The library that was built with this program, beside it.
 #[cfg(not(feature = "embedded-units"))]
-fn own_library(platform: Platform) -> Result<Vec<u8>, Failure> {
-    let name = platform.library_name();
-    let folder =
-        std::env::current_exe().ok().and_then(|program| Some(program.parent()?.to_owned())).unwrap_or_default();
-    // Cargo leaves it among the dependencies; an installed program has it beside itself.
-    let places: [PathBuf; 4] = [
-        folder.join("deps").join(&name),
-        folder.join(&name),
-        folder.join("../lib").join(&name),
-        folder.join("../deps").join(&name),
-    ];
-    places.iter().find_map(|place| std::fs::read(place).ok()).ok_or_else(|| {
-        let message = format!("the library {name} is not beside the program in {}", folder.display());
-        Failure::argument(
-            message,
-            "build the program with `--features embedded-units`, which puts the library into it, or copy the library \
-             that `cargo build -p toolroom-fmu` makes there",
-        )
-    })
+fn own_library(platform: Platform) -> Result<Vec<u8>, LibraryError> {
+    toolroom_fmu::library_beside_program(platform)
 }

@@ -1,9 +1,8 @@
 //! `toolroom fmu sim F.fmu`.
 
 use super::refused;
-use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs};
+use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs, UnitRunArgs};
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -13,80 +12,104 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, named_values, simulate};
 use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
+use toolroom_output::Files;
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
 pub fn run(args: &FmuSimArgs, voice: &Voice) -> Result<(), Failure> {
-    if voice.json && args.output.is_none() {
-        return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
-    }
     let files = Files::new(std::iter::once(args.file.as_path()).chain(args.input.as_deref()), voice.force);
-    args.output.as_ref().map_or(Ok(()), |path| files.check(path))?;
-    let isolation = match args.isolation {
-        FmuIsolation::Process => UnitIsolation::Process,
-        FmuIsolation::None => UnitIsolation::None,
-    };
-    let limit = seconds("--call-limit", Some(&args.call_limit))?.filter(|limit| *limit > 0.0);
-    let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
     let driven = match args.interface {
         None => Driven::Either,
         Some(FmuInterface::CoSimulation) => Driven::CoSimulation,
         Some(FmuInterface::ModelExchange) => Driven::ModelExchange,
     };
-    let unit = Unit::load_driven(&args.file, &Isolation::of(isolation, Some(limit)), driven).map_err(not_loaded)?;
+    args.run.check(&files, voice)?;
+    let unit = Unit::load_driven(&args.file, &args.run.isolation()?, driven).map_err(not_loaded)?;
     let unit = Arc::new(unit);
     let experiment = Experiment {
         start: None,
-        stop: seconds("--stop", args.stop.as_deref())?,
-        step: seconds("--step", args.step.as_deref())?,
-        start_values: named_values(&args.start)
-            .map_err(|error| Failure::argument(error, "such as --start tool.set=ni_vk6om"))?,
+        stop: seconds("--stop", args.run.stop.as_deref())?,
+        step: seconds("--step", args.run.step.as_deref())?,
+        start_values: args.run.start_values()?,
     };
     let inputs = args.input.as_deref().map(|path| inputs(&unit, &experiment.start_values, path)).transpose()?;
     let left_out = left_out(unit.description(), &experiment.start_values);
     if !left_out.is_empty() {
         voice.say(format_args!("left out, since no table can hold it: {}", left_out.join(", ")));
     }
-    let done = match &args.output {
-        Some(path) => {
-            let unwritable = |source| Failure::Unwritable { path: path.clone(), source };
-            let mut draft = files.begin(path)?;
-            let mut table = BufWriter::new(&mut draft.file);
-            let done = simulate(&unit, &experiment, inputs.as_ref(), &mut table);
-            table.flush().map_err(unwritable)?;
-            drop(table);
-            files.end(draft)?;
-            done.map_err(|error| failed(error, Some(path)))?
-        }
-        None => {
-            let mut table = Vec::new();
-            let done = simulate(&unit, &experiment, inputs.as_ref(), &mut table);
-            voice.data(String::from_utf8_lossy(&table).trim_end())?;
-            done.map_err(|error| failed(error, None))?
-        }
-    };
-    report(args, &unit, done, voice)
+    let done = args.run.table(&files, voice, |table| simulate(&unit, &experiment, inputs.as_ref(), table))?;
+    let done = done.map_err(|error| failed(error, args.run.output.as_ref()))?;
+    args.run.report(&args.file, ("fmi_version", &unit.description().fmi_version), done, voice)
 }
 
-fn report(args: &FmuSimArgs, unit: &Unit, done: Done, voice: &Voice) -> Result<(), Failure> {
-    let Done { start, stop, step, steps, ended } = done;
-    if voice.json {
-        return voice.json(&json!({
-            "schema": 1,
-            "file": args.file.display().to_string(),
-            "fmi_version": unit.description().fmi_version,
-            "start [s]": start,
-            "stop [s]": stop,
-            "step [s]": step,
-            "steps": steps,
-            "ended_by_unit": ended,
-            "output": args.output,
-        }));
+impl UnitRunArgs {
+    /// That the table has a place, before anything runs.
+    pub fn check(&self, files: &Files, voice: &Voice) -> Result<(), Failure> {
+        if voice.json && self.output.is_none() {
+            return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
+        }
+        self.output.as_ref().map_or(Ok(()), |path| Ok(files.check(path)?))
     }
-    let to = args.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
-    let end = if ended { ", where the unit ended the simulation" } else { "" };
-    voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s{end}"));
-    Ok(())
+
+    /// Where the code of units runs.
+    pub fn isolation(&self) -> Result<Isolation, Failure> {
+        let isolation = match self.isolation {
+            FmuIsolation::Process => UnitIsolation::Process,
+            FmuIsolation::None => UnitIsolation::None,
+        };
+        let limit = seconds("--call-limit", Some(&self.call_limit))?.filter(|limit| *limit > 0.0);
+        let limit = limit.ok_or_else(|| Failure::argument("--call-limit has to be above 0 s", "such as \"10 s\""))?;
+        Ok(Isolation::of(isolation, Some(limit)))
+    }
+
+    /// Start values by name.
+    pub fn start_values(&self) -> Result<BTreeMap<String, String>, Failure> {
+        named_values(&self.start).map_err(|error| Failure::argument(error, "such as --start tool.set=ni_vk6om"))
+    }
+
+    /// Runs `simulate` with the place of the table; what came before a failure stays.
+    pub fn table<D, E>(
+        &self,
+        files: &Files,
+        voice: &Voice,
+        simulate: impl FnOnce(&mut dyn Write) -> Result<D, E>,
+    ) -> Result<Result<D, E>, Failure> {
+        let Some(path) = &self.output else {
+            let mut table = Vec::new();
+            let done = simulate(&mut table);
+            voice.data(String::from_utf8_lossy(&table).trim_end())?;
+            return Ok(done);
+        };
+        let mut draft = files.begin(path)?;
+        let mut table = BufWriter::new(&mut draft.file);
+        let done = simulate(&mut table);
+        table.flush().map_err(|source| Failure::Unwritable { path: path.clone(), source })?;
+        drop(table);
+        files.end(draft)?;
+        Ok(done)
+    }
+
+    /// Says what came of a simulation of `file`; `standard` is the key and the number of its version.
+    pub fn report(&self, file: &Path, standard: (&str, &str), done: Done, voice: &Voice) -> Result<(), Failure> {
+        let Done { start, stop, step, steps, ended } = done;
+        if voice.json {
+            return voice.json(&json!({
+                "schema": 1,
+                "file": file.display().to_string(),
+                (standard.0): standard.1,
+                "start [s]": start,
+                "stop [s]": stop,
+                "step [s]": step,
+                "steps": steps,
+                "ended_by_unit": ended,
+                "output": self.output,
+            }));
+        }
+        let to = self.output.as_ref().map_or(String::new(), |path| format!("wrote {}: ", path.display()));
+        let end = if ended { ", where a unit ended the simulation" } else { "" };
+        voice.say(format_args!("{to}{steps} steps of {step} s from {start} s to {stop} s{end}"));
+        Ok(())
+    }
 }
 
 fn inputs(unit: &Unit, start: &BTreeMap<String, String>, path: &Path) -> Result<Inputs, Failure> {
@@ -120,7 +143,7 @@ fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
     }
 }
 
-fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
+pub fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {
     let read = |text| {
         quantity(text, "s").map_err(|error| Failure::argument(format_args!("{flag}: {error}"), "such as \"0.1 s\""))
     };

@@ -10,6 +10,7 @@ use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::collections::BTreeMap;
 use toolroom_calibrate::{Choice, Edge, Law, Model, Stretch, Verdict, WearModel, leave_edges_out, maximise, sample};
 use toolroom_wear::{Cut, Pair};
 
@@ -18,6 +19,8 @@ use toolroom_wear::{Cut, Pair};
 const UNREAD: f64 = 1.0;
 /// Readings of an edge.
 const READINGS: u32 = 10;
+/// Flank wear in mm at which an edge is worn out and read no more.
+const LIMIT: f64 = 0.3;
 
 fn base() -> Pair {
     Pair::named("c45_t15k6").expect("shipped")
@@ -49,7 +52,7 @@ fn made(
 ) -> (WearModel, DVector<f64>) {
     let (conditions, blank) = design(edges, speeds);
     loop {
-        let empty = WearModel::new(law, &base(), conditions.clone(), blank.clone(), 0.3);
+        let empty = WearModel::new(law, &base(), conditions.clone(), blank.clone(), LIMIT);
         let parameters = empty.parameters();
         let mut truth = DVector::from_iterator(
             parameters.len(),
@@ -72,10 +75,16 @@ fn made(
             let total = (1.05 * empty.life(truth.as_slice(), cut)).min(60.0);
             edge.stretches.iter_mut().for_each(|stretch| stretch.time = total / f64::from(READINGS));
         }
-        let planned_model = WearModel::new(law, &base(), conditions.clone(), planned.clone(), 0.3);
+        let planned_model = WearModel::new(law, &base(), conditions.clone(), planned.clone(), LIMIT);
         for (index, edge) in planned.iter_mut().enumerate() {
             let read = planned_model.replicate(truth.as_slice(), index, random);
+            let last = read.iter().position(|wear| *wear >= LIMIT).map_or(read.len(), |place| place + 1);
+            edge.stretches.truncate(last);
             edge.stretches.iter_mut().zip(read).for_each(|(stretch, wear)| stretch.wear = Some(wear));
+            // Of an edge that has collapsed nothing is left to read.
+            if edge.stretches[last - 1].wear.is_some_and(|wear| wear > UNREAD) {
+                edge.stretches.truncate(last - 1);
+            }
         }
         return (WearModel::new(law, &base(), conditions, planned, 0.3), truth);
     }
@@ -83,25 +92,26 @@ fn made(
 
 fn coverage(law: Law, edges: usize, sets: usize) {
     let mut random = ChaCha8Rng::seed_from_u64(2026);
-    let (mut inside, mut all, mut scatter) = (0, 0, 0);
+    let mut held: BTreeMap<String, usize> = BTreeMap::new();
+    let mut fitted = 0;
     for set in 0..sets {
         let (model, truth) = made(law, edges, &[180.0, 220.0, 260.0, 320.0], 0.8, None, &mut random);
         let every: Vec<usize> = (0..edges).collect();
         let Some(posterior) = sample(&model, &every, 1000, set as u64) else { continue };
+        fitted += 1;
         for (index, parameter) in model.parameters().iter().enumerate() {
-            let held = (posterior.quantile(index, 0.05)..=posterior.quantile(index, 0.95)).contains(&truth[index]);
-            inside += usize::from(held);
-            all += 1;
-            scatter += usize::from(held && parameter.name == toolroom_calibrate::EDGE_SCATTER);
+            let inside = (posterior.quantile(index, 0.05)..=posterior.quantile(index, 0.95)).contains(&truth[index]);
+            *held.entry(parameter.name.clone()).or_default() += usize::from(inside);
         }
     }
     let share = |count: usize, of: usize| 100.0 * count as f64 / of as f64;
+    let all: usize = held.values().sum();
     println!(
-        "{} {edges} edges, {sets} sets: {:.1} % of 90 % intervals hold the truth, edge_scatter alone {:.1} %",
+        "{} {edges} edges, {fitted} of {sets} sets: {:.1} % of 90 % intervals hold the truth",
         law.group(),
-        share(inside, all),
-        share(scatter, sets)
+        share(all, fitted * held.len())
     );
+    held.iter().for_each(|(name, count)| println!("  {name}: {:.1} %", share(*count, fitted)));
 }
 
 fn choice(sets: usize) {
@@ -116,7 +126,7 @@ fn choice(sets: usize) {
             let candidates: Vec<_> = Law::ALL
                 .into_iter()
                 .filter_map(|law| {
-                    let model = WearModel::new(law, &base(), conditions.clone(), made.measured().to_vec(), 0.3);
+                    let model = WearModel::new(law, &base(), conditions.clone(), made.measured().to_vec(), LIMIT);
                     let mean = model.parameters().iter().map(|parameter| parameter.prior.mean);
                     let start = DVector::from_iterator(model.parameters().len(), mean);
                     let full = maximise(&model, &every, &start, None)?;

@@ -22,6 +22,9 @@ const JUDGED: usize = 8;
 /// Coverage of the 90 % band that is no reason for a warning.
 const COVERED: std::ops::RangeInclusive<f64> = 0.75..=0.99;
 
+/// Speeds at which lives are listed where more were cut.
+const LISTED: usize = 8;
+
 /// What a calibration is to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Request {
@@ -239,14 +242,9 @@ fn force(
             stretch.wear = force.map(|_| 0.0);
         }
         let wear = model.course(u, &read, model.level(u, edge));
-        let places =
-            edge.stretches.iter().zip(forces).filter_map(|(stretch, force)| Some((stretch.condition, (*force)?)));
-        let reading = |((condition, force), wear): ((usize, f64), &f64)| ForceReading {
-            cut: measured.conditions[condition],
-            wear: *wear,
-            force,
-        };
-        let readings: Vec<ForceReading> = places.zip(&wear).map(reading).collect();
+        let reading =
+            |((cut, force), wear): (&(Cut, f64), &f64)| ForceReading { cut: *cut, wear: *wear, force: *force };
+        let readings: Vec<ForceReading> = forces.iter().flatten().zip(&wear).map(reading).collect();
         if !readings.is_empty() {
             edges.push(readings);
         }
@@ -270,12 +268,19 @@ fn force(
     Some(ForceFit { model, posterior, identifiability, gain: (gain, error) })
 }
 
-/// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often.
+/// Lives at every tested speed and at the middle between neighbours, at the feed and depth cut most often. Of many speeds
+/// [`LISTED`] stand for all.
 fn lives(model: &WearModel, posterior: &Posterior, measured: &Measured, seed: u64) -> Vec<LifeAt> {
     let reference = usual_cut(measured);
     let mut speeds: Vec<f64> = measured.conditions.iter().map(|cut| cut.cutting_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
+    if speeds.len() > LISTED {
+        let (low, high) = (speeds[0], speeds[speeds.len() - 1]);
+        let place = |step: usize| low * (high / low).powf(step as f64 / (LISTED - 1) as f64);
+        let few: Vec<f64> = (0..LISTED).map(place).collect();
+        return few.iter().map(|speed| life_at(model, posterior, &reference.at_speed(*speed), true, seed)).collect();
+    }
     let between: Vec<f64> = speeds.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let tested = |speed: &f64| speeds.contains(speed);
     let mut wanted: Vec<f64> = speeds.iter().chain(&between).copied().collect();

@@ -99,6 +99,9 @@ const HERMITE: [(f64, f64); 5] = [
 const STARTS: usize = 9;
 /// Farthest start, in standard deviations of the level.
 const FARTHEST: f64 = 3.0;
+/// Readings by which the starts are compared (assumption): which of them is nearest shows already in a few readings spread
+/// over the life, and an edge of a recorded shop has hundreds.
+const COMPARED: usize = 16;
 
 /// Readings of an edge as a model sees them at one level.
 #[derive(Default)]
@@ -112,33 +115,39 @@ pub(crate) struct Predicted {
 }
 
 impl Common<'_> {
-    /// What would be read of an edge that wears by `level` faster.
-    pub(crate) fn predict(&self, edge: &Edge, level: f64, into: &mut Predicted) {
+    /// What would be read of an edge that wears by `level` faster, at the last of every `stride` readings.
+    pub(crate) fn predict(&self, edge: &Edge, level: f64, stride: usize, into: &mut Predicted) {
         into.wear.clear();
         into.slope.clear();
         into.pace.clear();
         let (mut wear, mut slope) = (0.0, 0.0);
-        let mut at = usize::MAX;
+        // Condition and place on its curve.
+        let (mut at, mut cell) = (usize::MAX, 0);
         // Time on the present curve, and its derivative by the logarithm of the level.
         let (mut time, mut stretch_of_time) = (0.0, 0.0);
-        for stretch in &edge.stretches {
+        let mut reading = 0;
+        for (index, stretch) in edge.stretches.iter().enumerate() {
             let curve = &self.curves[stretch.condition];
             if stretch.condition != at {
-                at = stretch.condition;
+                (at, cell) = (stretch.condition, 0);
                 if wear > 0.0 {
-                    let (_, rate) = curve.wear(curve.time(wear));
-                    (time, stretch_of_time) = (curve.time(wear), slope / rate);
+                    time = curve.time(wear);
+                    stretch_of_time = slope / curve.wear(time, &mut cell).1;
                 }
             }
             time += level * stretch.time;
             stretch_of_time += level * stretch.time;
-            let rate;
-            (wear, rate) = curve.wear(time);
-            slope = rate * stretch_of_time;
-            if stretch.wear.is_some() {
-                into.wear.push(wear);
-                into.slope.push(slope);
-                into.pace.push(level * rate);
+            reading += usize::from(stretch.wear.is_some());
+            let read = stretch.wear.is_some() && reading % stride == 0;
+            if read || edge.stretches.get(index + 1).is_some_and(|next| next.condition != at) {
+                let rate;
+                (wear, rate) = curve.wear(time, &mut cell);
+                slope = rate * stretch_of_time;
+                if read {
+                    into.wear.push(wear);
+                    into.slope.push(slope);
+                    into.pace.push(level * rate);
+                }
             }
         }
     }
@@ -161,8 +170,8 @@ impl Common<'_> {
         let read: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
-        let mut at = |z: f64| self.ln_joint(edge, &read, times.as_deref(), z, &mut predicted);
-        ln_integral(&mut at)
+        let mut at = |z: f64, stride: usize| self.ln_joint(edge, &read, times.as_deref(), z, stride, &mut predicted);
+        ln_integral(&mut at, read.len())
     }
 
     /// The level at which the readings of an edge are most probable together with the level itself.
@@ -170,7 +179,8 @@ impl Common<'_> {
         let read: Vec<f64> = edge.stretches.iter().filter_map(|stretch| stretch.wear).collect();
         let times = self.in_life.map(|_| reading_times(edge));
         let mut predicted = Predicted::default();
-        let (z, _) = mode(&mut |z| self.ln_joint(edge, &read, times.as_deref(), z, &mut predicted));
+        let mut at = |z: f64, stride: usize| self.ln_joint(edge, &read, times.as_deref(), z, stride, &mut predicted);
+        let (z, _) = mode(&mut at, read.len());
         (self.scatter * z).exp()
     }
 
@@ -181,7 +191,7 @@ impl Common<'_> {
         }
         let mut normal = || -> f64 { StandardNormal.sample(&mut *random) };
         let mut predicted = Predicted::default();
-        self.predict(edge, (self.scatter * normal()).exp(), &mut predicted);
+        self.predict(edge, (self.scatter * normal()).exp(), 1, &mut predicted);
         let mut readings: Vec<f64> = predicted.wear.iter().map(|wear| wear + self.noise * normal()).collect();
         if let Some(noise) = &self.in_life {
             let times = reading_times(edge);
@@ -202,16 +212,19 @@ impl Common<'_> {
         readings
     }
 
-    /// Log density of readings and standardised level `z`, its derivative by `z` and the Gauss–Newton curvature.
+    /// Log density of every `stride`-th reading and the standardised level `z`, its derivative by `z` and the Gauss–Newton
+    /// curvature. Readings that noise within the life joins are never thinned.
     fn ln_joint(
         &self,
         edge: &Edge,
         read: &[f64],
         times: Option<&[f64]>,
         z: f64,
+        stride: usize,
         predicted: &mut Predicted,
-    ) -> (f64, f64, f64) {
-        self.predict(edge, (self.scatter * z).exp(), predicted);
+    ) -> Joint {
+        let stride = if times.is_some() { 1 } else { stride };
+        self.predict(edge, (self.scatter * z).exp(), stride, predicted);
         let prior = -0.5 * z * z - HALF_LN_TAU;
         if let (Some(noise), Some(times)) = (&self.in_life, times) {
             let covariance = self.covariance(noise, times, &predicted.pace);
@@ -225,14 +238,15 @@ impl Common<'_> {
         }
         let weight = 1.0 / (self.noise * self.noise);
         let (mut squares, mut gradient, mut curvature) = (0.0, 0.0, 0.0);
-        for ((read, wear), slope) in read.iter().zip(&predicted.wear).zip(&predicted.slope) {
+        let compared = read.iter().skip(stride - 1).step_by(stride);
+        for ((read, wear), slope) in compared.zip(&predicted.wear).zip(&predicted.slope) {
             let off = read - wear;
             let slope = slope * self.scatter;
             squares += off * off;
             gradient += off * slope;
             curvature += slope * slope;
         }
-        let density = prior - 0.5 * weight * squares - read.len() as f64 * (self.noise.ln() + HALF_LN_TAU);
+        let density = prior - 0.5 * weight * squares - predicted.wear.len() as f64 * (self.noise.ln() + HALF_LN_TAU);
         (density, weight * gradient - z, 1.0 + weight * curvature)
     }
 
@@ -247,37 +261,42 @@ impl Common<'_> {
 /// Log density, its derivative and its Gauss–Newton curvature at a standardised level.
 pub(crate) type Joint = (f64, f64, f64);
 
-/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature.
-pub(crate) fn ln_integral(at: &mut dyn FnMut(f64) -> Joint) -> f64 {
-    let (z, (density, _, curvature)) = mode(at);
+/// Logarithm of the integral of a density over the standardised level, by adaptive Gauss–Hermite quadrature. `at` takes the
+/// level and which of the `readings` are looked at: one is all of them, `n` every nth.
+pub(crate) fn ln_integral(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> f64 {
+    let (z, (density, _, curvature)) = mode(at, readings);
     let width = std::f64::consts::SQRT_2 / curvature.sqrt();
     let mut terms = [0.0; 9];
     for (index, (node, weight)) in HERMITE.iter().enumerate() {
         let term = |density: f64| density + node * node + weight.ln();
-        terms[index] = term(if index == 0 { density } else { at(z + width * node).0 });
+        terms[index] = term(if index == 0 { density } else { at(z + width * node, 1).0 });
         if index > 0 {
-            terms[4 + index] = term(at(z - width * node).0);
+            terms[4 + index] = term(at(z - width * node, 1).0);
         }
     }
     width.ln() + ln_sum(&terms)
 }
 
 /// The most probable standardised level of an edge, and the density there.
-fn mode(at: &mut dyn FnMut(f64) -> Joint) -> (f64, Joint) {
+fn mode(at: &mut dyn FnMut(f64, usize) -> Joint, readings: usize) -> (f64, Joint) {
     let starts = (0..STARTS).map(|start| FARTHEST * (2.0 * start as f64 / (STARTS - 1) as f64 - 1.0));
+    let stride = readings.div_ceil(COMPARED).max(1);
     let mut best = (0.0, (f64::NEG_INFINITY, 0.0, 1.0));
     for z in starts {
-        let there = at(z);
+        let there = at(z, stride);
         if there.0 > best.1.0 {
             best = (z, there);
         }
+    }
+    if stride > 1 {
+        best.1 = at(best.0, 1);
     }
     let (mut z, mut here) = best;
     for _ in 0..20 {
         let mut step = here.1 / here.2;
         let mut moved = false;
         for _ in 0..12 {
-            let next = at(z + step);
+            let next = at(z + step, 1);
             if next.0.is_finite() && next.0 >= here.0 {
                 z += step;
                 here = next;

@@ -146,10 +146,10 @@ impl Model for ForceModel {
         let (scatter, noise) = self.spread(u);
         let of_edge = |edge: &usize| {
             let parts = self.parts(u, *edge);
-            let mut joint = |z: f64| -> Joint {
+            let mut joint = |z: f64, stride: usize| -> Joint {
                 let level = (scatter * z).exp();
                 let (mut density, mut gradient, mut curvature) = (-0.5 * z * z - HALF_LN_TAU, -z, 1.0);
-                for (reading, (sharp, land)) in self.edges[*edge].iter().zip(&parts) {
+                for (reading, (sharp, land)) in self.edges[*edge].iter().zip(&parts).step_by(stride) {
                     let (mean, slope) = (sharp * level + land, sharp * level * scatter);
                     let deviation = noise * mean;
                     let off = (reading.force - mean) / deviation;
@@ -159,7 +159,7 @@ impl Model for ForceModel {
                 }
                 (density, gradient, curvature)
             };
-            ln_integral(&mut joint)
+            ln_integral(&mut joint, parts.len())
         };
         edges.iter().map(of_edge).sum()
     }

@@ -4,12 +4,16 @@ use crate::fit::{Maximum, maximise};
 use crate::model::Model;
 use crate::normal::ln_sum;
 use crate::sample::Weighted;
+use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 /// Proposals for an edge left out: a third of them is effective usually, [`EFFECTIVE`] are wanted at least (assumption).
 const PROPOSALS: usize = 256;
+/// Fits without some of the edges (assumption): beyond so many edges several are left out at once, which makes each
+/// prediction that of a fit to a little less than all others.
+const FITS: usize = 24;
 /// Effective draws below which the proposal is made anew from the moments of the first (assumption).
 const EFFECTIVE: f64 = 64.0;
 
@@ -28,15 +32,21 @@ pub struct LeftOut {
 /// what will be measured next, so that their own level is integrated out.
 ///
 /// Single readings are not left out: readings of one edge share its level, and weights of the full fit would have to
-/// bridge its whole level (their tail shape is high by construction).
+/// bridge its whole level (their tail shape is high by construction). Of more than 24 edges several are left out at once.
 pub fn leave_edges_out(model: &dyn Model, full: &Maximum, seed: u64) -> Vec<LeftOut> {
-    (0..model.edges()).into_par_iter().map(|edge| left_out(model, full, edge, seed)).collect()
+    let fits = model.edges().min(FITS);
+    let group = |fit: usize| (fit..model.edges()).step_by(fits.max(1)).collect::<Vec<usize>>();
+    let groups: Vec<Vec<LeftOut>> =
+        (0..fits).into_par_iter().map(|fit| left_out(model, full, &group(fit), fit, seed)).collect();
+    let mut groups: Vec<_> = groups.into_iter().map(Vec::into_iter).collect();
+    (0..model.edges()).filter_map(|edge| groups[edge % fits].next()).collect()
 }
 
-fn left_out(model: &dyn Model, full: &Maximum, edge: usize, seed: u64) -> LeftOut {
-    let others: Vec<usize> = (0..model.edges()).filter(|other| *other != edge).collect();
+/// The edges of a group predicted by all others.
+fn left_out(model: &dyn Model, full: &Maximum, group: &[usize], stream: usize, seed: u64) -> Vec<LeftOut> {
+    let others: Vec<usize> = (0..model.edges()).filter(|other| !group.contains(other)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(edge as u64 + 1);
+    random.set_stream(stream as u64 + 1);
     let fit = maximise(model, &others, &full.u, Some(&full.covariance));
     let fit = fit.as_ref().unwrap_or(full);
     let mut found = Weighted::draw(model, &others, &fit.u, &fit.covariance, PROPOSALS, &mut random);
@@ -47,19 +57,27 @@ fn left_out(model: &dyn Model, full: &Maximum, edge: usize, seed: u64) -> LeftOu
             found = again;
         }
     }
+    // Equally weighted draws give quantiles by counting.
+    let equal = found.resampled(4 * PROPOSALS, &mut random);
+    group.iter().map(|edge| predicted(model, &found, &equal, *edge, &mut random)).collect()
+}
+
+/// What draws of a fit without an edge say of it.
+fn predicted(
+    model: &dyn Model,
+    found: &Weighted,
+    equal: &[DVector<f64>],
+    edge: usize,
+    random: &mut ChaCha8Rng,
+) -> LeftOut {
     let weighted = found.draws.iter().zip(&found.weights.weights);
     let terms: Vec<f64> =
         weighted.map(|(draw, weight)| weight.ln() + model.ln_likelihood(draw.as_slice(), &[edge])).collect();
-    let read = model.readings(edge);
-    // Equally weighted draws give quantiles by counting.
-    let simulated: Vec<Vec<f64>> = found
-        .resampled(4 * PROPOSALS, &mut random)
-        .iter()
-        .map(|draw| model.replicate(draw.as_slice(), edge, &mut random))
-        .collect();
+    let simulated: Vec<Vec<f64>> =
+        equal.iter().map(|draw| model.replicate(draw.as_slice(), edge, &mut *random)).collect();
     let mut ranks = Vec::new();
     let mut bands = Vec::new();
-    for (index, read) in read.iter().enumerate() {
+    for (index, read) in model.readings(edge).iter().enumerate() {
         let mut values: Vec<f64> = simulated.iter().map(|readings| readings[index]).collect();
         values.sort_by(f64::total_cmp);
         let below = values.partition_point(|value| value < read);

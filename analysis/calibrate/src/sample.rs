@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use rayon::prelude::*;
 use statrs::function::gamma::ln_gamma;
 use toolroom_numerics::order_quantile;
 
@@ -93,17 +94,18 @@ pub fn maxima(model: &dyn Model, edges: &[usize], seed: u64) -> Option<(Maximum,
     let parameters = model.parameters();
     let mean = DVector::from_iterator(parameters.len(), parameters.iter().map(|parameter| parameter.prior.mean));
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut found: Vec<Maximum> = Vec::new();
-    for start in 0..=STARTS {
-        let jitter = |i: usize, random: &mut ChaCha8Rng| {
-            let z: f64 = StandardNormal.sample(random);
-            if start == 0 { 0.0 } else { z * parameters[i].prior.deviation }
-        };
-        let begin = DVector::from_fn(mean.len(), |i, _| mean[i] + jitter(i, &mut random));
-        // From a known maximum only the way there is left to do.
-        let shape = found.first().map(|maximum| maximum.covariance.clone());
-        found.extend(maximise(model, edges, &begin, shape.as_ref()));
-    }
+    let jittered = |random: &mut ChaCha8Rng| {
+        DVector::from_fn(mean.len(), |i, _| {
+            let z: f64 = StandardNormal.sample(&mut *random);
+            mean[i] + z * parameters[i].prior.deviation
+        })
+    };
+    let starts: Vec<DVector<f64>> = (0..STARTS).map(|_| jittered(&mut random)).collect();
+    let first = maximise(model, edges, &mean, None);
+    // From a known maximum only the way there is left to do.
+    let shape = first.as_ref().map(|maximum| &maximum.covariance);
+    let others: Vec<Option<Maximum>> = starts.par_iter().map(|start| maximise(model, edges, start, shape)).collect();
+    let mut found: Vec<Maximum> = first.iter().cloned().chain(others.into_iter().flatten()).collect();
     found.sort_by(|a, b| b.ln_density.total_cmp(&a.ln_density));
     let mut distinct: Vec<Maximum> = Vec::new();
     for maximum in found {
@@ -201,16 +203,17 @@ impl Weighted {
             - 0.5 * size as f64 * (FREEDOM * std::f64::consts::PI).ln()
             - root.diagonal().map(f64::ln).sum();
         let mut draws = Vec::with_capacity(count);
-        let mut ratios = Vec::with_capacity(count);
+        let mut proposals = Vec::with_capacity(count);
         for _ in 0..count {
             let z = DVector::from_fn(size, |_, _| StandardNormal.sample(&mut *random));
             let stretch: f64 = FREEDOM / chi.sample(random);
             let square = stretch * z.norm_squared();
             let draw = mean + &root * z * stretch.sqrt();
-            let proposal = constant - 0.5 * (FREEDOM + size as f64) * (square / FREEDOM).ln_1p();
-            ratios.push(model.ln_posterior(draw.as_slice(), edges) - proposal);
+            proposals.push(constant - 0.5 * (FREEDOM + size as f64) * (square / FREEDOM).ln_1p());
             draws.push(draw);
         }
+        let ratio = |(draw, proposal): (&DVector<f64>, &f64)| model.ln_posterior(draw.as_slice(), edges) - proposal;
+        let ratios: Vec<f64> = draws.par_iter().zip(&proposals).map(ratio).collect();
         Self { draws, weights: Weights::smoothed(&ratios) }
     }
 

@@ -29,6 +29,13 @@ const UNUSED: [&str; 4] = ["feed_force", "spindle_power", "temperature", "thermo
 const SPEED_DIGITS: usize = 4;
 const LENGTH_DIGITS: usize = 3;
 
+/// Conditions beyond which neighbours are joined (assumption): designed tests have fewer, recorded shops a new one with every
+/// pass.
+const MANY: usize = 24;
+/// Ratio of the greatest to the least speed, feed and depth of joined conditions (assumption): at exponents of 5, 1.5 and 0.75
+/// the rate of a pass then differs by at most 4 % from that of its condition, either way, which evens out over an edge.
+const JOINED: [f64; 3] = [1.015, 1.05, 1.10];
+
 /// A number to so many digits.
 fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
@@ -107,8 +114,8 @@ pub struct Measured {
     pub conditions: Vec<Cut>,
     /// Edges in the order of the records.
     pub edges: Vec<Edge>,
-    /// Cutting force at the end of each stretch of each edge, N.
-    pub forces: Vec<Vec<Option<f64>>>,
+    /// Cutting force in N at the end of each stretch of each edge, with the cut as it was recorded.
+    pub forces: Vec<Vec<Option<(Cut, f64)>>>,
     /// How each ended.
     pub ends: Vec<End>,
     /// Remarks.
@@ -170,7 +177,10 @@ impl Measured {
                 None => return Err(DataError::End { edge: name.to_owned(), read: word.to_owned() }),
             };
             let at = |column: &str, row: usize| records.numbers(column).map_or(f64::NAN, |values| values[row]);
-            let force = |row: &usize| Some(at("cutting_force", *row)).filter(|force| force.is_finite() && *force > 0.0);
+            let force = |row: &usize| {
+                let force = Some(at("cutting_force", *row)).filter(|force| force.is_finite() && *force > 0.0);
+                force.map(|force| (Cut::nominal(speed[*row], feed[*row], depth[*row]), force))
+            };
             let mut forces = Vec::new();
             let edge = if at("life", last).is_finite() {
                 let minutes = at("life", last) / 60.0;
@@ -237,6 +247,7 @@ impl Measured {
         }
         measured.remark(limit);
         measured.refuse(limit);
+        measured.join();
         Ok(measured)
     }
 
@@ -254,6 +265,60 @@ impl Measured {
     /// Cutting speeds, m/min.
     pub fn speeds(&self) -> Vec<f64> {
         self.conditions.iter().map(|cut| cut.cutting_speed * 60.0).collect()
+    }
+
+    /// Joins neighbouring conditions where there are many, each class at its mean over cutting time.
+    fn join(&mut self) {
+        if self.conditions.len() <= MANY {
+            return;
+        }
+        let quantities = |cut: &Cut| [cut.cutting_speed, cut.feed_per_rev, cut.depth_of_cut];
+        let least = self.conditions.iter().map(quantities).reduce(|a, b| [0, 1, 2].map(|i| a[i].min(b[i])));
+        let most = self.conditions.iter().map(quantities).reduce(|a, b| [0, 1, 2].map(|i| a[i].max(b[i])));
+        let (Some(least), Some(most)) = (least, most) else { return };
+        // Classes of equal ratio between the least and the greatest value.
+        let class = |cut: &Cut| {
+            let values = quantities(cut);
+            [0, 1, 2].map(|i| {
+                let whole = (most[i] / least[i]).ln();
+                let classes = (whole / JOINED[i].ln()).ceil().max(1.0);
+                let place = if whole > 0.0 { (values[i] / least[i]).ln() / whole * classes } else { 0.0 };
+                place.min(classes - 1.0) as usize
+            })
+        };
+        let mut time = vec![0.0; self.conditions.len()];
+        for edge in &self.edges {
+            edge.stretches.iter().for_each(|stretch| time[stretch.condition] += stretch.time);
+            if let Some((condition, Life::Exact(life) | Life::Censored(life) | Life::Between(_, life))) = edge.life {
+                time[condition] += life;
+            }
+        }
+        let mut classes: BTreeMap<[usize; 3], Vec<usize>> = BTreeMap::new();
+        self.conditions.iter().enumerate().for_each(|(index, cut)| classes.entry(class(cut)).or_default().push(index));
+        let mut joined = vec![0; self.conditions.len()];
+        let mut conditions = Vec::new();
+        for members in classes.into_values() {
+            let total: f64 = members.iter().map(|member| time[*member]).sum();
+            let weight = |member: usize| if total > 0.0 { time[member] / total } else { 1.0 / members.len() as f64 };
+            let mean = |i: usize| {
+                // From the first, so that equal values stay what they are.
+                let first = quantities(&self.conditions[members[0]])[i];
+                let off =
+                    members.iter().map(|member| weight(*member) * (quantities(&self.conditions[*member])[i] - first));
+                first + off.sum::<f64>()
+            };
+            members.iter().for_each(|member| joined[*member] = conditions.len());
+            conditions.push(Cut::nominal(mean(0), mean(1), mean(2)));
+        }
+        for edge in &mut self.edges {
+            edge.stretches.iter_mut().for_each(|stretch| stretch.condition = joined[stretch.condition]);
+            if let Some((condition, _)) = &mut edge.life {
+                *condition = joined[*condition];
+            }
+        }
+        let (before, after) = (self.conditions.len(), conditions.len());
+        self.notes.push(format!("{before} conditions were joined to {after}: neighbours wear at their mean"));
+        self.conditions = conditions;
     }
 
     fn remark(&mut self, limit: f64) {

@@ -191,7 +191,7 @@ impl WearModel {
         let all = self.edges.iter().position(|other| other.name == edge.name);
         let curves = self.curves(u, &all.into_iter().collect::<Vec<_>>());
         let mut predicted = Predicted::default();
-        self.common(u, &curves).predict(edge, level, &mut predicted);
+        self.common(u, &curves).predict(edge, level, 1, &mut predicted);
         predicted.wear
     }
 

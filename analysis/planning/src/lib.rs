@@ -5,6 +5,7 @@
 //! | [`contour`] | plans along a contour, and how their gains move with the conditions |
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
+//! | [`listen`] | whether a recorded cut chatters, and at which speeds it would not |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
 //! | [`modes`] | vibration modes from a tap test, with their uncertainty |
 //! | [`point`] | every output of a process at one operating point, or at many |
@@ -20,6 +21,7 @@ mod codes;
 pub mod contour;
 pub mod cycle;
 pub mod identification;
+pub mod listen;
 pub mod lobes;
 pub mod modes;
 pub mod point;

@@ -93,6 +93,7 @@ impl Visits {
                 | MachineState::Dressing
                 | MachineState::Idle
                 | MachineState::Starved
+                | MachineState::Blocked
                 | MachineState::WaitingOperator
                 | MachineState::OffShift => {}
             }

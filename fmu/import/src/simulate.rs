@@ -297,8 +297,11 @@ pub fn left_out(description: &ModelDescription, start: &BTreeMap<String, String>
     all.filter(|variable| !held.contains(&variable.name.as_str())).map(|variable| variable.name.clone()).collect()
 }
 
-/// How many of the unit's own steps make one of `step`: 1 where it takes any.
-fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, SimulateError> {
+/// How many of the unit's own steps make one of `step` (s): 1 where it takes any.
+///
+/// # Errors
+/// [`SimulateError::FixedStep`] where `step` or the time from `start` to `stop` is no multiple of its own step.
+pub fn own_steps(unit: &Unit, start: f64, stop: f64, step: f64) -> Result<u64, SimulateError> {
     let Steps::Every(own) = unit.steps() else { return Ok(1) };
     let whole = |value: f64| (value / own - (value / own).round()).abs() < 1e-9 * (value / own);
     for (what, length, value) in [("--step", step, step), ("--stop", stop - start, stop)] {
@@ -406,7 +409,7 @@ fn cells<'a>(outputs: &[Output<'_>], answer: &'a Answer, time: f64) -> Result<Ve
             continue;
         }
         for value in values.by_ref().take(count) {
-            check(output.variable, *value, time)?;
+            checked(output.variable, *value, time)?;
             row.push(Cell::from(*value));
         }
     }
@@ -414,7 +417,10 @@ fn cells<'a>(outputs: &[Output<'_>], answer: &'a Answer, time: f64) -> Result<Ve
 }
 
 /// That a value is finite and within the bounds of its description.
-fn check(variable: &Variable, value: f64, time: f64) -> Result<(), SimulateError> {
+///
+/// # Errors
+/// [`SimulateError::Value`] with `time` (s).
+pub fn checked(variable: &Variable, value: f64, time: f64) -> Result<(), SimulateError> {
     let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
     let rule = if !value.is_finite() {
         "which is no finite number".to_owned()

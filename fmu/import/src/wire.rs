@@ -268,11 +268,12 @@ pub(crate) fn events(
     Ok(events)
 }
 
-/// Start values of parameters.
-pub(crate) fn start_values(
-    description: &ModelDescription,
-    wiring: &Wiring,
-) -> Result<Vec<(Port, StartValue)>, WiringError> {
+/// The start values of `wiring` as the unit takes them, in the order in which they are set: structural parameters, texts,
+/// numbers.
+///
+/// # Errors
+/// [`WiringError`]: a variable that has no start value, or a value that is none of its type.
+pub fn start_values(description: &ModelDescription, wiring: &Wiring) -> Result<Vec<(Port, StartValue)>, WiringError> {
     let settable = |variable: &&Variable| {
         matches!(variable.causality.as_str(), "parameter" | "structuralParameter" | "input")
             || matches!(variable.initial.as_deref(), Some("exact" | "approx"))

@@ -2,6 +2,7 @@
 
 use crate::error::DynamicsError;
 use crate::frf::{Direction, Frf, Measurement};
+use crate::table::{Table, read_table, split_title};
 use crate::unit::{self, Motion};
 use nalgebra::Complex;
 use std::collections::BTreeMap;
@@ -53,37 +54,10 @@ struct Parts {
 /// assert!((measured.functions[0].receptance[1].im + 0.2e-6).abs() < 1e-18);
 /// ```
 pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(i, line)| (i + 1, line))
-        .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
-    let (line, header) = lines.next().ok_or_else(|| DynamicsError::Empty { file: file.to_owned() })?;
-    let separator = [',', ';', '\t'].into_iter().max_by_key(|mark| header.matches(*mark).count()).unwrap_or(',');
-    let columns: Vec<Column> =
-        header.split(separator).map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
-    let mut cells: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
-    let mut digits = 0;
-    for (line, row) in lines {
-        let texts: Vec<&str> = row.split(separator).map(str::trim).collect();
-        if texts.len() != columns.len() {
-            let (cells, columns) = (texts.len(), columns.len());
-            return Err(DynamicsError::UnevenRow { file: file.to_owned(), line, cells, columns });
-        }
-        for ((text, column), values) in texts.iter().zip(&columns).zip(&mut cells) {
-            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-            values.push(value.ok_or_else(|| DynamicsError::NotANumber {
-                file: file.to_owned(),
-                line,
-                column: column.title.clone(),
-                text: (*text).to_owned(),
-            })?);
-            if column.quantity == Quantity::Coherence && !text.contains(['e', 'E']) {
-                digits = digits.max(text.split_once('.').map_or(0, |(_, decimals)| decimals.len()));
-            }
-        }
-    }
+    let Table { line, titles, columns: cells, decimals } = read_table(file, text)?;
+    let columns: Vec<Column> = titles.iter().map(|title| column(file, line, title)).collect::<Result<_, _>>()?;
+    let digits = columns.iter().zip(&decimals).filter(|(column, _)| column.quantity == Quantity::Coherence);
+    let digits = digits.map(|(_, decimals)| *decimals).max().unwrap_or(0);
     let missing = |column: String| DynamicsError::ColumnCount { file: file.to_owned(), line, column };
     let mut frequencies = None;
     let mut functions: BTreeMap<[Direction; 2], Parts> = BTreeMap::new();
@@ -113,6 +87,7 @@ pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
         functions: functions.collect::<Result<_, _>>()?,
         averages: None,
         coherence_digit,
+        window_decay: 0.0,
         notes: Vec::new(),
     }
     .checked()
@@ -120,12 +95,7 @@ pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
 
 /// What a title of the header means.
 fn column(file: &str, line: usize, title: &str) -> Result<Column, DynamicsError> {
-    let title = title.trim().trim_matches('"').trim();
-    let (name, unit) = match title.split_once('[') {
-        Some((name, rest)) => (name.trim(), rest.trim().strip_suffix(']').map(str::trim)),
-        None => (title, None),
-    };
-    let name = name.to_lowercase();
+    let (name, unit) = split_title(title);
     let unknown = || DynamicsError::UnknownColumn { file: file.to_owned(), line, column: title.to_owned() };
     let (function, name) = match name.split_once('.') {
         None => ([Direction::X, Direction::X], name.as_str()),
@@ -197,7 +167,7 @@ impl Parts {
             }
         };
         let coherence = find(Quantity::Coherence).map(|(.., values)| values.clone());
-        Some(Frf { response, force, motion, receptance, coherence })
+        Some(Frf { response, force, motion, receptance, coherence, noise: None })
     }
 }
 

@@ -113,6 +113,35 @@ pub enum DynamicsError {
         /// What is wrong.
         problem: UniversalProblem,
     },
+    /// A column of a record over time that has no known meaning.
+    #[error(
+        "{file}:{line}: the column `{column}` is not known; columns are `time [s]`, `force [N]`, `displacement [um]`, \
+         `velocity [m/s]`, `acceleration [m/s2]` and `sound [Pa]`, with `x.` or `y.` before where the direction is not x"
+    )]
+    UnknownChannel {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// The column.
+        column: String,
+    },
+    /// A sound file that cannot be read.
+    #[error("{file}: {problem}")]
+    Wave {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        problem: WaveProblem,
+    },
+    /// A record over time that cannot be used.
+    #[error("{file}: {problem}")]
+    Record {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        problem: RecordProblem,
+    },
     /// Two functions of the same directions.
     #[error("{file}: there are two responses {function}; keep one of them in the file")]
     Duplicate {
@@ -180,4 +209,100 @@ pub enum UniversalProblem {
         "the ordinate is of type {0} over {1}; displacement (8), velocity (11) or acceleration (12) over force (13) is read"
     )]
     Ordinate(i64, i64),
+}
+
+/// What is wrong with a sound file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WaveProblem {
+    /// A chunk `fmt` that is missing, too short or empty.
+    #[error("the sound file does not say how its samples are written; export it again as WAV")]
+    Format,
+    /// Samples of another kind.
+    #[error(
+        "samples of format {code} with {bits} bits are not read; export whole numbers of 8 to 32 bits or floating-point numbers"
+    )]
+    Samples {
+        /// Code of the format.
+        code: u16,
+        /// Bits of a sample.
+        bits: u16,
+    },
+    /// A sample that is no number.
+    #[error("a sample is no number; export the sound again")]
+    NotANumber,
+    /// No data.
+    #[error("the sound file holds no samples")]
+    NoSamples,
+}
+
+/// What is wrong with a record over time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordProblem {
+    /// Too few samples.
+    #[error("the record has {samples} samples, at least {least} are needed")]
+    Short {
+        /// Samples that it has.
+        samples: usize,
+        /// Samples that are needed.
+        least: usize,
+    },
+    /// Time that does not go on in even steps.
+    #[error("the time is uneven: sample {sample} is at {time} s; export evenly sampled signals")]
+    Uneven {
+        /// Number of the sample, from 1.
+        sample: usize,
+        /// Its time (s).
+        time: f64,
+    },
+    /// A hammer test without its channels.
+    #[error(
+        "the record has {forces} channels of force and {responses} of a response; one `force [N]` and at least one `acceleration [m/s2]` are needed"
+    )]
+    Channels {
+        /// Channels of force.
+        forces: usize,
+        /// Channels of a response.
+        responses: usize,
+    },
+    /// A hammer test without a hit, or with hits that leave no room.
+    #[error(
+        "there is no hit with an eighth of a second behind it in the record; hit, wait until it is quiet, and hit again"
+    )]
+    NoHits,
+    /// A hammer test of which every hit is left out.
+    #[error("none of {hits} hits can be used: {reasons}")]
+    NoUsableHit {
+        /// Hits that were found.
+        hits: usize,
+        /// What is wrong with each.
+        reasons: String,
+    },
+    /// A sound too short for its lines.
+    #[error("the record lasts {duration:.3} s, at least {least:.3} s are needed at this speed, sixteen revolutions")]
+    Brief {
+        /// Its duration (s).
+        duration: f64,
+        /// The least duration (s).
+        least: f64,
+    },
+    /// A sound in which the teeth are not heard.
+    #[error(
+        "no harmonics of spindle and teeth within 3 % of {speed:.0} rpm; check speed and number of teeth, and record nearer to the cut"
+    )]
+    NoComb {
+        /// The commanded speed (rpm).
+        speed: f64,
+    },
+    /// A sound file whose channels are not all explained.
+    #[error(
+        "the sound file has {channels} channels and {scales} of them have a full scale; give one for each, in their order"
+    )]
+    Scales {
+        /// Channels of the file.
+        channels: usize,
+        /// Full scales that were given.
+        scales: usize,
+    },
 }

@@ -7,7 +7,7 @@ use crate::quality::Quality;
 use crate::stabilisation::{Pole, stabilisation};
 use nalgebra::{Complex, DMatrix};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Least number of lines for a fit (assumption).
 const LEAST_LINES: usize = 20;
@@ -16,6 +16,9 @@ const MOST_MODES: usize = 12;
 /// Standard deviations by which the residue of a mode has to differ from zero (assumption: noise alone reaches four among
 /// some hundred independent bands, and a real mode of that size moves no limit).
 const SIGNIFICANT: f64 = 6.0;
+/// Standard deviations by which the residue of a mode in the direction across its motion has to differ from zero, where no
+/// response across is measured (assumption: once in three hundred by noise alone).
+const SIGNIFICANT_PART: f64 = 3.0;
 /// Standard deviations by which a lower residual has to differ from zero (assumption, as above with a handful of trials).
 const SIGNIFICANT_RESIDUAL: f64 = 5.0;
 /// Distance of neighbouring poles of one column of the stabilisation diagram, in damping ratios times the frequency
@@ -219,7 +222,7 @@ impl Search {
         let of = |((frequency, damping_ratio), residues): (&(f64, f64), &[f64; 3])| RealMode {
             frequency: *frequency,
             damping_ratio: *damping_ratio,
-            shape: shape(*residues),
+            shape: self.shape(*residues),
         };
         let modes: Vec<RealMode> = columns.iter().zip(&start.residues).map(of).collect();
         let mut model = Model { modes, upper: start.upper, lower: [0.0; 3] };
@@ -237,7 +240,7 @@ impl Search {
             let Some(top) = (0..open.len()).max_by(|a, b| scores[*a].0.total_cmp(&scores[*b].0)) else { break };
             let (frequency, damping_ratio) = open[top];
             let mut trial = model.clone();
-            let added = RealMode { frequency, damping_ratio, shape: shape(scores[top].1) };
+            let added = RealMode { frequency, damping_ratio, shape: self.shape(scores[top].1) };
             trial.modes.push(added.clone());
             let before = model.modes.len();
             match self.pruned(trial, most, forced).filter(|found| found.model.modes.len() > before) {
@@ -254,6 +257,39 @@ impl Search {
             }
         }
         best
+    }
+
+    /// Whether a response across the force is measured.
+    fn crossed(&self) -> bool {
+        self.likelihood.targets.iter().any(|target| target.response != target.force)
+    }
+
+    /// The shape nearest to residues xx, xy, yy.
+    fn shape(&self, residues: [f64; 3]) -> [f64; 2] {
+        shape(residues, self.crossed())
+    }
+
+    /// The model without parts of shapes that do not differ from zero, where no response across is measured: each would have a
+    /// direction of a few degrees by noise alone.
+    fn aligned(&mut self, found: Maximum) -> Option<Maximum> {
+        if self.crossed() || self.likelihood.directions.len() < 2 {
+            return Some(found);
+        }
+        let (mut model, mut changed) = (found.model.clone(), false);
+        for (r, mode) in model.modes.iter_mut().enumerate() {
+            let weak = |d: usize| {
+                let sd = (self.scale(&found) * found.covariance[(4 * r + 2 + d, 4 * r + 2 + d)]).sqrt();
+                // Of the residue, whose standard deviation is 2 |part| sd.
+                mode.shape[d].abs() < 2.0 * SIGNIFICANT_PART * sd
+            };
+            let weak = [0, 1].map(weak);
+            for d in [0, 1] {
+                if weak[d] && !weak[1 - d] && mode.shape[d] != 0.0 {
+                    (mode.shape[d], changed) = (0.0, true);
+                }
+            }
+        }
+        if changed { self.refined(&model) } else { Some(found) }
     }
 
     /// How much of the misfit that is left a further mode explains, and its residues xx, xy, yy.
@@ -279,6 +315,7 @@ impl Search {
     fn pruned(&mut self, mut model: Model, most: usize, forced: bool) -> Option<Maximum> {
         loop {
             let found = self.refined(&model)?;
+            let found = self.aligned(found)?;
             let weakest = (0..found.model.modes.len())
                 .map(|r| (r, self.strength(&found, r)))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -312,7 +349,7 @@ impl Search {
             }
         }
         let residue: f64 = mode.shape.iter().map(|part| part * part).sum();
-        residue / (self.scale(found) * variance).sqrt()
+        if residue > 0.0 { residue / (self.scale(found) * variance).sqrt() } else { 0.0 }
     }
 
     /// The last refinement, with lower residuals where they differ from zero.
@@ -377,12 +414,13 @@ impl Search {
                     _ => mode.shape.map(|part| part / (length * greatest.signum())),
                 };
                 let estimate = |value, i: usize| Estimate { value, sd: sd(4 * place + i) };
+                let (frequency, damping_ratio) = unwindowed(mode, measured.window_decay);
                 FittedMode {
                     direction,
-                    direction_sd: plane.then(|| sd(4 * place + 3)),
-                    natural_frequency: estimate(mode.frequency / TAU, 0),
-                    damping_ratio: estimate(mode.damping_ratio, 1),
-                    stiffness: estimate((mode.frequency / length).powi(2), 2),
+                    direction_sd: plane.then(|| sd(4 * place + 3).min(FRAC_PI_2)),
+                    natural_frequency: estimate(frequency / TAU, 0),
+                    damping_ratio: estimate(damping_ratio, 1),
+                    stiffness: estimate((frequency / length).powi(2), 2),
                 }
             })
             .collect();
@@ -413,6 +451,15 @@ impl Search {
     }
 }
 
+/// Undamped natural frequency (rad/s) and damping ratio of a mode without the decay d of an exponential window: at `i w + d` in
+/// place of `i w` a mode of frequency w and damping s = zeta w has the square `w² + 2 s d + d²` and the damping `s + d`.
+fn unwindowed(mode: &RealMode, decay: f64) -> (f64, f64) {
+    let damping = mode.damping_ratio * mode.frequency - decay;
+    let square = mode.frequency * mode.frequency - 2.0 * damping * decay - decay * decay;
+    let frequency = square.max(f64::MIN_POSITIVE).sqrt();
+    (frequency, damping / frequency)
+}
+
 /// The modes of poles beside each other: as many as the higher half of the orders has, each the median of its poles.
 fn apart(column: &[&Pole]) -> Vec<(f64, f64)> {
     let mut orders: BTreeMap<usize, Vec<&Pole>> = BTreeMap::new();
@@ -435,8 +482,14 @@ fn apart(column: &[&Pole]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The shape whose products are nearest to residues xx, xy, yy: the dominant direction of their matrix.
-fn shape([xx, xy, yy]: [f64; 3]) -> [f64; 2] {
+/// The shape whose products are nearest to residues xx, xy, yy: the dominant direction of their matrix. Without a response
+/// across (`crossed`) the sign of the direction is not known; both parts are taken as positive.
+fn shape([xx, xy, yy]: [f64; 3], crossed: bool) -> [f64; 2] {
+    if !crossed {
+        let parts = [xx, yy].map(|residue| residue.max(0.0).sqrt());
+        // A mode needs a motion, and the search finds its size.
+        return if parts == [0.0; 2] { [(-xx).max(0.0).sqrt(), (-yy).max(0.0).sqrt()] } else { parts };
+    }
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     let (sine, cosine) = angle.sin_cos();
     let residue = xx * cosine * cosine + 2.0 * xy * sine * cosine + yy * sine * sine;

@@ -2,6 +2,8 @@
 //!
 //! ```text
 //!  CSV, universal file ──► Measurement: receptance and coherence over frequency
+//!  Record: hits over time ─┘   (responses)
+//!  Record: sound of a cut ──► listen: speed, chatter, its frequency
 //!                              ├── Stabilisation ──► poles over the order of a common denominator
 //!                              └── fit ──► Fit: modes, covariance, quality, refusals
 //!  Segments, Joint, BaseMode ──► chain, Body::on: receptance at the tip of a tool on a spindle
@@ -12,31 +14,41 @@
 //! residual U of the modes above the range and the lower residual L of a body that moves freely below it.
 //!
 //! # What is not modelled
-//! Complex modes, gyroscopic splitting, joints with friction; time records of hammer and accelerometer have to be turned into
-//! frequency responses by the analyser.
+//! Complex modes, gyroscopic splitting, joints with friction.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod comb;
 mod coupling;
 mod csv;
 mod error;
+mod fft;
 mod fit;
+mod frames;
 mod frf;
+mod hammer;
 mod likelihood;
 mod quality;
 mod read;
+mod record;
+mod sound;
 mod stabilisation;
 mod structure;
+mod table;
 mod uff;
 mod unit;
+mod wav;
 
 pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::read_csv;
-pub use error::{DynamicsError, UniversalProblem};
+pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
 pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
 pub use frf::{Direction, Frf, Measurement};
+pub use hammer::{Estimator, HammerOptions, responses};
 pub use quality::{Quality, Refusal};
-pub use read::read;
+pub use read::{TapOptions, measure, read};
+pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
+pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};
 pub use structure::{Scatter, StructureText};
 pub use uff::read_uff;

@@ -58,6 +58,8 @@ pub(crate) struct Target {
     pub values: Vec<Complex<f64>>,
     /// Variance of the real and of the imaginary part over the square of the modulus, where the coherence tells it.
     pub relative: Option<Vec<f64>>,
+    /// That variance (m²/N²) itself, where it was measured.
+    pub absolute: Option<Vec<f64>>,
     /// Variance of each part (m²/N²), of the last round.
     pub variance: Vec<f64>,
 }
@@ -101,7 +103,9 @@ impl Likelihood {
         directions.sort_unstable();
         directions.dedup();
         let targets = measured.functions.iter().map(|function| {
-            let relative = function.coherence.as_ref().map(|coherence| {
+            let absolute = function.noise.as_ref().map(|noise| noise.iter().map(|sd| sd * sd).collect());
+            let coherence = function.coherence.as_ref().filter(|_| function.noise.is_none());
+            let relative = coherence.map(|coherence| {
                 let share = |value: &f64| {
                     // A coherence of zero says that the line knows nothing; it must not divide.
                     let value = value.clamp(1e-9, 1.0);
@@ -114,6 +118,7 @@ impl Likelihood {
                 force: function.force.index(),
                 values: function.receptance.clone(),
                 relative,
+                absolute,
                 variance: Vec::new(),
             }
         });
@@ -342,16 +347,20 @@ impl Likelihood {
 }
 
 impl Target {
-    /// Variances from the moduli of a response; without coherence the noise of the quantity that was measured, the
+    /// Variances as they were measured, or from the moduli of a response; without coherence the noise of the quantity that was measured, the
     /// `order`-th derivative of the displacement, is the same on every line, of a size that the misfit tells.
     fn weigh(&mut self, lines: &[f64], moduli: &[f64], order: i32) {
         let typical = moduli.iter().map(|modulus| modulus * modulus).sum::<f64>() / moduli.len().max(1) as f64;
-        self.variance = match &self.relative {
-            Some(relative) => {
+        self.variance = match (&self.absolute, &self.relative) {
+            (Some(absolute), _) => {
+                let least = 1e-16 * typical;
+                absolute.iter().map(|variance| variance.max(least)).collect()
+            }
+            (None, Some(relative)) => {
                 let least = 1e-12 * typical;
                 moduli.iter().zip(relative).map(|(modulus, share)| (modulus * modulus).max(least) * share).collect()
             }
-            None => {
+            (None, None) => {
                 let powers: Vec<f64> = lines.iter().map(|w| w.powi(-2 * order)).collect();
                 let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
                 powers.iter().map(|power| typical * power / mean).collect()
@@ -360,15 +369,21 @@ impl Target {
     }
 }
 
-/// `1/sqrt` of the diagonal, which makes the normal equations independent of units.
+/// `1/sqrt` of the diagonal, which makes the normal equations independent of units; zero for a parameter that moves nothing,
+/// such as the part of a shape across its motion where no response across is measured. It is held.
 fn scales(matrix: &DMatrix<f64>) -> DVector<f64> {
-    matrix.diagonal().map(|entry| if entry > 0.0 { 1.0 / entry.sqrt() } else { 1.0 })
+    matrix.diagonal().map(|entry| if entry > 0.0 { 1.0 / entry.sqrt() } else { 0.0 })
+}
+
+/// The matrix with a diagonal of ones.
+fn scaled(matrix: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(scale.len(), scale.len(), |i, j| if i == j { 1.0 } else { matrix[(i, j)] * scale[i] * scale[j] })
 }
 
 /// Step of Marquardt's equations.
 fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let scale = scales(matrix);
-    let mut scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
+    let mut scaled = scaled(matrix, &scale);
     for i in 0..scale.len() {
         scaled[(i, i)] += damping;
     }
@@ -378,7 +393,6 @@ fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option
 /// Inverse of the curvature.
 fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scale = scales(matrix);
-    let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
-    let inverse = scaled.cholesky()?.inverse();
+    let inverse = scaled(matrix, &scale).cholesky()?.inverse();
     Some(DMatrix::from_fn(scale.len(), scale.len(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }

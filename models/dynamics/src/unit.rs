@@ -69,11 +69,27 @@ pub(crate) fn motion(text: &str) -> Option<(f64, Motion)> {
     MOTIONS.iter().find(|(name, ..)| *name == text).map(|(_, factor, motion)| (*factor, *motion))
 }
 
+/// The factor to N of a unit of force.
+pub(crate) fn force(text: &str) -> Option<f64> {
+    let text = plain(text);
+    FORCES.iter().find(|(name, _)| *name == text).map(|(_, newtons)| *newtons)
+}
+
+/// The factor to s of a unit of time.
+pub(crate) fn time(text: &str) -> Option<f64> {
+    match plain(text).as_str() {
+        "s" => Some(1.0),
+        "ms" => Some(1e-3),
+        "us" => Some(1e-6),
+        _ => None,
+    }
+}
+
 /// The factor to SI and the motion of a unit of a response over force.
 pub(crate) fn response(text: &str) -> Option<(f64, Motion)> {
     let text = plain(text);
     let (over, force) = text.rsplit_once('/')?;
-    let (_, newtons) = FORCES.iter().find(|(name, _)| *name == force)?;
+    let newtons = self::force(force)?;
     let (factor, kind) = motion(over)?;
     Some((factor / newtons, kind))
 }

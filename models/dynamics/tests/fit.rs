@@ -46,6 +46,7 @@ fn tap(truth: &[Truth], plane: bool, range: [f64; 2], step: f64, noise: f64, see
             motion: Motion::Acceleration,
             receptance: receptance.collect(),
             coherence: Some((0..clean.len()).map(|i| 1.0 / (1.0 + ratio(i))).collect()),
+            noise: None,
         }
     });
     Measurement {
@@ -54,6 +55,7 @@ fn tap(truth: &[Truth], plane: bool, range: [f64; 2], step: f64, noise: f64, see
         frequencies,
         averages: Some(AVERAGES),
         coherence_digit: 1e-9,
+        window_decay: 0.0,
         notes: Vec::new(),
     }
 }
@@ -138,5 +140,26 @@ fn units_of_length_and_force_do_not_matter() {
         assert!((a.natural_frequency.value / b.natural_frequency.value - 1.0).abs() < 1e-8);
         assert!((a.stiffness.value / b.stiffness.value * 1e-6 - 1.0).abs() < 1e-6);
         assert!((a.damping_ratio.sd / b.damping_ratio.sd - 1.0).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn taps_in_two_directions_without_a_response_across_are_fitted() {
+    let truth = [[1150.0, 0.03, 11e6, 0.0], [1240.0, 0.03, 9.6e6, 90.0], [1900.0, 0.02, 30e6, 30.0]];
+    for seed in 0..4 {
+        let mut measured = tap(&truth, true, [200.0, 3200.0], 2.0, 0.01, seed);
+        measured.functions.retain(|function| function.response == function.force);
+        let found = fit(&measured, &FitOptions::default()).unwrap();
+        assert_eq!(found.modes.len(), 3, "{seed} {:?}", found.modes);
+        assert!(found.quality.refusals.is_empty() && found.quality.unsigned, "{:?}", found.quality);
+        assert!((0.85..1.15).contains(&found.quality.reduced_chi2), "{}", found.quality.reduced_chi2);
+        for (mode, [f, zeta, k, angle]) in found.modes.iter().zip(truth) {
+            let away = |estimate: toolroom_dynamics::Estimate, truth: f64| (estimate.value - truth).abs() / estimate.sd;
+            assert!(away(mode.natural_frequency, f) < 5.0 && away(mode.damping_ratio, zeta) < 5.0, "{mode:?}");
+            assert!(away(mode.stiffness, k) < 5.0, "{mode:?}");
+            let turned = mode.direction[1].atan2(mode.direction[0]).to_degrees() - angle;
+            assert!(turned.abs() <= 5.0 * mode.direction_sd.unwrap_or(0.0).to_degrees() + 1e-9, "{mode:?}");
+        }
+        assert_eq!([found.modes[0].direction, found.modes[1].direction], [[1.0, 0.0], [0.0, 1.0]]);
     }
 }

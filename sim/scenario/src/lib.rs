@@ -27,6 +27,7 @@ mod dispatch;
 mod distribution;
 pub mod effects;
 pub mod file;
+mod flow;
 mod gap;
 mod grinding;
 pub mod lobes;
@@ -48,6 +49,7 @@ pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
 pub use dispatch::{DispatchRule, MOST_RULES};
 pub use distribution::{Distribution, Empirical};
+pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
 pub use order::{MachineChoice, Order};
@@ -104,6 +106,12 @@ pub struct Scenario {
     pub setup_matrices: Vec<SetupMatrix>,
     /// Which of several idle machines takes a job.
     pub machine_choice: MachineChoice,
+    /// Buffers with a limited number of places, before machines and behind them.
+    pub buffers: Vec<Buffer>,
+    /// When a machine is held up by the lack of a place.
+    pub blocking: Blocking,
+    /// What happens when parts wait for each other's places.
+    pub deadlock: Deadlock,
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
     /// The first [`MOST_RULES`] count.
     pub dispatch: Vec<DispatchRule>,

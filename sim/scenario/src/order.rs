@@ -1,5 +1,6 @@
 //! Orders: a quantity of one part with dates, and who takes them.
 
+use super::{Part, Work};
 use toolroom_form::vocabulary;
 
 /// A quantity of one part that is released together and due together.
@@ -23,6 +24,19 @@ pub struct Order {
     pub customer: String,
     /// Pieces that move on together; `None`: all of them.
     pub transfer: Option<u32>,
+}
+
+impl Order {
+    /// Pieces that make one job: all that move on together where all work is plain, else one.
+    pub fn job_size(&self, part: &Part) -> u32 {
+        let plain = part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
+        if plain { self.transfer.unwrap_or(self.quantity).min(self.quantity) } else { 1 }
+    }
+
+    /// Whether it goes through the shop as several jobs.
+    pub fn is_divided(&self, part: &Part) -> bool {
+        self.quantity > self.job_size(part)
+    }
 }
 
 vocabulary! {

@@ -44,6 +44,10 @@ pub struct MachineType {
     pub coolant_change: Option<f64>,
     /// Index into [`Scenario::calendars`](super::Scenario::calendars).
     pub calendar: Option<usize>,
+    /// Index into [`Scenario::buffers`](super::Scenario::buffers) of the places before it; `None`: without limit.
+    pub input_buffer: Option<usize>,
+    /// The same of those behind it; `None`: none, a part stays on the machine until it can move on.
+    pub output_buffer: Option<usize>,
     /// Rules of its queue; `None`: those of the shop.
     pub rules: Option<Vec<DispatchRule>>,
 }

@@ -107,6 +107,8 @@ impl<R: Recorder> Shop<'_, R> {
             operation: 0,
             waiting: false,
             queued: now,
+            buffer: None,
+            reserved: None,
             lot_owner: origin,
             lot,
             handling,
@@ -119,7 +121,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.recorder.job(number, row);
         self.log_event("arrival", None, Some(number), None);
-        self.enqueue(slot)
+        self.enqueue(slot, None)
     }
 
     /// Schedules the release of every order.
@@ -138,9 +140,7 @@ impl<R: Recorder> Shop<'_, R> {
         let (own, now) = (&scenario.orders[order], self.now());
         let part = &scenario.parts[own.part];
         let owner = Entity::named(&format!("order {}", own.id));
-        let plain = part.operations.iter().all(|operation| matches!(operation.work, Work::Plain(_)));
-        let together = own.transfer.unwrap_or(own.quantity).min(own.quantity);
-        let size = if plain { together } else { 1 };
+        let (size, together) = (own.job_size(part), own.transfer.unwrap_or(own.quantity).min(own.quantity));
         let count = own.quantity.div_ceil(size);
         if count > 1 {
             let moving = together.div_ceil(size);
@@ -182,6 +182,8 @@ impl<R: Recorder> Shop<'_, R> {
                 operation: 0,
                 waiting: false,
                 queued: now,
+                buffer: None,
+                reserved: None,
                 lot_owner: owner,
                 lot: 0,
                 handling,
@@ -193,13 +195,14 @@ impl<R: Recorder> Shop<'_, R> {
             }
             self.recorder.job(number, row);
             self.log_event("arrival", None, Some(number), None);
-            self.enqueue(slot)?;
+            self.enqueue(slot, None)?;
         }
         Ok(())
     }
 
-    /// A job joins the queues of its next operation, or leaves where there is none.
-    pub(super) fn enqueue(&mut self, slot: u32) -> Result<(), ShopError> {
+    /// A job joins the queues of its next operation, or leaves where there is none; `machine` is the one from which
+    /// it comes.
+    pub(super) fn enqueue(&mut self, slot: u32, machine: Option<usize>) -> Result<(), ShopError> {
         let now = self.now();
         let job = self.world.jobs.at_mut(slot);
         let (part, operation) = (job.row.part as usize, job.operation as usize);
@@ -209,6 +212,7 @@ impl<R: Recorder> Shop<'_, R> {
         job.queued = now;
         match job.origin {
             Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
+            Origin::Order(_) | Origin::Source(_) if self.world.flow.is_limited() => self.look_for_place(slot, machine),
             Origin::Order(_) | Origin::Source(_) => self.wait(slot),
         }
         Ok(())
@@ -216,6 +220,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job leaves the shop; constant work lets the next one in.
     pub(super) fn leave(&mut self, slot: u32, outcome: JobOutcome) -> Result<(), ShopError> {
+        if self.world.flow.is_limited() {
+            self.free_places(slot);
+        }
         let Some(mut job) = self.world.jobs.remove(slot) else { return Ok(()) };
         job.row.finish = self.now().seconds();
         job.row.outcome = outcome;

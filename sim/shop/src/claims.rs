@@ -1,4 +1,4 @@
-//! Queues with exact answers, through the scenario file that is shipped.
+//! Queues and lines with exact answers, through the scenario files that are shipped.
 
 use crate::recorder::{Closing, Recorder};
 use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, StateRow};
@@ -13,66 +13,83 @@ const QUEUE: &str = include_str!("../../../scenarios/shop/queue.toml");
 /// Simulated time of a claim: two million jobs.
 const LENGTH: &str = "shop.horizon=\"41667 h\"";
 
-/// A queue whose mean stay is known.
+/// Three stations in a row.
+const LINE: &str = include_str!("../../../scenarios/shop/line.toml");
+/// Rates and buffers of a line whose stations differ.
+const UNEQUAL: [&str; 4] = [
+    "part.part.operation.second.work.mean=\"1.25 min\"",
+    "part.part.operation.third.work.mean=\"0.909090909090909 min\"",
+    "machine.B.input_buffer=1",
+    "machine.C.input_buffer=2",
+];
+
+/// A figure of a shop that is known.
 struct Case {
     claim: &'static str,
     source: &'static str,
     changes: &'static [&'static str],
-    /// Mean time in the shop, min.
-    stay: f64,
+    figure: Figure,
     tolerance: f64,
 }
 
+/// What is known.
+enum Figure {
+    /// Mean time in the shop of the queue, min.
+    Stay(f64),
+    /// Parts of the line a minute.
+    Rate(f64),
+}
+
 /// The shipped queue at 80 % load and queues that differ from it by a word. The tolerances are some four
-/// standard errors of the mean of two million correlated stays.
+/// standard errors of the mean of two million correlated stays, and of the number of a million parts and more.
 const CASES: &[Case] = &[
     Case {
         claim: "mean stay in M/M/1 at 80 % load, min",
         source: "Kleinrock, Queueing Systems I (1975), eq. 3.26",
         changes: &[],
-        stay: 5.0,
+        figure: Figure::Stay(5.0),
         tolerance: 0.025,
     },
     Case {
         claim: "mean stay in M/D/1 at 80 % load, min",
         source: "Pollaczek and Khinchine: Kleinrock I, eq. 5.64",
         changes: &["part.job.operation.serve.work=\"1 min\""],
-        stay: 3.0,
+        figure: Figure::Stay(3.0),
         tolerance: 0.015,
     },
     Case {
         claim: "mean stay in M/E4/1 at 80 % load, min",
         source: "Pollaczek and Khinchine: Kleinrock I, eq. 5.64",
         changes: &["part.job.operation.serve.work={ distribution = \"erlang\", mean = \"1 min\", k = 4 }"],
-        stay: 3.5,
+        figure: Figure::Stay(3.5),
         tolerance: 0.015,
     },
     Case {
         claim: "mean stay in M/G/1 at 80 % load, gamma times of cv 2, min",
         source: "Pollaczek and Khinchine: Kleinrock I, eq. 5.64",
         changes: &["part.job.operation.serve.work={ distribution = \"gamma\", mean = \"1 min\", cv = 2.0 }"],
-        stay: 11.0,
+        figure: Figure::Stay(11.0),
         tolerance: 0.05,
     },
     Case {
         claim: "mean stay in M/M/2 at 80 % load, min",
         source: "Erlang C: Kleinrock I, eq. 3.40",
         changes: &["machine.server.count=2", "arrivals.1.rate=\"96 1/h\""],
-        stay: 2.777_778,
+        figure: Figure::Stay(2.777_778),
         tolerance: 0.025,
     },
     Case {
         claim: "mean stay in M/M/4 at 80 % load, min",
         source: "Erlang C: Kleinrock I, eq. 3.40",
         changes: &["machine.server.count=4", "arrivals.1.rate=\"192 1/h\""],
-        stay: 1.745_541,
+        figure: Figure::Stay(1.745_541),
         tolerance: 0.025,
     },
     Case {
         claim: "mean stay in M/M/1 at 80 % load, shortest time first, min",
         source: "Phipps, Operations Research 4 (1956) 76",
         changes: &["dispatch.rule=\"spt\""],
-        stay: 2.882_219,
+        figure: Figure::Stay(2.882_219),
         tolerance: 0.02,
     },
     Case {
@@ -82,7 +99,7 @@ const CASES: &[Case] = &[
             "part.job.operation.serve.work={ distribution = \"erlang\", mean = \"1 min\", k = 2 }",
             "dispatch.rule=\"spt\"",
         ],
-        stay: 2.699_907,
+        figure: Figure::Stay(2.699_907),
         tolerance: 0.02,
     },
     Case {
@@ -93,8 +110,36 @@ const CASES: &[Case] = &[
             "arrivals.1.rate=\"3.6 1/h\"",
             "dispatch.rule=\"spt\"",
         ],
-        stay: 33.243_671,
+        figure: Figure::Stay(33.243_671),
         tolerance: 0.03,
+    },
+    Case {
+        claim: "rate of three stations without buffers, blocking after service, 1/min",
+        source: "Hillier and Boling, Journal of Industrial Engineering 18 (1967) 651",
+        changes: &[],
+        figure: Figure::Rate(0.564_103),
+        tolerance: 0.002,
+    },
+    Case {
+        claim: "rate of three stations without buffers, blocking before service, 1/min",
+        source: "stationary distribution of its Markov chain: 2/5",
+        changes: &["dispatch.blocking=\"before_service\""],
+        figure: Figure::Rate(0.4),
+        tolerance: 0.002,
+    },
+    Case {
+        claim: "rate of stations of 1, 0.8 and 1.1 a minute with 1 and 2 places between, after service, 1/min",
+        source: "stationary distribution of its Markov chain",
+        changes: &UNEQUAL,
+        figure: Figure::Rate(0.640_381),
+        tolerance: 0.002,
+    },
+    Case {
+        claim: "the same, blocking before service, 1/min",
+        source: "stationary distribution of its Markov chain",
+        changes: &[UNEQUAL[0], UNEQUAL[1], UNEQUAL[2], UNEQUAL[3], "dispatch.blocking=\"before_service\""],
+        figure: Figure::Rate(0.567_612),
+        tolerance: 0.002,
     },
 ];
 
@@ -122,7 +167,7 @@ impl Recorder for Stays {
     fn close(&mut self, _: Closing) {}
 }
 
-/// Mean stays in queues against their exact values, simulated now.
+/// Mean stays in queues and rates of lines against their exact values, simulated now.
 ///
 /// # Errors
 /// [`ShopError`] where the shop stops.
@@ -139,15 +184,24 @@ pub fn claims() -> Result<Vec<Claim>, ShopError> {
 impl Case {
     fn checked(&self) -> Result<Claim, ShopError> {
         let changes: Vec<String> = self.changes.iter().chain([&LENGTH]).map(|&change| change.to_owned()).collect();
-        let file = parse("queue.toml", QUEUE, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
+        let (name, text) = match self.figure {
+            Figure::Stay(_) => ("queue.toml", QUEUE),
+            Figure::Rate(_) => ("line.toml", LINE),
+        };
+        let file = parse(name, text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
         let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
         let stays = Stays { from: file.scenario.warm_up, ..Stays::default() };
         let stays = Shop::with_recorder(&file.scenario, policy, 0, stays)?.run()?;
+        let minutes = (file.scenario.horizon - stays.from) / 60.0;
+        let (published, computed) = match self.figure {
+            Figure::Stay(stay) => (stay, stays.total / stays.count / 60.0),
+            Figure::Rate(rate) => (rate, stays.count / minutes),
+        };
         Ok(Claim {
             claim: self.claim.to_owned(),
             source: self.source.to_owned(),
-            published: self.stay,
-            computed: stays.total / stays.count / 60.0,
+            published,
+            computed,
             tolerance: self.tolerance,
         })
     }
@@ -156,7 +210,7 @@ impl Case {
 #[cfg(test)]
 mod tests {
     #[test]
-    fn queues_have_their_exact_mean_stays() {
+    fn queues_and_lines_have_their_exact_figures() {
         for claim in super::claims().expect("the queues run") {
             assert!(claim.pass(), "{claim:?}");
         }

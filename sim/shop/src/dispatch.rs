@@ -8,7 +8,7 @@ use super::{Shop, ShopError};
 use rand::RngExt;
 use std::ops::Range;
 use toolroom_kernel::{Purpose, Streams};
-use toolroom_scenario::{DispatchRule, MOST_RULES, MachineChoice, Scenario};
+use toolroom_scenario::{Blocking, DispatchRule, MOST_RULES, MachineChoice, Scenario};
 
 /// Look-ahead of [`DispatchRule::Atc`], in mean processing times.
 ///
@@ -169,6 +169,9 @@ impl<R: Recorder> Shop<'_, R> {
                 let taker = self.preferred(machine, slot);
                 self.keep(taker, slot);
                 self.weigh(slot, Weighing::Leaves);
+                if self.world.flow.is_limited() {
+                    self.leave_buffer(slot);
+                }
                 self.begin(taker, slot)?;
             }
         }
@@ -181,9 +184,36 @@ impl<R: Recorder> Shop<'_, R> {
         if let Some((order, operation)) = self.world.machines[machine].kept_for {
             return self.world.next_of_lot(order, operation);
         }
-        let waiting = self.choose(machine)?;
-        self.world.jobs.at_mut(waiting.slot).waiting = false;
-        Some(waiting.slot)
+        let found = if self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService {
+            self.reserving(machine)
+        } else {
+            self.choose(machine).map(|waiting| waiting.slot)
+        };
+        self.world.jobs.at_mut(found?).waiting = false;
+        found
+    }
+
+    /// The first job by the rules of a machine for which a place can be reserved; it then is. Where there is
+    /// none, but other work, the machine is held up.
+    fn reserving(&mut self, machine: usize) -> Option<u32> {
+        let (mut found, mut aside) = (None, Vec::new());
+        while let Some(waiting) = self.choose(machine) {
+            if self.reserve(waiting.slot) {
+                found = Some(waiting.slot);
+                break;
+            }
+            aside.push(waiting.slot);
+        }
+        let held_up = found.is_none() && !aside.is_empty();
+        aside.into_iter().for_each(|slot| self.join(machine, slot));
+        if held_up {
+            self.world.flow.held_up.push(machine as u32);
+            self.world.flow.suspect = true;
+        }
+        if std::mem::replace(&mut self.world.machines[machine].held_up, held_up) != held_up {
+            self.show_state(machine);
+        }
+        found
     }
 
     /// Of the idle machines that may do a job's operation, the one that takes it; `machine` picked it.
@@ -206,9 +236,12 @@ impl<R: Recorder> Shop<'_, R> {
                 MachineChoice::LongestIdle => state.state_since.seconds(),
             }
         };
+        // A job in a buffer goes to the machines behind it only.
+        let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
         let free = |candidate: &usize| {
             let state = &self.world.machines[*candidate];
-            state.is_free() && state.kept_for.is_none()
+            let behind = !limited || self.input(*candidate) == buffer;
+            state.is_free() && state.kept_for.is_none() && behind
         };
         let others = operation.machines.iter().copied().filter(free);
         let order = |a: &usize, b: &usize| dislike(*a).total_cmp(&dislike(*b)).then(a.cmp(b));
@@ -217,22 +250,33 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// A job joins the queues of its operation.
     pub(super) fn wait(&mut self, slot: u32) {
-        let (scenario, layout, streams) = (self.scenario, &self.layout, &self.streams);
+        let scenario = self.scenario;
         self.world.jobs.at_mut(slot).waiting = true;
         let job = self.world.jobs.at(slot);
-        let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
+        // A job in a buffer waits for the machines behind it only.
+        let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
         let machines = &scenario.parts[job.row.part as usize].operations[job.operation as usize].machines;
-        for &machine in machines {
-            let (jobs, rules) = (&self.world.jobs, scenario.rules(machine));
-            self.world.machines[machine].queue.join(
-                waiting,
-                || facts(scenario, layout, streams, jobs, slot, machine),
-                |facts| keys(rules, waiting.since.seconds(), facts, &Moment::default()),
-                |waiting| is_here(jobs, waiting),
-            );
-        }
         self.weigh(slot, Weighing::Comes);
-        machines.iter().for_each(|&machine| self.may_choose(machine));
+        for &machine in machines {
+            if !limited || self.input(machine) == buffer {
+                self.join(machine, slot);
+                self.may_choose(machine);
+            }
+        }
+    }
+
+    /// A job joins the queue of a machine.
+    fn join(&mut self, machine: usize, slot: u32) {
+        let (scenario, layout, streams, jobs) = (self.scenario, &self.layout, &self.streams, &self.world.jobs);
+        let job = jobs.at(slot);
+        let waiting = Waiting { since: job.queued, number: job.number, slot, operation: job.operation };
+        let rules = scenario.rules(machine);
+        self.world.machines[machine].queue.join(
+            waiting,
+            || facts(scenario, layout, streams, jobs, slot, machine),
+            |facts| keys(rules, waiting.since.seconds(), facts, &Moment::default()),
+            |waiting| is_here(jobs, waiting),
+        );
     }
 
     /// Keeps the work that waits at the station of a job's operation, where a rule looks at it.

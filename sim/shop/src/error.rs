@@ -53,6 +53,16 @@ pub enum ShopError {
         /// Machine name.
         machine: String,
     },
+    /// Parts wait for each other's places.
+    #[error(
+        "deadlock at {time} s: {circle}: add a place with `input_buffer`, or write deadlock = \"swap\" in [dispatch]"
+    )]
+    Deadlock {
+        /// When it formed, s.
+        time: f64,
+        /// Who holds what and wants what.
+        circle: String,
+    },
     /// The clock stands still: a source or a routing without any duration.
     #[error("{events} events at {time} s: the shop makes no progress")]
     NoProgress {

@@ -161,6 +161,7 @@ impl<R: Recorder> Shop<'_, R> {
         }
         if self.world.machines[machine].task.is_none() {
             self.show_state(machine);
+            self.world.flow.suspect = true;
             self.may_choose(machine);
             return Ok(());
         }

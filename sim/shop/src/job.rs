@@ -1,5 +1,6 @@
 //! A job on its way through the shop.
 
+use super::flow::Place;
 use crate::runlog::JobRow;
 use toolroom_kernel::{Entity, SimTime, Stream};
 
@@ -33,6 +34,10 @@ pub struct Job {
     pub waiting: bool,
     /// When it came to the queue.
     pub queued: SimTime,
+    /// The buffer in which it has its place, by index.
+    pub buffer: Option<usize>,
+    /// Its place before the next operation, with blocking before service.
+    pub reserved: Option<Place>,
     /// Who draws for its hardness lot: the source, or the order.
     pub lot_owner: Entity,
     /// Hardness lot within the source.

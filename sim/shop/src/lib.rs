@@ -13,7 +13,8 @@
 //! An operation on a machine is: setup where the setup group changes, load, passes or plain work, unload
 //! and inspection. Plain work is a time of which nothing else is known, for a piece. A job is a piece, or
 //! pieces of an order that move together; the jobs of one order keep the machine on which its first one
-//! began until the last is through. A pass is one calendar event, its end: when it begins the engine copies the edge's
+//! began until the last is through. Where buffers are limited, a part that finds no place blocks its machine
+//! ([`Flow`]); parts that wait for each other's places are found and named. A pass is one calendar event, its end: when it begins the engine copies the edge's
 //! state, asks the policy for the speed, and advances the copy through the process to the end of
 //! the pass or the loss of the edge. An interruption plans the elapsed part again and takes that
 //! over. Nothing is polled.
@@ -27,7 +28,7 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Transport and buffers (a part is at the next queue at once, queues are endless), shared tool cribs
+//! Transport (a part is at the next queue at once), shared tool cribs
 //! and fixtures, walking times of operators, rework, preemption of one job by another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
@@ -38,12 +39,14 @@ mod chatter;
 mod claims;
 mod contour;
 mod cut;
+mod deadlock;
 mod deviation;
 mod dispatch;
 mod draws;
 mod edge;
 mod error;
 mod event;
+mod flow;
 mod grinding;
 mod interruption;
 mod job;
@@ -68,6 +71,7 @@ pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{Refusal, ShopError};
 pub use event::Event;
+pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};
 pub use layout::programmed_cutting_times;
 pub use lot::{Lot, LotStep};
@@ -179,6 +183,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             candidates: Vec::new(),
             operators: Vec::new(),
             awaiting: Vec::new(),
+            flow: Flow::of(scenario),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -247,7 +252,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 }
             }
             self.assign_operators()?; // steps in work go before those that are yet to begin
-            self.dispatch()?;
+            if self.world.flow.is_limited() {
+                self.settle_places()?;
+            } else {
+                self.dispatch()?;
+            }
             self.assign_operators()?;
         }
         Ok(())
@@ -351,8 +360,9 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     fn job_in(&self, machine: usize) -> Option<u32> {
-        let task = self.world.machines[machine].task.as_ref()?;
-        Some(self.world.jobs.at(task.slot).number)
+        let state = &self.world.machines[machine];
+        let slot = state.task.as_ref().map(|task| task.slot).or(state.blocked)?;
+        Some(self.world.jobs.at(slot).number)
     }
 
     /// Brings the logged state of a machine up to date.

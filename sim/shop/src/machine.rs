@@ -31,6 +31,10 @@ pub struct Machine {
     pub ready: Readiness,
     /// The order and operation for which it is kept, until the last job of that order is through.
     pub kept_for: Option<(u32, u32)>,
+    /// The job that is done on it and cannot move on.
+    pub blocked: Option<u32>,
+    /// Whether it has work for which no place can be reserved.
+    pub held_up: bool,
     /// Failures not yet repaired.
     pub failures: u32,
     /// Whether it is out of shift.
@@ -304,6 +308,8 @@ impl Machine {
             magazine: kind.magazine,
             ready,
             kept_for: None,
+            blocked: None,
+            held_up: false,
             failures: 0,
             off_shift: false,
             leaving: false,
@@ -324,7 +330,7 @@ impl Machine {
 
     /// Whether it can take a job now.
     pub fn is_free(&self) -> bool {
-        self.is_up() && self.task.is_none()
+        self.is_up() && self.task.is_none() && self.blocked.is_none()
     }
 
     /// The state that the log should show.
@@ -334,7 +340,13 @@ impl Machine {
         } else if self.off_shift {
             MachineState::OffShift
         } else {
-            let empty = if self.kept_for.is_some() { MachineState::Starved } else { MachineState::Idle };
+            let empty = if self.blocked.is_some() || self.held_up {
+                MachineState::Blocked
+            } else if self.kept_for.is_some() {
+                MachineState::Starved
+            } else {
+                MachineState::Idle
+            };
             let busy = |task: &Task| if task.waits { MachineState::WaitingOperator } else { task.step.state() };
             self.task.as_ref().map_or(empty, busy)
         }

@@ -263,12 +263,15 @@ impl<R: Recorder> Shop<'_, R> {
             result,
         };
         self.recorder.operation(row);
+        if self.world.flow.is_limited() {
+            self.free_place(task.slot); // with blocking before service the machine's place counts with the buffer's
+        }
         self.passed(task.slot, index as u32);
         self.show_state(machine);
         self.may_choose(machine);
         match bad {
             Some(outcome) => self.leave(task.slot, outcome),
-            None => self.enqueue(task.slot),
+            None => self.enqueue(task.slot, Some(machine)),
         }
     }
 

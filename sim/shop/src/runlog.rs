@@ -17,6 +17,8 @@ pub enum MachineState {
     Dressing,
     /// Kept for a lot of which nothing is there.
     Starved,
+    /// With a job that is done and has no place to go to, or with work for which no place can be reserved.
+    Blocked,
     /// With a job whose step waits for somebody.
     WaitingOperator,
     /// Broken down.
@@ -29,7 +31,7 @@ pub enum MachineState {
 
 impl MachineState {
     /// All states in the order of reports.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Cutting,
         Self::Working,
         Self::Handling,
@@ -37,6 +39,7 @@ impl MachineState {
         Self::ToolChange,
         Self::Dressing,
         Self::Starved,
+        Self::Blocked,
         Self::WaitingOperator,
         Self::Down,
         Self::Idle,
@@ -53,6 +56,7 @@ impl MachineState {
             Self::ToolChange => "tool_change",
             Self::Dressing => "dressing",
             Self::Starved => "starved",
+            Self::Blocked => "blocked",
             Self::WaitingOperator => "waiting_operator",
             Self::Down => "down",
             Self::Idle => "idle",
@@ -312,7 +316,7 @@ pub struct EventRow {
     pub time: f64,
     /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
     /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`.
+    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`.
     pub event: &'static str,
     /// Machine.
     pub machine: Option<u32>,

@@ -1,5 +1,6 @@
 //! Everything of a shop that changes, as plain data.
 
+use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
@@ -24,6 +25,8 @@ pub struct World {
     pub operators: Vec<OperatorState>,
     /// Steps that wait for somebody.
     pub(super) awaiting: Vec<Awaiting>,
+    /// Places in buffers, and jobs that cannot move on.
+    pub flow: Flow,
     /// Edges mounted so far.
     pub edges_mounted: u32,
     /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.

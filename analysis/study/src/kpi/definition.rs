@@ -3,7 +3,7 @@
 use super::tally::{MachineTally, Tally};
 use Better::{Less, More, Neither};
 use MachineState::{
-    Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingOperator, Working,
+    Blocked, Cutting, Down, Dressing, Handling, Idle, OffShift, Setup, Starved, ToolChange, WaitingOperator, Working,
 };
 use toolroom_process::unit;
 use toolroom_scenario::Scenario;
@@ -512,6 +512,17 @@ pub(super) const MACHINE: &[MachineFigure] = &[
             "Share of all time kept for an order of which nothing is there.",
         ),
         |t, m| m.state(Starved) / t.window,
+    ),
+    (
+        define(
+            "blocked_time_share",
+            "blocked",
+            "1",
+            "%",
+            Neither,
+            "Share of all time with a part that has no place to go to, or work for which none can be reserved.",
+        ),
+        |t, m| m.state(Blocked) / t.window,
     ),
     (
         define(

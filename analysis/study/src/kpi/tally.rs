@@ -49,6 +49,7 @@ impl MachineTally {
             MachineState::ToolChange,
             MachineState::Dressing,
             MachineState::Starved,
+            MachineState::Blocked,
             MachineState::WaitingOperator,
             MachineState::Down,
         ]

@@ -42,6 +42,8 @@ pub enum LoadKind {
     Delay,
     /// Kept for a lot of which nothing is there.
     Starved,
+    /// With a job that has no place to go to.
+    Blocked,
     /// With a job whose step waits for somebody.
     WaitingOperator,
     /// Broken down in shift.
@@ -52,12 +54,13 @@ pub enum LoadKind {
 
 impl LoadKind {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::PlannedBusy,
         Self::Production,
         Self::Setup,
         Self::Delay,
         Self::Starved,
+        Self::Blocked,
         Self::WaitingOperator,
         Self::Down,
         Self::Free,
@@ -71,6 +74,7 @@ impl LoadKind {
             Self::Setup => "setup",
             Self::Delay => "delay",
             Self::Starved => "starved",
+            Self::Blocked => "blocked",
             Self::WaitingOperator => "waiting_operator",
             Self::Down => "down",
             Self::Free => "free",
@@ -84,6 +88,7 @@ impl LoadKind {
             MachineState::Setup => Some(Self::Setup),
             MachineState::ToolChange | MachineState::Dressing => Some(Self::Delay),
             MachineState::Starved => Some(Self::Starved),
+            MachineState::Blocked => Some(Self::Blocked),
             MachineState::WaitingOperator => Some(Self::WaitingOperator),
             MachineState::Down => Some(Self::Down),
             MachineState::Idle => Some(Self::Free),

@@ -20,6 +20,7 @@ fn style(state: MachineState) -> (&'static str, Style) {
         MachineState::ToolChange => ("tool change", Style::nth(4)),
         MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Backslash)),
         MachineState::Starved => ("kept for an order", Style::nth(6).hatch(Hatch::Horizontal)),
+        MachineState::Blocked => ("blocked", Style::nth(4).hatch(Hatch::Slash)),
         MachineState::WaitingOperator => {
             ("waiting for operators", Style::nth(0).colour(Colour::Yellow).hatch(Hatch::Solid))
         }

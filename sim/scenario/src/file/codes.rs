@@ -84,6 +84,14 @@ pub const CODES: &[(&str, &str)] = &[
         "`parameters_from` names draws of a posterior, a Parquet table that `toolroom calibrate --data` writes beside the set: a column `group.parameter [unit]` for each parameter of the process, `edge_scatter`, `law` and `weight`. The parameter set of the tool has the same wear law, `parameters` states none of the same values, and all draws have the same weight. Each replication takes one draw, the same under every policy; policies believe the set. docs/calibration.md shows the way.",
     ),
     (
+        "buffer-loop",
+        "With blocking before service a machine begins only when a place for its part is reserved further on. Where two operations in a row share their only place, none is ever free: the part itself stands in it. A buffer with a place more, or blocking after service, lets it move.",
+    ),
+    (
+        "buffer-lot",
+        "A limited buffer takes jobs as a whole: parts of a source, or an order that moves together. An order with `transfer`, or one whose parts are cut piece by piece, moves in several jobs that wait for each other before an operation, and could fill the places that the rest of it needs.",
+    ),
+    (
         "calibration",
         "A calibration moves a constant of the process of a tool (`parameter = \"force.specific_force\"`, `target = \"tool insert\"`), or a value of the shop; the moved value stays within the range of the constant.",
     ),

@@ -213,6 +213,30 @@ pub enum ScenarioFault {
         /// The setup group; empty for a machine that was never set up.
         group: String,
     },
+    /// A part that holds the only place that it could move to.
+    #[error(
+        "part \"{part}\" can never begin \"{}\": it holds the only place of \"{buffer}\" and would have to reserve another one there for \"{}\"",
+        operations[0],
+        operations[1]
+    )]
+    BufferLoop {
+        /// The part.
+        part: String,
+        /// The operation that cannot begin, and the one that follows it.
+        operations: [String; 2],
+        /// The machine or buffer.
+        buffer: String,
+    },
+    /// An order in several jobs that comes to a buffer.
+    #[error(
+        "order \"{order}\" moves in several jobs, which must wait for each other, but comes to the limited buffer of \"{buffer}\""
+    )]
+    BufferLot {
+        /// The order.
+        order: String,
+        /// The machine or buffer.
+        buffer: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -245,6 +269,8 @@ impl ContentFault for ScenarioFault {
             Self::Draws { .. } => "draws",
             Self::SkillNobody { .. } => "skill-nobody",
             Self::MissingPair { .. } => "missing-pair",
+            Self::BufferLoop { .. } => "buffer-loop",
+            Self::BufferLot { .. } => "buffer-lot",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -280,6 +306,10 @@ impl ContentFault for ScenarioFault {
                 "add a row in front of the others, for a machine that was never set up".to_owned()
             }
             Self::MissingPair { .. } => "add the group to `groups`, and a row and a column to `times`".to_owned(),
+            Self::BufferLoop { .. } => {
+                "give it a place more with `input_buffer`, or use blocking = \"after_service\"".to_owned()
+            }
+            Self::BufferLot { .. } => "take out `transfer`, or the limit of the buffer".to_owned(),
             Self::Structure { file, .. } => {
                 format!(
                     "give a lobes file of the tool's process; `toolroom lobes {file}` tells its faults line by line"

@@ -6,7 +6,7 @@ mod resource;
 
 use order::{CALENDAR, ORDER, TABLES};
 pub use policy::SENSORS;
-use resource::{ATTENDANCE, OPERATOR, SETUP_MATRIX};
+use resource::{ATTENDANCE, BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
 use serde_json::{Map, Value, json};
 use toolroom_effects::Effect;
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
@@ -14,7 +14,7 @@ use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
-use crate::{ContourRule, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType};
+use crate::{Blocking, ContourRule, Deadlock, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
@@ -177,6 +177,16 @@ static MACHINE: Form = Form {
             "When another coolant is filled in: fresh from then on, and the effect `coolant_change` acts",
         ),
         Key::optional("calendar", Kind::Reference("calendar"), "Working time; always, if left out"),
+        Key::optional(
+            "input_buffer",
+            PLACES,
+            "Places before the machines of this section, together; left out: as many as are needed",
+        ),
+        Key::optional(
+            "output_buffer",
+            PLACES,
+            "Places behind them for parts that cannot move on; left out: none, such a part stays on its machine",
+        ),
         Key::optional("rule", Kind::List(&DISPATCH_RULE), "Rule of its queue, or up to three; left out: the shop's"),
     ],
 };
@@ -212,7 +222,7 @@ static TOOL: Form = Form {
         Key::optional(
             "structure_scatter",
             Kind::Table(&STRUCTURE_SCATTER),
-            "How the machines' structures differ from that; left out: not at all",
+            "How the machines' structures differ from that; left out: as the modes of its structure file are known, else not at all",
         )
         .when("process", ProcessKind::CUTTING),
         Key::required("edge_cost", COST, "Cost of one cutting edge, or of one dressing of a wheel"),
@@ -440,6 +450,18 @@ static DISPATCH: Form = Form {
             MachineChoice::LeastSetup.word(),
             "Which of several idle machines takes a job; ties go to the first of the file",
         ),
+        Key::default(
+            "blocking",
+            Kind::Choice(Blocking::WORDS),
+            Blocking::AfterService.word(),
+            "Where buffers are limited: a part that is done keeps its machine until there is a place, or a machine begins only when a place is reserved",
+        ),
+        Key::default(
+            "deadlock",
+            Kind::Choice(Deadlock::WORDS),
+            Deadlock::Stop.word(),
+            "Parts that wait for each other's places in a circle: the run stops and names them, or they change places",
+        ),
     ],
 };
 
@@ -484,6 +506,7 @@ pub static SCENARIO: Form = Form {
         Key::optional("calendar", Kind::Tables(&CALENDAR), "Working time"),
         Key::optional("machine", Kind::Tables(&MACHINE), "Machines"),
         Key::optional("setup_matrix", Kind::Tables(&SETUP_MATRIX), "Setup times between setup groups"),
+        Key::optional("buffer", Kind::Tables(&BUFFER), "Places before machines, where several share them"),
         Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),

@@ -15,6 +15,7 @@ mod calendars;
 mod choices;
 mod codes;
 mod fault;
+mod flow;
 mod imported;
 mod keys;
 mod measured;

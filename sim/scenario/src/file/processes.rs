@@ -4,6 +4,7 @@ use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
+use crate::lobes::LobesCut;
 use crate::{Posterior, ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
@@ -14,12 +15,13 @@ use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
 
-/// The process of a tool; `None` where a problem was noted.
+/// The process of a tool with its structure around it; `None` where a problem was noted.
 pub(super) fn process(
     walk: &mut Walk,
     tool: &Section<'_>,
     scatter: &Scatter,
     effects: &[SwitchedEffect],
+    structure: Option<LobesCut>,
 ) -> Option<ProcessModel> {
     let always = effects.iter().filter(|own| own.scope.is_everywhere()).map(|own| own.effect);
     let effects = Effects::overlaid(always.collect());
@@ -40,7 +42,7 @@ pub(super) fn process(
             let set = self::set(walk, tool, "parameter_set", &TURNING_SETS)?;
             let pair = Pair::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut turning = Turning { pair, effects, ..Turning::default() };
-            stability::around_turning(walk, tool, &mut turning);
+            stability::around_turning(walk, tool, structure, &mut turning);
             set_parameters(walk, tool, turning.parameters_mut());
             consistent(walk, tool, turning.pair.law.check());
             if chips_by_share(tool, scatter) {
@@ -56,7 +58,7 @@ pub(super) fn process(
             let set = self::set(walk, tool, "parameter_set", &MILLING_CATALOGUE)?;
             let milling = Milling::of_set(&set).map_err(|reason| refuse(walk, tool, "parameter_set", reason)).ok()?;
             let mut milling = Milling { effects, ..milling };
-            let drawn = stability::around_milling(walk, tool, &mut milling);
+            let drawn = stability::around_milling(walk, tool, structure, &mut milling);
             set_parameters(walk, tool, milling.parameters_mut());
             consistent(walk, tool, check_tilt(milling.life.stage_contrast, milling.life.stage_tilt));
             if let Some(cutter) = drawn {

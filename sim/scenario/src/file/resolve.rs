@@ -4,10 +4,10 @@ use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, measured, orders, planned, processes, resources, routing, rules, stability, tune};
+use super::{Output, flow, measured, orders, planned, processes, resources, routing, rules, stability, tune};
 use crate::{
-    Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target, ToolType,
-    TuneRequest, Variants,
+    Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target,
+    ToolType, TuneRequest, Variants,
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
@@ -86,14 +86,15 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let horizon = shop.as_ref().and_then(|shop| shop.si("horizon")).unwrap_or(0.0);
     let calendars = calendars(walk, root, &mut names, start, horizon);
     let setup_matrices = resources::setup_matrices(walk, root, &mut names);
-    let machines = machines(walk, root, &mut names);
+    let (mut machines, buffers) = machines(walk, root, &mut names);
+    let buffers = flow::shared(walk, root, &names, &mut machines, buffers);
     let (operators, skills) = resources::operators(walk, root, &names);
     names.skills = skills;
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
     let orders = orders::orders(walk, root, &names, &parts, start, horizon);
-    let (dispatch, machine_choice) = rules::dispatch(walk, root);
+    let dispatch = rules::dispatch(walk, root);
     let failures = failures(walk, root, &names);
     let (policies, places): (Vec<_>, Vec<_>) = rules::policies(walk, root, &machines).into_iter().unzip();
     let output = rules::output(walk, root);
@@ -106,6 +107,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let tools = tools.into_iter().map(|tool| varied(walk, tool, &calibrations)).collect();
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
     resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
+    flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders));
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -142,8 +144,11 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         skills: names.skills,
         operators,
         setup_matrices,
-        machine_choice,
-        dispatch,
+        machine_choice: dispatch.choice,
+        buffers,
+        blocking: dispatch.blocking,
+        deadlock: dispatch.deadlock,
+        dispatch: dispatch.rules,
         calendars,
         failures,
         policies,
@@ -211,8 +216,8 @@ pub(super) fn reference<'a>(
     found
 }
 
-fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<MachineType> {
-    let mut machines: Vec<MachineType> = Vec::new();
+fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<MachineType>, Vec<Buffer>) {
+    let (mut machines, mut buffers): (Vec<MachineType>, Vec<Buffer>) = (Vec::new(), Vec::new());
     let example = "[[machine]] with name, process, rate, load_time, unload_time";
     for (name, section) in named(walk, root, "machine", Some(example)) {
         let calendar = reference(walk, "calendar", section.got("calendar"), names.calendars.iter().map(String::as_str));
@@ -251,12 +256,22 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<Machi
                 idle_power: section.required("idle_power"),
                 coolant_change: section.si("coolant_change"),
                 calendar,
+                input_buffer: None,
+                output_buffer: None,
                 rules: own_rules.clone(),
             });
         }
+        for (key, behind) in [("input_buffer", false), ("output_buffer", true)] {
+            let Some(places) = section.count(key) else { continue };
+            for &machine in &indices {
+                let kind = &mut machines[machine];
+                *(if behind { &mut kind.output_buffer } else { &mut kind.input_buffer }) = Some(buffers.len());
+            }
+            buffers.push(Buffer { name: name.clone(), places: places as u32, machines: indices.clone() });
+        }
         names.machines.push((name, indices));
     }
-    machines
+    (machines, buffers)
 }
 
 fn speed_range(walk: &mut Walk, section: &Section<'_>) -> (f64, f64) {
@@ -291,9 +306,11 @@ fn tools(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> Vec<NamedToo
         let scatter = processes::tool_scatter(walk, &section);
         let kind = section.chosen("process", ProcessKind::from_word);
         let effects = kind.map_or_else(Vec::new, |kind| measured::effects(walk, &section, kind.word(), names));
-        let process = processes::process(walk, &section, &scatter, &effects);
+        let structure = stability::structure(walk, &section);
+        let structure_scatter = stability::scatter(walk, &section, structure.as_ref());
+        let cut = structure.map(|structure| structure.cut);
+        let process = processes::process(walk, &section, &scatter, &effects, cut);
         let posterior = process.as_ref().and_then(|process| processes::posterior(walk, &section, process));
-        let structure_scatter = stability::scatter(walk, &section);
         let tool = process.map(|process| ToolType {
             name,
             process,
@@ -380,7 +397,7 @@ fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMo
         // Without a word a problem was noted.
         let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
         let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
-        for machine in machine_indices(walk, &section, names) {
+        for machine in machine_indices(walk, &section, "machines", names) {
             let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
             failures.push(FailureMode { machine, time_between, time_to_repair, clock, part });
         }
@@ -388,10 +405,10 @@ fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMo
     failures
 }
 
-/// The machines under the key `machines`, each once, in the order of the file.
-pub(super) fn machine_indices(walk: &mut Walk, section: &Section<'_>, names: &Names) -> Vec<usize> {
+/// The machines under a key, each once, in the order of the file.
+pub(super) fn machine_indices(walk: &mut Walk, section: &Section<'_>, key: &str, names: &Names) -> Vec<usize> {
     let mut indices = Vec::new();
-    for got in section.list("machines") {
+    for got in section.list(key) {
         let known = names.machines.iter().map(|(name, _)| name.as_str());
         let Some(found) = reference(walk, "machine", Some(got), known) else { continue };
         for index in &names.machines[found].1 {

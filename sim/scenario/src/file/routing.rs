@@ -86,7 +86,7 @@ fn operations(
         if let Some(tool) = tool {
             used[tool] = true;
         }
-        let candidates = machine_indices(walk, &section, names);
+        let candidates = machine_indices(walk, &section, "machines", names);
         let able = if plain {
             candidates
         } else {

@@ -10,8 +10,8 @@ use super::resolve::{Names, named, reference};
 use super::speed::speed_rule;
 use super::{stability, tune};
 use crate::{
-    Arrival, ArrivalPattern, ContourRule, DispatchRule, GapSection, Knowledge, MOST_RULES, MachineChoice, MachineType,
-    PolicyRule, SensorErrors, SensorSheet, ToolChangeRule,
+    Arrival, ArrivalPattern, Blocking, ContourRule, Deadlock, DispatchRule, GapSection, Knowledge, MOST_RULES,
+    MachineChoice, MachineType, PolicyRule, SensorErrors, SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
@@ -47,13 +47,28 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
     arrivals
 }
 
-pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> (Vec<DispatchRule>, MachineChoice) {
-    // Left out with the whole section, both are the defaults of their keys.
-    let Some(section) = walk.table(root, "dispatch") else {
-        return (vec![DispatchRule::Fifo], MachineChoice::LeastSetup);
-    };
-    let choice = section.chosen("machine_choice", MachineChoice::from_word).unwrap_or(MachineChoice::LeastSetup);
-    (queue_rules(walk, &section).unwrap_or(vec![DispatchRule::Fifo]), choice)
+/// The section `[dispatch]`.
+pub(super) struct Dispatch {
+    pub rules: Vec<DispatchRule>,
+    pub choice: MachineChoice,
+    pub blocking: Blocking,
+    pub deadlock: Deadlock,
+}
+
+pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
+    // Left out with the whole section, all are the defaults of their keys.
+    let section = walk.table(root, "dispatch");
+    let given = section.as_ref();
+    let rules = given.and_then(|section| queue_rules(walk, section)).unwrap_or(vec![DispatchRule::Fifo]);
+    let choice = given.and_then(|section| section.chosen("machine_choice", MachineChoice::from_word));
+    let blocking = given.and_then(|section| section.chosen("blocking", Blocking::from_word));
+    let deadlock = given.and_then(|section| section.chosen("deadlock", Deadlock::from_word));
+    Dispatch {
+        rules,
+        choice: choice.unwrap_or(MachineChoice::LeastSetup),
+        blocking: blocking.unwrap_or(Blocking::AfterService),
+        deadlock: deadlock.unwrap_or(Deadlock::Stop),
+    }
 }
 
 /// Rules under the key `rule`; `None` where there are none.

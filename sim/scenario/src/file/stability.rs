@@ -2,7 +2,7 @@
 
 use super::choices::ChatterWord;
 use super::fault::ScenarioFault;
-use crate::lobes::{self, LobesCut};
+use crate::lobes::{self, LobesCut, LobesFile};
 use crate::{StabilityRule, StructureScatter, Uncertainty};
 use std::sync::Arc;
 use toolroom_chatter::Cutter;
@@ -10,12 +10,15 @@ use toolroom_cutting::{Milling, MillingStructure, Regeneration, Turning, Turning
 use toolroom_form::{Section, Walk};
 
 /// The lobes file that a tool names, beside the scenario.
-fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesCut> {
+pub(super) fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesFile> {
     let name = tool.text("structure")?.to_owned();
     let path = walk.folder.join(&name);
     walk.files.push(path.clone());
     match lobes::read(&path, &[]) {
-        Ok(file) => Some(file.content.cut),
+        Ok(file) => {
+            walk.files.extend(file.files);
+            Some(file.content)
+        }
         Err(error) => {
             let fault = ScenarioFault::Structure { file: path.display().to_string(), reason: error.to_string() };
             walk.fault(tool.span_of("structure"), fault);
@@ -30,8 +33,8 @@ fn refused(walk: &mut Walk, tool: &Section<'_>, reason: impl ToString) {
 }
 
 /// Puts the structure of a turning tool around it.
-pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, turning: &mut Turning) {
-    match structure(walk, tool) {
+pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, structure: Option<LobesCut>, turning: &mut Turning) {
+    match structure {
         None => {}
         Some(LobesCut::Turning { cut, bar }) => match TurningStructure::new(cut, bar, Regeneration::default()) {
             Ok(structure) => turning.structure = Some(Arc::new(structure)),
@@ -42,8 +45,13 @@ pub(super) fn around_turning(walk: &mut Walk, tool: &Section<'_>, turning: &mut 
 }
 
 /// Puts the structure of a milling cutter around it; the cutter that the file draws.
-pub(super) fn around_milling(walk: &mut Walk, tool: &Section<'_>, milling: &mut Milling) -> Option<Cutter> {
-    let cut = match structure(walk, tool)? {
+pub(super) fn around_milling(
+    walk: &mut Walk,
+    tool: &Section<'_>,
+    structure: Option<LobesCut>,
+    milling: &mut Milling,
+) -> Option<Cutter> {
+    let cut = match structure? {
         LobesCut::Milling(cut) => cut,
         LobesCut::Turning { .. } | LobesCut::Chuck(_) | LobesCut::ChipLag(_) | LobesCut::Lathe(_) => {
             refused(walk, tool, "it describes no milling; process = \"milling\" is due");
@@ -72,8 +80,15 @@ pub(super) fn same_cutter(walk: &mut Walk, tool: &Section<'_>, drawn: &Cutter, m
     }
 }
 
-pub(super) fn scatter(walk: &mut Walk, tool: &Section<'_>) -> StructureScatter {
-    let Some(section) = walk.table(tool, "structure_scatter") else { return StructureScatter::default() };
+/// How the structures of the machines differ: as the tool says, else as the modes of its structure are known.
+pub(super) fn scatter(walk: &mut Walk, tool: &Section<'_>, structure: Option<&LobesFile>) -> StructureScatter {
+    let Some(section) = walk.table(tool, "structure_scatter") else {
+        let known = structure.and_then(|structure| structure.scatter);
+        return known.map_or_else(StructureScatter::default, |known| StructureScatter {
+            natural_frequency: known.natural_frequency,
+            damping_ratio: known.damping_ratio,
+        });
+    };
     StructureScatter {
         natural_frequency: section.required("natural_frequency"),
         damping_ratio: section.required("damping_ratio"),

@@ -296,6 +296,8 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         setup_time: 0.0,
         setup_matrix: None,
         setup_at_start: None,
+        input_buffer: None,
+        output_buffer: None,
         magazine: 10,
         refill_time: 300.0,
         speed_range,

@@ -16,6 +16,7 @@ mod instances;
 mod interruptions;
 mod operators;
 mod orders;
+mod places;
 mod queues;
 mod replay;
 mod scenarios;

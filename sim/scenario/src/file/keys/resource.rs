@@ -1,4 +1,4 @@
-//! People and setup matrices.
+//! People, setup matrices, buffers.
 
 use super::TIME;
 use toolroom_form::{Form, Key, Kind};
@@ -35,6 +35,19 @@ pub(super) static SETUP_MATRIX: Form = Form {
             Kind::List(&ROW),
             "A row for every group; one more in front is for a machine that was never set up",
         ),
+    ],
+};
+
+/// Places for jobs.
+pub(super) const PLACES: Kind = Kind::Count { min: 0, max: 1_000_000 };
+
+pub(super) static BUFFER: Form = Form {
+    title: "[[buffer]]",
+    doc: "Places that several machines share, before them",
+    keys: &[
+        Key::required("name", Kind::Name, "Unique name"),
+        Key::required("places", PLACES, "Jobs that may stand in it: parts, or what moves together of an order"),
+        Key::required("before", Kind::List(&Kind::Reference("machine")), "Machines that take their work from it"),
     ],
 };
 

@@ -1,0 +1,369 @@
+//! `SystemStructure.ssd`: what a system is made of.
+
+use crate::read::Reader;
+use crate::values::{self, Parameter};
+use roxmltree::Node;
+use std::collections::BTreeMap;
+use toolroom_fmu_import::description::BaseUnit;
+
+/// A system of units, its nested systems resolved.
+///
+/// # Source
+/// System Structure and Parameterization 1.0.1 and 2.0, Modelica Association; both versions have the same namespaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SystemStructure {
+    /// Name of the structure.
+    pub name: String,
+    /// `version` as written.
+    pub version: String,
+    /// Start of the default experiment, s.
+    pub start: Option<f64>,
+    /// Its end, s.
+    pub stop: Option<f64>,
+    /// Units by name.
+    pub units: BTreeMap<String, BaseUnit>,
+    /// Units of FMI in the order of the file, those of nested systems among them.
+    pub components: Vec<Component>,
+    /// Signals between components.
+    pub connections: Vec<Connection>,
+    /// Inputs and outputs of the system itself, with the component ends that they stand for.
+    pub boundary: Vec<Boundary>,
+}
+
+/// A unit of FMI in a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Name with the names of the systems around it, such as `cell.lathe`.
+    pub name: String,
+    /// Entry of the package that holds the unit.
+    pub source: String,
+    /// `implementation`: `any`, `CoSimulation` or `ModelExchange`.
+    pub implementation: String,
+    /// Connectors.
+    pub connectors: Vec<Connector>,
+    /// Start values; the last one of a name holds.
+    pub parameters: Vec<Parameter>,
+    /// Line of the file.
+    pub line: u32,
+}
+
+/// A connector of a component. It has the name of a variable of the unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connector {
+    /// Name.
+    pub name: String,
+    /// `input`, `output`, `inout`, `parameter` or `calculatedParameter`.
+    pub kind: String,
+    /// Unit, where the file gives one.
+    pub unit: Option<String>,
+}
+
+/// One end of a connection.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct End {
+    /// Index into [`SystemStructure::components`].
+    pub component: usize,
+    /// Name of the connector.
+    pub connector: String,
+}
+
+/// A signal from an output to an input: `factor · value + offset`, after units were converted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connection {
+    /// Where the signal comes from.
+    pub from: End,
+    /// Where it goes.
+    pub to: End,
+    /// Factor of the linear transformations on the way.
+    pub factor: f64,
+    /// Their offset.
+    pub offset: f64,
+    /// Whether units are converted.
+    pub converts: bool,
+    /// Line of the file.
+    pub line: u32,
+}
+
+/// An input or output of the system itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Name.
+    pub name: String,
+    /// `input` or `output`.
+    pub kind: String,
+    /// Ends of components that it is connected to.
+    pub ends: Vec<End>,
+}
+
+/// A connector of a system or a component, by the path of its element.
+type Place = (String, String);
+
+/// A connection as written.
+struct Edge {
+    from: Place,
+    to: Place,
+    factor: f64,
+    offset: f64,
+    converts: bool,
+    line: u32,
+}
+
+/// What was collected from the file so far.
+#[derive(Default)]
+struct Collected {
+    components: Vec<Component>,
+    edges: Vec<Edge>,
+}
+
+/// Reads the text of a structure; `values` gives the text of another entry of the package.
+pub(crate) fn read(reader: &mut Reader, root: Node<'_, '_>, values: &mut values::Source<'_>) -> SystemStructure {
+    let mut structure = SystemStructure {
+        name: root.attribute("name").unwrap_or_default().to_owned(),
+        version: reader.required(root, "version"),
+        ..SystemStructure::default()
+    };
+    let mut collected = Collected::default();
+    let mut system = None;
+    for child in root.children().filter(Node::is_element) {
+        match child.tag_name().name() {
+            "System" => system = Some(child),
+            "Units" => structure.units = units(reader, child),
+            "DefaultExperiment" => {
+                structure.start = reader.number(child, "startTime");
+                structure.stop = reader.number(child, "stopTime");
+            }
+            // Enumerations name numbers; annotations are other tools' own.
+            "Enumerations" | "Annotations" => {}
+            other => reader.fault(child, format!("<{other}> is no element of <SystemStructureDescription>")),
+        }
+    }
+    let Some(system) = system else {
+        reader.fault(root, "there is no <System>".to_owned());
+        return structure;
+    };
+    walk(reader, system, "", &mut collected, values);
+    structure.components = collected.components;
+    let name = structure.components.iter().enumerate().find_map(|(i, component)| {
+        structure.components[..i].iter().any(|other| other.name == component.name).then_some(component)
+    });
+    if let Some(twice) = name {
+        reader.fault_at(twice.line, format!("there are two elements of the name \"{}\"", twice.name));
+    }
+    structure.connections = connections(reader, &structure.components, &collected.edges);
+    structure.boundary = boundary(system, &structure.components, &collected.edges);
+    structure
+}
+
+/// Units by name: those that the file gives in terms of SI.
+pub(crate) fn units(reader: &mut Reader, list: Node<'_, '_>) -> BTreeMap<String, BaseUnit> {
+    let mut units = BTreeMap::new();
+    for unit in list.children().filter(|node| node.has_tag_name_local("Unit")) {
+        let name = reader.required(unit, "name");
+        let Some(base) = unit.children().find(|node| node.has_tag_name_local("BaseUnit")) else { continue };
+        let mut powers = [0; 8];
+        for (power, symbol) in powers.iter_mut().zip(["kg", "m", "s", "A", "K", "mol", "cd", "rad"]) {
+            *power = reader.number(base, symbol).unwrap_or(0);
+        }
+        let factor = reader.number(base, "factor").unwrap_or(1.0);
+        let offset = reader.number(base, "offset").unwrap_or(0.0);
+        units.insert(name, BaseUnit { factor, offset, powers });
+    }
+    units
+}
+
+/// Elements are told by their local name: 1.0 and 2.0 have one namespace for each schema.
+pub(crate) trait Local {
+    fn has_tag_name_local(&self, name: &str) -> bool;
+}
+
+impl Local for Node<'_, '_> {
+    fn has_tag_name_local(&self, name: &str) -> bool {
+        self.is_element() && self.tag_name().name() == name
+    }
+}
+
+fn joined(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+}
+
+/// Reads a system at `path` with everything below it, and gives the start values that it binds, by names below it.
+fn walk(
+    reader: &mut Reader,
+    system: Node<'_, '_>,
+    path: &str,
+    collected: &mut Collected,
+    values: &mut values::Source<'_>,
+) {
+    let first = collected.components.len();
+    for child in system.children().filter(Node::is_element) {
+        match child.tag_name().name() {
+            "Elements" => {
+                for element in child.children().filter(Node::is_element) {
+                    let name = joined(path, &reader.required(element, "name"));
+                    match element.tag_name().name() {
+                        "Component" => component(reader, element, name, collected, values),
+                        "System" => walk(reader, element, &name, collected, values),
+                        other => {
+                            reader.fault(element, format!("<{other}> is not read: only components and systems are"))
+                        }
+                    }
+                }
+            }
+            "Connections" => {
+                let edges = child.children().filter(|node| node.has_tag_name_local("Connection"));
+                for connection in edges {
+                    let edge = edge(reader, connection, path);
+                    collected.edges.push(edge);
+                }
+            }
+            // Bindings of a system come after those of its elements: outer values take precedence.
+            "Connectors" | "ParameterBindings" | "ElementGeometry" | "SystemGeometry" | "GraphicalElements"
+            | "Annotations" => {}
+            other => reader.fault(child, format!("<{other}> is not read in a system")),
+        }
+    }
+    for parameter in values::bound(reader, system, values) {
+        let inside = collected.components[first..].iter_mut().find_map(|component| {
+            let local = component.name.strip_prefix(path).map(|name| name.trim_start_matches('.'))?;
+            let variable = parameter.name.strip_prefix(local)?.strip_prefix('.')?.to_owned();
+            Some((component, variable))
+        });
+        match inside {
+            Some((component, variable)) => component.parameters.push(Parameter { name: variable, ..parameter }),
+            None => reader.fault_at(
+                parameter.line,
+                format!("the parameter \"{}\" begins with the name of no component of the system", parameter.name),
+            ),
+        }
+    }
+}
+
+fn component(
+    reader: &mut Reader,
+    element: Node<'_, '_>,
+    name: String,
+    collected: &mut Collected,
+    values: &mut values::Source<'_>,
+) {
+    let kind = element.attribute("type").unwrap_or("application/x-fmu-sharedlibrary");
+    if kind != "application/x-fmu-sharedlibrary" {
+        reader.fault(element, format!("a component of type {kind} is not read: only FMI units are"));
+        return;
+    }
+    let source = reader.required(element, "source");
+    let list = element.children().find(|node| node.has_tag_name_local("Connectors"));
+    let connectors = list.into_iter().flat_map(|list| list.children());
+    let connectors: Vec<Connector> = connectors
+        .filter(|node| node.has_tag_name_local("Connector"))
+        .map(|node| Connector {
+            name: reader.required(node, "name"),
+            kind: reader.required(node, "kind"),
+            unit: node.children().find_map(|kind| kind.attribute("unit")).map(str::to_owned),
+        })
+        .collect();
+    collected.components.push(Component {
+        name,
+        source: source.trim_start_matches("./").to_owned(),
+        implementation: element.attribute("implementation").unwrap_or("any").to_owned(),
+        connectors,
+        parameters: values::bound(reader, element, values),
+        line: reader.line(element),
+    });
+}
+
+fn edge(reader: &mut Reader, node: Node<'_, '_>, path: &str) -> Edge {
+    let mut place = |element: &str, connector: &str| {
+        let element = node.attribute(element).map_or(path.to_owned(), |element| joined(path, element));
+        (element, reader.required(node, connector))
+    };
+    let (from, to) = (place("startElement", "startConnector"), place("endElement", "endConnector"));
+    let mut edge = Edge { from, to, factor: 1.0, offset: 0.0, converts: true, line: reader.line(node) };
+    edge.converts = !matches!(node.attribute("suppressUnitConversion"), Some("true" | "1"));
+    for child in node.children().filter(Node::is_element) {
+        match child.tag_name().name() {
+            "LinearTransformation" => {
+                edge.factor = reader.number(child, "factor").unwrap_or(1.0);
+                edge.offset = reader.number(child, "offset").unwrap_or(0.0);
+            }
+            "ConnectionGeometry" | "Annotations" => {}
+            other => {
+                reader.fault(child, format!("<{other}> of a connection is not read: only LinearTransformation is"))
+            }
+        }
+    }
+    edge
+}
+
+fn end(components: &[Component], place: &Place) -> Option<End> {
+    let component = components.iter().position(|component| component.name == place.0)?;
+    Some(End { component, connector: place.1.clone() })
+}
+
+/// Connections between components, through the connectors of the systems around them.
+fn connections(reader: &mut Reader, components: &[Component], edges: &[Edge]) -> Vec<Connection> {
+    let mut found: Vec<Connection> = Vec::new();
+    for edge in edges {
+        let Some(to) = end(components, &edge.to) else { continue };
+        let (mut at, mut factor, mut offset, mut converts) = (edge, edge.factor, edge.offset, edge.converts);
+        // As many steps as there are connections lead to the start, unless they lead round in a circle.
+        for _ in 0..edges.len() {
+            let Some(before) = edges.iter().find(|before| before.to == at.from && end(components, &at.from).is_none())
+            else {
+                break;
+            };
+            offset += factor * before.offset;
+            factor *= before.factor;
+            converts &= before.converts;
+            at = before;
+        }
+        let Some(from) = end(components, &at.from) else { continue };
+        if found.iter().any(|other| other.to == to) {
+            let name = &components[to.component].name;
+            reader.fault_at(edge.line, format!("{name}.{} is connected twice", to.connector));
+            continue;
+        }
+        found.push(Connection { from, to, factor, offset, converts, line: edge.line });
+    }
+    for connection in &found {
+        for (end, kinds) in [(&connection.from, ["output", "inout"]), (&connection.to, ["input", "inout"])] {
+            let component = &components[end.component];
+            let known = component.connectors.iter().find(|connector| connector.name == end.connector);
+            if !known.is_some_and(|connector| kinds.contains(&connector.kind.as_str())) {
+                let what = format!("{} has no {} \"{}\"", component.name, kinds[0], end.connector);
+                reader.fault_at(connection.line, what);
+            }
+        }
+    }
+    found
+}
+
+/// Connectors of the outermost system with the ends of components that they stand for.
+fn boundary(system: Node<'_, '_>, components: &[Component], edges: &[Edge]) -> Vec<Boundary> {
+    let list = system.children().find(|node| node.has_tag_name_local("Connectors"));
+    let connectors = list.into_iter().flat_map(|list| list.children());
+    connectors
+        .filter(|node| node.has_tag_name_local("Connector"))
+        .filter_map(|node| Some((node.attribute("name")?, node.attribute("kind")?)))
+        .map(|(name, kind)| {
+            let own: Place = (String::new(), name.to_owned());
+            let mut ends = Vec::new();
+            let mut open = vec![own];
+            // Each connection is followed once.
+            let mut left: Vec<&Edge> = edges.iter().collect();
+            while let Some(place) = open.pop() {
+                left.retain(|edge| {
+                    let (near, far) = if kind == "output" { (&edge.to, &edge.from) } else { (&edge.from, &edge.to) };
+                    if *near != place {
+                        return true;
+                    }
+                    match end(components, far) {
+                        Some(end) => ends.push(end),
+                        None => open.push(far.clone()),
+                    }
+                    false
+                });
+            }
+            Boundary { name: name.to_owned(), kind: kind.to_owned(), ends }
+        })
+        .collect()
+}

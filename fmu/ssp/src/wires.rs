@@ -1,0 +1,125 @@
+//! From connections by name to ports with a conversion.
+
+use crate::master::MasterError;
+use crate::structure::{Connection, SystemStructure};
+use crate::values::Parameter;
+use toolroom_fmu_import::description::BaseUnit;
+use toolroom_fmu_import::{ModelDescription, Port, ValueType, Variable};
+
+/// A signal: the value at `to` is `factor · value + offset` of the one at `from`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wire {
+    /// Component and place among its outputs.
+    pub from: (usize, usize),
+    /// Component of the input.
+    pub to: usize,
+    /// The input.
+    pub port: Port,
+    pub factor: f64,
+    pub offset: f64,
+}
+
+/// A variable that is read at every step.
+#[derive(Clone, Debug)]
+pub(crate) struct Output {
+    pub port: Port,
+    /// Name and unit, as the head of a column.
+    pub head: String,
+    pub name: String,
+}
+
+fn is_number(variable: &Variable) -> bool {
+    variable.dimensions.is_empty()
+        && !matches!(variable.value_type, ValueType::String | ValueType::Binary | ValueType::Clock)
+}
+
+/// Outputs of a component that a table holds: its connectors, or all outputs of a unit without connectors.
+pub(crate) fn outputs(structure: &SystemStructure, index: usize, description: &ModelDescription) -> Vec<Output> {
+    let component = &structure.components[index];
+    let named = |variable: &&Variable| {
+        let mut connectors = component.connectors.iter();
+        if component.connectors.is_empty() {
+            variable.causality == "output"
+        } else {
+            connectors.any(|each| each.name == variable.name && each.kind != "input" && each.kind != "parameter")
+        }
+    };
+    let output = |variable: &Variable| {
+        let unit = variable.unit.as_ref().filter(|unit| *unit != "1");
+        let unit = unit.map_or(String::new(), |unit| format!(" [{unit}]"));
+        let name = format!("{}.{}", component.name, variable.name);
+        Output { port: Port::of(variable), head: format!("{name}{unit}"), name: variable.name.clone() }
+    };
+    description.variables.iter().filter(named).filter(|variable| is_number(variable)).map(output).collect()
+}
+
+/// The unit of a connector in terms of SI: its own by the definitions of the structure, or that of its variable.
+fn base(
+    structure: &SystemStructure,
+    component: usize,
+    variable: &Variable,
+    own: &ModelDescription,
+) -> Option<BaseUnit> {
+    let connector = structure.components[component].connectors.iter().find(|each| each.name == variable.name);
+    let given = connector.and_then(|connector| connector.unit.as_ref());
+    given.and_then(|unit| structure.units.get(unit)).copied().or_else(|| own.units.get(variable.unit.as_ref()?)?.base)
+}
+
+/// Factor and offset from one unit to another of the same dimension.
+fn conversion(from: BaseUnit, to: BaseUnit) -> Option<(f64, f64)> {
+    (from.powers == to.powers).then(|| (from.factor / to.factor, (from.offset - to.offset) / to.factor))
+}
+
+/// Connections as wires.
+pub(crate) fn wires(
+    structure: &SystemStructure,
+    units: &[&ModelDescription],
+    outputs: &[Vec<Output>],
+) -> Result<Vec<Wire>, MasterError> {
+    let wire = |connection: &Connection| {
+        let (from, to) = (&connection.from, &connection.to);
+        let refused = |reason: String| {
+            let connection = format!("{} -> {}", structure.named(from), structure.named(to));
+            MasterError::Connection { connection, reason }
+        };
+        let variable = |end: &crate::End, unit: &ModelDescription| {
+            let variable = unit.variable(&end.connector).cloned();
+            variable.ok_or_else(|| refused(format!("the unit has no variable \"{}\"", end.connector)))
+        };
+        let (source, target) = (variable(from, units[from.component])?, variable(to, units[to.component])?);
+        let place = outputs[from.component].iter().position(|output| output.name == from.connector);
+        let (Some(place), true) = (place, is_number(&target)) else {
+            return Err(refused("only scalar numbers and Booleans are signals".to_owned()));
+        };
+        let (mut factor, mut offset) = (connection.factor, connection.offset);
+        let bases = (
+            base(structure, from.component, &source, units[from.component]),
+            base(structure, to.component, &target, units[to.component]),
+        );
+        if let (true, (Some(one), Some(other))) = (connection.converts, bases) {
+            let (unit, shift) = conversion(one, other).ok_or_else(|| {
+                let unit = |variable: &Variable| variable.unit.clone().unwrap_or_default();
+                refused(format!("[{}] is no unit of what is in [{}]", unit(&source), unit(&target)))
+            })?;
+            // The transformation comes after the units were converted.
+            (factor, offset) = (factor * unit, factor * shift + offset);
+        }
+        Ok(Wire { from: (from.component, place), to: to.component, port: Port::of(&target), factor, offset })
+    };
+    structure.connections.iter().map(wire).collect()
+}
+
+/// A start value as the unit takes it: in the unit of its variable.
+pub(crate) fn start_value(parameter: &Parameter, unit: &ModelDescription) -> Result<String, String> {
+    let Some(given) = parameter.unit else { return Ok(parameter.value.clone()) };
+    let variable = unit.variable(&parameter.name).ok_or("the unit has no such variable")?;
+    let Some(own) = variable.unit.as_ref().and_then(|name| unit.units.get(name)?.base) else {
+        return Ok(parameter.value.clone());
+    };
+    let (factor, offset) = conversion(given, own).ok_or("its unit is not one of the variable")?;
+    if (factor, offset) == (1.0, 0.0) {
+        return Ok(parameter.value.clone());
+    }
+    let value: f64 = parameter.value.trim().parse().map_err(|_| "it is no number, and has a unit")?;
+    Ok((factor * value + offset).to_string())
+}

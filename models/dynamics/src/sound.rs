@@ -1,0 +1,235 @@
+//! Chatter in the sound of a milling cut.
+//!
+//! The spectrum of a cut without chatter holds the harmonics of the tooth frequency and, by runout and unbalance, those of the
+//! spindle frequency. Chatter adds lines at `|fc + m ft|` between them, with the chatter frequency fc and the tooth frequency
+//! ft. Period-doubling chatter of a cutter with an even number of teeth has its lines at odd multiples of ft/2, which are
+//! harmonics of the spindle frequency too: such a record alone does not tell it from runout.
+//!
+//! # Source
+//! Lines of milling chatter: T. Insperger, G. Stépán, P. V. Bayly, B. P. Mann, "Multiple chatter frequencies in milling
+//! processes", Journal of Sound and Vibration 262 (2003) 333 (recalled). Best speeds: S. Smith, J. Tlusty, "Stabilizing chatter
+//! by automatic spindle speed regulation", CIRP Annals 41 (1992) 433 (recalled).
+
+use crate::comb::{Comb, WholeSpectrum};
+use crate::error::{DynamicsError, RecordProblem};
+use crate::frames::{Frames, level};
+use crate::record::Record;
+use std::f64::consts::TAU;
+
+/// Revolutions in a frame, so that lines of the spindle lie sixteen bins apart.
+const FRAME: f64 = 16.0;
+/// Least duration of a frame (s) (assumption: a resolution of a few hertz).
+const LEAST_FRAME: f64 = 0.2;
+/// Bins on each side that a line fills: half of the main lobe of Hann's window.
+const LOBE: f64 = 2.0;
+/// Wander of the speed within a record that broadens the lines of the spindle, relative (assumption).
+const WANDER: f64 = 1e-3;
+/// Level above the floor of a line (dB).
+const STANDS_OUT: f64 = 10.0;
+/// Level of chatter under the strongest line of the teeth beyond which it does not matter, 5 % of its amplitude (assumption).
+const MATTERS: f64 = 0.05;
+/// Amplitude at odd multiples of half the tooth frequency, over the strongest line of the teeth, from which runout does not
+/// explain it for sure (assumption).
+const HALF_TOOTH: f64 = 0.5;
+/// The same over the strongest other line of the spindle (assumption).
+const ABOVE_RUNOUT: f64 = 2.0;
+/// Amplitude in the cut over that in the air up to which a line belongs to the machine (assumption).
+const OF_MACHINE: f64 = 3.0;
+/// Frequencies of mains (Hz), and how many of their harmonics are left out (assumption).
+const MAINS: ([f64; 2], u32) = ([50.0, 60.0], 10);
+/// Deviation of mains (Hz) in normal operation (Commission Regulation (EU) 2017/1485, recalled).
+const MAINS_DEVIATION: f64 = 0.05;
+/// Share of a bin to which the vertex of a line is known (assumption).
+const VERTEX: f64 = 0.05;
+/// Lowest frequency that is looked at (Hz).
+const LOWEST: f64 = 20.0;
+/// Share of the greatest amplitude at which chatter has set in (assumption).
+const SET_IN: f64 = 0.5;
+/// Share of the strongest chatter line from which another may be the one near a mode (assumption).
+const STRONG: f64 = 0.5;
+
+/// What is known of a recorded cut.
+#[derive(Clone, Debug)]
+pub struct Cutting<'a> {
+    /// Teeth of the cutter.
+    pub teeth: u32,
+    /// Spindle speed as it was commanded (rad/s); the true one is looked for within 3 %.
+    pub spindle_speed: f64,
+    /// A record of the machine at the same speed without cutting.
+    pub air: Option<&'a Record>,
+    /// Natural frequencies of the structure (Hz), where they are known.
+    pub natural_frequencies: &'a [f64],
+}
+
+/// Whether a cut chatters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chatter {
+    /// Lines stand out that neither spindle nor teeth explain.
+    Yes,
+    /// None does.
+    No,
+    /// Lines at odd multiples of half the tooth frequency, which runout of an even number of teeth makes as well.
+    Ambiguous,
+}
+
+/// Where a line comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Harmonic of the tooth frequency.
+    Tooth(u32),
+    /// Harmonic of the spindle frequency that is none of the teeth.
+    Spindle(u32),
+    /// Mains.
+    Mains,
+    /// In the record without cutting as well.
+    Machine,
+    /// At the chatter frequency plus so many tooth frequencies.
+    Chatter(i32),
+    /// None of these.
+    Unknown,
+}
+
+/// A line of the sound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Its frequency (Hz).
+    pub frequency: f64,
+    /// Its amplitude in the unit of the record.
+    pub amplitude: f64,
+    /// Its level above the floor around it (dB).
+    pub level: f64,
+    /// Where it comes from.
+    pub origin: Origin,
+}
+
+/// What a record tells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heard {
+    /// Spindle speed by the comb of its harmonics (rad/s).
+    pub spindle_speed: f64,
+    /// Whether the cut chatters.
+    pub chatter: Chatter,
+    /// Frequency of the chatter, or of the line that may be one (Hz).
+    pub chatter_frequency: Option<f64>,
+    /// When it has grown to half of its greatest amplitude (s from the start of the record).
+    pub onset: Option<f64>,
+    /// All lines, by frequency.
+    pub lines: Vec<Line>,
+}
+
+impl Heard {
+    /// Spindle speeds (rad/s) from `least` to `most` at which the tooth frequency is a whole fraction of the chatter frequency,
+    /// `60 fc/(N j)`, from the greatest down; none without chatter.
+    pub fn suggested_speeds(&self, teeth: u32, least: f64, most: f64) -> Vec<f64> {
+        let Some(frequency) = self.chatter_frequency.filter(|_| self.chatter == Chatter::Yes) else {
+            return Vec::new();
+        };
+        let speed = |j: u32| TAU * frequency / (f64::from(teeth) * f64::from(j));
+        (1..).map(speed).take_while(|speed| *speed >= least.max(1e-3)).filter(|speed| *speed <= most).collect()
+    }
+}
+
+/// Listens to the first channel of a record.
+///
+/// # Errors
+/// [`DynamicsError::Record`]: a record shorter than sixteen revolutions, or without a comb of harmonics within 3 % of the speed.
+pub fn listen(record: &Record, cutting: &Cutting<'_>) -> Result<Heard, DynamicsError> {
+    let fault = |problem| DynamicsError::Record { file: record.source.clone(), problem };
+    let samples = &record.channels[0].values;
+    let commanded = cutting.spindle_speed / TAU;
+    let length = (FRAME / commanded).max(LEAST_FRAME);
+    if record.duration() < length {
+        return Err(fault(RecordProblem::Brief { duration: record.duration(), least: length }));
+    }
+    let whole = WholeSpectrum::new(samples, record.rate);
+    let comb = Comb::find(&whole, commanded, cutting.teeth)
+        .ok_or_else(|| fault(RecordProblem::NoComb { speed: 60.0 * commanded }))?;
+    let frames = Frames::new(samples, record.rate, length);
+    let air = cutting.air.map(|air| Frames::new(&air.channels[0].values, air.rate, length));
+    let threshold = frames.false_alarm_level().max(STANDS_OUT);
+    let mut lines: Vec<Line> = frames
+        .peaks(LOWEST, threshold)
+        .into_iter()
+        .map(|(frequency, amplitude, floor)| {
+            let origin = origin(frequency, amplitude, &comb, &frames, air.as_ref());
+            Line { frequency, amplitude, level: level(amplitude / floor), origin }
+        })
+        .collect();
+    let strongest = |wanted: &dyn Fn(&Origin) -> bool| {
+        let of_kind = lines.iter().filter(|line| wanted(&line.origin));
+        of_kind.copied().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+    };
+    let tooth = strongest(&|origin| matches!(origin, Origin::Tooth(_))).map_or(0.0, |line| line.amplitude);
+    let unexplained = strongest(&|origin| *origin == Origin::Unknown).filter(|line| line.amplitude > MATTERS * tooth);
+    let even = cutting.teeth.is_multiple_of(2);
+    let half = |k: u32| even && k % cutting.teeth == cutting.teeth / 2;
+    let doubled = strongest(&|origin| matches!(origin, Origin::Spindle(k) if half(*k)));
+    let runout =
+        strongest(&|origin| matches!(origin, Origin::Spindle(k) if !half(*k))).map_or(0.0, |line| line.amplitude);
+    let doubled = doubled.filter(|line| line.amplitude > HALF_TOOTH * tooth && line.amplitude > ABOVE_RUNOUT * runout);
+    let (chatter, line) = match (unexplained, doubled) {
+        (Some(line), _) => (Chatter::Yes, Some(near_mode(&lines, line, cutting.natural_frequencies))),
+        (None, Some(line)) => (Chatter::Ambiguous, Some(line)),
+        (None, None) => (Chatter::No, None),
+    };
+    let onset = line.map(|line| frames.onset(line.frequency, SET_IN));
+    let chatter_frequency = line.map(|line| {
+        let settled = &samples[frames.sample(onset.unwrap_or(0.0)).min(samples.len() / 2)..];
+        WholeSpectrum::new(settled, record.rate).refined(line.frequency, frames.step())
+    });
+    if let (Chatter::Yes, Some(frequency)) = (chatter, chatter_frequency) {
+        let tooth_frequency = comb.spindle_frequency * f64::from(cutting.teeth);
+        for line in lines.iter_mut().filter(|line| line.origin == Origin::Unknown) {
+            // A line at |fc + m ft| is one of fc + m ft or of −fc − m ft.
+            let order = |sign: f64| (sign * line.frequency - frequency) / tooth_frequency;
+            let whole = |m: f64| (m - m.round()).abs() * tooth_frequency < LOBE * frames.step();
+            if let Some(order) = [order(1.0), order(-1.0)].into_iter().find(|order| whole(*order)) {
+                line.origin = Origin::Chatter(order.round() as i32);
+            }
+        }
+    }
+    Ok(Heard { spindle_speed: TAU * comb.spindle_frequency, chatter, chatter_frequency, onset, lines })
+}
+
+/// What explains a line, but for chatter.
+fn origin(frequency: f64, amplitude: f64, comb: &Comb, frames: &Frames, air: Option<&Frames>) -> Origin {
+    let width = LOBE * frames.step();
+    let spindle = comb.spindle_frequency;
+    let order = (frequency / spindle).round();
+    // Wide lines must not fill the gap between them.
+    let reach = (width + WANDER * frequency).min(0.25 * spindle);
+    if order >= 1.0 && (frequency - order * spindle).abs() < reach {
+        let order = order as u32;
+        return if order.is_multiple_of(comb.teeth) {
+            Origin::Tooth(order / comb.teeth)
+        } else {
+            Origin::Spindle(order)
+        };
+    }
+    let (mains, harmonics) = MAINS;
+    let of_mains = |base: f64| {
+        let order = (frequency / base).round();
+        (1.0..=f64::from(harmonics)).contains(&order)
+            && (frequency - order * base).abs() < order * MAINS_DEVIATION + VERTEX * frames.step()
+    };
+    if mains.into_iter().any(of_mains) {
+        return Origin::Mains;
+    }
+    let idle = air.and_then(|air| air.around(frequency, width));
+    if idle.is_some_and(|(idle, floor)| level(idle / floor) > STANDS_OUT && amplitude < OF_MACHINE * idle) {
+        return Origin::Machine;
+    }
+    Origin::Unknown
+}
+
+/// Among the unexplained lines that are about as strong as the strongest, the one nearest to a natural frequency.
+fn near_mode(lines: &[Line], strongest: Line, natural_frequencies: &[f64]) -> Line {
+    let distance = |line: &Line| {
+        let ratios = natural_frequencies.iter().map(|natural| (line.frequency / natural).ln().abs());
+        ratios.fold(f64::INFINITY, f64::min)
+    };
+    let strong =
+        lines.iter().filter(|line| line.origin == Origin::Unknown && line.amplitude >= STRONG * strongest.amplitude);
+    let nearest = strong.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.copied().filter(|_| !natural_frequencies.is_empty()).unwrap_or(strongest)
+}

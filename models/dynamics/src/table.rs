@@ -1,0 +1,61 @@
+//! Tables of numbers below one line of titles.
+
+use crate::error::DynamicsError;
+
+/// A table.
+pub(crate) struct Table {
+    /// Line of the titles, from 1.
+    pub line: usize,
+    /// The titles as they are written.
+    pub titles: Vec<String>,
+    /// The numbers of every column.
+    pub columns: Vec<Vec<f64>>,
+    /// Greatest number of decimals in a cell of every column that is written without a power of ten.
+    pub decimals: Vec<usize>,
+}
+
+/// Reads a table: cells are separated by commas, semicolons or tabs, whichever the titles have most of; lines that start with
+/// `#` are comments.
+pub(crate) fn read_table(file: &str, text: &str) -> Result<Table, DynamicsError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(i, line)| (i + 1, line))
+        .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+    let (line, header) = lines.next().ok_or_else(|| DynamicsError::Empty { file: file.to_owned() })?;
+    let separator = [',', ';', '\t'].into_iter().max_by_key(|mark| header.matches(*mark).count()).unwrap_or(',');
+    let titles: Vec<String> =
+        header.split(separator).map(|title| title.trim().trim_matches('"').trim().to_owned()).collect();
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); titles.len()];
+    let mut decimals = vec![0; titles.len()];
+    for (line, row) in lines {
+        let texts: Vec<&str> = row.split(separator).map(str::trim).collect();
+        if texts.len() != titles.len() {
+            let (cells, columns) = (texts.len(), titles.len());
+            return Err(DynamicsError::UnevenRow { file: file.to_owned(), line, cells, columns });
+        }
+        for (i, text) in texts.iter().enumerate() {
+            let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
+            columns[i].push(value.ok_or_else(|| DynamicsError::NotANumber {
+                file: file.to_owned(),
+                line,
+                column: titles[i].clone(),
+                text: (*text).to_owned(),
+            })?);
+            if !text.contains(['e', 'E']) {
+                let places = text.split_once('.').map_or(0, |(_, places)| places.len());
+                decimals[i] = decimals[i].max(places);
+            }
+        }
+    }
+    Ok(Table { line, titles, columns, decimals })
+}
+
+/// Name and unit of a title such as `force [N]`.
+pub(crate) fn split_title(title: &str) -> (String, Option<&str>) {
+    match title.split_once('[') {
+        Some((name, rest)) => (name.trim().to_lowercase(), rest.trim().strip_suffix(']').map(str::trim)),
+        None => (title.to_lowercase(), None),
+    }
+}

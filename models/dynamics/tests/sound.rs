@@ -1,0 +1,170 @@
+//! Chatter from the sound of cuts of which everything is known.
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use std::f64::consts::TAU;
+use toolroom_dynamics::{Channel, Chatter, Cutting, Direction, Heard, Origin, Record, Signal, listen};
+
+/// A cut in sound: amplitude of the first line of the teeth 0.3, noise of 0.01.
+#[derive(Clone, Copy)]
+struct Cut {
+    teeth: u32,
+    /// True speed (rpm).
+    speed: f64,
+    /// Amplitude of every line of the spindle.
+    runout: f64,
+    /// Frequency of the chatter (Hz), its amplitude, and when it begins (s).
+    chatter: Option<(f64, f64, f64)>,
+    seed: u64,
+}
+
+impl Cut {
+    fn record(self) -> Record {
+        let (rate, count) = (16_000.0, 32_000);
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        let spindle = self.speed / 60.0;
+        let mut lines: Vec<(f64, f64, f64)> = Vec::new();
+        for k in 1..=6 * self.teeth {
+            let amplitude = if k % self.teeth == 0 { 0.3 * f64::from(self.teeth) / f64::from(k) } else { self.runout };
+            lines.push((f64::from(k) * spindle, amplitude, 0.0));
+        }
+        if let Some((frequency, amplitude, begin)) = self.chatter {
+            let tooth = spindle * f64::from(self.teeth);
+            lines.extend([(frequency, amplitude, begin), (frequency + tooth, 0.4 * amplitude, begin)]);
+        }
+        let phases: Vec<f64> = lines.iter().map(|line| TAU * line.0 / 7.0).collect();
+        let value = |i: i32| {
+            let time = f64::from(i) / rate;
+            let sum: f64 = lines
+                .iter()
+                .zip(&phases)
+                .filter(|((.., begin), _)| time >= *begin)
+                .map(|((frequency, amplitude, _), phase)| amplitude * (TAU * frequency * time + phase).sin())
+                .sum();
+            let noise: f64 = StandardNormal.sample(&mut random);
+            sum + 0.01 * noise
+        };
+        let values = (0..count).map(value).collect();
+        let channel = Channel { signal: Signal::Sound, direction: Direction::X, values };
+        Record { source: "cut.wav".to_owned(), rate, channels: vec![channel] }
+    }
+
+    fn heard(self, commanded: f64) -> Heard {
+        let spindle_speed = commanded * TAU / 60.0;
+        listen(&self.record(), &Cutting { teeth: self.teeth, spindle_speed, air: None, natural_frequencies: &[] })
+            .unwrap()
+    }
+}
+
+const CUT: Cut = Cut { teeth: 3, speed: 6120.0, runout: 0.05, chatter: None, seed: 1 };
+
+fn rpm(heard: &Heard) -> f64 {
+    heard.spindle_speed * 60.0 / TAU
+}
+
+#[test]
+fn chatter_is_heard_with_its_frequency_onset_and_quiet_speeds() {
+    let heard = Cut { chatter: Some((841.7, 0.1, 0.8)), ..CUT }.heard(6000.0);
+    assert!((rpm(&heard) - 6120.0).abs() < 0.5, "{}", rpm(&heard));
+    assert_eq!(heard.chatter, Chatter::Yes);
+    let frequency = heard.chatter_frequency.unwrap();
+    assert!((frequency - 841.7).abs() < 0.1, "{frequency}");
+    // A frame lasts 0.27 s and moves by an eighth of that.
+    assert!((heard.onset.unwrap() - 0.8).abs() < 0.05, "{:?}", heard.onset);
+    let orders: Vec<i32> = heard
+        .lines
+        .iter()
+        .filter_map(|line| if let Origin::Chatter(m) = line.origin { Some(m) } else { None })
+        .collect();
+    assert_eq!(orders, [0, 1]);
+    let speeds = heard.suggested_speeds(3, 500.0, 1500.0);
+    let expected = [60.0 * 841.7 / 6.0, 60.0 * 841.7 / 9.0];
+    assert_eq!(speeds.len(), 2);
+    for (speed, rpm) in speeds.iter().zip(expected) {
+        assert!((speed * 60.0 / TAU / rpm - 1.0).abs() < 2e-4, "{speed} {rpm}");
+    }
+}
+
+#[test]
+fn cuts_that_chatter_are_told_from_cuts_with_runout() {
+    // A hundred cuts of each kind; chatter lies at least two frame bins, 7.5 Hz, from every line of the spindle.
+    let mut wrong = Vec::new();
+    for i in 0..100u32 {
+        let teeth = 2 + i % 4;
+        let speed = 4011.0 + 97.3 * f64::from(i);
+        let spindle = speed / 60.0;
+        let cut = Cut { teeth, speed, runout: 0.06 * f64::from(i % 3), chatter: None, seed: u64::from(i) };
+        let commanded = speed * (1.0 + 0.025 * f64::from(i).sin());
+        if cut.heard(commanded).chatter != Chatter::No {
+            wrong.push(format!("cut {i} without chatter"));
+        }
+        let frequency = spindle * (5.0 + f64::from(i % 7) + 0.27 + 0.0045 * f64::from(i % 100));
+        let heard = Cut { chatter: Some((frequency, 0.05, 0.0)), ..cut }.heard(commanded);
+        let found = heard.chatter_frequency.filter(|found| (found - frequency).abs() < 0.5);
+        if heard.chatter != Chatter::Yes || found.is_none() {
+            wrong.push(format!(
+                "cut {i} with chatter at {frequency}: {:?} {:?}",
+                heard.chatter, heard.chatter_frequency
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn period_doubling_of_even_teeth_is_left_open_and_that_of_odd_teeth_is_heard() {
+    let doubled = |teeth: u32| {
+        let tooth = 6120.0 / 60.0 * f64::from(teeth);
+        Cut { teeth, chatter: Some((1.5 * tooth, 0.25, 0.0)), ..CUT }.heard(6120.0)
+    };
+    for teeth in [2, 4] {
+        let heard = doubled(teeth);
+        assert_eq!(heard.chatter, Chatter::Ambiguous);
+        assert!((heard.chatter_frequency.unwrap() - 153.0 * f64::from(teeth)).abs() < 0.2);
+        assert!(heard.suggested_speeds(teeth, 100.0, 1e4).is_empty());
+    }
+    assert_eq!(doubled(3).chatter, Chatter::Yes);
+}
+
+#[test]
+fn lines_of_the_machine_and_of_mains_are_no_chatter() {
+    let whistling = Cut { chatter: Some((1770.0, 0.08, 0.0)), ..CUT };
+    assert_eq!(whistling.heard(6120.0).chatter, Chatter::Yes);
+    let idle = Cut { chatter: Some((1770.0, 0.07, 0.0)), teeth: 3, speed: 6120.0, runout: 0.01, seed: 9 }.record();
+    let cutting = Cutting { teeth: 3, spindle_speed: 6120.0 * TAU / 60.0, air: Some(&idle), natural_frequencies: &[] };
+    assert_eq!(listen(&whistling.record(), &cutting).unwrap().chatter, Chatter::No);
+    let mut humming = CUT.record();
+    for (i, value) in humming.channels[0].values.iter_mut().enumerate() {
+        *value += 0.08 * (TAU * 250.0 * i as f64 / 16_000.0).sin();
+    }
+    assert_eq!(listen(&humming, &Cutting { air: None, ..cutting }).unwrap().chatter, Chatter::No);
+}
+
+#[test]
+fn of_two_strong_lines_the_one_at_the_mode_is_the_chatter() {
+    let cut = Cut { chatter: Some((841.7, 0.1, 0.0)), ..CUT };
+    let mut record = cut.record();
+    for (i, value) in record.channels[0].values.iter_mut().enumerate() {
+        *value += 0.08 * (TAU * 1253.3 * i as f64 / 16_000.0).sin();
+    }
+    let spindle_speed = 6120.0 * TAU / 60.0;
+    let at = |modes: &[f64]| {
+        let cutting = Cutting { teeth: 3, spindle_speed, air: None, natural_frequencies: modes };
+        listen(&record, &cutting).unwrap().chatter_frequency.unwrap()
+    };
+    assert!((at(&[]) - 841.7).abs() < 0.2 && (at(&[1250.0]) - 1253.3).abs() < 0.2);
+}
+
+#[test]
+fn a_record_without_teeth_is_refused() {
+    let mut record = CUT.record();
+    let hear = |record: &Record, rpm: f64| {
+        let spindle_speed = rpm * TAU / 60.0;
+        listen(record, &Cutting { teeth: 3, spindle_speed, air: None, natural_frequencies: &[] })
+    };
+    let text = hear(&record, 7300.0).unwrap_err().to_string();
+    assert!(text.contains("within 3 % of 7300 rpm"), "{text}");
+    record.channels[0].values.truncate(1000);
+    assert!(hear(&record, 6120.0).unwrap_err().to_string().contains("sixteen revolutions"));
+}
