@@ -28,6 +28,18 @@ pub struct StoredRun {
 /// Runs by replication and policy.
 pub type KnownRuns = BTreeMap<(u32, usize), StoredRun>;
 
+/// The runs that belong to a study of `policies`, by replication and policy: those whose figures and edges are those of
+/// `scenario`.
+pub fn known_of(scenario: &Scenario, policies: &[usize], runs: Vec<StoredRun>) -> KnownRuns {
+    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
+    let fits = |run: &StoredRun| {
+        policies.contains(&run.policy)
+            && run.values.len() == figures
+            && run.lives.iter().all(|life| EdgeLife::of_named(life).is_some())
+    };
+    runs.into_iter().filter(fits).map(|run| ((run.replication, run.policy), run)).collect()
+}
+
 /// Runs replications `from..to` of some policies.
 ///
 /// # Errors
@@ -43,13 +55,8 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
             Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
         };
         let log = run().map_err(|source| stopped(scenario, policy, replication, source))?;
-        Ok(StoredRun {
-            policy,
-            replication,
-            digest: log.digest,
-            values: evaluate(scenario, &log).into_iter().map(f64::to_bits).collect(),
-            lives: lives(&log, &lathes).iter().map(EdgeLife::named).collect(),
-        })
+        let run = Run { values: evaluate(scenario, &log), digest: log.digest, lives: lives(&log, &lathes), log: None };
+        Ok(StoredRun::of(policy, replication, &run))
     });
     runs.collect::<Vec<_>>().into_iter().collect()
 }
@@ -86,6 +93,16 @@ pub fn stored_digest(
 }
 
 impl StoredRun {
+    pub(super) fn of(policy: usize, replication: u32, run: &Run) -> Self {
+        Self {
+            policy,
+            replication,
+            digest: run.digest,
+            values: run.values.iter().map(|value| value.to_bits()).collect(),
+            lives: run.lives.iter().map(EdgeLife::named).collect(),
+        }
+    }
+
     /// The run as if it had been made here.
     pub(super) fn run(&self) -> Run {
         Run {
