@@ -96,12 +96,13 @@ fn tuned_in_place(
     let interrupted = Arc::new(AtomicBool::new(false));
     let _gentle = stop::gently(&interrupted);
     let found = tuned(args, changes, &file, (policies, wanted), voice, &interrupted, Some((&journal, tried)));
-    let kept = |failure| match failure {
-        Failure::Interrupted { .. } if path.exists() => {
+    let kept = |failure| {
+        if matches!(failure, Failure::Interrupted { .. }) && path.exists() {
             let message = format!("interrupted while tuning; finished runs are kept in {}", target.display());
             Failure::Interrupted { message, help: RESUME.to_owned() }
+        } else {
+            failure
         }
-        other => other,
     };
     Ok((found.map_err(kept)?, Some(place)))
 }
@@ -136,7 +137,11 @@ impl From<TuneError> for Failure {
         match error {
             TuneError::Stopped => Self::Interrupted { message: error.to_string(), help },
             TuneError::Shop { .. } | TuneError::Threads { .. } => Self::Work { message: format!("{error}; {help}") },
-            other => Self::argument(other, help),
+            TuneError::Objective { .. }
+            | TuneError::Seed { .. }
+            | TuneError::Budget { .. }
+            | TuneError::Nothing { .. }
+            | TuneError::Policy(_) => Self::argument(error, help),
         }
     }
 }
@@ -170,7 +175,7 @@ impl From<PlannedError> for Failure {
             PlannedError::Scenario(error) => error.into(),
             PlannedError::Policy(error) => error.into(),
             PlannedError::Shard(error) => refused(error),
-            other => Self::Work { message: other.to_string() },
+            PlannedError::Study(error) => Self::Work { message: error.to_string() },
         }
     }
 }

@@ -131,12 +131,12 @@ impl From<FinishedRunError> for Failure {
 
 impl From<GapStudyError> for Failure {
     fn from(error: GapStudyError) -> Self {
-        match error {
-            GapStudyError::Model(ModelFileError::Read(error)) => error.into(),
-            other => match other.fix() {
-                Some(fix) => Self::argument(other, fix),
-                None => Self::Work { message: other.to_string() },
-            },
+        if let GapStudyError::Model(ModelFileError::Read(error)) = error {
+            return error.into();
+        }
+        match error.fix() {
+            Some(fix) => Self::argument(error, fix),
+            None => Self::Work { message: error.to_string() },
         }
     }
 }
@@ -148,17 +148,14 @@ impl From<OutputError> for Failure {
             OutputError::Unwritable { path, source } => Self::Unwritable { path, source },
             OutputError::Json(error) => Self::Json(error),
             OutputError::Shard(error) => refused(error),
-            other => Self::Work { message: other.to_string() },
+            work @ OutputError::Work { .. } => Self::Work { message: work.to_string() },
         }
     }
 }
 
 impl From<KindError> for Failure {
     fn from(error: KindError) -> Self {
-        match error {
-            KindError::Read(error) => error.into(),
-            other => Self::argument(&other, other.fix()),
-        }
+        if let KindError::Read(error) = error { error.into() } else { Self::argument(&error, error.fix()) }
     }
 }
 

@@ -44,11 +44,5 @@ fn open(path: &Path) -> Result<Archive, Failure> {
 
 /// An archive that is no use, with the likely fix.
 fn refused(error: ArchiveError) -> Failure {
-    let help = match &error {
-        ArchiveError::Unreadable { .. } | ArchiveError::Unwritable { .. } => "check path and permissions",
-        ArchiveError::NoZip { .. } | ArchiveError::Damaged { .. } => "copy or export the unit again: it is damaged",
-        ArchiveError::Traversal { .. } => "do not use it: such an archive writes over files of its choice",
-        _ => "ask `toolroom fmu check` what is wrong with the unit",
-    };
-    Failure::argument(error, help)
+    Failure::argument(&error, error.fix())
 }

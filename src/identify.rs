@@ -63,10 +63,10 @@ fn study(args: &IdentifyArgs, voice: &Voice) -> Result<(Vec<Table>, Identificati
 }
 
 fn refused(error: TrialsError) -> Failure {
-    match error {
-        TrialsError::Tables(error) => error.into(),
-        other => Failure::argument(&other, "see the header of scenarios/data/zb153u_trials.csv"),
+    if let TrialsError::Tables(error) = error {
+        return error.into();
     }
+    Failure::argument(&error, "see the header of scenarios/data/zb153u_trials.csv")
 }
 
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {

@@ -30,6 +30,8 @@
 //! The functions write no files. A study hands out its tables, pictures and report as [`chart::ResultFiles`], which
 //! the caller writes where they belong.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 pub use toolroom_apply as apply;
 pub use toolroom_blind as blind;
 pub use toolroom_calibrate as calibrate;

@@ -86,10 +86,10 @@ fn finish(
 
 /// What the stability model refuses: an iteration without result is no fault of the input.
 fn refused(error: ChatterError) -> Failure {
-    match error {
-        ChatterError::NotConverged { .. } => Failure::Work { message: error.to_string() },
-        _ => Failure::argument(error, "see the values of the file"),
+    if matches!(error, ChatterError::NotConverged { .. }) {
+        return Failure::Work { message: error.to_string() };
     }
+    Failure::argument(error, "see the values of the file")
 }
 
 /// `--at SPEED DEPTH`, with the limit straight from a `measured` response beside it.

@@ -4,6 +4,8 @@
 //! Exit code 0: done; 1: the work failed; 2: the input is wrong; 3: done, but the answer must not be overlooked, such
 //! as too little data; 130 and 143: interrupted by SIGINT and SIGTERM.
 
+#![deny(clippy::wildcard_enum_match_arm)]
+
 mod args;
 mod calibrate;
 mod check;

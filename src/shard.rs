@@ -74,11 +74,11 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
 
 /// What shards refuse: files that cannot be written are work that failed, the rest is input.
 pub fn refused(error: ShardError) -> Failure {
-    match error {
-        ShardError::File { path, source } => Failure::Unwritable { path, source },
-        ShardError::Rows { .. } => {
-            Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") }
-        }
-        other => Failure::argument(&other, other.fix()),
+    if let ShardError::File { path, source } = error {
+        return Failure::Unwritable { path, source };
     }
+    if let ShardError::Rows { .. } = error {
+        return Failure::Work { message: format!("{error}; shards that were complete stay, go on with --resume") };
+    }
+    Failure::argument(&error, error.fix())
 }

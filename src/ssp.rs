@@ -40,11 +40,11 @@ fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
         names => Order::Given(names.split(',').map(|name| name.trim().to_owned()).collect()),
     };
     // A system that cannot run is an argument, one that failed on the way is work that failed.
-    let failed = |error: MasterError| match error {
-        MasterError::Unit { .. } | MasterError::Output(_) | MasterError::Folder(_) => {
-            Failure::Work { message: error.to_string() }
+    let failed = |error: MasterError| {
+        if matches!(error, MasterError::Unit { .. } | MasterError::Output(_) | MasterError::Folder(_)) {
+            return Failure::Work { message: error.to_string() };
         }
-        error => Failure::argument(error, "`toolroom ssp info` shows units, signals and start values"),
+        Failure::argument(error, "`toolroom ssp info` shows units, signals and start values")
     };
     let mut package = open(&args.file)?;
     let system = System::load(&mut package, &args.run.start_values()?, &args.run.isolation()?).map_err(failed)?;

@@ -125,22 +125,22 @@ fn inputs(unit: &Unit, start: &BTreeMap<String, String>, path: &Path) -> Result<
 }
 
 fn not_loaded(error: LoadError) -> Failure {
-    match error {
-        LoadError::Archive(error) => refused(error),
-        error => Failure::argument(error, "ask `toolroom fmu check` what is wrong with the unit"),
+    if let LoadError::Archive(error) = error {
+        return refused(error);
     }
+    Failure::argument(error, "ask `toolroom fmu check` what is wrong with the unit")
 }
 
 /// A simulation that did not reach its end; rows before that are written.
 fn failed(error: SimulateError, output: Option<&PathBuf>) -> Failure {
-    match error {
-        SimulateError::Call { .. } | SimulateError::Value { .. } | SimulateError::Discarded { .. } => {
-            let kept = output.map_or(String::new(), |path| format!("; {} holds what came before", path.display()));
-            Failure::Work { message: format!("{error}{kept}") }
-        }
-        SimulateError::Output(_) => Failure::Work { message: error.to_string() },
-        error => Failure::argument(error, "see toolroom fmu sim --help"),
+    if matches!(error, SimulateError::Call { .. } | SimulateError::Value { .. } | SimulateError::Discarded { .. }) {
+        let kept = output.map_or(String::new(), |path| format!("; {} holds what came before", path.display()));
+        return Failure::Work { message: format!("{error}{kept}") };
     }
+    if let SimulateError::Output(_) = error {
+        return Failure::Work { message: error.to_string() };
+    }
+    Failure::argument(error, "see toolroom fmu sim --help")
 }
 
 pub fn seconds(flag: &str, text: Option<&str>) -> Result<Option<f64>, Failure> {

@@ -7,7 +7,6 @@ use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_output::provenance;
-use toolroom_records::RecordError;
 use toolroom_records::import::{ImportError, Mapping, import};
 
 /// The mapping of the NASA milling table, shipped as an example too.
@@ -44,12 +43,5 @@ fn perform(
 }
 
 fn refused(error: ImportError) -> Failure {
-    let help = match &error {
-        ImportError::Record(RecordError::Unreadable { .. }) => "check the path",
-        ImportError::Record(RecordError::Quote { .. }) => "mend that line; nothing was imported",
-        ImportError::NoColumn { .. } => "`from` in the mapping is a header of the file",
-        ImportError::NotMapped { .. } => "a constant will do, such as constant = \"L1\"",
-        _ => "the mapping says what each column is: name, from, unit",
-    };
-    Failure::argument(error, help)
+    Failure::argument(&error, error.fix())
 }

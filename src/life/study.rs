@@ -122,12 +122,12 @@ fn begin(out: &mut OutputDir, plan: &Plan, resume: bool, force: bool) -> Result<
         }
     } else {
         out.clear(PARTS)?;
-        discard(&parts, force).map_err(|error| match error {
-            ShardError::Changed { path, .. } => Failure::argument(
+        discard(&parts, force).map_err(|error| {
+            let ShardError::Changed { path, .. } = &error else { return refused(error) };
+            Failure::argument(
                 format_args!("{} was changed since toolroom wrote it", path.display()),
                 "move it away, choose another --out, or replace it with --force; nothing was changed",
-            ),
-            other => refused(other),
+            )
         })?;
     }
     fs::create_dir_all(&parts).map_err(failed)?;

@@ -6,7 +6,6 @@ use toolroom_records::RecordError;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum BlindError {
     /// A process for which no hidden effects are known.
     #[error("no hidden effects are known for the process `{process}`")]

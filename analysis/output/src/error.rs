@@ -7,7 +7,6 @@ use toolroom_shards::ShardError;
 
 /// Why a folder or a file was not written.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum OutputError {
     /// The place is not to be written: by another process, by this command, or ever.
     #[error("{message}")]

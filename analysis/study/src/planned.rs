@@ -9,7 +9,6 @@ use toolroom_shards::{Computed, PLAN, Plan, ShardError, Work};
 
 /// Why a planned comparison was not computed.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum PlannedError {
     /// The scenario of the plan.
     #[error(transparent)]

@@ -119,7 +119,6 @@ impl Tuning {
 
 /// Why rules could not be tuned.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum TuneError {
     /// No such key figure, or one of which neither more nor less is better.
     #[error("there is no key figure \"{objective}\" to tune for")]

@@ -118,6 +118,18 @@ pub enum ArchiveError {
     },
 }
 
+impl ArchiveError {
+    /// The likely fix.
+    pub fn fix(&self) -> &'static str {
+        match self {
+            Self::Unreadable { .. } | Self::Unwritable { .. } => "check path and permissions",
+            Self::NoZip { .. } | Self::Damaged { .. } => "copy or export the unit again: it is damaged",
+            Self::Traversal { .. } => "do not use it: such an archive writes over files of its choice",
+            Self::Missing { .. } => "ask `toolroom fmu check` what is wrong with the unit",
+        }
+    }
+}
+
 /// An opened archive.
 #[derive(Debug)]
 pub struct Archive {

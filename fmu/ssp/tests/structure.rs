@@ -116,12 +116,12 @@ fn faults(from: &str, to: &str) -> Vec<String> {
 #[test]
 fn every_fault_has_its_entry_and_line() {
     for (from, to, said) in [
-        ("endConnector=\"vc\"", "endConnector=\"v\"", "SystemStructure.ssd:57: machine.lathe has no input \"v\""),
+        ("endConnector=\"vc\"", "endConnector=\"v\"", "SystemStructure.ssd:34: machine.lathe has no input \"v\""),
         ("startConnector=\"speed\"", "startConnector=\"force\"", "controller has no output \"force\""),
         (
             "resources/lathe.fmu",
             "resources/mill.fmu",
-            "SystemStructure.ssd:20: source = \"resources/mill.fmu\": there is",
+            "SystemStructure.ssd:19: source = \"resources/mill.fmu\": there is",
         ),
         ("source=\"resources/cell.ssv\"", "source=\"other.ssv\"", "SystemStructure.ssd:3: source = \"other.ssv\": "),
         ("stopTime=\"600\"", "stopTime=\"ten\"", "stopTime = \"ten\" is no number"),

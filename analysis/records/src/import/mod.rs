@@ -46,6 +46,24 @@ pub enum ImportError {
     },
 }
 
+impl ImportError {
+    /// The likely fix.
+    pub fn fix(&self) -> &'static str {
+        match self {
+            Self::Record(RecordError::Unreadable { .. } | RecordError::NoFile { .. }) => "check the path",
+            Self::Record(RecordError::Quote { .. }) => "mend that line; nothing was imported",
+            Self::Record(
+                RecordError::Table { .. }
+                | RecordError::MissingColumn { .. }
+                | RecordError::Unit { .. }
+                | RecordError::NoRows { .. },
+            ) => "the mapping says what each column is: name, from, unit",
+            Self::NoColumn { .. } => "`from` in the mapping is a header of the file",
+            Self::NotMapped { .. } => "a constant will do, such as constant = \"L1\"",
+        }
+    }
+}
+
 /// Reads a table of any layout by a mapping: CSV in any delimiter, encoding and decimal sign, or
 /// Parquet, which `parquet` reads. The report says what was used, left out, and why.
 ///

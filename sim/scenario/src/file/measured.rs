@@ -7,7 +7,7 @@ use crate::{Calibration, Deviation, Moved, SCOPE_NAMES, Scope, SwitchedEffect, T
 use toml::de::DeValue;
 use toolroom_effects::{EffectList, Effects};
 use toolroom_form::{Fault, Form, Key, Kind, Quantity, Section, Span, Value, Walk, nearest};
-use toolroom_process::{Record, unit};
+use toolroom_process::unit;
 
 const NAMES: Kind = Kind::List(&Kind::Name);
 const FACTOR: Kind = Kind::positive("1", "1", 1e6, "1.04");
