@@ -49,6 +49,10 @@ const SMOOTHED: usize = 4;
 const CLEAR: f64 = 0.5;
 const CLEAR_LINES: usize = 8;
 
+/// Least standard deviation of a response over its modulus, for what all hits have in common (assumption: a response that has died
+/// away to 1 % when its frame ends and sensors leave more than this).
+const SYSTEMATIC: f64 = 1e-3;
+
 /// How a response follows from the spectra of force and response.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Estimator {
@@ -388,7 +392,8 @@ fn estimate(hits: &[Hit], response: usize, lines: Range<usize>, estimator: Estim
     let sd = (0..noise.len()).map(|i| {
         let near = &noise[i.saturating_sub(SMOOTHED)..(i + SMOOTHED + 1).min(noise.len())];
         // Half of the variance is that of the real part.
-        (0.5 * near.iter().sum::<f64>() / near.len() as f64 / forces[i]).sqrt()
+        let sd = (0.5 * near.iter().sum::<f64>() / near.len() as f64 / forces[i]).sqrt();
+        sd.max(SYSTEMATIC * receptance[i].norm())
     });
     Estimated { receptance, coherence: Some(coherence), noise: Some(sd.collect()) }
 }
