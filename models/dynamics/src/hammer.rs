@@ -395,5 +395,6 @@ fn estimate(hits: &[Hit], response: usize, lines: Range<usize>, estimator: Estim
         let sd = (0.5 * near.iter().sum::<f64>() / near.len() as f64 / forces[i]).sqrt();
         sd.max(SYSTEMATIC * receptance[i].norm())
     });
-    Estimated { receptance, coherence: Some(coherence), noise: Some(sd.collect()) }
+    let sd: Vec<f64> = sd.collect();
+    Estimated { receptance, coherence: Some(coherence), noise: Some(sd) }
 }
