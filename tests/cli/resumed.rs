@@ -2,9 +2,12 @@
 
 use super::*;
 
-/// Every file of a directory but `run.json`, which tells the time.
+/// The folder of what an unfinished study keeps for going on.
+const JOURNAL: &str = ".toolroom-journal";
+
+/// Every file of a directory but `run.json`, which tells the time, and the journals of a study that is not complete.
 fn bytes(dir: &Path) -> Vec<(String, Vec<u8>)> {
-    let kept = names(dir).into_iter().filter(|name| name != "run.json");
+    let kept = names(dir).into_iter().filter(|name| name != "run.json" && name != JOURNAL);
     kept.map(|name| (name.clone(), fs::read(dir.join(name)).expect("a file"))).collect()
 }
 
@@ -43,6 +46,7 @@ fn a_stopped_study_goes_on_to_the_same_bytes() {
         assert_eq!(rest.status.code(), Some(0), "{}", stderr(&rest));
         assert!(stderr(&rest).contains("going on after 5 replications"), "{}", stderr(&rest));
         assert_same(&whole, &parts);
+        assert!(!parts.join(JOURNAL).exists(), "the journal goes with the end of the work");
         let again = ask(&parts, &["--resume"]);
         assert_eq!(again.status.code(), Some(0));
         assert!(stderr(&again).contains("complete"), "{}", stderr(&again));
@@ -124,10 +128,11 @@ fn an_interrupted_study_keeps_what_is_complete() {
         // A busy machine may need longer for its first replications; until then nothing is written.
         for seconds in [1, 4, 16, 64] {
             interrupted_after(seconds, &out, signal, code);
-            if out.exists() {
+            if out.join("run.json").exists() {
                 break;
             }
-            assert!(names(&dir).is_empty(), "no draft is left");
+            let left = if out.exists() { names(&out) } else { Vec::new() };
+            assert!(left.iter().all(|name| name == JOURNAL), "no draft is left: {left:?}");
         }
         is_readable_as_far_as_it_came(&out);
     }
@@ -135,7 +140,7 @@ fn an_interrupted_study_keeps_what_is_complete() {
 
 #[cfg(unix)]
 fn is_readable_as_far_as_it_came(out: &Path) {
-    assert!(names(out).iter().all(|name| !name.starts_with('.')), "no draft and no lock is left");
+    assert!(names(out).iter().all(|name| name == JOURNAL || !name.starts_with('.')), "no draft and no lock is left");
     let run: Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("run.json")).expect("JSON");
     assert_eq!(run["complete"], false);
     let done = run["replications"].as_u64().expect("a count");
