@@ -4,8 +4,8 @@ mod data;
 
 use crate::args::CalibrateArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
+use toolroom_output::Files;
 use toolroom_wear::{FirstSet, KnownLife};
 
 /// Flank wear at which an edge is spent where nothing else is said (ISO 3685, even wear).

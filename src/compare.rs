@@ -2,22 +2,23 @@
 
 use crate::args::{Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::progress::Bar;
 use crate::shard::{leave, refused};
 use crate::speak::Voice;
-use crate::stop;
-use crate::study::{Request, default_out, perform};
+use crate::study::{Place, RESUME, Request, default_out, perform, request_in};
 use crate::sweep;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use toolroom_output::Files;
+use toolroom_output::signals as stop;
 use toolroom_scenario::TuneRequest;
 use toolroom_scenario::file::{ScenarioFile, read};
-use toolroom_shards::Plan;
+use toolroom_shards::{Journal, Plan};
 use toolroom_study::planned::{self, PlannedError};
-use toolroom_study::request::policies_named;
-use toolroom_study::tune::{TuneError, Tuning, tune};
+use toolroom_study::request::{StudyRequest, policies_named};
+use toolroom_study::study::StudyOptions;
+use toolroom_study::tune::{TriedRun, TuneError, Tuning, tune_from, tuning_head};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -42,13 +43,10 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         }
         return plan(args, &file, &policies, target, voice);
     }
-    let (file, tuning) = match wanted {
-        Some(wanted) => {
-            let interrupted = Arc::new(AtomicBool::new(false));
-            let _gentle = stop::gently(&interrupted);
-            tuned(args, args.scenario.changes.overrides(), &file, (&policies, &wanted), voice, &interrupted)?
-        }
-        None => (file, None),
+    let out = default_out(&file.scenario.name);
+    let ((file, tuning), place) = match wanted {
+        Some(wanted) => tuned_in_place(args, &input, file, (&policies, &wanted), &out, voice)?,
+        None => ((file, None), None),
     };
     let request = Request {
         command: format!("compare {input}"),
@@ -57,12 +55,55 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         args: &args.study,
         policies,
         logged: 1,
-        out: default_out(&file.scenario.name),
+        out,
         file,
         known: Arc::default(),
         tuning,
     };
-    perform(&request, voice)
+    perform(&request, place, voice)
+}
+
+/// A scenario with its policies at their best settings, and how these were found.
+type Tuned = (ScenarioFile, Option<Arc<Tuning>>);
+
+/// The scenario tuned, with the journal of an earlier search and of this one in the place of the results; without any
+/// search where an earlier run was tuned.
+fn tuned_in_place(
+    args: &CompareArgs,
+    input: &str,
+    file: ScenarioFile,
+    (policies, wanted): (&[usize], &TuneRequest),
+    out: &Path,
+    voice: &Voice,
+) -> Result<(Tuned, Option<Place>), Failure> {
+    let target = args.study.out.as_deref().unwrap_or(out);
+    let mut changes = args.scenario.changes.overrides();
+    let earlier = if args.study.resume { request_in(target) } else { None };
+    if let Some(found) = earlier.and_then(|earlier| earlier.tuning()) {
+        changes.extend(found.changes());
+        return Ok(((read(&args.scenario.file, &changes)?, Some(found)), None));
+    }
+    let place = Place::take(input, &file, &args.study, target, voice)?;
+    let options = StudyOptions { policies: policies.to_vec(), ..StudyOptions::of(&file.scenario) };
+    let version = env!("CARGO_PKG_VERSION");
+    let study = StudyRequest::new(version, "tune".to_owned(), input, &file, changes.clone(), &options, None);
+    let head = tuning_head(&study.head().map_err(Failure::Json)?, wanted);
+    let path = place.journal.join("tuning");
+    let (journal, tried) = Journal::open(&path, &head).map_err(refused)?;
+    if !tried.is_empty() {
+        voice.say(format_args!("going on after {} runs in {}", tried.len(), path.display()));
+    }
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let _gentle = stop::gently(&interrupted);
+    let found = tuned(args, changes, &file, (policies, wanted), voice, &interrupted, Some((&journal, tried)));
+    let kept = |failure| match failure {
+        Failure::Interrupted { .. } if path.exists() => {
+            let message = format!("interrupted while tuning; finished runs are kept in {}", target.display());
+            Failure::Interrupted { message, help: RESUME.to_owned() }
+        }
+        other => other,
+    };
+    Ok((found.map_err(kept)?, Some(place)))
 }
 
 /// How the policies are tuned; `None` where they are compared as the file sets them.
@@ -79,9 +120,10 @@ pub fn tuned(
     (policies, wanted): (&[usize], &TuneRequest),
     voice: &Voice,
     interrupted: &AtomicBool,
-) -> Result<(ScenarioFile, Option<Arc<Tuning>>), Failure> {
+    journal: Option<(&Journal<TriedRun>, Vec<TriedRun>)>,
+) -> Result<Tuned, Failure> {
     let bar = Bar::new(voice);
-    let found = tune(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted);
+    let found = tune_from(&file.scenario, policies, wanted, args.study.threads, &|at| bar.at(at), interrupted, journal);
     bar.finish();
     let found = found?;
     changes.extend(found.changes());
@@ -151,5 +193,5 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         known: Arc::new(known),
         tuning: None,
     };
-    perform(&request, voice)
+    perform(&request, None, voice)
 }

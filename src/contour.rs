@@ -2,11 +2,11 @@
 
 use crate::args::ContourArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::contour::{NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
 use toolroom_shards::fingerprint;
 

@@ -25,7 +25,7 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         known: std::sync::Arc::default(),
         tuning: None,
     };
-    perform(&request, voice)?;
+    perform(&request, None, voice)?;
     voice.say("your own shop: toolroom new myshop");
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! What can go wrong, in words, with the exit code.
 
 use crate::excerpt::Excerpt;
+use crate::shard::refused;
 use crate::speak::Voice;
-use crate::stop;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
@@ -11,6 +11,8 @@ use toolroom_form::ReadError;
 use toolroom_gap::ModelFileError;
 use toolroom_gap_study::GapStudyError;
 use toolroom_kinds::KindError;
+use toolroom_output::OutputError;
+use toolroom_output::signals as stop;
 use toolroom_study::request::{RequestError, UnknownPolicy};
 use toolroom_study::results::{FinishedRun, FinishedRunError};
 
@@ -65,22 +67,6 @@ impl Failure {
     /// An argument that cannot be used, with the likely fix.
     pub fn argument(message: impl fmt::Display, help: impl fmt::Display) -> Self {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
-    }
-
-    /// The failure with something to know beside it.
-    pub fn adding(self, more: &str) -> Self {
-        match self {
-            Self::Argument { message, help } => Self::Argument { message: message + more, help },
-            Self::Work { message } => Self::Work { message: message + more },
-            Self::Stopped { message, help } => Self::Stopped { message: message + more, help },
-            Self::TooLittle { message } => Self::TooLittle { message: message + more },
-            Self::Alarm { message } => Self::Alarm { message: message + more },
-            Self::Interrupted { message, help } => Self::Interrupted { message: message + more, help },
-            Self::Unwritable { path, source } => {
-                Self::Unwritable { path, source: io::Error::new(source.kind(), format!("{source}{more}")) }
-            }
-            other @ (Self::File(_) | Self::Json(_)) => other,
-        }
     }
 
     /// Tells the user and chooses the exit code.
@@ -151,6 +137,18 @@ impl From<GapStudyError> for Failure {
                 Some(fix) => Self::argument(other, fix),
                 None => Self::Work { message: other.to_string() },
             },
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Refused { message, help } => Self::argument(message, help),
+            OutputError::Unwritable { path, source } => Self::Unwritable { path, source },
+            OutputError::Json(error) => Self::Json(error),
+            OutputError::Shard(error) => refused(error),
+            other => Self::Work { message: other.to_string() },
         }
     }
 }

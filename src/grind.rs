@@ -2,12 +2,12 @@
 
 use crate::args::GrindArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_form::FormFile;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::cycle::{CycleDesign, NAMES};
 
 pub fn run(args: &GrindArgs, voice: &Voice) -> Result<(), Failure> {

@@ -2,13 +2,13 @@
 
 use crate::args::IdentifyArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_infeed::IdentifyOptions;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::identification::{IdentificationStudy, NAMES, Table, TrialsError, measurement_errors};
 use toolroom_shards::fingerprint;
 

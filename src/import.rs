@@ -6,11 +6,11 @@ mod nist_runs;
 
 use crate::args::ImportCommand;
 use crate::failure::Failure;
-use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_output::OutputDir;
 use toolroom_records::{ReadReport, RecordKind, Records, write_csv};
 
 pub fn run(command: &ImportCommand, voice: &Voice) -> Result<(), Failure> {
@@ -29,7 +29,7 @@ fn table(kind: RecordKind) -> String {
 
 /// Takes the folder of an import.
 fn create(out: &Path, kind: RecordKind, inputs: &[&Path], voice: &Voice) -> Result<OutputDir, Failure> {
-    OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)
+    Ok(OutputDir::create(out, &[&table(kind), "import.json"], inputs.iter().copied(), voice.force)?)
 }
 
 /// Writes records with the report of their reading, and says what became of the file.

@@ -4,7 +4,6 @@ mod shards;
 
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::shard::{of_plan, pool};
 use crate::speak::Voice;
 use crate::study::default_out;
@@ -12,6 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::lobes::{ChartStudy, LobesFile, NAMES, PointVerdict, read};
 
 pub use shards::{merge, shard};
@@ -42,13 +42,13 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     let inputs = std::iter::once(path.as_path()).chain(file.files.iter().map(AsRef::as_ref));
     let out = OutputDir::create(&target, NAMES, inputs, voice.force)?;
     pool(args.threads)?.install(|| {
-        let LobesFile { cut, chart, .. } = &file.content;
+        let LobesFile { chart, .. } = &file.content;
         let start = Instant::now();
         let grid = if chart.boundary_only {
             None
         } else {
             voice.say(format_args!("judging {} × {} points", chart.speed.points, chart.depth.points));
-            Some(cut.lobes(chart, 0..chart.speed.points).map_err(refused)?)
+            Some(shards::grid(&input, &file, args, &out, voice)?)
         };
         let origin = Origin { file: &input, changes: &args.set, start };
         finish(&file, grid, &origin, out, voice)
@@ -102,7 +102,7 @@ fn verdict(
     let place = file.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
     let mut verdict = PointVerdict::new(file, place).map_err(refused)?;
     if let Some(path) = measured {
-        let measured = crate::modes::measurement(path)?.0;
+        let measured = crate::modes::measurement(path, &Default::default())?.0;
         verdict = verdict.beside(&measured).map_err(|error| Failure::argument(error, "see docs/dynamics.md"))?;
         if let Some(warning) = verdict.warning() {
             voice.say(format_args!("warning: {warning}"));

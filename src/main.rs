@@ -27,7 +27,6 @@ mod lobes;
 mod merge;
 mod modes;
 mod new;
-mod output;
 mod point;
 mod program;
 mod progress;
@@ -37,7 +36,6 @@ mod schema;
 mod shard;
 mod speak;
 mod ssp;
-mod stop;
 mod study;
 mod sweep;
 mod validate;
@@ -47,6 +45,7 @@ use clap::Parser;
 use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
+use toolroom_output::signals;
 
 fn main() -> ExitCode {
     let Toolroom { command, common } = Toolroom::parse();
@@ -55,7 +54,11 @@ fn main() -> ExitCode {
     #[cfg(feature = "fmu-import")]
     toolroom_fmu_import::register();
     // A worker ends when its program says so, and not by signals of the terminal.
-    let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) { Ok(()) } else { stop::watch() };
+    let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) {
+        Ok(())
+    } else {
+        signals::watch().map_err(Failure::from)
+    };
     match watched.and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),

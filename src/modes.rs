@@ -2,12 +2,12 @@
 
 use crate::args::{ModesArgs, SwapArgs};
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir, provenance};
 use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{FitOptions, Measurement, Scatter};
+use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions};
+use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::modes::{ModesStudy, NAMES, Request, RequestError, range, read_tool, scatter, summary, tip};
 use toolroom_scenario::lobes::read_structure;
 
@@ -16,12 +16,14 @@ const GUIDE: &str = "see docs/dynamics.md";
 
 pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
-    let (measured, bytes) = measurement(&args.file)?;
+    let ModesArgs { averages, modes, .. } = *args;
+    let (direction, estimator, highest) =
+        (args.direction.as_deref(), args.estimator.as_deref(), args.highest.as_deref());
+    let request = Request { averages, direction, modes, picks: &args.pick, estimator, highest, scales: &args.scale };
+    let (measured, bytes) = measurement(&args.file, &request.taps()?)?;
     if args.read {
         return voice.data(summary(&measured) + "\n");
     }
-    let ModesArgs { averages, modes, .. } = *args;
-    let request = Request { averages, direction: args.direction.as_deref(), modes, picks: &args.pick };
     let (options, scatter) = (request.options()?, scatter(&args.scatter)?);
     let files = target.files([args.file.as_path()], voice)?;
     let scattered = args.scatter.iter().flat_map(|change| ["--scatter".to_owned(), change.clone()]);
@@ -32,9 +34,9 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// The frequency responses of a file, and its bytes.
-pub fn measurement(path: &Path) -> Result<(Measurement, Vec<u8>), Failure> {
+pub fn measurement(path: &Path, options: &TapOptions) -> Result<(Measurement, Vec<u8>), Failure> {
     let bytes = bytes(path)?;
-    let measured = toolroom_dynamics::read(&path.display().to_string(), &bytes)
+    let measured = toolroom_dynamics::measure(&path.display().to_string(), &bytes, options)
         .map_err(|error| Failure::argument(error, GUIDE))?;
     Ok((measured, bytes))
 }

@@ -2,10 +2,10 @@
 
 use crate::args::ProgramArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use std::fs;
 use std::path::Path;
+use toolroom_output::Files;
 use toolroom_planning::program::{CycleTime, set_drive};
 use toolroom_program::{Control, Dialect, Drives, Units, post};
 

@@ -23,5 +23,5 @@ pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
         known: std::sync::Arc::default(),
         tuning: None,
     };
-    perform(&request, voice)
+    perform(&request, None, voice)
 }

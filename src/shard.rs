@@ -2,12 +2,12 @@
 
 use crate::args::ShardArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
-use crate::stop::{Begun, keeps, tidy};
 use crate::{life, lobes};
 use std::fs;
 use std::path::Path;
+use toolroom_output::Files;
+use toolroom_output::signals::{Begun, keeps, tidy};
 use toolroom_shards::{Plan, ShardError, Work, read_plan, write_plan};
 use toolroom_study::planned;
 
@@ -61,7 +61,7 @@ fn perform(path: &Path, number: u64, out: &Path, threads: usize, voice: &Voice) 
 
 /// Leaves a plan where `--plan` says.
 pub fn leave(plan: &Plan, path: &Path, files: &Files) -> Result<(), Failure> {
-    files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())
+    Ok(files.put(path, serde_json::to_string_pretty(plan).map_err(Failure::Json)?.as_bytes())?)
 }
 
 /// Threads, 0 for one per processor.

@@ -30,7 +30,7 @@ fn sim(args: &crate::args::SspSimArgs, voice: &Voice) -> Result<(), Failure> {
     use crate::fmu::sim::seconds;
     use toolroom_ssp::{Experiment, MasterError, Order, System};
 
-    let files = crate::output::Files::new([args.file.as_path()], voice.force);
+    let files = toolroom_output::Files::new([args.file.as_path()], voice.force);
     args.run.check(&files, voice)?;
     let stop = seconds("--stop", args.run.stop.as_deref())?;
     let experiment = Experiment { stop, step: seconds("--step", args.run.step.as_deref())? };

@@ -2,22 +2,24 @@
 
 use crate::args::{Changes, LogFormat, ReportArgs, StudyArgs};
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir};
 use crate::progress::Bar;
 use crate::report;
+use crate::shard::refused;
 use crate::speak::Voice;
-use crate::stop;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 use toolroom_gap_study::{RECORDED, recorded};
+use toolroom_output::signals as stop;
+use toolroom_output::{Files, OutputDir, quoted};
 use toolroom_records::{RecordKind, write_csv};
 use toolroom_scenario::file::ScenarioFile;
+use toolroom_shards::Journal;
 use toolroom_shop::RunLog;
 use toolroom_study::logs::{Format, LogWriter};
 use toolroom_study::request::StudyRequest;
 use toolroom_study::results::{self, FinishedRun, STOPPED, record};
-use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions};
+use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, known_of};
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
 use toolroom_study::tune::Tuning;
@@ -43,8 +45,36 @@ pub struct Request<'a> {
     pub tuning: Option<Arc<Tuning>>,
 }
 
-/// Runs, writes, prints.
-pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
+/// The place of the results, taken before any work, and the folder of the journals.
+pub struct Place {
+    pub out: OutputDir,
+    pub journal: PathBuf,
+}
+
+impl Place {
+    /// Takes the place of a study of `file`, which was read as `input`.
+    pub fn take(
+        input: &str,
+        file: &ScenarioFile,
+        args: &StudyArgs,
+        target: &Path,
+        voice: &Voice,
+    ) -> Result<Self, Failure> {
+        let tables = format(file, args).map_or(Vec::new(), LogWriter::names);
+        let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
+        let out = OutputDir::create(target, &names, inputs(input, file), voice.force)?;
+        let journal = out.journal(args.resume)?;
+        Ok(Self { out, journal })
+    }
+}
+
+/// The files that are read.
+fn inputs<'a>(input: &'a str, file: &'a ScenarioFile) -> impl Iterator<Item = &'a Path> {
+    file.files.iter().map(AsRef::as_ref).chain([Path::new(input)])
+}
+
+/// Runs, writes, prints; into `place` where that is taken already.
+pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Result<(), Failure> {
     let Request { file, args, .. } = request;
     let scenario = &file.scenario;
     let mut options = StudyOptions {
@@ -64,7 +94,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     let tuned = request.tuning.iter().flat_map(|tuning| tuning.changes());
     let changes = request.changes.overrides().into_iter().chain(tuned).collect();
     let requested = StudyRequest::new(version, reproduce(request), &request.input, file, changes, &options, format);
-    if args.resume && target.exists() {
+    if args.resume && target.join("run.json").exists() {
         let earlier = FinishedRun::read(target)?;
         if earlier.complete() {
             requested.refuse_another(target, &earlier.run)?;
@@ -77,20 +107,27 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
             options.earlier = Some(finished);
         }
     }
-    let read = || request.file.files.iter().map(AsRef::as_ref).chain([Path::new(&request.input)]);
-    let files = Files::new(read(), voice.force);
+    let files = Files::new(inputs(&request.input, file), voice.force);
     if let Some(dir) = &args.records {
         refuse_records(&files, dir, target)?;
     }
     let command = std::env::args().map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
     let information = requested.information(command).map_err(Failure::Json)?;
-    let tables = format.map_or(Vec::new(), LogWriter::names);
-    let names: Vec<&str> = results::NAMES.iter().copied().chain(tables.iter().map(String::as_str)).collect();
-    let out = OutputDir::create(target, &names, read(), voice.force)?;
-    if options.earlier.is_some() {
+    let Place { out, journal } = place.map_or_else(|| Place::take(&request.input, file, args, target, voice), Ok)?;
+    let runs = journal.join("runs");
+    let (journal, finished) = Journal::open(&runs, &requested.head().map_err(Failure::Json)?).map_err(refused)?;
+    if !finished.is_empty() {
+        voice.say(format_args!("going on after {} runs in {}", finished.len(), runs.display()));
+        let mut known = known_of(scenario, &options.policies, finished);
+        known.extend(request.known.iter().map(|(run, known)| (*run, known.clone())));
+        options.known = Arc::new(known);
+    }
+    if options.earlier.is_some() || !options.known.is_empty() {
         let message = format!("interrupted: {} is as it was", target.display());
         stop::keeps(message, RESUME.to_owned());
     }
+    let journal = Arc::new(journal);
+    options.journal = Some(Arc::clone(&journal));
     let interrupted = Arc::new(AtomicBool::new(false));
     // Before the first run is finished there is nothing to keep, and a signal ends the program at once.
     let gentle = OnceLock::new();
@@ -101,6 +138,9 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
     };
     let recorded = record(out.draft(), scenario, &options, format, &information, &progress, &interrupted);
     bar.finish();
+    if let Some(failure) = journal.failure() {
+        voice.say(format_args!("warning: runs could not be kept while the study went on: {failure}"));
+    }
     let recorded = match recorded {
         Ok(recorded) => recorded,
         Err(error) if error.path().is_some() => {
@@ -112,6 +152,10 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
         Err(error) => return Err(Failure::Work { message: error.to_string() }),
     };
     let study = &recorded.study;
+    if study.replications == 0 && recorded.stopped.is_none() && runs.exists() {
+        let message = format!("interrupted: finished runs are kept in {}", target.display());
+        return Err(Failure::Interrupted { message, help: RESUME.to_owned() });
+    }
     if study.replications == 0 && recorded.stopped.is_none() {
         return Err(Failure::Interrupted {
             message: "interrupted before the first replication; nothing was written".to_owned(),
@@ -153,7 +197,7 @@ pub fn perform(request: &Request<'_>, voice: &Voice) -> Result<(), Failure> {
 }
 
 /// The way on after an interruption.
-const RESUME: &str = "the same command with --resume goes on";
+pub const RESUME: &str = "the same command with --resume goes on";
 
 /// Where the records of a kind go.
 fn records_file(dir: &Path, kind: RecordKind) -> PathBuf {
@@ -169,7 +213,7 @@ fn refuse_records(files: &Files, dir: &Path, target: &Path) -> Result<(), Failur
         let message = format!("{} is the place of the results", dir.display());
         return Err(Failure::argument(message, "give --records a folder of its own"));
     }
-    RECORDED.iter().try_for_each(|kind| files.check(&records_file(dir, *kind)))
+    Ok(RECORDED.iter().try_for_each(|kind| files.check(&records_file(dir, *kind)))?)
 }
 
 /// Writes what would have been measured of the first run of the first policy.
@@ -215,6 +259,11 @@ fn stopped_short(stopped: &StoppedShop, replications: u32, target: &Path) -> Fai
     }
 }
 
+/// The request of the study in a folder, complete or not, where there is one.
+pub fn request_in(target: &Path) -> Option<StudyRequest> {
+    StudyRequest::read(&FinishedRun::read(target).ok()?.run)
+}
+
 fn format(file: &ScenarioFile, args: &StudyArgs) -> Option<Format> {
     let csv = args.format.map_or(file.output.csv, |format| format == LogFormat::Csv);
     let format = if csv { Format::Csv } else { Format::Parquet };
@@ -237,12 +286,6 @@ fn reproduce(request: &Request<'_>) -> String {
         reproduce.push_str(&format!(" --until \"half-width {}%\"", 100.0 * share));
     }
     reproduce
-}
-
-/// An argument as it has to be typed.
-pub fn quoted(argument: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:%+,".contains(c);
-    if !argument.is_empty() && argument.chars().all(plain) { argument.to_owned() } else { format!("{argument:?}") }
 }
 
 /// `out/NAME`, the name of a scenario made fit for a directory.

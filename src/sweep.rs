@@ -5,10 +5,10 @@ use crate::compare::{tuned, tuning_wanted};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::speak::Voice;
-use crate::stop;
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use toolroom_output::signals as stop;
 use toolroom_scenario::file::read;
 use toolroom_study::compare::Comparison;
 use toolroom_study::request::policies_named;
@@ -36,7 +36,7 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         let policies = policies_named(&file.scenario, &args.study.policy)?;
         voice.say(format_args!("{key} = {value}"));
         let (file, tuning) = match tuning_wanted(args, &file) {
-            Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop)?,
+            Some(wanted) => tuned(args, overrides, &file, (&policies, &wanted), voice, &stop, None)?,
             None => (file, None),
         };
         let scenario = &file.scenario;

@@ -328,3 +328,82 @@ fn the_sound_of_a_cut_tells_chatter_and_quiet_speeds() {
     let refused = toolroom(&["listen", &chart, "--teeth", "3", "--speed", "4300 rpm"]);
     assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
 }
+
+/// Five hits of a hammer on [`MODES`] at 16 kHz: time, force, acceleration; `rebound` (N) follows the third by 10 ms.
+fn hits(rebound: f64) -> String {
+    let pulses = [(0.2, 200.0), (1.23, 260.0), (2.17, 180.0), (2.18, rebound), (3.21, 220.0), (4.19, 240.0)];
+    // Squared half sines of half a millisecond.
+    let force = |time: f64| -> f64 {
+        let of = |(start, peak): &(f64, f64)| {
+            let share = (time - start) / 5e-4;
+            if (0.0..=1.0).contains(&share) { peak * (std::f64::consts::PI * share).sin().powi(2) } else { 0.0 }
+        };
+        pulses.iter().map(of).sum()
+    };
+    let h = 1.0 / 256_000.0;
+    let mut states = [[0.0; 2]; 2];
+    let mut text = "time [s],force [N],acceleration [m/s2]\n".to_owned();
+    for sample in 0..84_000 {
+        let time = f64::from(sample) / 16_000.0;
+        let mut acceleration = 0.0;
+        for (state, [frequency, zeta, k]) in states.iter_mut().zip(MODES) {
+            let w = std::f64::consts::TAU * frequency;
+            let of = |x: f64, v: f64, time: f64| w * w * (force(time) / (k * 1e6) - x) - 2.0 * zeta * w * v;
+            acceleration += of(state[0], state[1], time);
+            for step in 0..16 {
+                // The midpoint method: a step turns the upper mode by 0.06.
+                let now = time + h * f64::from(step);
+                let [x, v] = *state;
+                let a = of(x, v, now);
+                let middle = [x + 0.5 * h * v, v + 0.5 * h * a];
+                *state = [x + h * middle[1], v + h * of(middle[0], middle[1], now + 0.5 * h)];
+            }
+        }
+        let _ = writeln!(text, "{time},{:.5},{acceleration:.5}", force(time));
+    }
+    text
+}
+
+#[test]
+fn hits_over_time_become_modes() {
+    let folder = directory("dynamics", "hits");
+    let place = |name: &str| folder.join(name).display().to_string();
+    fs::write(place("hits.csv"), hits(0.0)).expect("writable");
+    let found =
+        json(&toolroom(&["modes", &place("hits.csv"), "--highest", "3000 Hz", "--out", &place("d.toml"), "--json"]));
+    assert_eq!((found["modes"].as_array().map(Vec::len), &found["refused"]), (Some(2), &Value::Null), "{found}");
+    for (mode, [f, zeta, k]) in found["modes"].as_array().expect("modes").iter().zip(MODES) {
+        close(&mode["natural_frequency [Hz]"], f, 1e-3);
+        close(&mode["damping_ratio"], zeta, 0.02);
+        close(&mode["stiffness [N/um]"], k, 0.03);
+    }
+    assert_eq!(toolroom(&["check", &place("d.toml")]).status.code(), Some(0));
+    fs::write(place("rebound.csv"), hits(20.0)).expect("writable");
+    let read = toolroom(&["modes", &place("rebound.csv"), "--read"]);
+    let read = String::from_utf8_lossy(&read.stdout).into_owned();
+    assert!(read.contains("4 of 5 hits") && read.contains("a second pulse of 11 % follows"), "{read}");
+    let soft = toolroom(&["modes", &place("hits.csv"), "--highest", "6000 Hz"]);
+    assert!(soft.status.code() == Some(2) && stderr(&soft).contains("20 dB down"), "{}", stderr(&soft));
+    for (flag, value) in [("--estimator", "h3"), ("--highest", "2 m"), ("--scale", "force=500")] {
+        let refused = toolroom(&["modes", &place("hits.csv"), flag, value]);
+        assert!(refused.status.code() == Some(2) && stderr(&refused).contains(flag), "{}", stderr(&refused));
+    }
+}
+
+#[test]
+fn a_stable_milling_point_has_its_vibration() {
+    let slot = shipped("chatter/endmill");
+    let at = |depth: &str, feed: &str| {
+        let feed = format!("force.feed_per_tooth=\"{feed}\"");
+        json(&toolroom(&["lobes", &slot, "--json", "--at", "4244 rpm", depth, "--set", &feed]))["vibration"].clone()
+    };
+    let (one, twice) = (at("1 mm", "0.05 mm"), at("1 mm", "0.1 mm"));
+    for key in ["pp_x [um]", "pp_y [um]", "max_force [N]", "sle [um]"] {
+        let one = one[key].as_f64().expect("a number");
+        close(&twice[key], 2.0 * one, 1e-9);
+    }
+    assert_eq!(
+        (&one["method"], at("3 mm", "0.05 mm"), at("1 mm", "0 mm")),
+        (&"forced".into(), Value::Null, Value::Null)
+    );
+}

@@ -20,6 +20,9 @@ pub struct LobesArgs {
     /// Directory of the results, out/NAME if left out; of the parts with --run
     #[arg(long, value_name = "DIR", conflicts_with_all = ["at", "plan"])]
     pub out: Option<PathBuf>,
+    /// Go on with a chart that was interrupted, to the same results
+    #[arg(long, conflicts_with_all = ["at", "plan", "run"])]
+    pub resume: bool,
     /// Write a plan of the chart's columns instead of computing them
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "run"])]
     pub plan: Option<PathBuf>,

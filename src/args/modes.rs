@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub struct ModesArgs {
-    /// Frequency responses: a table (CSV) with units in its header, or a universal file (58, 58b)
+    /// Frequency responses: a table (CSV) with units in its header, or a universal file (58, 58b); or hits over time: a table
+    /// with time [s], force [N] and acceleration [m/s2], or a WAV file with --scale
     pub file: PathBuf,
     /// Averages behind each response; left out, the residuals of the fit tell the noise
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -19,6 +20,15 @@ pub struct ModesArgs {
     /// Frequency of a mode, such as "612 Hz", repeatable: these modes and no others
     #[arg(long, value_name = "FREQUENCY")]
     pub pick: Vec<String>,
+    /// How responses are estimated from hits over time: h1, h2 or hv
+    #[arg(long, value_name = "NAME")]
+    pub estimator: Option<String>,
+    /// Highest frequency that every hit has to excite, such as "2000 Hz"
+    #[arg(long, value_name = "FREQUENCY")]
+    pub highest: Option<String>,
+    /// Full scale of a channel of a WAV file, one for each in their order: "force=500 N", "acceleration=50 g"
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub scale: Vec<String>,
     /// What changes from mounting to mounting, relative: f=SHARE, zeta=SHARE or k=SHARE, repeatable
     #[arg(long, value_name = "KEY=SHARE")]
     pub scatter: Vec<String>,

@@ -2,10 +2,10 @@
 
 use crate::args::CalibrationData;
 use crate::failure::Failure;
-use crate::output::{Files, provenance};
 use crate::speak::Voice;
 use std::path::{Path, PathBuf};
 use toolroom_calibrate::{CalibrationStudy, Verdict};
+use toolroom_output::{Files, provenance};
 
 pub fn run(args: &CalibrationData, data: &Path, out: &Path, limit: Option<&str>, voice: &Voice) -> Result<(), Failure> {
     let study = CalibrationStudy {

@@ -2,11 +2,11 @@
 
 use crate::args::FmuExportArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use toolroom_fmu::{Binary, Entry, LibraryError, OwnSet, Platform, Version, file_name, libraries, own_set, package};
+use toolroom_output::Files;
 
 pub fn run(args: &FmuExportArgs, voice: &Voice) -> Result<(), Failure> {
     let unit = args.model;

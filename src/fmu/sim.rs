@@ -3,7 +3,6 @@
 use super::refused;
 use crate::args::{FmuInterface, FmuIsolation, FmuSimArgs, UnitRunArgs};
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -13,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toolroom_fmu_import::simulate::{Done, Experiment, Inputs, SimulateError, left_out, named_values, simulate};
 use toolroom_fmu_import::{Driven, Isolation, LoadError, Unit};
+use toolroom_output::Files;
 use toolroom_process::UnitIsolation;
 use toolroom_process::unit::quantity;
 
@@ -48,7 +48,7 @@ impl UnitRunArgs {
         if voice.json && self.output.is_none() {
             return Err(Failure::argument("--json and the table both go to standard output", "give --output CSV"));
         }
-        self.output.as_ref().map_or(Ok(()), |path| files.check(path))
+        self.output.as_ref().map_or(Ok(()), |path| Ok(files.check(path)?))
     }
 
     /// Where the code of units runs.

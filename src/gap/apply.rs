@@ -4,13 +4,13 @@
 use super::{nominal_of, reading};
 use crate::args::ApplyArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use toolroom_apply::{ApplyError, Changes, Request, apply, is_marked, marked};
 use toolroom_gap::{NominalModel, NominalProcess};
 use toolroom_gap_study::{Figure, figures, table};
+use toolroom_output::Files;
 
 pub fn run(args: &ApplyArgs, voice: &Voice) -> Result<(), Failure> {
     let diagnosis: Value = serde_json::from_str(&read(&args.diagnosis)?).map_err(|error| {
@@ -127,7 +127,7 @@ fn several(
 
 /// Writes a model; one in its place is replaced if `gap apply` wrote it and nobody changed it since.
 fn put(files: &Files, path: &Path, text: &str) -> Result<(), Failure> {
-    files.put_marked(path, text, is_marked)
+    Ok(files.put_marked(path, text, is_marked)?)
 }
 
 fn wrote(path: &Path, changes: &Changes, next: &str, voice: &Voice) -> Result<(), Failure> {

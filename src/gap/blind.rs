@@ -2,12 +2,12 @@
 
 use crate::args::{BlindArgs, BlindCases};
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::progress::Bar;
 use crate::speak::Voice;
 use std::path::PathBuf;
 use std::time::Instant;
 use toolroom_blind::{Benchmark, BlindError, NAMES, Row, Selection, diagnose, gather};
+use toolroom_output::{OutputDir, provenance};
 use toolroom_study::study::Progress;
 use toolroom_truth::Extent;
 

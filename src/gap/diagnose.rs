@@ -3,11 +3,11 @@
 use super::reading;
 use crate::args::DiagnoseArgs;
 use crate::failure::Failure;
-use crate::output::OutputDir;
 use crate::speak::Voice;
 use serde_json::json;
 use toolroom_chart::page::Provenance;
 use toolroom_gap_study::{GapRequest, GapStudy, NAMES};
+use toolroom_output::OutputDir;
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {

@@ -3,11 +3,11 @@
 use super::{nominal, recorded};
 use crate::args::PlanArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::speak::Voice;
 use std::time::Instant;
 use toolroom_gap::plan::plan;
 use toolroom_gap::{Asked, diagnose_parts};
+use toolroom_output::{OutputDir, provenance};
 use toolroom_records::write_csv;
 
 pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {

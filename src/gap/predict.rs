@@ -3,11 +3,11 @@
 use super::reading;
 use crate::args::PredictArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use serde_json::json;
 use toolroom_apply::{Prediction, predictions};
 use toolroom_gap_study::tables;
+use toolroom_output::Files;
 use toolroom_process::table::{Cell, csv_text};
 
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {

@@ -3,9 +3,9 @@
 use super::{nominal, recorded};
 use crate::args::WatchArgs;
 use crate::failure::Failure;
-use crate::output::Files;
 use crate::speak::Voice;
 use std::path::Path;
+use toolroom_output::Files;
 use toolroom_process::unit::quantity;
 use toolroom_records::Records;
 use toolroom_shards::fingerprint;

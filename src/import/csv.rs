@@ -3,10 +3,10 @@
 use super::{create, write};
 use crate::args::{ImportCsvArgs, ImportTableArgs};
 use crate::failure::Failure;
-use crate::output::provenance;
 use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_output::provenance;
 use toolroom_records::RecordError;
 use toolroom_records::import::{ImportError, Mapping, import};
 

@@ -2,13 +2,13 @@
 
 use crate::args::MtconnectArgs;
 use crate::failure::Failure;
-use crate::output::{OutputDir, provenance};
 use crate::program::{self, REFUSED};
 use crate::speak::Voice;
 use serde_json::json;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_output::{OutputDir, provenance};
 use toolroom_process::unit;
 use toolroom_program::{Control, Drives, Program, Units};
 use toolroom_records::mtconnect::{
@@ -73,7 +73,7 @@ pub fn run(args: &MtconnectArgs, voice: &Voice) -> Result<(), Failure> {
 fn put(out: &OutputDir, name: &str, records: &Records) -> Result<(), Failure> {
     let mut csv = Vec::new();
     write_csv(records, &mut csv).map_err(|error| Failure::Work { message: error.to_string() })?;
-    out.put(name, &String::from_utf8_lossy(&csv))
+    Ok(out.put(name, &String::from_utf8_lossy(&csv))?)
 }
 
 /// Stretches of the part program in every run of it; runs that are left out are told.

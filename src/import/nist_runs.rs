@@ -2,10 +2,10 @@
 
 use crate::args::NistRunsArgs;
 use crate::failure::Failure;
-use crate::output::provenance;
 use crate::speak::Voice;
 use std::fs;
 use std::time::Instant;
+use toolroom_output::provenance;
 use toolroom_records::mtconnect::run_table;
 use toolroom_records::{ReadReport, RecordKind};
 

@@ -3,7 +3,6 @@
 use super::request;
 use crate::args::LifeArgs;
 use crate::failure::Failure;
-use crate::output::OutputDir;
 use crate::speak::Voice;
 use crate::study::default_out;
 use std::path::Path;
@@ -11,6 +10,7 @@ use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_life::measured::{Layout, read};
 use toolroom_life::measured_study::{MeasuredStudy, MeasuredStudyError};
+use toolroom_output::OutputDir;
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &LifeArgs, csv: &Path, voice: &Voice) -> Result<(), Failure> {

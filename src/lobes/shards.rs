@@ -4,15 +4,20 @@
 use super::{Origin, finish, refused};
 use crate::args::LobesArgs;
 use crate::failure::Failure;
-use crate::output::{Files, OutputDir};
+use crate::progress::Bar;
 use crate::shard::{leave, refused as failed};
 use crate::speak::Voice;
-use crate::study::default_out;
+use crate::study::{RESUME, default_out};
+use std::fs;
 use std::path::Path;
 use std::time::Instant;
+use toolroom_chatter::Lobes;
 use toolroom_form::FormFile;
+use toolroom_output::signals::{Begun, keeps, partials, tidy};
+use toolroom_output::{Files, OutputDir};
 use toolroom_planning::lobes::{self, Columns, LobesFile, NAMES};
-use toolroom_shards::{Computed, Plan, ShardError};
+use toolroom_shards::{Computed, Plan, ShardError, at};
+use toolroom_study::study::Progress;
 
 /// `--plan FILE`: the columns of the grid cut into shards.
 pub fn plan(
@@ -37,12 +42,52 @@ pub fn plan(
     Ok(())
 }
 
+/// Columns that are kept together while a chart is judged (assumption: some seconds of work in the shipped charts).
+const KEPT: u64 = 8;
+
+/// The grid of a chart, judged some columns at a time, each of which is kept for going on.
+pub fn grid(
+    input: &str,
+    file: &FormFile<LobesFile>,
+    args: &LobesArgs,
+    out: &OutputDir,
+    voice: &Voice,
+) -> Result<Lobes, Failure> {
+    let columns = file.content.chart.speed.points as u64;
+    let version = env!("CARGO_PKG_VERSION");
+    let shards = Some(columns.div_ceil(KEPT).max(1));
+    let plan = lobes::plan(version, input, file, args.set.clone(), shards).map_err(failed)?;
+    let parts = out.journal(args.resume)?;
+    partials(&parts).try_for_each(fs::remove_file).map_err(at(&parts)).map_err(failed)?;
+    // A part is there as a whole or not at all: a signal ends the program at once.
+    let _tidy = tidy(Begun::Partials(parts.clone()));
+    let bar = Bar::new(voice);
+    for number in 0..plan.shards {
+        shard_of(&file.content, &plan, number, &parts)?;
+        let message = format!("interrupted: {} of {} parts of the chart are kept", number + 1, plan.shards);
+        keeps(message, RESUME.to_owned());
+        bar.at(Progress { done: number as u32 + 1, total: plan.shards as u32 });
+    }
+    bar.finish();
+    whole(&file.content, &plan, &parts)
+}
+
+/// The grid from its parts.
+fn whole(file: &LobesFile, plan: &Plan, parts: &Path) -> Result<Lobes, Failure> {
+    let checked = |columns: &Columns, (from, to): (u64, u64)| columns.checked(&file.chart, to - from);
+    let parts = toolroom_shards::parts(plan, parts, checked).map_err(failed)?;
+    Columns::merged(&file.chart, parts).map_err(refused)
+}
+
 /// One shard of a planned chart.
 pub fn shard(plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
-    let file = lobes::chart(plan)?;
+    shard_of(&lobes::chart(plan)?.content, plan, number, out)
+}
+
+fn shard_of(file: &LobesFile, plan: &Plan, number: u64, out: &Path) -> Result<(), Failure> {
     let mut refusal = None;
     let ran = toolroom_shards::run(plan, number, out, |(from, to), _| {
-        let content = match Columns::new(&file.content, from, to) {
+        let content = match Columns::new(file, from, to) {
             Ok(columns) => columns,
             Err(error) => {
                 refusal = Some(refused(error));
@@ -65,10 +110,7 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let file = lobes::chart(plan)?;
     let out = out.map_or_else(|| default_out(&plan.name), Path::to_owned);
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
-    let chart = &file.content.chart;
-    let checked = |columns: &Columns, (from, to): (u64, u64)| columns.checked(chart, to - from);
-    let parts = toolroom_shards::parts(plan, parts, checked).map_err(failed)?;
-    let grid = Columns::merged(chart, parts).map_err(refused)?;
+    let grid = whole(&file.content, plan, parts)?;
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
     finish(&file, Some(grid), &origin, out, voice)
 }

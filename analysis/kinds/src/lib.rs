@@ -23,6 +23,7 @@ mod error;
 mod places;
 mod plan;
 mod readers;
+mod workload;
 
 /// Codes of errors of this crate for `toolroom explain`, each with a longer text.
 pub const CODES: &[(&str, &str)] = &[(

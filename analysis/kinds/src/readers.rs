@@ -2,6 +2,7 @@
 
 use crate::KindError;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
+use crate::workload::workload;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
@@ -53,17 +54,25 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let policies: Vec<_> = scenario.policies.iter().map(|policy| &policy.name).collect();
     result.insert("policies".to_owned(), json!(policies));
     result.insert("values".to_owned(), json!(echo));
+    let workload = workload(&scenario);
+    result.extend(workload.json());
     let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
     let summary = format!(
-        "valid: {} machines, {} tools, {} parts with {operations} operations, {} policies, {} replications of {} h",
-        scenario.machines.len(),
-        scenario.tools.len(),
-        scenario.parts.len(),
-        scenario.policies.len(),
-        scenario.replications,
+        "valid: {}, {}, {} with {}, {}, {} of {} h",
+        counted(scenario.machines.len(), "machine", "machines"),
+        counted(scenario.tools.len(), "tool", "tools"),
+        counted(scenario.parts.len(), "part", "parts"),
+        counted(operations, "operation", "operations"),
+        counted(scenario.policies.len(), "policy", "policies"),
+        counted(scenario.replications as usize, "replication", "replications"),
         scenario.horizon / 3600.0,
-    );
+    ) + &workload.text();
     Ok(Checked { echo, result, summary })
+}
+
+/// `1 machine`, `2 machines`.
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 pub fn chart(path: &Path, set: &[String]) -> Result<Checked, KindError> {

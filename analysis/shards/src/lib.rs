@@ -11,8 +11,10 @@
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
 mod fingerprint;
+mod journal;
 
 pub use fingerprint::{FNV_OFFSET, fingerprint, fnv};
+pub use journal::Journal;
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
@@ -293,6 +295,12 @@ pub enum ShardError {
         /// The shard.
         shard: u64,
     },
+    /// A journal of other work.
+    #[error("{path} is the journal of other work: its file, changes, seed, policies or version differ")]
+    OtherWork {
+        /// The journal.
+        path: PathBuf,
+    },
     /// No sidecar at all.
     #[error("{path} holds no part of a study")]
     NoParts {
@@ -309,6 +317,9 @@ impl ShardError {
             Self::OtherFormat { .. } | Self::OtherVersion { .. } => "use one version for plan, shards and merge",
             Self::OtherFile { .. } => "restore the file, or make a new plan and run all of its shards",
             Self::NoPlan { .. } => "give the plan another name",
+            Self::OtherWork { .. } => {
+                "go on with the same command, choose another --out, or start anew without --resume"
+            }
             Self::Damaged { .. } | Self::NoPieces { .. } => {
                 "make a plan with toolroom life, compare or lobes FILE --plan plan.json"
             }
@@ -340,6 +351,7 @@ impl ShardError {
             | Self::Missing { .. }
             | Self::Duplicate { .. }
             | Self::Changed { .. }
+            | Self::OtherWork { .. }
             | Self::NoParts { .. } => "kind",
         }
     }

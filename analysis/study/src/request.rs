@@ -187,6 +187,14 @@ impl StudyRequest {
         })
     }
 
+    /// What a journal of this work begins with: everything but where the command was typed.
+    ///
+    /// # Errors
+    /// A request that has no JSON form.
+    pub fn head(&self) -> Result<Value, serde_json::Error> {
+        serde_json::to_value(Self { directory: PathBuf::new(), ..self.clone() })
+    }
+
     /// How the settings of its policies were found.
     pub fn tuning(&self) -> Option<Arc<Tuning>> {
         self.tuning.clone().map(Arc::new)

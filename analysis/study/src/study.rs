@@ -14,7 +14,7 @@ pub use finished::{Finished, FinishedError};
 
 mod stored;
 
-pub use stored::{KnownRuns, StoredRun, stored_digest, stored_runs};
+pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
 use crate::kpi::{self, Counting, Kpi};
 use crate::logs::{LogError, LogWriter};
@@ -28,7 +28,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
-use toolroom_shards::{FNV_OFFSET, fnv};
+use toolroom_shards::{FNV_OFFSET, Journal, fnv};
 use toolroom_shop::runlog::{ChangeReason, EdgeRow};
 use toolroom_shop::{Recorder, RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
@@ -40,7 +40,7 @@ const LOGGED_CHUNK: u32 = 4;
 const CHUNK: u32 = 16;
 
 /// What to run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct StudyOptions {
     /// Policies by index; the first one is the baseline of every difference.
     pub policies: Vec<usize>,
@@ -54,6 +54,8 @@ pub struct StudyOptions {
     pub logged: u32,
     /// Runs made elsewhere, which are not made again unless their log is wanted.
     pub known: Arc<KnownRuns>,
+    /// Where runs without a log are written as they end, so that they are known after any end of the process.
+    pub journal: Option<Arc<Journal<StoredRun>>>,
     /// Stop after so many replications as if the user had stopped it.
     pub stop_after: Option<u32>,
     /// What an earlier, stopped run of the same study finished.
@@ -72,6 +74,7 @@ impl StudyOptions {
             until: None,
             logged: 1,
             known: Arc::default(),
+            journal: None,
             stop_after: None,
             earlier: None,
             tuning: None,
@@ -434,10 +437,15 @@ where
         if stop.load(Ordering::Relaxed) || replication > last_wanted.load(Ordering::Relaxed) {
             return None;
         }
-        let known = options.known.get(&(replication, policy)).filter(|_| replication >= options.logged);
+        let with_log = replication < options.logged;
+        let known = options.known.get(&(replication, policy)).filter(|_| !with_log);
         let run = known.map_or_else(|| evaluated(policy, replication), |known| Some(Ok(known.run())))?;
-        if run.is_err() {
-            last_wanted.fetch_min(replication, Ordering::Relaxed);
+        match (&run, &options.journal) {
+            (Err(_), _) => _ = last_wanted.fetch_min(replication, Ordering::Relaxed),
+            (Ok(run), Some(journal)) if known.is_none() && !with_log => {
+                journal.add(&StoredRun::of(policy, replication, run));
+            }
+            (Ok(_), _) => {}
         }
         progress(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, total });
         Some(run)

@@ -29,10 +29,12 @@ use crate::kpi::{self, Better};
 use crate::study::Progress;
 use search::Search;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use toolroom_form::nearest;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{Scenario, Tunable, TuneRequest};
+use toolroom_shards::Journal;
 use toolroom_shop::ShopError;
 
 /// Least budget of a rule: two replications of every setting of the first grid, and as much again.
@@ -193,6 +195,31 @@ struct Objective {
     sign: f64,
 }
 
+/// A replication that was simulated while tuning, as a journal keeps it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TriedRun {
+    /// Name of the policy.
+    policy: String,
+    /// Its settings in SI, as bits.
+    settings: Vec<u64>,
+    replication: u32,
+    /// What is minimised, as bits: it may be infinite, which is no JSON number.
+    objective: u64,
+    edges: u32,
+    collapsed: u32,
+    failed: u32,
+}
+
+/// What a journal of tuning begins with: the study that is tuned for, as
+/// [`StudyRequest::head`](crate::request::StudyRequest::head) tells it, and how rules are tuned.
+pub fn tuning_head(study: &Value, request: &TuneRequest) -> Value {
+    let TuneRequest { objective, budget, seed, collapse, failure, indifference } = request;
+    json!({
+        "study": study, "objective": objective, "budget": budget, "seed": seed, "collapse": collapse,
+        "failure": failure, "indifference": indifference,
+    })
+}
+
 /// Tunes `policies` (by index) of `scenario` as `request` says.
 ///
 /// Every policy that may be tuned gets the same number of simulated replications. The result does not depend on `threads`
@@ -208,6 +235,24 @@ pub fn tune(
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Result<Tuning, TuneError> {
+    tune_from(scenario, policies, request, threads, progress, stop, None)
+}
+
+/// Like [`tune`], with a journal for the replications that end, and those that it held: they are not simulated again.
+/// The result is that of an undisturbed search.
+///
+/// # Errors
+/// See [`TuneError`].
+pub fn tune_from(
+    scenario: &Scenario,
+    policies: &[usize],
+    request: &TuneRequest,
+    threads: usize,
+    progress: &(dyn Fn(Progress) + Sync),
+    stop: &AtomicBool,
+    journal: Option<(&Journal<TriedRun>, Vec<TriedRun>)>,
+) -> Result<Tuning, TuneError> {
+    let (journal, tried) = journal.map_or((None, Vec::new()), |(journal, tried)| (Some(journal), tried));
     let kpis = kpi::kpis(scenario);
     let figures = || kpis.iter().filter(|kpi| kpi.machine.is_none() && kpi.definition.better != Better::Neither);
     let wanted = request.objective.as_str();
@@ -250,6 +295,8 @@ pub fn tune(
             progress(Progress { done, total: tunable.saturating_mul(request.budget) });
         },
         stop,
+        known: tried.into_iter().map(TriedRun::known).collect(),
+        journal,
     };
     let tuned = policies.iter().zip(reasons).map(|(&policy, reason)| match reason {
         Some(reason) => Ok(given(&scenario.policies[policy].name, reason)),

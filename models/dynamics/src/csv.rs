@@ -87,6 +87,7 @@ pub fn read_csv(file: &str, text: &str) -> Result<Measurement, DynamicsError> {
         functions: functions.collect::<Result<_, _>>()?,
         averages: None,
         coherence_digit,
+        window_decay: 0.0,
         notes: Vec::new(),
     }
     .checked()
@@ -166,7 +167,7 @@ impl Parts {
             }
         };
         let coherence = find(Quantity::Coherence).map(|(.., values)| values.clone());
-        Some(Frf { response, force, motion, receptance, coherence })
+        Some(Frf { response, force, motion, receptance, coherence, noise: None })
     }
 }
 

@@ -256,6 +256,29 @@ pub enum RecordProblem {
         /// Its time (s).
         time: f64,
     },
+    /// A hammer test without its channels.
+    #[error(
+        "the record has {forces} channels of force and {responses} of a response; one `force [N]` and at least one `acceleration [m/s2]` are needed"
+    )]
+    Channels {
+        /// Channels of force.
+        forces: usize,
+        /// Channels of a response.
+        responses: usize,
+    },
+    /// A hammer test without a hit, or with hits that leave no room.
+    #[error(
+        "there is no hit with an eighth of a second behind it in the record; hit, wait until it is quiet, and hit again"
+    )]
+    NoHits,
+    /// A hammer test of which every hit is left out.
+    #[error("none of {hits} hits can be used: {reasons}")]
+    NoUsableHit {
+        /// Hits that were found.
+        hits: usize,
+        /// What is wrong with each.
+        reasons: String,
+    },
     /// A sound too short for its lines.
     #[error("the record lasts {duration:.3} s, at least {least:.3} s are needed at this speed, sixteen revolutions")]
     Brief {

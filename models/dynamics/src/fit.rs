@@ -414,12 +414,13 @@ impl Search {
                     _ => mode.shape.map(|part| part / (length * greatest.signum())),
                 };
                 let estimate = |value, i: usize| Estimate { value, sd: sd(4 * place + i) };
+                let (frequency, damping_ratio) = unwindowed(mode, measured.window_decay);
                 FittedMode {
                     direction,
                     direction_sd: plane.then(|| sd(4 * place + 3).min(FRAC_PI_2)),
-                    natural_frequency: estimate(mode.frequency / TAU, 0),
-                    damping_ratio: estimate(mode.damping_ratio, 1),
-                    stiffness: estimate((mode.frequency / length).powi(2), 2),
+                    natural_frequency: estimate(frequency / TAU, 0),
+                    damping_ratio: estimate(damping_ratio, 1),
+                    stiffness: estimate((frequency / length).powi(2), 2),
                 }
             })
             .collect();
@@ -448,6 +449,15 @@ impl Search {
             modes,
         }
     }
+}
+
+/// Undamped natural frequency (rad/s) and damping ratio of a mode without the decay d of an exponential window: at `i w + d` in
+/// place of `i w` a mode of frequency w and damping s = zeta w has the square `w² + 2 s d + d²` and the damping `s + d`.
+fn unwindowed(mode: &RealMode, decay: f64) -> (f64, f64) {
+    let damping = mode.damping_ratio * mode.frequency - decay;
+    let square = mode.frequency * mode.frequency - 2.0 * damping * decay - decay * decay;
+    let frequency = square.max(f64::MIN_POSITIVE).sqrt();
+    (frequency, damping / frequency)
 }
 
 /// The modes of poles beside each other: as many as the higher half of the orders has, each the median of its poles.

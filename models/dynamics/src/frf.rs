@@ -47,6 +47,9 @@ pub struct Frf {
     pub receptance: Vec<Complex<f64>>,
     /// Coherence at every frequency, 0 … 1.
     pub coherence: Option<Vec<f64>>,
+    /// Standard deviation of the real and of the imaginary part (of the unit of the motion over N as read, m/N in the end), where
+    /// hits over time tell it.
+    pub noise: Option<Vec<f64>>,
 }
 
 impl Frf {
@@ -74,6 +77,8 @@ pub struct Measurement {
     pub averages: Option<u32>,
     /// Half of the last digit of the coherence as it was written: less of `1 − coherence` means nothing.
     pub coherence_digit: f64,
+    /// Decay (1/s) of an exponential window over force and responses, which adds to the damping of every mode; 0 without.
+    pub window_decay: f64,
     /// What was left out on the way and why.
     pub notes: Vec<String>,
 }
@@ -100,7 +105,14 @@ impl Measurement {
             function.receptance.drain(..resting.min(function.receptance.len()));
             let order = function.motion.derivatives();
             for (value, frequency) in function.receptance.iter_mut().zip(&self.frequencies) {
-                *value /= Complex::new(0.0, TAU * frequency).powi(order);
+                // Under an exponential window the response is that at i w + d.
+                *value /= Complex::new(self.window_decay, TAU * frequency).powi(order);
+            }
+            if let Some(noise) = &mut function.noise {
+                noise.drain(..resting.min(noise.len()));
+                for (value, frequency) in noise.iter_mut().zip(&self.frequencies) {
+                    *value /= Complex::new(self.window_decay, TAU * frequency).norm().powi(order);
+                }
             }
             if let Some(coherence) = &mut function.coherence {
                 coherence.drain(..resting.min(coherence.len()));

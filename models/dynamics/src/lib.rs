@@ -2,6 +2,8 @@
 //!
 //! ```text
 //!  CSV, universal file ──► Measurement: receptance and coherence over frequency
+//!  Record: hits over time ─┘   (responses)
+//!  Record: sound of a cut ──► listen: speed, chatter, its frequency
 //!                              ├── Stabilisation ──► poles over the order of a common denominator
 //!                              └── fit ──► Fit: modes, covariance, quality, refusals
 //!  Segments, Joint, BaseMode ──► chain, Body::on: receptance at the tip of a tool on a spindle
@@ -12,8 +14,7 @@
 //! residual U of the modes above the range and the lower residual L of a body that moves freely below it.
 //!
 //! # What is not modelled
-//! Complex modes, gyroscopic splitting, joints with friction; time records of hammer and accelerometer have to be turned into
-//! frequency responses by the analyser.
+//! Complex modes, gyroscopic splitting, joints with friction.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -25,6 +26,7 @@ mod fft;
 mod fit;
 mod frames;
 mod frf;
+mod hammer;
 mod likelihood;
 mod quality;
 mod read;
@@ -42,8 +44,9 @@ pub use csv::read_csv;
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
 pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
 pub use frf::{Direction, Frf, Measurement};
+pub use hammer::{Estimator, HammerOptions, responses};
 pub use quality::{Quality, Refusal};
-pub use read::read;
+pub use read::{TapOptions, measure, read};
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
 pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};

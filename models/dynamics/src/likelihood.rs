@@ -58,6 +58,8 @@ pub(crate) struct Target {
     pub values: Vec<Complex<f64>>,
     /// Variance of the real and of the imaginary part over the square of the modulus, where the coherence tells it.
     pub relative: Option<Vec<f64>>,
+    /// That variance (m²/N²) itself, where it was measured.
+    pub absolute: Option<Vec<f64>>,
     /// Variance of each part (m²/N²), of the last round.
     pub variance: Vec<f64>,
 }
@@ -101,7 +103,9 @@ impl Likelihood {
         directions.sort_unstable();
         directions.dedup();
         let targets = measured.functions.iter().map(|function| {
-            let relative = function.coherence.as_ref().map(|coherence| {
+            let absolute = function.noise.as_ref().map(|noise| noise.iter().map(|sd| sd * sd).collect());
+            let coherence = function.coherence.as_ref().filter(|_| function.noise.is_none());
+            let relative = coherence.map(|coherence| {
                 let share = |value: &f64| {
                     // A coherence of zero says that the line knows nothing; it must not divide.
                     let value = value.clamp(1e-9, 1.0);
@@ -114,6 +118,7 @@ impl Likelihood {
                 force: function.force.index(),
                 values: function.receptance.clone(),
                 relative,
+                absolute,
                 variance: Vec::new(),
             }
         });
@@ -342,16 +347,20 @@ impl Likelihood {
 }
 
 impl Target {
-    /// Variances from the moduli of a response; without coherence the noise of the quantity that was measured, the
+    /// Variances as they were measured, or from the moduli of a response; without coherence the noise of the quantity that was measured, the
     /// `order`-th derivative of the displacement, is the same on every line, of a size that the misfit tells.
     fn weigh(&mut self, lines: &[f64], moduli: &[f64], order: i32) {
         let typical = moduli.iter().map(|modulus| modulus * modulus).sum::<f64>() / moduli.len().max(1) as f64;
-        self.variance = match &self.relative {
-            Some(relative) => {
+        self.variance = match (&self.absolute, &self.relative) {
+            (Some(absolute), _) => {
+                let least = 1e-16 * typical;
+                absolute.iter().map(|variance| variance.max(least)).collect()
+            }
+            (None, Some(relative)) => {
                 let least = 1e-12 * typical;
                 moduli.iter().zip(relative).map(|(modulus, share)| (modulus * modulus).max(least) * share).collect()
             }
-            None => {
+            (None, None) => {
                 let powers: Vec<f64> = lines.iter().map(|w| w.powi(-2 * order)).collect();
                 let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
                 powers.iter().map(|power| typical * power / mean).collect()

@@ -3,6 +3,7 @@
 use crate::fit::FittedMode;
 use crate::frf::Measurement;
 use nalgebra::Complex;
+use std::f64::consts::TAU;
 use std::fmt;
 
 /// Least coherence over the half-power band of the mode that limits the cut: below, three tenths of the motion have
@@ -16,6 +17,8 @@ const GREATEST_AT_END: f64 = 0.5;
 const LEAST_LINES: f64 = 5.0;
 /// Greatest residual of a fit over the measured response (assumption).
 const GREATEST_RESIDUAL: f64 = 0.15;
+/// Share of the decay of an exponential window below which the damping of a mode is a small difference (assumption).
+const LEAST_OWN_DAMPING: f64 = 0.1;
 /// Difference of the two responses xy and yx over their size from which on a warning is due (assumption).
 const GREATEST_ASYMMETRY: f64 = 0.2;
 
@@ -47,6 +50,11 @@ pub enum Refusal {
         /// Lines in the band.
         lines: f64,
     },
+    /// Damping that is nearly all of the exponential window.
+    WindowDamping {
+        /// Frequency of the mode (Hz).
+        frequency: f64,
+    },
     /// A fit that leaves too much.
     PoorFit {
         /// The function.
@@ -64,6 +72,7 @@ impl Refusal {
             Self::EdgeOfRange { .. } => "edge-of-range",
             Self::SensorSign { .. } => "sensor-sign",
             Self::CoarseFrequency { .. } => "coarse-frequency",
+            Self::WindowDamping { .. } => "window-damping",
             Self::PoorFit { .. } => "poor-fit",
         }
     }
@@ -75,6 +84,7 @@ impl Refusal {
             Self::EdgeOfRange { .. } => "measure a wider range of frequencies",
             Self::SensorSign { .. } => "turn the sensor, or swap its axes, and measure again",
             Self::CoarseFrequency { .. } => "record for longer, so that the lines are closer",
+            Self::WindowDamping { .. } => "record for longer after every hit",
             Self::PoorFit { .. } => "look at the picture: a joint that rattles, or modes that were not picked",
         }
     }
@@ -94,6 +104,9 @@ impl fmt::Display for Refusal {
             }
             Self::CoarseFrequency { frequency, lines } => {
                 write!(f, "the half-power band of the mode of {frequency:.1} Hz has {lines:.1} lines")
+            }
+            Self::WindowDamping { frequency } => {
+                write!(f, "nearly all damping of the mode of {frequency:.1} Hz is that of the exponential window")
             }
             Self::PoorFit { function, residual } => {
                 write!(f, "the fit of {function} leaves {:.0} % of the response", residual * 100.0)
@@ -155,6 +168,12 @@ impl Quality {
             let (frequency, lines) = (mode.natural_frequency.value, band(mode) / measured.step());
             if lines < LEAST_LINES {
                 refusals.push(Refusal::CoarseFrequency { frequency, lines });
+            }
+        }
+        for mode in modes {
+            let own = mode.damping_ratio.value * TAU * mode.natural_frequency.value;
+            if own <= LEAST_OWN_DAMPING * measured.window_decay && measured.window_decay > 0.0 {
+                refusals.push(Refusal::WindowDamping { frequency: mode.natural_frequency.value });
             }
         }
         let poor = residuals.iter().filter(|(_, residual)| *residual > GREATEST_RESIDUAL);

@@ -165,6 +165,7 @@ pub fn read_uff(file: &str, bytes: &[u8]) -> Result<Measurement, DynamicsError> 
         functions: found.into_iter().map(|(_, frf)| frf).collect(),
         averages: None,
         coherence_digit,
+        window_decay: 0.0,
         notes,
     }
     .checked()
@@ -326,7 +327,7 @@ fn response(cursor: &Cursor<'_>, function: &Function, units: Option<Units>) -> R
     };
     let sign = (function.response.signum() * function.force.signum()) as f64;
     let receptance = function.values.iter().map(|value| value * (factor * sign)).collect();
-    Ok(Some(Frf { response, force, motion, receptance, coherence: None }))
+    Ok(Some(Frf { response, force, motion, receptance, coherence: None, noise: None }))
 }
 
 #[cfg(test)]

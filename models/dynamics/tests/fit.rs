@@ -46,6 +46,7 @@ fn tap(truth: &[Truth], plane: bool, range: [f64; 2], step: f64, noise: f64, see
             motion: Motion::Acceleration,
             receptance: receptance.collect(),
             coherence: Some((0..clean.len()).map(|i| 1.0 / (1.0 + ratio(i))).collect()),
+            noise: None,
         }
     });
     Measurement {
@@ -54,6 +55,7 @@ fn tap(truth: &[Truth], plane: bool, range: [f64; 2], step: f64, noise: f64, see
         frequencies,
         averages: Some(AVERAGES),
         coherence_digit: 1e-9,
+        window_decay: 0.0,
         notes: Vec::new(),
     }
 }

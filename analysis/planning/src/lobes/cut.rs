@@ -1,7 +1,7 @@
 //! What can be judged: a milling cut, a turning cut, a workpiece in a chuck.
 
 use super::file::Chart;
-use super::judgement::Judgement;
+use super::judgement::{Judgement, Vibration};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use toolroom_chatter::paper::{FiveDegrees, Reduced};
@@ -147,7 +147,11 @@ impl Cut {
                 (at.verdict(spindle)?, lathe.critical_chuck_modulation(spindle, searched)?, searched)
             }
         };
-        Ok(Judgement { speed, depth, verdict, limit, searched, intervals })
+        let vibration = match self {
+            Self::Milling(cut, None) if verdict.stable => Vibration::of(cut, speed, depth),
+            Self::Milling(..) | Self::Turning(..) | Self::Chuck(_) | Self::ChipLag(_) | Self::Lathe(_) => None,
+        };
+        Ok(Judgement { speed, depth, verdict, limit, searched, intervals, vibration })
     }
 
     /// Verdicts over some columns of the chart's grid; a point whose search fails is a hole.

@@ -3,7 +3,7 @@
 use super::cut::Cut;
 use serde_json::{Map, Value, json};
 use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{Certificate, ChatterError, ChatterKind, StabilityVerdict, StableIntervals};
+use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, StabilityVerdict, StableIntervals};
 use toolroom_form::significant;
 use toolroom_process::unit::convert;
 
@@ -29,6 +29,51 @@ pub struct Judgement {
     pub searched: f64,
     /// All depths at which the cut is stable, of milling and of turning at constant speed.
     pub intervals: Option<StableIntervals>,
+    /// The motion of a stable milling cut at constant speed with its feed.
+    pub vibration: Option<Vibration>,
+}
+
+/// Greatest difference of the forced vibration from the simulated one in the tests of milling, relative.
+const BAND: f64 = 0.04;
+
+/// The periodic motion of a stable milling cut and the force behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vibration {
+    /// Peak-to-peak displacement in feed and normal direction (m).
+    pub peak_to_peak: [f64; 2],
+    /// Greatest force in feed and normal direction (N).
+    pub greatest_force: [f64; 2],
+    /// Greatest resultant of both (N).
+    pub greatest_resultant: f64,
+    /// Error of the surface location (m), positive where material is left on the wall.
+    pub surface_location_error: f64,
+}
+
+impl Vibration {
+    /// Of a cut that is stable at `speed` (rad/s) and `depth` (m); none without feed or depth, and where the surfaces of the
+    /// teeth overlap by runout.
+    pub(super) fn of(cut: &Milling, speed: f64, depth: f64) -> Option<Self> {
+        let forced = cut.forced(speed, depth).ok().filter(|_| cut.feed_per_tooth > 0.0)?;
+        Some(Self {
+            surface_location_error: cut.material_left(&forced),
+            peak_to_peak: forced.peak_to_peak,
+            greatest_force: forced.greatest_force,
+            greatest_resultant: forced.greatest_resultant,
+        })
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "pp_x [um]": self.peak_to_peak[0] * 1e6,
+            "pp_y [um]": self.peak_to_peak[1] * 1e6,
+            "max_force [N]": self.greatest_resultant,
+            "max_force_x [N]": self.greatest_force[0],
+            "max_force_y [N]": self.greatest_force[1],
+            "sle [um]": self.surface_location_error * 1e6,
+            "method": "forced",
+            "band": BAND,
+        })
+    }
 }
 
 /// What was found out about an operating point; where the search failed, why.
@@ -43,7 +88,7 @@ impl Judgement {
 
     /// The verdict on `cut` for programs.
     pub fn json(&self, cut: &Cut) -> Map<String, Value> {
-        let Self { speed, depth, verdict, limit, searched, intervals } = self;
+        let Self { speed, depth, verdict, limit, searched, intervals, vibration } = self;
         let axes = cut.axes();
         let mut object = Map::new();
         let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
@@ -68,6 +113,9 @@ impl Judgement {
                         json!(stable.iter().map(|pair| pair.map(|b| b * 1e3)).collect::<Vec<_>>()),
                     );
                     put("certificate", certificate(found.certificate).into());
+                }
+                if let Some(vibration) = vibration {
+                    put("vibration", vibration.json());
                 }
                 if let Some(variation) = variation {
                     put(

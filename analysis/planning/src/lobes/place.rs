@@ -153,9 +153,17 @@ impl<'a> PointVerdict<'a> {
                     let interval = |interval: &Value| format!("{}–{}", end(interval, 0), end(interval, 1));
                     intervals.iter().map(interval).collect::<Vec<_>>().join(", ")
                 }
+                Value::Object(vibration) => {
+                    for (name, value) in vibration {
+                        let word = || value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                        let value = value.as_f64().map_or_else(word, significant);
+                        let _ = write!(text, "\n  {name:28} {value:>24}");
+                    }
+                    continue;
+                }
                 // The lines are many; the strongest has a row of its own.
                 Value::Array(lines) => format!("{} lines, with --json", lines.len()),
-                Value::Bool(_) | Value::Object(_) => value.to_string(),
+                Value::Bool(_) => value.to_string(),
             };
             let _ = write!(text, "\n  {name:28} {value:>24}");
         }

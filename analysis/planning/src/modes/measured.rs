@@ -191,6 +191,7 @@ mod tests {
                 })
                 .collect(),
             coherence: None,
+            noise: None,
         });
         Measurement {
             source: "table".to_owned(),
@@ -198,6 +199,7 @@ mod tests {
             functions: functions.to_vec(),
             averages: None,
             coherence_digit: 0.0,
+            window_decay: 0.0,
             notes: Vec::new(),
         }
     }

@@ -1,6 +1,6 @@
 //! What the user of a fit decides, as it is written on a command line.
 
-use toolroom_dynamics::{FitOptions, Scatter};
+use toolroom_dynamics::{Estimator, FitOptions, FullScale, HammerOptions, Scatter, TapOptions};
 use toolroom_process::unit;
 
 /// An argument that cannot be used.
@@ -23,6 +23,12 @@ pub struct Request<'a> {
     pub modes: Option<u32>,
     /// Frequencies of modes with their units.
     pub picks: &'a [String],
+    /// How responses are estimated from hits over time: `h1`, `h2` or `hv`.
+    pub estimator: Option<&'a str>,
+    /// Highest frequency that hits have to excite, with its unit.
+    pub highest: Option<&'a str>,
+    /// Full scale of every channel of a sound file, such as `force=500 N`.
+    pub scales: &'a [String],
 }
 
 fn quantity(flag: &str, text: &str, si: &'static str, fix: &'static str) -> Result<f64, RequestError> {
@@ -55,13 +61,42 @@ impl Request<'_> {
         Ok(FitOptions { averages: self.averages, modes: self.modes.map(|modes| modes as usize), picks, direction })
     }
 
+    /// What is told of the file of a tap test.
+    ///
+    /// # Errors
+    /// [`RequestError`]: an estimator, a frequency or a full scale that is none.
+    pub fn taps(&self) -> Result<TapOptions, RequestError> {
+        const SCALE: &str = "write for example --scale \"force=500 N\" --scale \"acceleration=50 g\"";
+        const HIGHEST: &str = "write for example --highest \"2000 Hz\"";
+        let refused = |message: String, fix| RequestError { message, fix };
+        let estimator = match self.estimator {
+            None => Estimator::default(),
+            Some(name) => Estimator::named(name)
+                .ok_or_else(|| refused(format!("--estimator: there is no `{name}`"), "write h1, h2 or hv"))?,
+        };
+        let highest = self.highest.map(|text| quantity("--highest", text, "Hz", HIGHEST)).transpose()?;
+        if let Some(text) = self.highest.filter(|_| highest.is_some_and(|highest| highest.is_nan() || highest <= 0.0)) {
+            return Err(refused(format!("--highest: {text} is no frequency"), HIGHEST));
+        }
+        let scale = |text: &String| {
+            let found = text.split_once('=').and_then(|(name, value)| FullScale::of(name, value));
+            found.ok_or_else(|| refused(format!("--scale: {text} is no full scale of a channel"), SCALE))
+        };
+        let scales = self.scales.iter().map(scale).collect::<Result<Vec<_>, _>>()?;
+        Ok(TapOptions { scales, hammer: HammerOptions { estimator, highest } })
+    }
+
     /// What changes the result, as it has to be typed.
     pub fn arguments(&self) -> Vec<String> {
         let averages = self.averages.map(|averages| ["--averages".to_owned(), averages.to_string()]);
         let direction = self.direction.map(|direction| ["--direction".to_owned(), direction.to_owned()]);
         let modes = self.modes.map(|modes| ["--modes".to_owned(), modes.to_string()]);
         let picks = self.picks.iter().map(|pick| ["--pick".to_owned(), pick.clone()]);
-        [averages, direction, modes].into_iter().flatten().chain(picks).flatten().collect()
+        let estimator = self.estimator.map(|estimator| ["--estimator".to_owned(), estimator.to_owned()]);
+        let highest = self.highest.map(|highest| ["--highest".to_owned(), highest.to_owned()]);
+        let scales = self.scales.iter().map(|scale| ["--scale".to_owned(), scale.clone()]);
+        let single = [averages, direction, modes, estimator, highest].into_iter().flatten();
+        single.chain(picks).chain(scales).flatten().collect()
     }
 }
 

@@ -64,14 +64,21 @@ pub fn tip(spindle: &Structure, tool: &Tool, range: [f64; 2]) -> Result<(Measure
         value.ok_or(SwapError::Infinite { frequency: *frequency })
     };
     let receptance = frequencies.iter().map(at).collect::<Result<Vec<_>, _>>()?;
-    let function =
-        Frf { response: Direction::X, force: Direction::X, motion: Motion::Displacement, receptance, coherence: None };
+    let function = Frf {
+        response: Direction::X,
+        force: Direction::X,
+        motion: Motion::Displacement,
+        receptance,
+        coherence: None,
+        noise: None,
+    };
     let measured = Measurement {
         source: format!("{} on {}", tool.name, spindle.name),
         frequencies,
         functions: vec![function],
         averages: None,
         coherence_digit: 0.0,
+        window_decay: 0.0,
         notes: Vec::new(),
     };
     let length = x.hypot(y);

@@ -75,10 +75,10 @@ fn by_policy(source: &Source<'_>, id: &str) -> Option<Figure> {
     };
     let value = shown(kpi, &source.comparison.policies[0].kpis[index]);
     let caption = format!(
-        "{} of every policy minus {baseline} ({}), paired over {} replications, 95 % intervals. {better}",
+        "{} of every policy minus {baseline} ({}), paired over {}, 95 % intervals. {better}",
         super::sentence(&label(source.scenario, kpi)).trim_end_matches('.'),
         plain(value.mean, decimals(value.mean, value.half_width)),
-        source.study.replications,
+        super::replications(source.study.replications),
     );
     Some(Figure::new(&chart, caption).data_in("summary.json"))
 }

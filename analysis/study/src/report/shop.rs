@@ -21,7 +21,9 @@ fn style(state: MachineState) -> (&'static str, Style) {
         MachineState::Dressing => ("dressing", Style::nth(0).hatch(Hatch::Backslash)),
         MachineState::Starved => ("kept for an order", Style::nth(6).hatch(Hatch::Horizontal)),
         MachineState::Blocked => ("blocked", Style::nth(4).hatch(Hatch::Slash)),
-        MachineState::WaitingOperator => ("waiting for operators", Style::nth(7).hatch(Hatch::Slash)),
+        MachineState::WaitingOperator => {
+            ("waiting for operators", Style::nth(0).colour(Colour::Yellow).hatch(Hatch::Solid))
+        }
         MachineState::Down => ("down", Style::nth(1).hatch(Hatch::Slash)),
         MachineState::Idle => ("idle", Style::IDLE),
         MachineState::OffShift => ("off shift", Style::IDLE.colour(Colour::Ink).hatch(Hatch::Backslash)),
@@ -146,4 +148,17 @@ pub(super) fn section(source: &Source<'_>) -> Section {
         shares_of_time.push((policy.name.clone(), Figure::new(&chart, caption).data_in("kpi.csv")));
     }
     section.choice(schedules).choice(shares_of_time).table("OEE of every machine", table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn states_are_told_apart() {
+        let styles = MachineState::ALL.map(|state| (style(state).1.colour, style(state).1.hatch));
+        for (i, own) in styles.iter().enumerate() {
+            assert!(!styles[..i].contains(own), "{:?} looks like another state", MachineState::ALL[i]);
+        }
+    }
 }

@@ -28,6 +28,18 @@ pub struct StoredRun {
 /// Runs by replication and policy.
 pub type KnownRuns = BTreeMap<(u32, usize), StoredRun>;
 
+/// The runs that belong to a study of `policies`, by replication and policy: those whose figures and edges are those of
+/// `scenario`.
+pub fn known_of(scenario: &Scenario, policies: &[usize], runs: Vec<StoredRun>) -> KnownRuns {
+    let figures = kpi::kpis(scenario).len() + Figures::of(scenario).len();
+    let fits = |run: &StoredRun| {
+        policies.contains(&run.policy)
+            && run.values.len() == figures
+            && run.lives.iter().all(|life| EdgeLife::of_named(life).is_some())
+    };
+    runs.into_iter().filter(fits).map(|run| ((run.replication, run.policy), run)).collect()
+}
+
 /// Runs replications `from..to` of some policies.
 ///
 /// # Errors
@@ -45,14 +57,7 @@ pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) 
                 .run()
         };
         let (counting, log) = run().map_err(|source| stopped(scenario, policy, replication, source))?;
-        let run = Run::of(scenario, &counting, log);
-        Ok(StoredRun {
-            policy,
-            replication,
-            digest: run.digest,
-            values: run.values.into_iter().map(f64::to_bits).collect(),
-            lives: run.lives.iter().map(EdgeLife::named).collect(),
-        })
+        Ok(StoredRun::of(policy, replication, &Run::of(scenario, &counting, log)))
     });
     runs.collect::<Vec<_>>().into_iter().collect()
 }
@@ -89,6 +94,16 @@ pub fn stored_digest(
 }
 
 impl StoredRun {
+    pub(super) fn of(policy: usize, replication: u32, run: &Run) -> Self {
+        Self {
+            policy,
+            replication,
+            digest: run.digest,
+            values: run.values.iter().map(|value| value.to_bits()).collect(),
+            lives: run.lives.iter().map(EdgeLife::named).collect(),
+        }
+    }
+
     /// The run as if it had been made here.
     pub(super) fn run(&self) -> Run {
         Run {

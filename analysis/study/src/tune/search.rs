@@ -1,14 +1,16 @@
 //! The search for the best settings of one rule.
 
 use super::axis::{Axis, Reference};
-use super::{Objective, TuneError, TunedPolicy, TunedSetting, given};
+use super::{Objective, TriedRun, TuneError, TunedPolicy, TunedSetting, given};
 use crate::kpi::Counting;
 use crate::study::unless_stopped;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::{PolicyRule, Scenario, TuneRequest};
+use toolroom_shards::Journal;
 use toolroom_shop::Shop;
 use toolroom_shop::runlog::ChangeReason;
 use toolroom_statistics::Moments;
@@ -35,11 +37,18 @@ pub(super) struct Search<'a> {
     /// Told how many more runs are done.
     pub progress: &'a (dyn Fn(u32) + Sync),
     pub stop: &'a AtomicBool,
+    /// Replications that an earlier search simulated.
+    pub known: BTreeMap<Trial, Run>,
+    /// Where finished replications are written.
+    pub journal: Option<&'a Journal<TriedRun>>,
 }
+
+/// What a replication is of: name of the policy, bits of its settings, number of the replication.
+type Trial = (String, Vec<u64>, u32);
 
 /// One replication.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+pub(super) struct Run {
     /// Less is better; infinite where it is not defined.
     objective: f64,
     edges: u32,
@@ -62,6 +71,18 @@ struct Field<'a> {
     axes: Vec<Axis>,
     points: Vec<Point>,
     spent: u32,
+}
+
+impl TriedRun {
+    pub(super) fn known(self) -> (Trial, Run) {
+        let Self { policy, settings, replication, objective, edges, collapsed, failed } = self;
+        ((policy, settings, replication), Run { objective: f64::from_bits(objective), edges, collapsed, failed })
+    }
+
+    fn of((policy, settings, replication): Trial, run: Run) -> Self {
+        let Run { objective, edges, collapsed, failed } = run;
+        Self { policy, settings, replication, objective: objective.to_bits(), edges, collapsed, failed }
+    }
 }
 
 impl Search<'_> {
@@ -188,8 +209,26 @@ impl Field<'_> {
         Ok(())
     }
 
+    /// One replication of a point, simulated where no earlier search did.
     fn run(&self, point: usize, replication: u32) -> Result<Run, TuneError> {
-        let Search { scenario, objective, stop, progress, .. } = self.search;
+        let settings = self.points[point].values.iter().map(|value| value.to_bits()).collect();
+        let trial = (self.rule.name.clone(), settings, replication);
+        let run = match self.search.known.get(&trial) {
+            Some(known) => *known,
+            None => {
+                let run = self.simulate(point, replication)?;
+                if let Some(journal) = self.search.journal {
+                    journal.add(&TriedRun::of(trial, run));
+                }
+                run
+            }
+        };
+        (self.search.progress)(1);
+        Ok(run)
+    }
+
+    fn simulate(&self, point: usize, replication: u32) -> Result<Run, TuneError> {
+        let Search { scenario, objective, stop, .. } = self.search;
         let Point { policy, values, .. } = &self.points[point];
         let refuse = |source| TuneError::Shop {
             policy: self.rule.name.clone(),
@@ -203,7 +242,6 @@ impl Field<'_> {
         let counting = Counting::new(scenario);
         let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, counting).map_err(refuse)?;
         let counting = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
-        progress(1);
         let value = objective.sign * counting.values()[objective.index];
         let mut run =
             Run { objective: if value.is_finite() { value } else { f64::INFINITY }, edges: 0, collapsed: 0, failed: 0 };

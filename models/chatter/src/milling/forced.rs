@@ -19,6 +19,8 @@ pub struct Forced {
     pub mean_force: [f64; 2],
     /// Greatest cutting force in feed and normal direction (N).
     pub greatest_force: [f64; 2],
+    /// Greatest resultant of the cutting force in the plane (N).
+    pub greatest_resultant: f64,
     /// Displacement (feed, normal) over one period (m), evenly spaced, from entry of tooth 0.
     pub displacement: Vec<[f64; 2]>,
 }
@@ -79,8 +81,20 @@ impl Milling {
             surface_location_error: at(&motion, wall)[1],
             mean_force: [coefficients[0][0].re, coefficients[0][1].re],
             greatest_force: [greatest(0), greatest(1)],
+            greatest_resultant: angles
+                .clone()
+                .map(|angle| self.static_force(&geometry, depth, angle))
+                .map(|[x, y]| x.hypot(y))
+                .fold(0.0, f64::max),
             displacement,
         })
+    }
+
+    /// What the forced vibration leaves on the wall (m), positive where material is left: in up milling the tooth that moves
+    /// into the work takes more, in down milling it moves away from the wall.
+    pub fn material_left(&self, forced: &Forced) -> f64 {
+        let error = forced.surface_location_error;
+        if self.direction() == Direction::Up { -error } else { error }
     }
 
     /// Up milling if the engagement starts at the wall, else down.

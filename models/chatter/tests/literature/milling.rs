@@ -235,3 +235,34 @@ fn speed_selection_from_the_chatter_frequency() {
         }
     }
 }
+
+#[test]
+fn two_modes_three_teeth_vibrate_and_leave_material_as_computed_independently() {
+    // Greatest values of an independent simulation with surface memory, of its last quarter, and the error of the surface
+    // location of an independent Fourier series.
+    let modes = vec![Mode::from_mass([1.0, 0.0], 780.0, 0.022, 0.09), Mode::from_mass([0.0, 1.0], 905.0, 0.028, 0.07)];
+    let cut = Milling {
+        modes,
+        cutter: Cutter::straight(3, 0.02),
+        engagement: Engagement::new(0.3, Down).unwrap(),
+        force: MillingForce::new(8e8, 2.6e8),
+        feed_per_tooth: 1e-4,
+    };
+    let limit = cut.at_speed(rpm(7200.0)).unwrap().limit(5e-3).unwrap().depth;
+    close(limit * 1e3, 1.51124431, 1e-6);
+    let forced = cut.forced(rpm(7200.0), 0.8 * limit).unwrap();
+    for (found, simulated) in forced.peak_to_peak.iter().zip([41.82e-6, 69.96e-6]) {
+        close(*found, simulated, 0.04);
+    }
+    for (found, simulated) in forced.greatest_force.iter().zip([35.1, 92.4]) {
+        close(*found, simulated, 0.04);
+    }
+    assert!(forced.greatest_resultant >= forced.greatest_force[1]);
+    assert!(forced.greatest_resultant <= forced.greatest_force[0].hypot(forced.greatest_force[1]));
+    // 1e-5 of the series, and its last digit.
+    close(cut.material_left(&forced) * 1e6, 15.0444, 2e-5);
+    // In up milling the tooth that moves along y takes more of the wall.
+    let up = Milling { engagement: Engagement::new(0.3, Up).unwrap(), ..cut.clone() };
+    let other = up.forced(rpm(7200.0), 0.8 * limit).unwrap();
+    assert!(up.material_left(&other) * other.surface_location_error < 0.0);
+}

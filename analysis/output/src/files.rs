@@ -3,10 +3,10 @@
 //! What toolroom wrote into a folder is listed in its `.toolroom.json` with a hash. A file that is listed and as it
 //! was is replaced; any other one is not, but by `--force`. Inputs of the command are never replaced.
 
-use super::listed::{Listed, Standing, hash, permit};
-use super::lock::Lock;
-use crate::failure::Failure;
-use crate::stop::{self, Begun, Tidy};
+use crate::error::OutputError;
+use crate::listed::{Listed, Standing, hash, permit};
+use crate::lock::Lock;
+use crate::signals::{self, Begun, Tidy};
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::io::Write;
@@ -25,6 +25,7 @@ pub struct Files {
 /// A file that is being written under another name.
 #[derive(Debug)]
 pub struct Draft {
+    /// Where to write.
     pub file: File,
     place: PathBuf,
     /// Name until it is complete; none for what is no file, such as `/dev/stdout`.
@@ -38,7 +39,7 @@ impl Files {
     }
 
     /// Refuses a path that must not be written, before any work.
-    pub fn check(&self, path: &Path) -> Result<(), Failure> {
+    pub fn check(&self, path: &Path) -> Result<(), OutputError> {
         if is_special(path) {
             return Ok(());
         }
@@ -47,14 +48,14 @@ impl Files {
     }
 
     /// Writes a file; its folder exists.
-    pub fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         let mut draft = self.begin(path)?;
-        draft.file.write_all(bytes).map_err(|source| Failure::Unwritable { path: path.to_owned(), source })?;
+        draft.file.write_all(bytes).map_err(|source| OutputError::Unwritable { path: path.to_owned(), source })?;
         self.end(draft)
     }
 
     /// Writes a text that tells by itself whether toolroom wrote it, as `ours` finds: it is not listed.
-    pub fn put_marked(&self, path: &Path, text: &str, ours: impl Fn(&str) -> bool) -> Result<(), Failure> {
+    pub fn put_marked(&self, path: &Path, text: &str, ours: impl Fn(&str) -> bool) -> Result<(), OutputError> {
         if !is_special(path) {
             let (folder, name) = split(&real(path))?;
             let mut standing = Listed::default().standing(&folder, &name)?;
@@ -68,18 +69,18 @@ impl Files {
         draft
             .file
             .write_all(text.as_bytes())
-            .map_err(|source| Failure::Unwritable { path: path.to_owned(), source })?;
+            .map_err(|source| OutputError::Unwritable { path: path.to_owned(), source })?;
         draft.publish()
     }
 
     /// Opens a file to be filled piece by piece.
-    pub fn begin(&self, path: &Path) -> Result<Draft, Failure> {
+    pub fn begin(&self, path: &Path) -> Result<Draft, OutputError> {
         self.check(path)?;
         Draft::open(path)
     }
 
     /// Gives a complete file its name.
-    pub fn end(&self, draft: Draft) -> Result<(), Failure> {
+    pub fn end(&self, draft: Draft) -> Result<(), OutputError> {
         let Some((written, _)) = &draft.draft else { return draft.publish() };
         let (folder, name) = split(&draft.place)?;
         let new = hash(written)?;
@@ -97,8 +98,8 @@ impl Files {
         earlier.into_iter().chain([new]).for_each(|hash| listed.add(&name, hash));
         let list = json!({ "schema": 1, "about": "files that toolroom wrote here, with a hash of each", "files": listed.json() });
         let mut list_draft = Draft::open(&folder.join(LIST))?;
-        let text = serde_json::to_string_pretty(&list).map_err(Failure::Json)? + "\n";
-        let unwritable = |source| Failure::Unwritable { path: folder.join(LIST), source };
+        let text = serde_json::to_string_pretty(&list).map_err(OutputError::Json)? + "\n";
+        let unwritable = |source| OutputError::Unwritable { path: folder.join(LIST), source };
         list_draft.file.write_all(text.as_bytes()).map_err(unwritable)?;
         list_draft.publish()?;
         draft.publish()
@@ -106,8 +107,8 @@ impl Files {
 }
 
 impl Draft {
-    fn open(path: &Path) -> Result<Self, Failure> {
-        let unwritable = |source| Failure::Unwritable { path: path.to_owned(), source };
+    fn open(path: &Path) -> Result<Self, OutputError> {
+        let unwritable = |source| OutputError::Unwritable { path: path.to_owned(), source };
         if is_special(path) {
             let file = File::options().write(true).open(path).map_err(unwritable)?;
             return Ok(Self { file, place: path.to_owned(), draft: None });
@@ -115,16 +116,16 @@ impl Draft {
         let place = real(path);
         let (folder, name) = split(&place)?;
         let draft = folder.join(format!(".{name}.partial-{}", std::process::id()));
-        let tidy = stop::tidy(Begun::File(draft.clone()));
+        let tidy = signals::tidy(Begun::File(draft.clone()));
         let file = File::create(&draft).map_err(unwritable)?;
         Ok(Self { file, place, draft: Some((draft, tidy)) })
     }
 
-    fn publish(mut self) -> Result<(), Failure> {
-        let unwritable = |source| Failure::Unwritable { path: self.place.clone(), source };
+    fn publish(mut self) -> Result<(), OutputError> {
+        let unwritable = |source| OutputError::Unwritable { path: self.place.clone(), source };
         self.file.flush().map_err(unwritable)?;
         if let Some((draft, _)) = &self.draft {
-            let _publishing = stop::publishing();
+            let _publishing = signals::publishing();
             // The permissions are those of the file that is replaced.
             if let Ok(there) = fs::metadata(&self.place) {
                 let _ = fs::set_permissions(draft, there.permissions());
@@ -164,9 +165,9 @@ pub fn real(path: &Path) -> PathBuf {
 }
 
 /// Folder and name of a file.
-fn split(path: &Path) -> Result<(PathBuf, String), Failure> {
+fn split(path: &Path) -> Result<(PathBuf, String), OutputError> {
     let Some(name) = path.file_name() else {
-        return Err(Failure::argument(format_args!("{} names no file", path.display()), "give the name of a file"));
+        return Err(OutputError::refused(format_args!("{} names no file", path.display()), "give the name of a file"));
     };
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     Ok((folder.to_owned(), name.to_string_lossy().into_owned()))

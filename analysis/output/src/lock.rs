@@ -1,7 +1,7 @@
 //! One process at a time writes into a folder.
 
-use crate::failure::Failure;
-use crate::stop::{Begun, Tidy, tidy};
+use crate::error::OutputError;
+use crate::signals::{Begun, Tidy, tidy};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub struct Lock {
 
 impl Lock {
     /// Takes the lock of a folder, or refuses with the process that has it.
-    pub fn take(folder: &Path) -> Result<Self, Failure> {
+    pub fn take(folder: &Path) -> Result<Self, OutputError> {
         Self::of(folder, |file| match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(false),
             Err(TryLockError::Error(error)) => Err(error),
@@ -30,19 +30,19 @@ impl Lock {
             let holder = fs::read_to_string(folder.join(LOCK)).unwrap_or_default();
             let process = holder.trim().parse::<u32>().map_or_else(|_| String::new(), |id| format!(" (process {id})"));
             let message = format!("another toolroom{process} is writing into {}", folder.display());
-            Failure::argument(message, "wait for it, or choose another place; nothing was changed")
+            OutputError::refused(message, "wait for it, or choose another place; nothing was changed")
         })
     }
 
     /// Takes the lock of a folder as soon as nobody has it.
-    pub fn wait(folder: &Path) -> Result<Self, Failure> {
+    pub fn wait(folder: &Path) -> Result<Self, OutputError> {
         let locked = Self::of(folder, |file| file.lock().map(|()| true))?;
-        locked.ok_or_else(|| Failure::Work { message: format!("{} cannot be locked", folder.display()) })
+        locked.ok_or_else(|| OutputError::Work { message: format!("{} cannot be locked", folder.display()) })
     }
 
-    fn of(folder: &Path, lock: impl Fn(&File) -> std::io::Result<bool>) -> Result<Option<Self>, Failure> {
+    fn of(folder: &Path, lock: impl Fn(&File) -> std::io::Result<bool>) -> Result<Option<Self>, OutputError> {
         let path = folder.join(LOCK);
-        let unwritable = |source| Failure::Unwritable { path: folder.to_owned(), source };
+        let unwritable = |source| OutputError::Unwritable { path: folder.to_owned(), source };
         let own = std::process::id().to_string();
         loop {
             let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);

@@ -5,18 +5,11 @@
 //! file that is not listed stays; one that stands in the way, or that was changed since, is refused but for `--force`.
 //! A lock keeps two processes from one folder.
 
-mod files;
-mod listed;
-mod lock;
-
-pub use files::Files;
-
-use crate::failure::Failure;
-use crate::stop::{self, Begun, Tidy, tidy};
-use crate::study::quoted;
-use files::real;
-use listed::{Listed, Standing, hash, permit};
-use lock::Lock;
+use crate::error::OutputError;
+use crate::files::real;
+use crate::listed::{Listed, Standing, hash, permit};
+use crate::lock::Lock;
+use crate::signals::{self, Begun, Tidy, tidy};
 use serde_json::{Value, json};
 use std::fs;
 use std::io;
@@ -24,7 +17,6 @@ use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_shards::fingerprint;
 
 /// A folder of results while it is written.
 #[derive(Debug)]
@@ -58,6 +50,8 @@ enum Earlier {
     Listed(Listed),
 }
 
+/// Folder of the journals of work that is not complete.
+const JOURNAL: &str = ".toolroom-journal";
 /// What a folder of results always holds.
 const MARK: &str = "run.json";
 /// Folder of the files that are not complete.
@@ -71,8 +65,8 @@ impl OutputDir {
         names: &[&str],
         inputs: impl IntoIterator<Item = &'a Path>,
         force: bool,
-    ) -> Result<Self, Failure> {
-        let unwritable = |source| Failure::Unwritable { path: target.to_owned(), source };
+    ) -> Result<Self, OutputError> {
+        let unwritable = |source| OutputError::Unwritable { path: target.to_owned(), source };
         let place = std::path::absolute(real(target)).map_err(unwritable)?;
         if place.exists() && !place.is_dir() {
             return Err(unwritable(io::Error::new(io::ErrorKind::NotADirectory, "it is a file")));
@@ -119,7 +113,7 @@ impl OutputDir {
     }
 
     /// Refuses names that must not be written, and listed files that somebody changed.
-    fn check<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+    fn check<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), OutputError> {
         let none = Listed::default();
         let listed = match &self.earlier {
             Earlier::Listed(listed) => listed,
@@ -150,28 +144,28 @@ impl OutputDir {
     }
 
     /// Writes a file of the draft.
-    pub fn put(&self, name: &str, text: &str) -> Result<(), Failure> {
+    pub fn put(&self, name: &str, text: &str) -> Result<(), OutputError> {
         self.put_bytes(name, text.as_bytes())
     }
 
     /// Writes a file of the draft that is no text.
-    pub fn put_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+    pub fn put_bytes(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
         let path = self.draft.join(name);
-        fs::write(&path, bytes).map_err(|source| Failure::Unwritable { path, source })
+        fs::write(&path, bytes).map_err(|source| OutputError::Unwritable { path, source })
     }
 
     /// Writes every file of a result into the draft.
-    pub fn put_all(&self, files: &ResultFiles) -> Result<(), Failure> {
+    pub fn put_all(&self, files: &ResultFiles) -> Result<(), OutputError> {
         files.iter().try_for_each(|(name, contents)| self.put_bytes(name, contents))
     }
 
     /// Writes a JSON file of the draft.
-    pub fn put_json(&self, name: &str, value: &Value) -> Result<(), Failure> {
-        self.put(name, &(serde_json::to_string_pretty(value).map_err(Failure::Json)? + "\n"))
+    pub fn put_json(&self, name: &str, value: &Value) -> Result<(), OutputError> {
+        self.put(name, &(serde_json::to_string_pretty(value).map_err(OutputError::Json)? + "\n"))
     }
 
     /// Writes `run.json`: what was computed from what.
-    pub fn record(&self, provenance: &Provenance, wall: Duration) -> Result<(), Failure> {
+    pub fn record(&self, provenance: &Provenance, wall: Duration) -> Result<(), OutputError> {
         let inputs: Vec<Value> =
             provenance.inputs.iter().map(|(name, hash)| json!({ "name": name, "hash": hash })).collect();
         let mut run = json!({
@@ -194,7 +188,7 @@ impl OutputDir {
     }
 
     /// Removes what earlier runs left in a folder within this one, before that is filled anew.
-    pub fn clear(&mut self, folder: &str) -> Result<(), Failure> {
+    pub fn clear(&mut self, folder: &str) -> Result<(), OutputError> {
         let Earlier::Listed(listed) = &mut self.earlier else { return Ok(()) };
         let within = format!("{folder}/");
         let names: Vec<String> = listed.names().filter(|name| name.starts_with(&within)).map(str::to_owned).collect();
@@ -211,6 +205,20 @@ impl OutputDir {
         rename(&self.draft.join(MARK), &self.place.join(MARK))
     }
 
+    /// The folder of the journals of this work, which goes with [`publish`](Self::publish) of a complete result: what
+    /// an earlier run left there when the work goes on, and nothing when it starts anew. It is made by whoever
+    /// writes the first journal.
+    ///
+    /// # Errors
+    /// A journal that cannot be removed.
+    pub fn journal(&self, resume: bool) -> Result<PathBuf, OutputError> {
+        let journal = self.place.join(JOURNAL);
+        if !resume && journal.is_dir() {
+            fs::remove_dir_all(&journal).map_err(OutputError::at(&journal))?;
+        }
+        Ok(journal)
+    }
+
     /// Leaves the draft under a name that nobody takes for a result, and tells it.
     pub fn keep(mut self) -> PathBuf {
         self.kept = true;
@@ -223,13 +231,20 @@ impl OutputDir {
     }
 
     /// Gives every file its name, one by one. Only then files are removed that an earlier run wrote and this one did
-    /// not.
-    pub fn publish(self) -> Result<PathBuf, Failure> {
+    /// not, and the journals of a result that `run.json` calls complete.
+    ///
+    /// # Errors
+    /// [`OutputError`]; what was computed then stays in a folder that the message names.
+    pub fn publish(self) -> Result<PathBuf, OutputError> {
         match self.give_names() {
             Ok(()) => {
+                let journal = self.place.join(JOURNAL);
+                if journal.is_dir() && manifest(&self.place).is_some_and(|run| run["complete"] == true) {
+                    fs::remove_dir_all(&journal).map_err(OutputError::at(&journal))?;
+                }
                 let target = self.target.clone();
                 let message = format!("interrupted when the results were complete in {}", target.display());
-                stop::keeps(message, "nothing is left to do".to_owned());
+                signals::keeps(message, "nothing is left to do".to_owned());
                 Ok(target)
             }
             Err(failure) => {
@@ -239,7 +254,7 @@ impl OutputDir {
         }
     }
 
-    fn give_names(&self) -> Result<(), Failure> {
+    fn give_names(&self) -> Result<(), OutputError> {
         let names: Vec<String> = files_in(&self.draft)?.into_iter().filter(|name| name != MARK).collect();
         let mut new = Listed::default();
         for name in &names {
@@ -266,12 +281,13 @@ impl OutputDir {
         let unchanged = |name: &&str| matches!(old.standing(&self.place, name), Ok(Standing::Ours));
         let gone: Vec<&str> = old.names().filter(|name| !new.has(name)).filter(unchanged).collect();
         self.put_json(MARK, &run)?;
-        let _publishing = stop::publishing();
+        let _publishing = signals::publishing();
         rename(&self.draft.join("between"), &self.place.join(MARK))?;
         for name in &names {
             let place = self.place.join(name);
             if let Some(folder) = place.parent() {
-                fs::create_dir_all(folder).map_err(|source| Failure::Unwritable { path: folder.to_owned(), source })?;
+                fs::create_dir_all(folder)
+                    .map_err(|source| OutputError::Unwritable { path: folder.to_owned(), source })?;
             }
             rename(&self.draft.join(name), &place)?;
         }
@@ -281,8 +297,8 @@ impl OutputDir {
 }
 
 /// Every file of a folder and those within it, by its path with `/`, sorted.
-fn files_in(folder: &Path) -> Result<Vec<String>, Failure> {
-    let unreadable = |source| Failure::Unwritable { path: folder.to_owned(), source };
+fn files_in(folder: &Path) -> Result<Vec<String>, OutputError> {
+    let unreadable = |source| OutputError::Unwritable { path: folder.to_owned(), source };
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
@@ -297,12 +313,12 @@ fn files_in(folder: &Path) -> Result<Vec<String>, Failure> {
     Ok(names)
 }
 
-fn rename(from: &Path, to: &Path) -> Result<(), Failure> {
-    fs::rename(from, to).map_err(|source| Failure::Unwritable { path: to.to_owned(), source })
+fn rename(from: &Path, to: &Path) -> Result<(), OutputError> {
+    fs::rename(from, to).map_err(|source| OutputError::Unwritable { path: to.to_owned(), source })
 }
 
 /// Removes a file that is listed, and folders within `place` that it leaves empty.
-fn remove(place: &Path, name: &str) -> Result<(), Failure> {
+fn remove(place: &Path, name: &str) -> Result<(), OutputError> {
     // A list that names files elsewhere is none of ours.
     if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
         return Ok(());
@@ -310,7 +326,7 @@ fn remove(place: &Path, name: &str) -> Result<(), Failure> {
     let path = place.join(name);
     match fs::remove_file(&path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            return Err(Failure::Unwritable { path, source: error });
+            return Err(OutputError::Unwritable { path, source: error });
         }
         _ => {}
     }
@@ -334,24 +350,10 @@ fn earlier(place: &Path) -> Earlier {
     }
 }
 
-/// The command as it has to be typed, and the input files with their hashes. `arguments` follow
-/// verb and files.
-pub fn provenance(
-    verb: &str,
-    inputs: &[(String, &[u8])],
-    arguments: impl IntoIterator<Item = String>,
-    seed: Option<u64>,
-) -> Provenance {
-    let words = inputs.iter().map(|(name, _)| name.clone()).chain(arguments);
-    let command = words.fold(format!("toolroom {verb}"), |command, word| command + " " + &quoted(&word));
-    let inputs = inputs.iter().map(|(name, bytes)| (name.clone(), fingerprint(bytes))).collect();
-    Provenance { version: env!("CARGO_PKG_VERSION").to_owned(), command, seed, inputs }
-}
-
 impl Drop for OutputDir {
     fn drop(&mut self) {
-        // Without the lock the draft is that of another process. What cannot be removed is told by nobody: the failure that brought us here is told already, and the next
-        // run removes drafts of dead ones.
+        // Without the lock the draft is that of another process. What cannot be removed is told by nobody: the failure
+        // that brought us here is told already, and the next run removes drafts of dead ones.
         if !self.kept && self.lock.is_some() {
             let _ = fs::remove_dir_all(&self.draft);
         }
@@ -364,6 +366,7 @@ impl Drop for OutputDir {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use toolroom_shards::fingerprint;
 
     /// A run that writes these files; what is then in its folder.
     fn run(target: &Path, names: &[&str]) -> Vec<String> {
@@ -420,7 +423,7 @@ mod tests {
         out.put("kpi.csv", "computed").expect("writable");
         fs::write(target.join("kpi.csv"), "mine").expect("writable");
         let failure = out.publish().expect_err("the file is somebody's");
-        assert!(format!("{failure:?}").contains("what was computed stays in"), "{failure:?}");
+        assert!(failure.to_string().contains("what was computed stays in"), "{failure:?}");
         assert_eq!(fs::read_to_string(target.join("kpi.csv")).expect("there"), "mine");
         let kept = target.join(format!("partial-{}", std::process::id())).join("kpi.csv");
         assert_eq!(fs::read_to_string(kept).expect("there"), "computed");

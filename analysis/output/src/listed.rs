@@ -1,6 +1,6 @@
 //! Which files of a folder toolroom wrote: their names and a hash of what each held then.
 
-use crate::failure::Failure;
+use crate::error::OutputError;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -72,9 +72,9 @@ impl Listed {
     }
 
     /// How the file of a name in `folder` stands.
-    pub fn standing(&self, folder: &Path, name: &str) -> Result<Standing, Failure> {
+    pub fn standing(&self, folder: &Path, name: &str) -> Result<Standing, OutputError> {
         let path = folder.join(name);
-        let unreadable = |source| Failure::Unwritable { path: path.clone(), source };
+        let unreadable = |source| OutputError::Unwritable { path: path.clone(), source };
         match fs::metadata(&path) {
             // A link that leads nowhere is somebody's, too.
             Err(error) if error.kind() == ErrorKind::NotFound && !path.is_symlink() => return Ok(Standing::Free),
@@ -90,28 +90,28 @@ impl Listed {
 }
 
 /// Hash of a file.
-pub fn hash(path: &Path) -> Result<String, Failure> {
-    hash_of(path).map_err(crate::shard::refused)
+pub fn hash(path: &Path) -> Result<String, OutputError> {
+    Ok(hash_of(path)?)
 }
 
 /// Refuses a file that must not be replaced; `force` lets replace what is not an input or a folder.
-pub fn permit(path: &Path, standing: Standing, inputs: &[PathBuf], force: bool) -> Result<(), Failure> {
+pub fn permit(path: &Path, standing: Standing, inputs: &[PathBuf], force: bool) -> Result<(), OutputError> {
     let shown = path.display();
     let real = fs::canonicalize(path).ok();
     if real.is_some() && inputs.iter().any(|input| fs::canonicalize(input).ok() == real) {
         let message = format!("{shown} is an input of this command and is not replaced");
-        return Err(Failure::argument(message, "choose another place; nothing was changed"));
+        return Err(OutputError::refused(message, "choose another place; nothing was changed"));
     }
     let message = match standing {
         Standing::Free | Standing::Ours => return Ok(()),
         Standing::Folder => {
             let message = format!("{shown} is a folder, where a file is to be written");
-            return Err(Failure::argument(message, "choose another place; nothing was changed"));
+            return Err(OutputError::refused(message, "choose another place; nothing was changed"));
         }
         Standing::Changed | Standing::Foreign if force => return Ok(()),
         Standing::Changed => format!("{shown} was changed since toolroom wrote it"),
         Standing::Foreign => format!("{shown} was not written by toolroom"),
     };
     let help = "move it away, choose another place, or replace it with --force; nothing was changed";
-    Err(Failure::argument(message, help))
+    Err(OutputError::refused(message, help))
 }

@@ -4,7 +4,7 @@
 //! seconds: for them the watcher tidies up and ends the program. A study of a shop has finished replications to
 //! write: it holds a [`Gentle`], whose flag the first signal raises; the second one ends the program all the same.
 
-use crate::failure::Failure;
+use crate::error::OutputError;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::register_usize;
 use std::fs;
@@ -59,11 +59,14 @@ fn locked<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
 }
 
 /// Starts the watcher.
-pub fn watch() -> Result<(), Failure> {
+///
+/// # Errors
+/// The system lets nobody catch signals.
+pub fn watch() -> Result<(), OutputError> {
     let signal = Arc::new(AtomicUsize::new(0));
     for number in [SIGINT, SIGTERM] {
         register_usize(number, Arc::clone(&signal), number as usize)
-            .map_err(|error| Failure::Work { message: format!("signals cannot be caught: {error}") })?;
+            .map_err(|error| OutputError::Work { message: format!("signals cannot be caught: {error}") })?;
     }
     let look = move || {
         loop {
@@ -84,7 +87,7 @@ pub fn watch() -> Result<(), Failure> {
         .name("signals".to_owned())
         .spawn(look)
         .map(drop)
-        .map_err(|error| Failure::Work { message: format!("signals cannot be caught: {error}") })
+        .map_err(|error| OutputError::Work { message: format!("signals cannot be caught: {error}") })
 }
 
 /// Exit code after an interruption: 130 by SIGINT, 143 by SIGTERM, and 1 where no signal came.

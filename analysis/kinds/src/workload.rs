@@ -1,0 +1,445 @@
+//! Whether a shop can do its work at all: load against capacity, and due dates that no dispatching can meet.
+//!
+//! Everything here is worked out without a simulation, from mean times.
+
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use toolroom_scenario::{
+    Arrival, ArrivalPattern, Interruption, Operation, Order, Part, Scenario, ShiftCalendar, Work, date,
+};
+use toolroom_shop::programmed_cutting_times;
+
+/// Most warnings of one kind that are told one by one.
+const MOST_TOLD: usize = 20;
+
+/// What stations and operators have to do until the horizon.
+#[derive(Clone, Debug)]
+pub(crate) struct Workload {
+    /// Stations in the order of the routings, then skills.
+    pub loads: Vec<Load>,
+    /// What cannot go well, in words.
+    pub warnings: Vec<String>,
+}
+
+/// Load of a station, or of everybody who has a skill.
+#[derive(Clone, Debug)]
+pub(crate) struct Load {
+    /// Names of its machines joined by ` + `, or `skill NAME`.
+    pub name: String,
+    /// Machines or people.
+    members: Vec<usize>,
+    /// Work that nobody else can do, s, without setups.
+    pub work: f64,
+    /// One setup a lot, s.
+    pub setup: f64,
+    /// Working time from zero to the horizon, s.
+    pub capacity: f64,
+    /// Due dates of the orders among this work, s, each with its work, s.
+    dues: Vec<(f64, f64)>,
+}
+
+impl Load {
+    /// Work and setups over working time.
+    fn share(&self) -> f64 {
+        (self.work + self.setup) / self.capacity
+    }
+}
+
+/// What a lot of an operation takes.
+struct Need {
+    work: f64,
+    setup: f64,
+}
+
+/// The view of a scenario that both questions share.
+struct Shop<'a> {
+    scenario: &'a Scenario,
+    /// Time of passes as programmed, s, by part and operation.
+    cutting: Vec<Vec<f64>>,
+}
+
+/// Works out load and earliest finishes.
+pub(crate) fn workload(scenario: &Scenario) -> Workload {
+    let shop = Shop { scenario, cutting: programmed_cutting_times(scenario) };
+    let loads = shop.loads();
+    let mut warnings: Vec<String> = Vec::new();
+    for load in &loads {
+        warnings.extend(shop.overload(load));
+    }
+    let late: Vec<String> = scenario.orders.iter().filter_map(|order| shop.unreachable(order)).collect();
+    let more = late.len().saturating_sub(MOST_TOLD);
+    warnings.extend(late.into_iter().take(MOST_TOLD));
+    if more > 0 {
+        warnings.push(format!("due dates of {more} more orders cannot be reached"));
+    }
+    Workload { loads, warnings }
+}
+
+impl Workload {
+    /// The table for people; empty where nothing is to be done.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        if self.loads.is_empty() {
+            return text;
+        }
+        let width = self.loads.iter().map(|load| load.name.chars().count()).max().unwrap_or(0).max(7);
+        let _ = write!(
+            text,
+            "\nload until the horizon, mean times, one setup a lot\n  {:width$}  {:>10}  {:>10}  {:>10}  {:>6}",
+            "station", "work", "setups", "capacity", "load"
+        );
+        for load in &self.loads {
+            let hours = |seconds: f64| format!("{:.1} h", seconds / 3600.0);
+            let _ = write!(
+                text,
+                "\n  {:width$}  {:>10}  {:>10}  {:>10}  {:>4.0} %",
+                load.name,
+                hours(load.work),
+                hours(load.setup),
+                hours(load.capacity),
+                100.0 * load.share(),
+            );
+        }
+        for warning in &self.warnings {
+            let _ = write!(text, "\nwarning: {warning}");
+        }
+        text
+    }
+
+    /// The same for programs: `load` and `warnings`.
+    pub fn json(&self) -> [(String, Value); 2] {
+        let load = |load: &Load| {
+            json!({
+                "station": load.name,
+                "work [h]": load.work / 3600.0,
+                "setup [h]": load.setup / 3600.0,
+                "capacity [h]": load.capacity / 3600.0,
+                "load": load.share(),
+            })
+        };
+        let loads: Vec<Value> = self.loads.iter().map(load).collect();
+        [("load".to_owned(), json!(loads)), ("warnings".to_owned(), json!(self.warnings))]
+    }
+}
+
+impl Shop<'_> {
+    /// Every station, and every skill that any operation needs.
+    fn loads(&self) -> Vec<Load> {
+        let scenario = self.scenario;
+        let mut stations: Vec<Load> = Vec::new();
+        let mut skills: Vec<Load> = Vec::new();
+        for (part, operation) in self.lots() {
+            let operation = &scenario.parts[part].operations[operation];
+            let mut machines = operation.machines.clone();
+            machines.sort_unstable();
+            if !stations.iter().any(|load| load.members == machines) {
+                let names = machines.iter().map(|&machine| scenario.machines[machine].name.as_str());
+                let name = names.collect::<Vec<_>>().join(" + ");
+                let capacity = self.capacity(machines.iter().map(|&each| scenario.machines[each].calendar), 0.0, None);
+                stations.push(Load { name, members: machines, work: 0.0, setup: 0.0, capacity, dues: Vec::new() });
+            }
+            let needed = [operation.attendance.setup, operation.attendance.load, operation.attendance.run];
+            for skill in needed.into_iter().flatten() {
+                let name = format!("skill {}", scenario.skills[skill]);
+                if !skills.iter().any(|load| load.name == name) {
+                    let members = self.skilled(skill);
+                    let capacity =
+                        self.capacity(members.iter().map(|&each| scenario.operators[each].calendar), 0.0, None);
+                    skills.push(Load { name, members, work: 0.0, setup: 0.0, capacity, dues: Vec::new() });
+                }
+            }
+        }
+        for load in stations.iter_mut().chain(&mut skills) {
+            load.members.sort_unstable();
+        }
+        for order in &scenario.orders {
+            self.add(&mut stations, &mut skills, order.part, f64::from(order.quantity), 1.0, Some(order.due));
+        }
+        for arrival in &scenario.arrivals {
+            let jobs = self.jobs(arrival);
+            self.add(&mut stations, &mut skills, arrival.part, jobs, jobs, None);
+        }
+        stations.append(&mut skills);
+        stations
+    }
+
+    /// Part and operation of everything that is ordered or arrives, each once.
+    fn lots(&self) -> Vec<(usize, usize)> {
+        let scenario = self.scenario;
+        let of = scenario.orders.iter().map(|order| order.part);
+        let mut parts: Vec<usize> = of.chain(scenario.arrivals.iter().map(|arrival| arrival.part)).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts
+            .iter()
+            .flat_map(|&part| (0..scenario.parts[part].operations.len()).map(move |each| (part, each)))
+            .collect()
+    }
+
+    fn skilled(&self, skill: usize) -> Vec<usize> {
+        let operators = self.scenario.operators.iter().enumerate();
+        operators.filter(|(_, operator)| operator.skills.contains(&skill)).map(|(index, _)| index).collect()
+    }
+
+    /// Expected number of jobs until the horizon; those that replace others are not known beforehand.
+    fn jobs(&self, arrival: &Arrival) -> f64 {
+        let horizon = self.scenario.horizon;
+        match &arrival.pattern {
+            ArrivalPattern::Schedule(rows) => {
+                rows.iter().filter(|(time, _)| *time <= horizon).map(|(_, count)| f64::from(*count)).sum()
+            }
+            ArrivalPattern::Renewal(between) => horizon / between.mean(),
+            ArrivalPattern::Poisson { rate } => rate * horizon,
+            ArrivalPattern::Batch { interval, size } => (horizon / interval).ceil() * f64::from(*size),
+            ArrivalPattern::ConstantWork { .. } => 0.0,
+        }
+    }
+
+    /// Adds what a part takes to every station and skill that alone can do it: work for so many pieces, setups for
+    /// so many lots.
+    fn add(&self, stations: &mut [Load], skills: &mut [Load], part: usize, pieces: f64, lots: f64, due: Option<f64>) {
+        let own = &self.scenario.parts[part];
+        for (number, operation) in own.operations.iter().enumerate() {
+            let need = self.need(part, number);
+            let (work, setup) = (pieces * need.work, lots * need.setup);
+            // A station that has more machines than the operation may use has its work too.
+            let within = |load: &&mut Load| operation.machines.iter().all(|each| load.members.contains(each));
+            for load in stations.iter_mut().filter(within) {
+                load.take(work, setup, due);
+            }
+            let handling = pieces * (need.work - self.alone(part, number));
+            let attended = [
+                (operation.attendance.setup, 0.0, setup),
+                (operation.attendance.load, handling, 0.0),
+                (operation.attendance.run, pieces * self.alone(part, number), 0.0),
+            ];
+            for (skill, work, setup) in attended {
+                let Some(skill) = skill else { continue };
+                let who = self.skilled(skill);
+                let within = |load: &&mut Load| who.iter().all(|each| load.members.contains(each));
+                for load in skills.iter_mut().filter(within) {
+                    load.take(work, setup, due);
+                }
+            }
+        }
+    }
+
+    /// Plain work or passes of a piece, s, without loading.
+    fn alone(&self, part: usize, operation: usize) -> f64 {
+        let work = &self.scenario.parts[part].operations[operation].work;
+        let plain = if let Work::Plain(time) = work { time.mean() } else { 0.0 };
+        plain + self.cutting[part][operation]
+    }
+
+    /// A piece, s, on the machine where it takes least, and the least setup between groups, s.
+    fn need(&self, part: usize, operation: usize) -> Need {
+        let scenario = self.scenario;
+        let own: &Operation = &scenario.parts[part].operations[operation];
+        let least = |of: &dyn Fn(usize) -> f64| own.machines.iter().map(|&each| of(each)).fold(f64::INFINITY, f64::min);
+        let handling = least(&|machine| {
+            let machine = &scenario.machines[machine];
+            machine.load_time.mean() + machine.unload_time.mean()
+        });
+        let setup = least(&|machine| {
+            let machine = &scenario.machines[machine];
+            let Some(matrix) = machine.setup_matrix.map(|index| &scenario.setup_matrices[index]) else {
+                return own.setup_time.unwrap_or(machine.setup_time);
+            };
+            let Some(to) = matrix.group(&own.setup_group) else { return 0.0 };
+            let from = (0..matrix.times.len()).filter(|from| *from != to);
+            from.map(|from| matrix.times[from][to]).reduce(f64::min).unwrap_or(matrix.times[to][to])
+        });
+        Need { work: handling + self.alone(part, operation), setup }
+    }
+
+    /// Working time of several calendars from `from` to `to`, the horizon where it is left out, s.
+    fn capacity(&self, calendars: impl Iterator<Item = Option<usize>>, from: f64, to: Option<f64>) -> f64 {
+        let to = to.unwrap_or(self.scenario.horizon);
+        let time = |calendar: Option<usize>| {
+            calendar.map_or((to - from).max(0.0), |index| self.scenario.calendars[index].working_time(from, to))
+        };
+        calendars.map(time).sum()
+    }
+
+    /// What is wrong with the load of a station or skill.
+    fn overload(&self, load: &Load) -> Option<String> {
+        let hours = |seconds: f64| format!("{:.1} h", seconds / 3600.0);
+        if load.share() > 1.0 {
+            return Some(format!(
+                "{} is overloaded: {} of work and {} of setups until {}, but {} of working time ({:.0} %)",
+                load.name,
+                hours(load.work),
+                hours(load.setup),
+                self.shown(self.scenario.horizon),
+                hours(load.capacity),
+                100.0 * load.share(),
+            ));
+        }
+        let calendars = || {
+            load.members.iter().map(|&each| match load.name.starts_with(SKILL) {
+                true => self.scenario.operators[each].calendar,
+                false => self.scenario.machines[each].calendar,
+            })
+        };
+        let mut dues = load.dues.clone();
+        dues.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut work = 0.0;
+        let mut worst: Option<(f64, f64, f64)> = None;
+        for (i, (due, own)) in dues.iter().enumerate() {
+            work += own;
+            if dues.get(i + 1).is_some_and(|next| next.0 == *due) || *due > self.scenario.horizon {
+                continue;
+            }
+            let capacity = self.capacity(calendars(), 0.0, Some(*due));
+            if work > capacity && worst.is_none_or(|(_, most, least)| work * least > most * capacity) {
+                worst = Some((*due, work, capacity));
+            }
+        }
+        let (due, work, capacity) = worst?;
+        Some(format!(
+            "{} cannot do in time what is due until {}: {} of work, but {} of working time until then",
+            load.name,
+            self.shown(due),
+            hours(work),
+            hours(capacity),
+        ))
+    }
+
+    /// A due date that cannot be met even if nothing else is in the shop and every machine stands ready.
+    fn unreachable(&self, order: &Order) -> Option<String> {
+        let finish = self.earliest(order);
+        // Sums of times round differently than the simulation: a second is no delay.
+        if finish <= order.due + 1.0 {
+            return None;
+        }
+        let (due, finish) = (self.shown(order.due), self.shown(finish));
+        Some(format!(
+            "order {} cannot be finished before {finish}, and is due {due} (mean times, nothing else in the shop, no setups)",
+            order.id
+        ))
+    }
+
+    /// When an order is finished if nothing else is in the shop, s.
+    fn earliest(&self, order: &Order) -> f64 {
+        let part: &Part = &self.scenario.parts[order.part];
+        let pieces = f64::from(order.quantity);
+        let batch = f64::from(order.transfer.unwrap_or(order.quantity).min(order.quantity));
+        let last = pieces - batch * ((pieces / batch).ceil() - 1.0);
+        // Pieces of a routing that cuts are worked on one by one, on several machines at once.
+        let one_by_one = part.operations.iter().any(|own| !matches!(own.work, Work::Plain(_)));
+        let (mut begun, mut finished) = (order.release, order.release);
+        for (number, operation) in part.operations.iter().enumerate() {
+            let unit = self.need(order.part, number).work;
+            let after = |time: f64, pieces: f64| {
+                let ends = operation.machines.iter().map(|&machine| {
+                    let calendar = self.scenario.machines[machine].calendar;
+                    worked(calendar.map(|index| &self.scenario.calendars[index]), time, pieces * unit)
+                });
+                ends.fold(f64::INFINITY, f64::min)
+            };
+            if one_by_one {
+                finished = after(finished, (pieces / operation.machines.len() as f64).ceil());
+            } else {
+                let first = after(begun, batch);
+                finished = after(begun, pieces).max(after(finished, last));
+                begun = first;
+            }
+        }
+        finished
+    }
+
+    /// A time as people read it.
+    fn shown(&self, time: f64) -> String {
+        match self.scenario.start {
+            Some(_) if time.is_infinite() => "any date".to_owned(),
+            Some(start) => date::show(start + time),
+            None => format!("{:.2} h", time / 3600.0),
+        }
+    }
+}
+
+/// How names of skills begin.
+const SKILL: &str = "skill ";
+
+impl Load {
+    fn take(&mut self, work: f64, setup: f64, due: Option<f64>) {
+        self.work += work;
+        self.setup += setup;
+        self.dues.extend(due.map(|due| (due, work)));
+    }
+}
+
+/// When work of `need`, s, ends that begins at `time` or when the calendar works next, s.
+fn worked(calendar: Option<&ShiftCalendar>, time: f64, need: f64) -> f64 {
+    let Some(calendar) = calendar else { return time + need };
+    let (mut now, mut left) = (time, need);
+    loop {
+        if calendar.works_at(now) {
+            let end = calendar.next_boundary(now).map_or(f64::INFINITY, |boundary| boundary.time);
+            // What is finished at the end of a shift is never later than this.
+            let over = if calendar.at_end == Interruption::Finish { left } else { calendar.finish_within };
+            if left <= end - now + over {
+                return now + left;
+            }
+            left -= end - now;
+            now = end;
+        } else {
+            match calendar.next_boundary(now) {
+                Some(boundary) => now = boundary.time,
+                None => return f64::INFINITY,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use toolroom_scenario::file::{ScenarioFile, read};
+
+    fn shipped(name: &str, set: &[&str]) -> ScenarioFile {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/shop").join(name);
+        let set: Vec<String> = set.iter().map(|each| (*each).to_owned()).collect();
+        read(&path, &set).expect("a shipped scenario")
+    }
+
+    #[test]
+    fn load_and_earliest_finish_are_those_computed_independently() {
+        let found = workload(&shipped("orders.toml", &[]).scenario);
+        // Turning: 320 + 360 + 300 + 240 + 480 + 960 min on two lathes that work eight weekdays of 8 h and 4 h of overtime.
+        let lathes = &found.loads[0];
+        assert_eq!((lathes.name.as_str(), lathes.work, lathes.capacity), ("T1 + T2", 2660.0 * 60.0, 136.0 * 3600.0));
+        assert_eq!(lathes.setup, (2.0 * 30.0 + 4.0 * 45.0) * 60.0);
+        // O6: turned until Thu 14:00, washed Sat 06:00 to 08:40, measured Tue 06:00 to 12:40.
+        assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
+        assert!(found.warnings[0].starts_with("order O6 cannot be finished before 2026-04-07 12:40"), "{found:?}");
+    }
+
+    #[test]
+    fn an_overload_is_told_for_the_horizon_and_for_the_dates_within() {
+        let slow = |time: &str| {
+            let change = format!("part.shaft.operation.measure.work=\"{time}\"");
+            workload(&shipped("orders.toml", &[&change]).scenario).warnings
+        };
+        // 70 shafts of 2 h are more than the CMM works in two weeks.
+        assert!(slow("2 h").iter().any(|told| told.starts_with("C is overloaded: 15")), "{:?}", slow("2 h"));
+        // Of 30 min: O4 needs 15 h and the rings of O2 3 h, due on Tuesday 14:00; the CMM works 24 h by then. With O1
+        // and O3 it is 40 h by Wednesday 14:00, and the CMM works 40 h: 2 + 3 + 20 + 15 = 40.08 h are more.
+        let told = slow("30 min");
+        assert!(
+            told.iter().any(|each| each.starts_with("C cannot do in time what is due until 2026-04-01 14:00")),
+            "{told:?}"
+        );
+    }
+
+    #[test]
+    fn a_skill_is_a_station_and_sources_count_by_their_rates() {
+        let people = workload(&shipped("operators.toml", &[]).scenario);
+        let setter = people.loads.iter().find(|load| load.name == "skill setup").expect("the setter");
+        // From small to large 20 min, from large to small 45 min; the day has one shift of 8 h.
+        assert_eq!((setter.setup, setter.capacity), (65.0 * 60.0, 8.0 * 3600.0));
+        let queue = workload(&shipped("queue.toml", &[]).scenario);
+        assert!((queue.loads[0].share() - 0.8).abs() < 1e-9 && queue.warnings.is_empty(), "{queue:?}");
+    }
+}

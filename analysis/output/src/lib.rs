@@ -1,0 +1,28 @@
+//! What a command writes, and what it leaves alone.
+//!
+//! | place | who |
+//! |---|---|
+//! | a folder of results (`--out`) | [`OutputDir`]: a draft, a list of files with hashes, a lock |
+//! | a single file that an option names | [`Files`]: a list beside the file |
+//! | work that is not complete | [`OutputDir::journal`]: what is finished, for going on |
+//! | an end by SIGINT or SIGTERM | [`signals`]: no draft and no lock stays |
+//!
+//! Nothing that toolroom did not write is replaced or removed, but by force; an input of the command never.
+//!
+//! # What is not modelled
+//! A file system that loses what was renamed when the power fails: files are not written through to the disk.
+
+#![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
+
+mod error;
+mod files;
+mod folder;
+mod listed;
+mod lock;
+mod provenance;
+pub mod signals;
+
+pub use error::OutputError;
+pub use files::{Draft, Files};
+pub use folder::OutputDir;
+pub use provenance::{provenance, quoted};
