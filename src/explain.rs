@@ -10,10 +10,18 @@ use toolroom_scenario::file;
 
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
     let all = || {
-        [CODES, file::CODES, program::CODES, toolroom_kinds::CODES, toolroom_planning::CODES, toolroom_watch::CODES]
-            .into_iter()
-            .flatten()
-            .copied()
+        [
+            CODES,
+            file::CODES,
+            program::CODES,
+            toolroom_kinds::CODES,
+            toolroom_planning::CODES,
+            toolroom_shop::CODES,
+            toolroom_watch::CODES,
+        ]
+        .into_iter()
+        .flatten()
+        .copied()
     };
     let wanted: Vec<(&str, &str)> = match &args.code {
         None => all().collect(),

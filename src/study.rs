@@ -81,7 +81,8 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
         policies: request.policies.clone(),
         threads: args.threads,
         until: args.until,
-        logged: args.logged.unwrap_or(request.logged),
+        // Records are those of the first replication.
+        logged: args.logged.unwrap_or(request.logged).max(u32::from(args.records.is_some())),
         known: Arc::clone(&request.known),
         stop_after: args.stop_after,
         tuning: request.tuning.clone(),

@@ -1,4 +1,4 @@
-//! Key figures of one replication, from its log alone.
+//! Key figures of one replication, counted while it runs, or from its log alone.
 //!
 //! Words and time elements follow ISO 22400-2. Statistics cover the window from the end of the
 //! warm-up to the horizon; what straddles one of its ends counts with its share inside.
@@ -36,13 +36,13 @@
 //! The cost of the material of good parts, energy prices, and wages outside the machine rate: they
 //! are the same under every policy.
 
+mod counting;
 mod definition;
 mod tally;
 
+pub use counting::Counting;
 pub use definition::{Better, Definition, Kpi, kpis};
 
-use definition::{MACHINE, SHOP};
-use tally::Tally;
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;
 
@@ -52,10 +52,7 @@ use toolroom_shop::runlog::RunLog;
 /// # Examples
 /// See [`run_study`](crate::study::run_study), which calls it for every replication.
 pub fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
-    let tally = Tally::new(scenario, log);
-    let shop = SHOP.iter().map(|(_, value)| value(scenario, &tally));
-    let machines = tally.machines.iter().flat_map(|machine| MACHINE.iter().map(|(_, value)| value(&tally, machine)));
-    shop.chain(machines).map(|value| if value.is_finite() { value } else { f64::NAN }).collect()
+    Counting::of(scenario, log).values()
 }
 
 /// The machines whose speed the policy sets, by their tools (the lathes); all machines in a shop

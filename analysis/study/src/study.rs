@@ -16,7 +16,7 @@ mod stored;
 
 pub use stored::{KnownRuns, StoredRun, known_of, stored_digest, stored_runs};
 
-use crate::kpi::{self, Kpi};
+use crate::kpi::{self, Counting, Kpi};
 use crate::logs::{LogError, LogWriter};
 use crate::planner::Figures;
 use crate::tune::Tuning;
@@ -29,8 +29,8 @@ use toolroom_kernel::SimTime;
 use toolroom_scenario::Scenario;
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_shards::{FNV_OFFSET, Journal, fnv};
-use toolroom_shop::runlog::ChangeReason;
-use toolroom_shop::{RunLog, Shop, ShopError};
+use toolroom_shop::runlog::{ChangeReason, EdgeRow};
+use toolroom_shop::{Recorder, RunLog, Shop, ShopError};
 use toolroom_statistics::{CONFIDENCE, t_interval};
 
 /// Replications between two checks of the stop rule where logs are kept.
@@ -283,10 +283,19 @@ pub fn run_study_as_far(
     let resolved = resolve(scenario, &options.policies)?;
     let simulate = |policy: usize, replication| {
         let world = scenario.drawn(replication)?;
-        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?;
-        unless_stopped(shop, scenario.horizon, stop)
+        let log = keeps_log(scenario, options, replication).then(RunLog::default);
+        let recorder = (Counting::new(scenario), log);
+        let shop = Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, recorder)?;
+        let ended = unless_stopped(shop, scenario.horizon, stop)?;
+        Ok(ended.map(|(counting, log)| Run::of(scenario, &counting, log)))
     };
     study_as_far(scenario, options, logs, progress, stop, &simulate)
+}
+
+/// Whether the log of a replication is needed: to be written, for pictures of the first one, or for what a
+/// planner asks.
+fn keeps_log(scenario: &Scenario, options: &StudyOptions, replication: u32) -> bool {
+    replication < options.logged || !scenario.orders.is_empty()
 }
 
 /// Pieces of a run between which it looks whether it is still wanted.
@@ -294,11 +303,11 @@ const LOOKS: u32 = 256;
 
 /// Runs a shop to its horizon; `None` where `stop` is set on the way. Stopping between events at any time changes
 /// nothing of a run that goes on.
-pub(crate) fn unless_stopped(
-    mut shop: Shop<'_, RunLog>,
+pub(crate) fn unless_stopped<R: Recorder>(
+    mut shop: Shop<'_, R>,
     horizon: f64,
     stop: &AtomicBool,
-) -> Result<Option<RunLog>, ShopError> {
+) -> Result<Option<R>, ShopError> {
     for look in 1..LOOKS {
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
@@ -361,11 +370,23 @@ struct Run {
     log: Option<RunLog>,
 }
 
-/// Key figures of a run, then what a planner asks.
-fn evaluate(scenario: &Scenario, log: &RunLog) -> Vec<f64> {
-    let mut values = kpi::evaluate(scenario, log);
-    values.extend(Figures::of(scenario).evaluate(scenario, log));
-    values
+impl Run {
+    /// A run that is over, from its log.
+    #[cfg(test)]
+    fn of_log(scenario: &Scenario, log: RunLog) -> Self {
+        Self::of(scenario, &Counting::of(scenario, &log), Some(log))
+    }
+
+    /// What was counted, and the log, where one was kept.
+    fn of(scenario: &Scenario, counting: &Counting<'_>, log: Option<RunLog>) -> Self {
+        let mut values = counting.values();
+        if let Some(log) = &log {
+            values.extend(Figures::of(scenario).evaluate(scenario, log));
+        }
+        let life = |edge: &EdgeRow| EdgeLife { cutting_time: edge.cutting_time, reason: edge.reason };
+        let digest = counting.closing().map_or(0, |closing| closing.digest);
+        Self { values, digest, lives: counting.lives().map(life).collect(), log }
+    }
 }
 
 #[cfg(test)]
@@ -380,7 +401,7 @@ pub(crate) fn study_with<S>(
 where
     S: Fn(usize, u32) -> Result<RunLog, ShopError> + Sync,
 {
-    let simulate = |policy, replication| simulate(policy, replication).map(Some);
+    let simulate = |policy, replication| Ok(Some(Run::of_log(scenario, simulate(policy, replication)?)));
     whole(study_as_far(scenario, options, logs, progress, stop, &simulate)?)
 }
 
@@ -393,7 +414,7 @@ fn study_as_far<S>(
     simulate: &S,
 ) -> Result<(Study, Option<StoppedShop>), StudyError>
 where
-    S: Fn(usize, u32) -> Result<Option<RunLog>, ShopError> + Sync,
+    S: Fn(usize, u32) -> Result<Option<Run>, ShopError> + Sync,
 {
     check(scenario, options)?;
     let pool = rayon::ThreadPoolBuilder::new()
@@ -404,17 +425,11 @@ where
     let total = options.replications.saturating_mul(count as u32);
     let before = options.earlier.as_ref().map_or(0, |earlier| earlier.replications);
     let done = AtomicU32::new(before.saturating_mul(count as u32));
-    let lathes = kpi::cell(scenario);
     // `None` where the run was given up.
     let evaluated = |policy: usize, replication: u32| -> Option<Result<Run, StoppedShop>> {
-        let run = |log: RunLog| Run {
-            values: evaluate(scenario, &log),
-            digest: log.digest,
-            lives: lives(&log, &lathes),
-            log: (replication == 0 || replication < options.logged).then_some(log),
-        };
+        let kept = |run: Run| Run { log: run.log.filter(|_| replication < options.logged), ..run };
         let simulated = simulate(policy, replication).transpose()?;
-        Some(simulated.map(run).map_err(|source| stopped(scenario, policy, replication, source)))
+        Some(simulated.map(kept).map_err(|source| stopped(scenario, policy, replication, source)))
     };
     // Replications after one that stopped are not wanted; those before it decide what is reported.
     let last_wanted = AtomicU32::new(u32::MAX);
@@ -422,7 +437,7 @@ where
         if stop.load(Ordering::Relaxed) || replication > last_wanted.load(Ordering::Relaxed) {
             return None;
         }
-        let with_log = replication < options.logged.max(1);
+        let with_log = replication < options.logged;
         let known = options.known.get(&(replication, policy)).filter(|_| !with_log);
         let run = known.map_or_else(|| evaluated(policy, replication), |known| Some(Ok(known.run())))?;
         match (&run, &options.journal) {
@@ -547,14 +562,6 @@ impl Study {
         self.replications >= Precision::LEAST
             && (0..self.policies.len()).all(|policy| Precision::WATCHED.iter().all(|id| known(policy, id)))
     }
-}
-
-fn lives(log: &RunLog, lathes: &[usize]) -> Vec<EdgeLife> {
-    log.edges
-        .iter()
-        .filter(|edge| edge.reason != ChangeReason::EndOfRun && lathes.contains(&(edge.machine as usize)))
-        .map(|edge| EdgeLife { cutting_time: edge.cutting_time, reason: edge.reason })
-        .collect()
 }
 
 #[cfg(test)]

@@ -119,7 +119,7 @@ impl<R: Recorder> Shop<'_, R> {
                 *self.world.jobs.drawn_mut(slot, *operation) = time.sample(stream);
             }
         }
-        self.recorder.job(number, row);
+        self.recorder.arrival(number, row);
         self.log_event("arrival", None, Some(number), None);
         self.enqueue(slot, None)
     }
@@ -193,7 +193,7 @@ impl<R: Recorder> Shop<'_, R> {
                     *self.world.jobs.drawn_mut(slot, operation) = *time;
                 }
             }
-            self.recorder.job(number, row);
+            self.recorder.arrival(number, row);
             self.log_event("arrival", None, Some(number), None);
             self.enqueue(slot, None)?;
         }

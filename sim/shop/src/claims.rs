@@ -159,6 +159,7 @@ impl Recorder for Stays {
             self.count += 1.0;
         }
     }
+    fn arrival(&mut self, _: u32, _: JobRow) {}
     fn pass(&mut self, _: PassRow) {}
     fn edge(&mut self, _: u32, _: EdgeRow) {}
     fn operation(&mut self, _: OperationRow) {}

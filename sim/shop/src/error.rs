@@ -4,6 +4,12 @@ use toolroom_kernel::KernelError;
 use toolroom_process::ModelError;
 use toolroom_scenario::policies::ResolveError;
 
+/// Codes of what stops a shop on its way, each with its explanation.
+pub const CODES: &[(&str, &str)] = &[(
+    "deadlock",
+    "Parts wait for each other's places in a circle, so that none of them can ever move: A holds a part that wants B, which holds a part that wants A. The message names the time at which the circle formed and who holds what. A place more in the circle (`input_buffer`, `output_buffer`, `[[buffer]]`), fewer parts in the shop (`constant_work`), or `deadlock = \"swap\"` in [dispatch], which lets the parts of the circle change places in no time, help. docs/guide/shops.md says when parts move.",
+)];
+
 /// Why a shop could not be made or stopped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

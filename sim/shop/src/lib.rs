@@ -69,7 +69,7 @@ pub use chatter::{Reaction, Surface, Vibration};
 pub use claims::claims;
 pub use cut::Segment;
 pub use edge::Edge;
-pub use error::{Refusal, ShopError};
+pub use error::{CODES, Refusal, ShopError};
 pub use event::Event;
 pub use flow::{Flow, Place};
 pub use job::{Job, Jobs, Origin};

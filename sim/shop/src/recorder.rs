@@ -9,7 +9,9 @@ pub trait Recorder: Clone {
     fn pass(&mut self, row: PassRow);
     /// Edge `number` was mounted, or left the machine.
     fn edge(&mut self, number: u32, row: EdgeRow);
-    /// Job `number` arrived, or left the shop.
+    /// Job `number` arrived.
+    fn arrival(&mut self, number: u32, row: JobRow);
+    /// Job `number` left the shop, or is in it at the end of the run.
     fn job(&mut self, number: u32, row: JobRow);
     /// An operation is completed, lost, or in process at the end of the run.
     fn operation(&mut self, row: OperationRow);
@@ -34,6 +36,49 @@ pub struct Closing {
     pub calendar_events: u64,
 }
 
+/// Two recorders that are told the same; the second may be left out.
+impl<A: Recorder, B: Recorder> Recorder for (A, Option<B>) {
+    fn pass(&mut self, row: PassRow) {
+        self.0.pass(row);
+        self.1.iter_mut().for_each(|other| other.pass(row));
+    }
+
+    fn edge(&mut self, number: u32, row: EdgeRow) {
+        self.0.edge(number, row);
+        self.1.iter_mut().for_each(|other| other.edge(number, row));
+    }
+
+    fn arrival(&mut self, number: u32, row: JobRow) {
+        self.0.arrival(number, row);
+        self.1.iter_mut().for_each(|other| other.arrival(number, row));
+    }
+
+    fn job(&mut self, number: u32, row: JobRow) {
+        self.0.job(number, row);
+        self.1.iter_mut().for_each(|other| other.job(number, row));
+    }
+
+    fn operation(&mut self, row: OperationRow) {
+        self.0.operation(row);
+        self.1.iter_mut().for_each(|other| other.operation(row));
+    }
+
+    fn state(&mut self, row: StateRow) {
+        self.0.state(row);
+        self.1.iter_mut().for_each(|other| other.state(row));
+    }
+
+    fn event(&mut self, row: EventRow) {
+        self.0.event(row);
+        self.1.iter_mut().for_each(|other| other.event(row));
+    }
+
+    fn close(&mut self, closing: Closing) {
+        self.0.close(closing);
+        self.1.iter_mut().for_each(|other| other.close(closing));
+    }
+}
+
 /// Keeps nothing, costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Silent;
@@ -41,6 +86,7 @@ pub struct Silent;
 impl Recorder for Silent {
     fn pass(&mut self, _: PassRow) {}
     fn edge(&mut self, _: u32, _: EdgeRow) {}
+    fn arrival(&mut self, _: u32, _: JobRow) {}
     fn job(&mut self, _: u32, _: JobRow) {}
     fn operation(&mut self, _: OperationRow) {}
     fn state(&mut self, _: StateRow) {}
@@ -55,6 +101,10 @@ impl Recorder for RunLog {
 
     fn edge(&mut self, number: u32, row: EdgeRow) {
         put(&mut self.edges, number, row);
+    }
+
+    fn arrival(&mut self, number: u32, row: JobRow) {
+        put(&mut self.jobs, number, row);
     }
 
     fn job(&mut self, number: u32, row: JobRow) {

@@ -327,7 +327,7 @@ pub(super) const SHOP: &[ShopFigure] = &[
             Less,
             "Time in cut of the wheels per operation that they did; one that is not whole in the window counts in part.",
         ),
-        |_, t| t.wheel_time / t.wheel_parts,
+        |_, t| t.wheel_time / t.wheel_parts(),
     ),
     (
         define(

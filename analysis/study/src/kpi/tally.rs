@@ -1,10 +1,9 @@
-//! One walk over the tables of a log: everything that the key figures divide.
+//! Everything that the key figures divide: sums to which every fact of a run is added once.
 
 use super::cell;
-use toolroom_scenario::{ArrivalPattern, ProcessModel, Scenario};
-use toolroom_shop::programmed_cutting_times;
+use toolroom_scenario::{ArrivalPattern, ProcessModel, Scenario, ShiftCalendar};
 use toolroom_shop::runlog::{
-    ChangeReason, EventRow, JobOutcome, MachineState, OperationResult, OperationRow, PassRow, RunLog, StateRow,
+    ChangeReason, EdgeRow, EventRow, JobOutcome, JobRow, MachineState, OperationResult, OperationRow, PassRow, StateRow,
 };
 
 /// Sums of one machine, s unless said otherwise.
@@ -28,6 +27,8 @@ pub(super) struct MachineTally {
     pub good: f64,
     /// Failures, 1.
     pub failures: f64,
+    /// Operations that a wheel did, by their part in the window.
+    pub wheel_parts: f64,
 }
 
 impl MachineTally {
@@ -113,9 +114,8 @@ pub(super) struct Tally {
     pub milling_speed: Speed,
     /// Path of the mills along the feed, m.
     pub milling_path: f64,
-    /// Time in cut of wheels, s, and operations that they did, by their part in the window.
+    /// Time in cut of wheels, s.
     pub wheel_time: f64,
-    pub wheel_parts: f64,
     /// J.
     pub energy: f64,
 }
@@ -152,26 +152,32 @@ fn share_after(from: f64, start: f64, end: f64) -> f64 {
     }
 }
 
+/// The calendar of a machine.
+fn calendar(scenario: &Scenario, machine: usize) -> Option<&ShiftCalendar> {
+    scenario.machines[machine].calendar.map(|index| &scenario.calendars[index])
+}
+
 impl Tally {
-    pub fn new(scenario: &Scenario, log: &RunLog) -> Self {
-        let mut tally = Self {
-            window: log.horizon - scenario.warm_up,
-            machines: vec![MachineTally::default(); scenario.machines.len()],
-            ..Self::default()
-        };
-        tally.add_states(scenario, log);
-        tally.add_passes(scenario, log);
-        tally.add_operations(scenario, log);
-        tally.add_jobs(scenario, log);
-        tally.add_edges(scenario, log);
-        for event in log.events.iter().filter(|row| row.event == "failure" && row.time >= scenario.warm_up) {
-            if let Some(machine) = event.machine {
-                tally.machines[machine as usize].failures += 1.0;
-            }
+    pub fn new(scenario: &Scenario) -> Self {
+        Self { machines: vec![MachineTally::default(); scenario.machines.len()], ..Self::default() }
+    }
+
+    /// Operations that wheels did, by their part in the window.
+    pub fn wheel_parts(&self) -> f64 {
+        self.sum(|machine| machine.wheel_parts)
+    }
+
+    /// A failure or the onset of chatter counts.
+    pub fn add_event(&mut self, scenario: &Scenario, row: &EventRow) {
+        if row.time < scenario.warm_up {
+            return;
         }
-        let onset = |event: &&EventRow| event.event == "chatter_onset" && event.time >= scenario.warm_up;
-        tally.chatter_onsets = log.events.iter().filter(onset).count() as u32;
-        tally
+        if row.event == "failure"
+            && let Some(machine) = row.machine
+        {
+            self.machines[machine as usize].failures += 1.0;
+        }
+        self.chatter_onsets += u32::from(row.event == "chatter_onset");
     }
 
     /// Shifts worked: working time of the machine longest in shift over the length of a shift.
@@ -203,74 +209,84 @@ impl Tally {
 
     /// Planned busy time comes from the calendar alone, whatever the machine does; what it works
     /// beyond the end of a shift is added.
-    fn add_states(&mut self, scenario: &Scenario, log: &RunLog) {
-        let calendar = |machine: usize| scenario.machines[machine].calendar.map(|index| &scenario.calendars[index]);
-        for row in log.states.iter().filter(|row| row.end > scenario.warm_up) {
-            let from = row.start.max(scenario.warm_up);
-            let inside = row.end - from;
-            let tally = &mut self.machines[row.machine as usize];
-            if row.in_shift {
-                tally.states[row.state as usize] += inside;
-                let planned = calendar(row.machine as usize).map(|calendar| calendar.working_time(from, row.end));
-                tally.planned_busy_time += planned.map_or(0.0, |planned| inside - planned);
-                continue;
-            }
-            tally.states[MachineState::OffShift as usize] += inside;
-            if row.state == MachineState::Down {
-                tally.repair_off_shift += inside;
-            }
+    pub fn add_state(&mut self, scenario: &Scenario, row: &StateRow) {
+        if row.end <= scenario.warm_up {
+            return;
         }
+        let from = row.start.max(scenario.warm_up);
+        let inside = row.end - from;
+        let tally = &mut self.machines[row.machine as usize];
+        if row.in_shift {
+            tally.states[row.state as usize] += inside;
+            let planned = calendar(scenario, row.machine as usize).map(|calendar| calendar.working_time(from, row.end));
+            tally.planned_busy_time += planned.map_or(0.0, |planned| inside - planned);
+            return;
+        }
+        tally.states[MachineState::OffShift as usize] += inside;
+        if row.state == MachineState::Down {
+            tally.repair_off_shift += inside;
+        }
+    }
+
+    /// What the calendars plan until the end of the run, and what that costs.
+    pub fn close_machines(&mut self, scenario: &Scenario, horizon: f64) {
+        self.window = horizon - scenario.warm_up;
         for (index, machine) in scenario.machines.iter().enumerate() {
             let tally = &mut self.machines[index];
-            tally.planned_busy_time +=
-                calendar(index).map_or(self.window, |calendar| calendar.working_time(scenario.warm_up, log.horizon));
+            tally.planned_busy_time += calendar(scenario, index)
+                .map_or(self.window, |calendar| calendar.working_time(scenario.warm_up, horizon));
             self.machine_cost += machine.rate * tally.planned_busy_time();
             self.energy += machine.idle_power * tally.planned_busy_time();
         }
-    }
-
-    fn add_passes(&mut self, scenario: &Scenario, log: &RunLog) {
-        for row in &log.passes {
-            let share = share_after(scenario.warm_up, row.start, row.end);
-            self.energy += row.energy * share;
-            if !row.stability_margin.is_nan() {
-                self.judged_time += row.cutting_time * share;
-                self.chatter_time += row.chatter_time * share;
-            }
+        if scenario.arrivals.iter().any(|arrival| matches!(arrival.pattern, ArrivalPattern::ConstantWork { .. })) {
+            self.offered = f64::INFINITY;
+        }
+        if scenario.tools.is_empty() {
+            // Where nothing is cut, these are no figures.
+            (self.edges, self.failed_edges, self.dressings) = (f64::NAN, f64::NAN, f64::NAN);
         }
     }
 
-    /// Operations earn their programmed time by the share of their own production time that lies in
-    /// the window; the quantities count what is completed in it. What an interruption undid took time
-    /// and earns nothing.
-    fn add_operations(&mut self, scenario: &Scenario, log: &RunLog) {
-        let programmed = programmed_cutting_times(scenario);
-        let mut production: Vec<Vec<&StateRow>> = vec![Vec::new(); scenario.machines.len()];
-        let productive = |row: &&StateRow| {
-            matches!(row.state, MachineState::Cutting | MachineState::Working | MachineState::Handling)
-        };
-        log.states.iter().filter(productive).for_each(|row| production[row.machine as usize].push(row));
-        // Both are in the order of time on every machine.
-        let mut first = vec![0; scenario.machines.len()];
-        for row in &log.operations {
-            let machine = row.machine as usize;
-            let until = if row.end.is_nan() { log.horizon } else { row.end };
-            let own = &production[machine];
-            while own.get(first[machine]).is_some_and(|state| state.end <= row.start) {
-                first[machine] += 1;
-            }
-            let during = own[first[machine]..].iter().take_while(|state| state.start < until);
-            let since =
-                |from: f64| during.clone().map(|state| (state.end - state.start.max(from)).max(0.0)).sum::<f64>();
-            let (done, inside) = (since(row.start), since(row.start.max(scenario.warm_up)));
-            let completed = row.end >= scenario.warm_up;
-            let whole = done + row.time_left;
-            let share = if whole > 0.0 { inside / whole } else { f64::from(u8::from(completed)) };
-            self.add_operation(scenario, programmed[row.part as usize][row.operation as usize], row, share, completed);
+    /// A pass; its time in cut within the window, s.
+    pub fn add_pass(&mut self, scenario: &Scenario, row: &PassRow, in_cell: bool) -> f64 {
+        let share = share_after(scenario.warm_up, row.start, row.end);
+        self.energy += row.energy * share;
+        if !row.stability_margin.is_nan() {
+            self.judged_time += row.cutting_time * share;
+            self.chatter_time += row.chatter_time * share;
         }
+        let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
+        let process = operation.tool.and_then(|tool| scenario.tools.get(tool)).map(|tool| &tool.process);
+        if matches!(process, Some(ProcessModel::Infeed(_))) {
+            self.wheel_time += row.cutting_time * share;
+        }
+        match process.map(ProcessModel::name) {
+            Some("turning") => self.turning_speed.add(row, share),
+            Some("milling") => {
+                self.milling_speed.add(row, share);
+                self.milling_path += row.path * share;
+            }
+            _ => {}
+        }
+        if in_cell {
+            self.cell_speed.add(row, share);
+            self.cell_edge_time += row.cutting_time * share;
+            self.cell_path += row.path * share;
+        }
+        row.cutting_time * share
     }
 
-    fn add_operation(&mut self, scenario: &Scenario, programmed: f64, row: &OperationRow, share: f64, completed: bool) {
+    /// An operation of `programmed` cutting time earns its planned time by the share of its own production time
+    /// that lies in the window; the quantities count what is completed in it. What an interruption undid took
+    /// time and earns nothing.
+    pub fn add_operation(
+        &mut self,
+        scenario: &Scenario,
+        programmed: f64,
+        row: &OperationRow,
+        share: f64,
+        completed: bool,
+    ) {
         let machine = &scenario.machines[row.machine as usize];
         let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
         let work = programmed + operation.work.plain_time();
@@ -284,7 +300,7 @@ impl Tally {
         }
         tally.earned += planned * share;
         if ground {
-            self.wheel_parts += share;
+            tally.wheel_parts += share;
         }
         if row.result != OperationResult::Bad {
             tally.programmed_good += programmed * share;
@@ -298,85 +314,49 @@ impl Tally {
         }
     }
 
-    fn add_jobs(&mut self, scenario: &Scenario, log: &RunLog) {
-        for job in &log.jobs {
-            let left = if job.finish.is_nan() { log.horizon } else { job.finish };
-            if left < scenario.warm_up {
-                continue;
-            }
-            self.offered += f64::from(job.quantity);
-            self.job_time += left - job.arrival.max(scenario.warm_up);
-            match job.outcome {
-                JobOutcome::Good => {
-                    self.good += job.quantity;
-                    self.good_jobs += 1;
-                    self.lead_time += job.finish - job.arrival;
-                    self.tardiness += (job.finish - job.due).max(0.0);
-                    self.tardy += u32::from(job.finish > job.due);
-                }
-                JobOutcome::InProcess => {}
-                outcome @ (JobOutcome::ToolFailure
-                | JobOutcome::OutOfTolerance
-                | JobOutcome::Burnt
-                | JobOutcome::Chatter
-                | JobOutcome::Breakdown
-                | JobOutcome::ShiftEnd) => {
-                    let lost = job.quantity;
-                    self.scrapped += lost;
-                    self.scrapped_by_tool += lost * u32::from(outcome == JobOutcome::ToolFailure);
-                    self.out_of_tolerance += lost * u32::from(outcome == JobOutcome::OutOfTolerance);
-                    self.burnt += lost * u32::from(outcome == JobOutcome::Burnt);
-                    self.scrapped_by_chatter += lost * u32::from(outcome == JobOutcome::Chatter);
-                    self.scrap_cost += f64::from(lost) * scenario.parts[job.part as usize].material_cost;
-                }
-            }
+    /// A job that has left the shop, or is in it at the horizon.
+    pub fn add_job(&mut self, scenario: &Scenario, job: &JobRow, horizon: f64) {
+        let left = if job.finish.is_nan() { horizon } else { job.finish };
+        if left < scenario.warm_up {
+            return;
         }
-        if scenario.arrivals.iter().any(|arrival| matches!(arrival.pattern, ArrivalPattern::ConstantWork { .. })) {
-            self.offered = f64::INFINITY;
+        self.offered += f64::from(job.quantity);
+        self.job_time += left - job.arrival.max(scenario.warm_up);
+        match job.outcome {
+            JobOutcome::Good => {
+                self.good += job.quantity;
+                self.good_jobs += 1;
+                self.lead_time += job.finish - job.arrival;
+                self.tardiness += (job.finish - job.due).max(0.0);
+                self.tardy += u32::from(job.finish > job.due);
+            }
+            JobOutcome::InProcess => {}
+            outcome @ (JobOutcome::ToolFailure
+            | JobOutcome::OutOfTolerance
+            | JobOutcome::Burnt
+            | JobOutcome::Chatter
+            | JobOutcome::Breakdown
+            | JobOutcome::ShiftEnd) => {
+                let lost = job.quantity;
+                self.scrapped += lost;
+                self.scrapped_by_tool += lost * u32::from(outcome == JobOutcome::ToolFailure);
+                self.out_of_tolerance += lost * u32::from(outcome == JobOutcome::OutOfTolerance);
+                self.burnt += lost * u32::from(outcome == JobOutcome::Burnt);
+                self.scrapped_by_chatter += lost * u32::from(outcome == JobOutcome::Chatter);
+                self.scrap_cost += f64::from(lost) * scenario.parts[job.part as usize].material_cost;
+            }
         }
     }
 
-    fn add_edges(&mut self, scenario: &Scenario, log: &RunLog) {
-        let in_cell = {
-            let mut flags = vec![false; scenario.machines.len()];
-            cell(scenario).into_iter().for_each(|machine| flags[machine] = true);
-            flags
-        };
-        // Time in cut within the window, by edge.
-        let mut inside = vec![0.0; log.edges.len()];
-        for row in &log.passes {
-            let share = share_after(scenario.warm_up, row.start, row.end);
-            inside[row.edge as usize] += row.cutting_time * share;
-            let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
-            let process = operation.tool.and_then(|tool| scenario.tools.get(tool)).map(|tool| &tool.process);
-            if matches!(process, Some(ProcessModel::Infeed(_))) {
-                self.wheel_time += row.cutting_time * share;
-            }
-            match process.map(ProcessModel::name) {
-                Some("turning") => self.turning_speed.add(row, share),
-                Some("milling") => {
-                    self.milling_speed.add(row, share);
-                    self.milling_path += row.path * share;
-                }
-                _ => {}
-            }
-            if in_cell[row.machine as usize] {
-                self.cell_speed.add(row, share);
-                self.cell_edge_time += row.cutting_time * share;
-                self.cell_path += row.path * share;
-            }
-        }
-        if scenario.tools.is_empty() {
-            // Where nothing is cut, these are no figures.
-            (self.edges, self.failed_edges, self.dressings) = (f64::NAN, f64::NAN, f64::NAN);
-        }
+    /// All edges, each with its time in cut within the window, s.
+    pub fn add_edges(&mut self, scenario: &Scenario, edges: &[(EdgeRow, f64)], in_cell: &[bool]) {
         let mut life = vec![(0.0, 0.0); scenario.tools.len()];
-        for edge in log.edges.iter().filter(|edge| edge.reason != ChangeReason::EndOfRun) {
+        for (edge, _) in edges.iter().filter(|(edge, _)| edge.reason != ChangeReason::EndOfRun) {
             let (time, count) = &mut life[edge.tool as usize];
             *time += edge.cutting_time;
             *count += 1.0;
         }
-        for (edge, inside) in log.edges.iter().zip(inside) {
+        for &(ref edge, inside) in edges {
             let tool = &scenario.tools[edge.tool as usize];
             let (time, count) = life[edge.tool as usize];
             let whole = if edge.reason != ChangeReason::EndOfRun {

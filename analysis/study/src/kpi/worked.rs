@@ -77,6 +77,12 @@ impl Run {
         let log = toolroom_shop::run(&scenario, 0, 0).expect("a run");
         identity(&scenario, &log);
         let values = evaluate(&scenario, &log);
+        let policy =
+            std::sync::Arc::new(toolroom_scenario::policies::ResolvedPolicy::of(&scenario, 0).expect("a policy"));
+        let shop = toolroom_shop::Shop::with_recorder(&scenario, policy, 0, Counting::new(&scenario)).expect("a shop");
+        let counted = shop.run().expect("a run").values();
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&counted), bits(&values), "counted on the way and from the log");
         Self { scenario, log, values }
     }
 
@@ -97,14 +103,15 @@ impl Run {
 
     /// Good parts and paid machine time.
     fn parts_and_cost(&self) -> (u32, f64) {
-        let tally = Tally::new(&self.scenario, &self.log);
+        let counting = Counting::of(&self.scenario, &self.log);
+        let tally = counting.tally();
         (tally.good, tally.machine_cost)
     }
 }
 
 /// PBT = AUBT + ADOT: the time that the calendar plans (and overtime) is that of the states in shift.
 fn identity(scenario: &Scenario, log: &RunLog) {
-    for (machine, tally) in Tally::new(scenario, log).machines.iter().enumerate() {
+    for (machine, tally) in Counting::of(scenario, log).tally().machines.iter().enumerate() {
         let planned = tally.planned_busy_time();
         let spent = tally.busy_time() + tally.state(toolroom_shop::runlog::MachineState::Idle);
         let name = &scenario.machines[machine].name;

@@ -1,7 +1,7 @@
 //! Runs made elsewhere, for studies in shards.
 
-use super::{EdgeLife, NamedLife, Run, StudyError, evaluate, lives, resolve, stopped};
-use crate::kpi;
+use super::{EdgeLife, NamedLife, Run, StudyError, resolve, stopped};
+use crate::kpi::{self, Counting};
 use crate::planner::Figures;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -46,17 +46,18 @@ pub fn known_of(scenario: &Scenario, policies: &[usize], runs: Vec<StoredRun>) -
 /// As [`run_study`](super::run_study).
 pub fn stored_runs(scenario: &Scenario, policies: &[usize], from: u32, to: u32) -> Result<Vec<StoredRun>, StudyError> {
     let resolved = resolve(scenario, policies)?;
-    let lathes = kpi::cell(scenario);
     let tasks: Vec<(u32, usize)> =
         (from..to).flat_map(|replication| policies.iter().map(move |policy| (replication, *policy))).collect();
     let runs = tasks.into_par_iter().map(|(replication, policy)| {
         let run = || {
             let world = scenario.drawn(replication)?;
-            Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, RunLog::default())?.run()
+            // What a planner asks is read from a log.
+            let log = (!scenario.orders.is_empty()).then(RunLog::default);
+            Shop::with_recorder(&world, Arc::clone(&resolved[&policy]), replication, (Counting::new(scenario), log))?
+                .run()
         };
-        let log = run().map_err(|source| stopped(scenario, policy, replication, source))?;
-        let run = Run { values: evaluate(scenario, &log), digest: log.digest, lives: lives(&log, &lathes), log: None };
-        Ok(StoredRun::of(policy, replication, &run))
+        let (counting, log) = run().map_err(|source| stopped(scenario, policy, replication, source))?;
+        Ok(StoredRun::of(policy, replication, &Run::of(scenario, &counting, log)))
     });
     runs.collect::<Vec<_>>().into_iter().collect()
 }

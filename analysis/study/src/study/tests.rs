@@ -138,7 +138,7 @@ fn a_finished_part_that_is_not_repeated_is_refused() {
 fn a_run_that_is_given_up_ends_the_study_after_the_replications_before_it() {
     let given_up = |policy: usize, replication: u32| match (replication, policy) {
         (3, 1) => Ok(None),
-        _ => simulate(policy, replication).map(Some),
+        _ => simulate(policy, replication).map(|log| Some(Run::of_log(&fixture::scenario(), log))),
     };
     let stop = AtomicBool::new(false);
     let ended = study_as_far(&fixture::scenario(), &options(9, 2), None, &|_| {}, &stop, &given_up);
@@ -151,7 +151,7 @@ fn a_run_that_is_given_up_ends_the_study_after_the_replications_before_it() {
 fn a_shop_that_stops_ends_the_study_after_the_replications_before_it() {
     let failing = |policy: usize, replication: u32| match (replication, policy) {
         (3, 1) | (5, 0) => Err(ShopError::NoProgress { time: f64::from(replication), events: 1 }),
-        _ => simulate(policy, replication).map(Some),
+        _ => simulate(policy, replication).map(|log| Some(Run::of_log(&fixture::scenario(), log))),
     };
     let stop = AtomicBool::new(false);
     for threads in [1, 4] {

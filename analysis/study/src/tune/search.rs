@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Reference};
 use super::{Objective, TriedRun, TuneError, TunedPolicy, TunedSetting, given};
-use crate::kpi;
+use crate::kpi::Counting;
 use crate::study::unless_stopped;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use toolroom_scenario::policies::ResolvedPolicy;
 use toolroom_scenario::{PolicyRule, Scenario, TuneRequest};
 use toolroom_shards::Journal;
+use toolroom_shop::Shop;
 use toolroom_shop::runlog::ChangeReason;
-use toolroom_shop::{RunLog, Shop};
 use toolroom_statistics::Moments;
 
 /// Replications of every setting of the first grid, as a share of the budget: 8 of 600. With 24 settings the grid takes a
@@ -239,17 +239,13 @@ impl Field<'_> {
             return Err(TuneError::Stopped);
         }
         let world = scenario.drawn(replication).map_err(|source| refuse(source.into()))?;
-        let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, RunLog::default()).map_err(refuse)?;
-        let log = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
-        let value = objective.sign * kpi::evaluate(scenario, &log)[objective.index];
-        let lathes = kpi::cell(scenario);
-        let left = log
-            .edges
-            .iter()
-            .filter(|edge| edge.reason != ChangeReason::EndOfRun && lathes.contains(&(edge.machine as usize)));
+        let counting = Counting::new(scenario);
+        let shop = Shop::with_recorder(&world, Arc::clone(policy), replication, counting).map_err(refuse)?;
+        let counting = unless_stopped(shop, scenario.horizon, stop).map_err(refuse)?.ok_or(TuneError::Stopped)?;
+        let value = objective.sign * counting.values()[objective.index];
         let mut run =
             Run { objective: if value.is_finite() { value } else { f64::INFINITY }, edges: 0, collapsed: 0, failed: 0 };
-        for edge in left {
+        for edge in counting.lives() {
             let collapsed = edge.reason == ChangeReason::ThermalCollapse;
             run.edges += 1;
             run.collapsed += u32::from(collapsed);
