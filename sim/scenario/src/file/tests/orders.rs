@@ -149,7 +149,11 @@ fn a_mapping_says_what_the_columns_of_an_order_system_are() {
     let orders = of_mapped(table, &columns).expect("a good table");
     let day = 86_400.0;
     assert_eq!((orders[0].id.as_str(), orders[0].quantity, orders[0].due), ("4711", 4, 2.0 * day + 14.0 * 3600.0));
-    assert_eq!(orders[1].due, orders[1].release, "an empty cell is a date that is left out");
+    assert_eq!(
+        orders[1].due,
+        2.0 * day,
+        "an empty cell is a date that is left out: the flow allowance of the part counts"
+    );
     let cases = [
         (table.replace("1.4.2026", "31.4.2026"), columns.clone(), "erp.csv, line 2: ", "31.4.2026"),
         (table.replace("Termin", "Liefertermin"), columns.clone(), "erp.csv, line 1: ", "no column \"Termin\""),
