@@ -5,6 +5,7 @@ mod owned;
 
 mod files;
 mod orders;
+mod planner;
 mod point;
 mod resumed;
 mod study;

@@ -69,6 +69,52 @@ pub fn parse(text: &str) -> Option<f64> {
     Some(day(date)? as f64 * DAY + clock(time)?)
 }
 
+/// Seconds since 1970-01-01 of a date in another form: `%d`, `%m`, `%Y`, `%H` and `%M` stand for day, month, year,
+/// hour and minute, any other character for itself. Day, month, hour and minute may have one digit. `None` where the
+/// text does not have that form or is no date.
+///
+/// # Examples
+/// ```
+/// use toolroom_calendar::date;
+/// assert_eq!(date::by_format("1.4.2026", "%d.%m.%Y"), date::parse("2026-04-01"));
+/// assert_eq!(date::by_format("04/01/2026 14:30", "%m/%d/%Y %H:%M"), date::parse("2026-04-01 14:30"));
+/// assert_eq!(date::by_format("31.4.2026", "%d.%m.%Y"), None);
+/// ```
+pub fn by_format(text: &str, format: &str) -> Option<f64> {
+    let (mut text, mut format) = (text, format.chars());
+    let (mut year, mut month, mut of_month, mut hour, mut minute) = (None, None, None, 0, 0);
+    while let Some(expected) = format.next() {
+        if expected != '%' {
+            text = text.strip_prefix(expected)?;
+            continue;
+        }
+        let field = format.next()?;
+        let most = if field == 'Y' { 4 } else { 2 };
+        let count = text.bytes().take(most).take_while(u8::is_ascii_digit).count();
+        let (number, rest) = digits(text, count)?;
+        text = rest;
+        match field {
+            'Y' if count == 4 => year = Some(number),
+            'm' => month = Some(number),
+            'd' => of_month = Some(number),
+            'H' if number < 24 => hour = number,
+            'M' if number < 60 => minute = number,
+            _ => return None,
+        }
+    }
+    let (year, month, of_month) = (year?, month?, of_month?);
+    let days = days_from_civil(year, month, of_month);
+    let exists = text.is_empty() && civil_from_days(days) == (year, month, of_month);
+    exists.then_some(days as f64 * DAY + ((hour * 60 + minute) * 60) as f64)
+}
+
+/// Whether a form of dates names year, month and day, and nothing that [`by_format`] does not know.
+pub fn is_format(format: &str) -> bool {
+    let sample = ["%Y", "%m", "%d", "%H", "%M"].iter().zip(["2026", "01", "02", "03", "04"]);
+    let text = sample.fold(format.to_owned(), |text, (field, value)| text.replace(field, value));
+    by_format(&text, format).is_some()
+}
+
 /// Whether a text looks like a date rather than a time with its unit.
 pub fn is_date(text: &str) -> bool {
     let bytes = text.as_bytes();

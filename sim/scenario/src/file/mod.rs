@@ -19,6 +19,7 @@ mod flow;
 mod imported;
 mod keys;
 mod measured;
+mod order_columns;
 mod orders;
 mod planned;
 mod processes;

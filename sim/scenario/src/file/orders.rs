@@ -3,6 +3,7 @@
 use super::calendars::moment;
 use super::fault::ScenarioFault;
 use super::keys::SCENARIO;
+use super::order_columns::Columns;
 use super::resolve::{Names, reference};
 use crate::{Order, Part, date};
 use std::borrow::Cow;
@@ -36,7 +37,8 @@ pub(super) fn orders(
         && let Some(path) = tables.text("orders")
         && let Some(text) = walk.file(&tables, "orders", path)
     {
-        orders.extend(reader.table(walk, path, &text, &tables.span_of("orders")));
+        let mapping = Columns::read(walk, &tables, order_form());
+        orders.extend(reader.table(walk, path, &text, (&tables.span_of("orders"), &mapping)));
     }
     orders
 }
@@ -89,7 +91,7 @@ impl Reader<'_> {
     }
 
     /// Rows of a comma-separated table; a semicolon separates where the first line has no comma.
-    fn table(&mut self, walk: &mut Walk, file: &str, text: &str, place: &Span) -> Vec<Order> {
+    fn table(&mut self, walk: &mut Walk, file: &str, text: &str, (place, mapping): (&Span, &Columns)) -> Vec<Order> {
         let form = order_form();
         let first_line = text.lines().next().unwrap_or_default();
         let delimiter = if first_line.contains(';') && !first_line.contains(',') { b';' } else { b',' };
@@ -104,21 +106,27 @@ impl Reader<'_> {
             reason,
             fix,
         };
-        let columns: Vec<String> = match rows.headers() {
+        let header: Vec<String> = match rows.headers() {
             Ok(header) => header.iter().map(str::to_owned).collect(),
             Err(error) => {
                 walk.fault(place.clone(), fault(1, error.to_string(), None));
                 return Vec::new();
             }
         };
-        let known = || form.keys.iter().map(|key| key.name);
         let noted = walk.problems.len();
-        for (i, column) in columns.iter().enumerate() {
+        // A column that no mapping names has an empty name and is passed over.
+        let columns = mapping.named(walk, &header, file);
+        for (i, column) in columns.iter().enumerate().filter(|(_, column)| !column.is_empty()) {
+            let known = || form.keys.iter().map(|key| key.name);
             if columns[..i].contains(column) {
                 walk.fault(place.clone(), fault(1, format!("two columns are called \"{column}\""), None));
             } else if form.key(column).is_none() {
                 let nearest = nearest(column, known()).map(|near| format!("did you mean `{near}`? "));
-                let fix = format!("{}columns: {}", nearest.unwrap_or_default(), known().collect::<Vec<_>>().join(", "));
+                let fix = format!(
+                    "{}columns: {}; [[tables.column]] says what columns with other names are",
+                    nearest.unwrap_or_default(),
+                    known().collect::<Vec<_>>().join(", ")
+                );
                 walk.fault(place.clone(), fault(1, format!("there is no column \"{column}\""), Some(fix)));
             }
         }
@@ -139,9 +147,13 @@ impl Reader<'_> {
                 }
             };
             let line = row.position().map_or(0, csv::Position::line);
-            let cells = columns.iter().map(String::as_str).zip(row.iter()).filter(|(_, cell)| !cell.is_empty());
+            let noted = walk.problems.len();
+            let cells: Vec<Cow<'_, str>> =
+                columns.iter().zip(row.iter()).map(|(column, cell)| mapping.cell(walk, column, cell, place)).collect();
+            let cells = columns.iter().zip(&cells).map(|(column, cell)| (column.as_str(), cell.as_ref()));
+            let cells = cells.filter(|(column, cell)| !column.is_empty() && !cell.is_empty());
             let table: DeTable<'_> = cells.map(|(column, cell)| entry(form, column, cell, place)).collect();
-            let (noted, echoed) = (walk.problems.len(), walk.echo.len());
+            let echoed = walk.echo.len();
             let section = walk.section(form, "order", &table, place.clone(), None);
             orders.push(self.order(walk, &section));
             walk.echo.truncate(echoed); // what a table says is read there

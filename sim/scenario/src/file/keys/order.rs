@@ -100,9 +100,31 @@ pub(super) static ORDER: Form = Form {
 pub(super) static TABLES: Form = Form {
     title: "[tables]",
     doc: "Tables in files beside this one: comma-separated, the first line names the columns",
-    keys: &[Key::optional(
-        "orders",
-        Kind::Text,
-        "Orders, a row each: id, part, quantity, release, due, priority, weight, customer, transfer as in [[order]]",
-    )],
+    keys: &[
+        Key::optional(
+            "orders",
+            Kind::Text,
+            "Orders, a row each: id, part, quantity, release, due, priority, weight, customer, transfer as in [[order]]",
+        ),
+        Key::optional(
+            "column",
+            Kind::Tables(&COLUMN),
+            "What the columns of a table with other names are; columns that are not listed are passed over",
+        ),
+    ],
+};
+
+static COLUMN: Form = Form {
+    title: "[[tables.column]]",
+    doc: "A column of the table of orders under its own name",
+    keys: &[
+        Key::required("name", Kind::Name, "What it is: a key of [[order]]"),
+        Key::required("from", Kind::Text, "Its name in the first line of the table"),
+        Key::optional(
+            "format",
+            Kind::Text,
+            "Form of its dates: \"%d.%m.%Y\" or \"%m/%d/%Y %H:%M\"; left out: 2026-03-30",
+        ),
+        Key::optional("at", Kind::Text, "Time of the day of dates without one: \"14:00\"; left out: midnight"),
+    ],
 };

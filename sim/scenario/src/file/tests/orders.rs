@@ -85,14 +85,22 @@ fn impossible_calendars_are_told() {
     }
 }
 
-/// Faults of a table of orders beside the scenario.
+/// Orders or faults of a table of orders beside the scenario.
 fn of_table(table: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+    orders_read(table, "orders = \"orders.csv\"\n")
+}
+
+/// Orders or faults of a table that `[tables]` names so.
+fn orders_read(table: &str, tables: &str) -> Result<Vec<crate::Order>, Vec<String>> {
     // One folder a table: tests run side by side.
-    let folder = std::env::temp_dir().join(format!("toolroom-orders-{}-{:x}", std::process::id(), table.len()));
+    static NUMBER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
+    let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("toolroom-orders-{}-{number}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let path = folder.join("shop.toml");
-    std::fs::write(&path, format!("{SHOP}[tables]\norders = \"orders.csv\"\n")).expect("written");
-    std::fs::write(folder.join("orders.csv"), table).expect("written");
+    std::fs::write(&path, format!("{SHOP}[tables]\n{tables}")).expect("written");
+    let name = tables.split('"').nth(1).expect("a file");
+    std::fs::write(folder.join(name), table).expect("written");
     let read = read(&path, &[]);
     std::fs::remove_dir_all(&folder).expect("removed");
     match read {
@@ -125,6 +133,39 @@ fn faults_of_a_table_name_file_line_and_column() {
     assert!(told.iter().any(|text| text.contains("`part` is missing")), "{told:#?}");
     let told = of_table("id,part\nA,bar,4\n").expect_err("a cell too many");
     assert!(told[0].starts_with("orders.csv, line 2:"), "{told:#?}");
+}
+
+/// What the table of an order system says, read by a mapping.
+fn of_mapped(table: &str, columns: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+    orders_read(table, &format!("orders = \"erp.csv\"\ncolumn = {columns}\n"))
+}
+
+#[test]
+fn a_mapping_says_what_the_columns_of_an_order_system_are() {
+    let columns = r#"[{ name = "id", from = "Auftrag" }, { name = "part", from = "Teil" },
+        { name = "due", from = "Termin", format = "%d.%m.%Y", at = "14:00" }, { name = "quantity", from = "Menge" }]"#
+        .replace('\n', " ");
+    let table = "Auftrag;Status;Teil;Menge;Termin\n4711;offen;bar;4;1.4.2026\n4712;offen;bar;2;\n";
+    let orders = of_mapped(table, &columns).expect("a good table");
+    let day = 86_400.0;
+    assert_eq!((orders[0].id.as_str(), orders[0].quantity, orders[0].due), ("4711", 4, 2.0 * day + 14.0 * 3600.0));
+    assert_eq!(
+        orders[1].due,
+        2.0 * day,
+        "an empty cell is a date that is left out: the flow allowance of the part counts"
+    );
+    let cases = [
+        (table.replace("1.4.2026", "31.4.2026"), columns.clone(), "erp.csv, line 2: ", "31.4.2026"),
+        (table.replace("Termin", "Liefertermin"), columns.clone(), "erp.csv, line 1: ", "no column \"Termin\""),
+        (table.to_owned(), columns.replace("%Y", "%J"), "", "%d.%m.%J"),
+        (table.to_owned(), columns.replace("14:00", "25:00"), "", "25:00"),
+        (table.to_owned(), columns.replace("\"due\"", "\"duo\""), "", "duo"),
+        (table.to_owned(), columns.replace("\"Menge\"", "\"Menge\", at = \"14:00\""), "", "column `quantity`"),
+    ];
+    for (table, columns, place, words) in cases {
+        let told = of_mapped(&table, &columns).expect_err(words);
+        assert!(told.iter().any(|each| each.starts_with(place) && each.contains(words)), "{words}: {told:#?}");
+    }
 }
 
 proptest! {
