@@ -30,8 +30,6 @@ mod routing;
 mod rules;
 mod speed;
 mod stability;
-#[cfg(test)]
-mod tests;
 mod tune;
 
 #[cfg(test)]

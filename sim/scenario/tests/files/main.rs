@@ -2,12 +2,12 @@
 
 mod orders;
 
-use super::*;
-use crate::{
+use proptest::prelude::*;
+use toolroom_form::{Origin, ReadError};
+use toolroom_scenario::file::*;
+use toolroom_scenario::{
     ArrivalPattern, Distribution, Setting, SpeedChoice, SpeedRule, ToolChangeRule, Tunable, TuneRequest, Work,
 };
-use proptest::prelude::*;
-use toolroom_form::Origin;
 
 const GOOD: &str = r#"schema = 1
 
@@ -309,7 +309,7 @@ fn an_override_replaces_a_value_and_its_faults_have_their_own_place() {
     let Work::Cutting(cuts) = &file.scenario.parts[0].operations[0].work else { panic!() };
     assert_eq!(cuts.len(), 5);
     let file = set("dispatch.rule=critical_ratio").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(file.scenario.dispatch, [crate::DispatchRule::CriticalRatio]);
+    assert_eq!(file.scenario.dispatch, [toolroom_scenario::DispatchRule::CriticalRatio]);
 
     let overrides = ["shop.seed=3".to_owned(), "machine.L.tool_change_time=1 mm".to_owned()];
     let Err(ReadError::Faults(list)) = parse("f", GOOD, &overrides) else { panic!() };

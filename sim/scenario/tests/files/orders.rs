@@ -37,7 +37,7 @@ fn dates_count_from_the_start() {
     assert_eq!((order.release, order.due, order.quantity), (6.0 * 3600.0, 86_400.0, 4));
     // Four days, the last of them short, and the last two holidays.
     assert_eq!(scenario.calendars[0].working_time(0.0, 7.0 * 86_400.0), 24.0 * 3600.0);
-    assert!(scenario.calendars[0].at_end == crate::Interruption::Resume);
+    assert!(scenario.calendars[0].at_end == toolroom_scenario::Interruption::Resume);
     let later = parse("dated.toml", &format!("{SHOP}{}", ORDER.replace("due = \"2026-03-31\"\n", "")), &[]).unwrap();
     assert_eq!(later.scenario.orders[0].due, order.release + 2.0 * 86_400.0);
     let hours = parse("dated.toml", &format!("{SHOP}{}", ORDER.replace("2026-03-30 06:00", "6 h")), &[]).unwrap();
@@ -86,12 +86,12 @@ fn impossible_calendars_are_told() {
 }
 
 /// Orders or faults of a table of orders beside the scenario.
-fn of_table(table: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+fn of_table(table: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
     orders_read(table, "orders = \"orders.csv\"\n")
 }
 
 /// Orders or faults of a table that `[tables]` names so.
-fn orders_read(table: &str, tables: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+fn orders_read(table: &str, tables: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
     // One folder a table: tests run side by side.
     static NUMBER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
     let number = NUMBER.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -136,7 +136,7 @@ fn faults_of_a_table_name_file_line_and_column() {
 }
 
 /// What the table of an order system says, read by a mapping.
-fn of_mapped(table: &str, columns: &str) -> Result<Vec<crate::Order>, Vec<String>> {
+fn of_mapped(table: &str, columns: &str) -> Result<Vec<toolroom_scenario::Order>, Vec<String>> {
     orders_read(table, &format!("orders = \"erp.csv\"\ncolumn = {columns}\n"))
 }
 
