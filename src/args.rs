@@ -79,9 +79,11 @@ pub enum Command {
   toolroom demo                  results in out/demo
   toolroom demo --replications 100 --policy \"v0 at 0.2 mm\" --policy productivity")]
     Demo(DemoArgs),
-    /// Compare the policies of a scenario on common random numbers
+    /// Compare the policies of a scenario, and variants of its shop, on common random numbers
     #[command(before_help = "Examples:
   toolroom compare shop.toml
+  toolroom compare shop.toml --axis variant                    [[variant]] against the shop as it is
+  toolroom compare shop.toml --select "late_orders 1"           the best variant, with a guarantee
   toolroom compare shop.toml --until \"half-width 2%\" --replications 1000
   toolroom compare shop.toml --replications 1000 --resume      goes on after Ctrl-C
   toolroom compare shop.toml --set machine.L.tool_change_time=\"1 min\" --json
@@ -695,6 +697,36 @@ pub struct CompareArgs {
     /// Compare the settings of the file even where it has a section [tune]
     #[arg(long, conflicts_with = "tune")]
     pub no_tune: bool,
+    /// What is compared: policies of the shop as it is, variants of the shop under its first policy, or variants under
+    /// every policy; left out: all that the scenario has
+    #[arg(long, value_enum, conflicts_with = "sweep")]
+    pub axis: Option<Axis>,
+    /// Select the best of the shop and its variants under the first policy, by a figure and the least difference that
+    /// matters, such as "lead_time 5 min" or "late_orders 1"; runs as often as that needs
+    #[arg(long, value_name = "FIGURE DIFFERENCE", conflicts_with_all = ["sweep", "plan"])]
+    pub select: Option<String>,
+}
+
+/// What `compare` compares.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Policies of the shop as it is
+    Policy,
+    /// Variants of the shop under the first policy
+    Variant,
+    /// Variants under every policy
+    Both,
+}
+
+impl Axis {
+    /// As it was typed, with a space before it.
+    pub fn typed(self) -> &'static str {
+        match self {
+            Self::Policy => " --axis policy",
+            Self::Variant => " --axis variant",
+            Self::Both => " --axis both",
+        }
+    }
 }
 
 #[derive(Args, Debug)]

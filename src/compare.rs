@@ -1,6 +1,6 @@
 //! `toolroom compare FILE`: every policy on common random numbers.
 
-use crate::args::{Changes, CompareArgs, StudyArgs};
+use crate::args::{Axis, Changes, CompareArgs, StudyArgs};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::shard::{leave, refused};
@@ -19,6 +19,7 @@ use toolroom_study::planned::{self, PlannedError};
 use toolroom_study::request::{StudyRequest, policies_named};
 use toolroom_study::study::StudyOptions;
 use toolroom_study::tune::{TriedRun, TuneError, Tuning, tune_from, tuning_head};
+use toolroom_study::variants::{self, Wanted};
 
 pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if !args.sweep.is_empty() {
@@ -29,13 +30,22 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
     if policies.len() == 1 && policies[0] != 0 {
         policies.insert(0, 0); // one policy by name is compared with the scenario's baseline
     }
-    if policies.len() < 2 {
-        let help = "add a [[policy]] to the scenario, or use toolroom run";
-        return Err(Failure::argument("there is only one policy, nothing to compare", help));
+    let wants = |axis: Axis| args.axis.is_none_or(|wanted| wanted == axis || wanted == Axis::Both);
+    if args.axis == Some(Axis::Variant) {
+        policies.truncate(1);
+    }
+    let variants = if wants(Axis::Variant) { file.variants.as_slice() } else { &[] };
+    if policies.len() < 2 && variants.is_empty() {
+        let help = "add a [[policy]] or a [[variant]] to the scenario, or use toolroom run";
+        return Err(Failure::argument("there is only one policy and no variant of the shop, nothing to compare", help));
     }
     let input = args.scenario.file.display().to_string();
     let wanted = tuning_wanted(args, &file);
     if let Some(target) = &args.plan {
+        if policies.len() < 2 {
+            let help = "take out --plan: a variant runs beside the shop as it is";
+            return Err(Failure::argument("variants of the shop are not planned in shards", help));
+        }
         if wanted.is_some() {
             let help =
                 "tune first with --tune, then plan with the settings that it prints given by --set, and --no-tune";
@@ -44,12 +54,22 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         return plan(args, &file, &policies, target, voice);
     }
     let out = default_out(&file.scenario.name);
+    let variants = variants::shops(&args.scenario.file, &args.scenario.changes.overrides(), variants)
+        .map_err(|error| Failure::argument(error, "change its `set`: each path is one that --set takes"))?;
+    let select = args.select.as_deref().map(|text| Wanted::parse(&file.scenario, text)).transpose();
+    let select = select.map_err(|error| Failure::argument(error, "see `toolroom compare --help`"))?;
+    if select.is_some() && variants.is_empty() {
+        let help = "add a [[variant]] to the scenario";
+        return Err(Failure::argument("there is only one shop, nothing to select", help));
+    }
     let ((file, tuning), place) = match wanted {
         Some(wanted) => tuned_in_place(args, &input, file, (&policies, &wanted), &out, voice)?,
         None => ((file, None), None),
     };
+    let axis = args.axis.map_or("", Axis::typed);
+    let chosen = select.as_ref().map_or_else(String::new, |select| format!(" --select \"{}\"", select.text()));
     let request = Request {
-        command: format!("compare {input}"),
+        command: format!("compare {input}{axis}{chosen}"),
         input,
         changes: &args.scenario.changes,
         args: &args.study,
@@ -59,6 +79,8 @@ pub fn run(args: &CompareArgs, voice: &Voice) -> Result<(), Failure> {
         file,
         known: Arc::default(),
         tuning,
+        variants,
+        select,
     };
     perform(&request, place, voice)
 }
@@ -197,6 +219,8 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
         file,
         known: Arc::new(known),
         tuning: None,
+        variants: Vec::new(),
+        select: None,
     };
     perform(&request, None, voice)
 }

@@ -24,6 +24,8 @@ pub fn run(args: &DemoArgs, voice: &Voice) -> Result<(), Failure> {
         file,
         known: std::sync::Arc::default(),
         tuning: None,
+        variants: Vec::new(),
+        select: None,
     };
     perform(&request, None, voice)?;
     voice.say("your own shop: toolroom new myshop");

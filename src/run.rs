@@ -22,6 +22,8 @@ pub fn run(args: &RunArgs, voice: &Voice) -> Result<(), Failure> {
         file,
         known: std::sync::Arc::default(),
         tuning: None,
+        variants: Vec::new(),
+        select: None,
     };
     perform(&request, None, voice)
 }

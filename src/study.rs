@@ -23,6 +23,7 @@ use toolroom_study::study::{KnownRuns, Precision, StoppedShop, StudyOptions, kno
 use toolroom_study::summary::summary;
 use toolroom_study::terminal::{Style, table};
 use toolroom_study::tune::Tuning;
+use toolroom_study::variants::{VariantShop, Wanted};
 
 /// A study about to be run.
 pub struct Request<'a> {
@@ -43,6 +44,10 @@ pub struct Request<'a> {
     pub known: Arc<KnownRuns>,
     /// How the settings of the policies in `file` were found.
     pub tuning: Option<Arc<Tuning>>,
+    /// Variants of the shop that are run beside it.
+    pub variants: Vec<VariantShop>,
+    /// By what the best of them is selected.
+    pub select: Option<Wanted>,
 }
 
 /// The place of the results, taken before any work, and the folder of the journals.
@@ -86,6 +91,8 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
         known: Arc::clone(&request.known),
         stop_after: args.stop_after,
         tuning: request.tuning.clone(),
+        variants: request.variants.clone(),
+        select: request.select.clone(),
         ..StudyOptions::of(scenario)
     };
     let target = args.out.as_deref().unwrap_or(&request.out);

@@ -26,10 +26,16 @@ mod readers;
 mod workload;
 
 /// Codes of errors of this crate for `toolroom explain`, each with a longer text.
-pub const CODES: &[(&str, &str)] = &[(
-    "plan",
-    "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
-)];
+pub const CODES: &[(&str, &str)] = &[
+    (
+        "variant",
+        "A [[variant]] is the same file with other values: its `set` names them by their paths, as after --set, such as \"machine.CMM.count\" = 3. The message says what the file with these values is refused for. `toolroom check FILE --set ...` with the same paths shows it alone.",
+    ),
+    (
+        "plan",
+        "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
+    ),
+];
 
 pub use error::KindError;
 pub use readers::{Checked, Reader, checked};

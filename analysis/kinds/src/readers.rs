@@ -40,7 +40,14 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
 }
 
 pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let ScenarioFile { scenario, echo, text, .. } = file::read(path, set)?;
+    let ScenarioFile { scenario, echo, text, variants, .. } = file::read(path, set)?;
+    for (index, variant) in variants.iter().enumerate() {
+        let changes: Vec<String> = set.iter().chain(&variant.set).cloned().collect();
+        file::read(path, &changes).map_err(|error| {
+            let refusal = Refusal::new("variant", format_args!("variant `{}`: {error}", variant.name));
+            refused(path, &text, header(&text, "variant", index), refusal)
+        })?;
+    }
     // What `run` would refuse before its first event.
     for (index, policy) in scenario.policies.iter().enumerate() {
         toolroom_shop::Shop::new(&scenario, index, 0).map_err(|error| {

@@ -5,12 +5,16 @@
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use toolroom_scenario::{
-    Arrival, ArrivalPattern, Interruption, Operation, Order, Part, Scenario, ShiftCalendar, Work, date,
+    Arrival, ArrivalPattern, BatchUnit, InspectedTo, Interruption, Operation, Order, Part, Scenario, ShiftCalendar,
+    Work, WorkPer, date,
 };
 use toolroom_shop::programmed_cutting_times;
 
 /// Most warnings of one kind that are told one by one.
 const MOST_TOLD: usize = 20;
+
+/// Rounds of jobs that are sent back until no more of them count: of a share of 95 % less than 1e-4 is left.
+const MOST_ROUNDS: usize = 200;
 
 /// What stations and operators have to do until the horizon.
 #[derive(Clone, Debug)]
@@ -45,9 +49,11 @@ impl Load {
     }
 }
 
-/// What a lot of an operation takes.
+/// What an operation takes on the machine where it takes least, s.
 struct Need {
-    work: f64,
+    /// Loading and unloading a piece.
+    handling: f64,
+    /// Its setup.
     setup: f64,
 }
 
@@ -201,17 +207,20 @@ impl Shop<'_> {
         let own = &self.scenario.parts[part];
         for (number, operation) in own.operations.iter().enumerate() {
             let need = self.need(part, number);
-            let (work, setup) = (pieces * need.work, lots * need.setup);
+            let visits = self.visits(part)[number];
+            let (pieces, lots) = (visits * pieces, visits * lots);
+            let alone = self.together(part, number, pieces, lots);
+            let (handling, setup) = (pieces * need.handling, lots * need.setup);
+            let work = handling + alone;
             // A station that has more machines than the operation may use has its work too.
             let within = |load: &&mut Load| operation.machines.iter().all(|each| load.members.contains(each));
             for load in stations.iter_mut().filter(within) {
                 load.take(work, setup, due);
             }
-            let handling = pieces * (need.work - self.alone(part, number));
             let attended = [
                 (operation.attendance.setup, 0.0, setup),
                 (operation.attendance.load, handling, 0.0),
-                (operation.attendance.run, pieces * self.alone(part, number), 0.0),
+                (operation.attendance.run, alone, 0.0),
             ];
             for (skill, work, setup) in attended {
                 let Some(skill) = skill else { continue };
@@ -224,6 +233,48 @@ impl Shop<'_> {
         }
     }
 
+    /// How often a job comes to every operation on average, where inspections send some back.
+    fn visits(&self, part: usize) -> Vec<f64> {
+        let operations = &self.scenario.parts[part].operations;
+        let mut visits = vec![1.0; operations.len()];
+        if operations.iter().all(|operation| operation.inspection.outcomes.is_empty()) {
+            return visits;
+        }
+        // Jobs that have gone around so often are few enough.
+        for _ in 0..MOST_ROUNDS {
+            let mut next = vec![0.0; operations.len() + 1];
+            next[0] = 1.0;
+            for (number, operation) in operations.iter().enumerate() {
+                let mut good = 1.0;
+                for outcome in &operation.inspection.outcomes {
+                    good -= outcome.share;
+                    if let InspectedTo::Operation(to) = outcome.to {
+                        next[to] += visits[number] * outcome.share;
+                    }
+                }
+                next[number + 1] += visits[number] * good;
+            }
+            next.pop();
+            visits = next;
+        }
+        visits
+    }
+
+    /// Work without loading of so many pieces of so many lots, s: of a machine that makes batches in full ones.
+    fn together(&self, part: usize, operation: usize, pieces: f64, lots: f64) -> f64 {
+        let own = &self.scenario.parts[part].operations[operation];
+        let count = match own.work_per {
+            WorkPer::Part => pieces,
+            WorkPer::Lot | WorkPer::Batch => lots,
+        };
+        let batch = own.machines.iter().filter_map(|machine| self.scenario.machines[*machine].batch);
+        let full = batch.map(|batch| match batch.by {
+            BatchUnit::Pieces => pieces / f64::from(batch.max),
+            BatchUnit::Lots => lots / f64::from(batch.max),
+        });
+        full.reduce(f64::min).unwrap_or(count) * self.alone(part, operation)
+    }
+
     /// Plain work or passes of a piece, s, without loading.
     fn alone(&self, part: usize, operation: usize) -> f64 {
         let work = &self.scenario.parts[part].operations[operation].work;
@@ -231,7 +282,7 @@ impl Shop<'_> {
         plain + self.cutting[part][operation]
     }
 
-    /// A piece, s, on the machine where it takes least, and the least setup between groups, s.
+    /// Handling of a piece on the machine where it takes least, and the least setup between groups.
     fn need(&self, part: usize, operation: usize) -> Need {
         let scenario = self.scenario;
         let own: &Operation = &scenario.parts[part].operations[operation];
@@ -249,7 +300,7 @@ impl Shop<'_> {
             let from = (0..matrix.times.len()).filter(|from| *from != to);
             from.map(|from| matrix.times[from][to]).reduce(f64::min).unwrap_or(matrix.times[to][to])
         });
-        Need { work: handling + self.alone(part, operation), setup }
+        Need { handling, setup }
     }
 
     /// Working time of several calendars from `from` to `to`, the horizon where it is left out, s.
@@ -329,11 +380,19 @@ impl Shop<'_> {
         let one_by_one = part.operations.iter().any(|own| !matches!(own.work, Work::Plain(_)));
         let (mut begun, mut finished) = (order.release, order.release);
         for (number, operation) in part.operations.iter().enumerate() {
-            let unit = self.need(order.part, number).work;
+            let handling = self.need(order.part, number).handling;
+            let batch_machine =
+                operation.machines.iter().any(|machine| self.scenario.machines[*machine].batch.is_some());
+            let once = batch_machine || operation.work_per != WorkPer::Part;
+            let alone = self.alone(order.part, number);
             let after = |time: f64, pieces: f64| {
                 let ends = operation.machines.iter().map(|&machine| {
                     let calendar = self.scenario.machines[machine].calendar;
-                    worked(calendar.map(|index| &self.scenario.calendars[index]), time, pieces * unit)
+                    worked(
+                        calendar.map(|index| &self.scenario.calendars[index]),
+                        time,
+                        pieces * handling + if once { 1.0 } else { pieces } * alone,
+                    )
                 });
                 ends.fold(f64::INFINITY, f64::min)
             };
@@ -414,6 +473,20 @@ mod tests {
         // O6: turned until Thu 14:00, washed Sat 06:00 to 08:40, measured Tue 06:00 to 12:40.
         assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
         assert!(found.warnings[0].starts_with("order O6 cannot be finished before 2026-04-07 12:40"), "{found:?}");
+    }
+
+    #[test]
+    fn rework_and_batches_count_in_the_load() {
+        // A Jackson network: 3 jobs an hour, 15 % sent back to the first and 5 % to the second station.
+        let found = workload(&shipped("rework.toml", &[]).scenario);
+        let shares: Vec<f64> = found.loads.iter().map(Load::share).collect();
+        for (share, exact) in shares.iter().zip([0.7125, 0.625, 0.25]) {
+            assert!((share - exact).abs() < 1e-9, "{shares:?}");
+        }
+        // Six pieces share a time: 3.6 an hour of 45 min and 2.4 of an hour make 5.1 h of work in six hours.
+        let found = workload(&shipped("furnace.toml", &[]).scenario);
+        assert_eq!(found.loads[1].name, "furnace");
+        assert!((found.loads[1].share() - (3.6 * 0.75 + 2.4) / 6.0).abs() < 1e-9);
     }
 
     #[test]

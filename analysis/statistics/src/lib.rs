@@ -5,6 +5,10 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod select;
+
+pub use select::{FIRST_STAGE, Selected, Selection};
+
 use statrs::distribution::{Beta, ContinuousCDF, Normal, StudentsT};
 
 /// Confidence of every interval that the product reports.

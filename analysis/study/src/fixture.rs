@@ -22,6 +22,7 @@ fn machine(name: &str, process: &str, rate: f64, handling: f64) -> MachineType {
         setup_at_start: None,
         input_buffer: None,
         output_buffer: None,
+        batch: None,
         magazine: 10,
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
@@ -73,6 +74,10 @@ pub(crate) fn scenario() -> Scenario {
         setup_time: None,
         attendance: Attendance::default(),
         work,
+        work_per: WorkPer::Part,
+        inspection: Inspection::default(),
+        preemptible: true,
+        assembles: false,
         size_tolerance: 1e-4,
         roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 1.0,
@@ -105,12 +110,18 @@ pub(crate) fn scenario() -> Scenario {
             flow_allowance: 500.0,
             batch_size: 10,
             deviating_lot: None,
+            components: Vec::new(),
             operations: vec![
                 operation("turn", vec![0, 1], 0, Work::Cutting(vec![cut; 2])),
                 operation("grind", vec![2], 1, grinding),
             ],
         }],
-        arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]) }],
+        arrivals: vec![Arrival {
+            part: 0,
+            priority: 0,
+            weight: 1.0,
+            pattern: ArrivalPattern::Schedule(vec![(0.0, 2)]),
+        }],
         orders: Vec::new(),
         skills: Vec::new(),
         operators: Vec::new(),
@@ -120,6 +131,7 @@ pub(crate) fn scenario() -> Scenario {
         blocking: Blocking::AfterService,
         deadlock: Deadlock::Stop,
         dispatch: vec![DispatchRule::Fifo],
+        preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![
@@ -219,7 +231,19 @@ pub(crate) fn operation(
     end: f64,
     result: OperationResult,
 ) -> OperationRow {
-    OperationRow { job, part: 0, operation, quantity: 1, machine, start, end, time_left: 0.0, result }
+    OperationRow {
+        job,
+        part: 0,
+        operation,
+        quantity: 1,
+        machine,
+        start,
+        end,
+        time_left: 0.0,
+        work: 1.0,
+        next: operation + 1,
+        result,
+    }
 }
 
 /// One good part, and one whose edge chipped in its first pass.
@@ -249,6 +273,7 @@ pub(crate) fn log() -> RunLog {
         start: 0.0,
         finish,
         due: 500.0,
+        divided_from: None,
         outcome,
     };
     let grinding = PassRow {

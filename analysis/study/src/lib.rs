@@ -24,6 +24,7 @@
 //! | [`request`] | what a study was asked to do: the condition for going on with it |
 //! | [`sweep`] | the comparison at several values of one key |
 //! | [`tune`](mod@tune) | the best settings of every policy, found before they are compared |
+//! | [`variants`] | variants of the shop, paired with the shop as it is |
 //! | [`planned`] | comparisons in shards on many hosts |
 //! | [`planner`] | when orders are finished, load by week, queues |
 //!
@@ -67,3 +68,4 @@ pub mod sweep;
 pub mod terminal;
 pub mod trace;
 pub mod tune;
+pub mod variants;

@@ -14,6 +14,7 @@ use crate::results::RunInfo;
 use crate::study::Study;
 use crate::terminal::gains;
 use crate::tune::{TunedSetting, Tuning};
+use crate::variants;
 use toolroom_chart::page::{Provenance, Report, Section, Tile};
 use toolroom_chart::{Cell, Table};
 use toolroom_scenario::Scenario;
@@ -75,6 +76,9 @@ pub fn report(scenario: &Scenario, study: &Study, comparison: &Comparison, info:
     }
     if comparison.policies.len() > 1 {
         report = report.section(difference::section(&source)).section(difference::gain_section(&source));
+    }
+    if let Some(variants) = variants_section(&source) {
+        report = report.section(variants);
     }
     if let Some(orders) = orders::section(&source) {
         report = report.section(orders);
@@ -146,6 +150,25 @@ fn tiles(source: &Source<'_>) -> Vec<Tile> {
         tiles.push(Tile::new("cell gain → shop gain", value, format!("the bottleneck is {bottleneck}")));
     }
     tiles
+}
+
+/// Variants of the shop against the shop as it is.
+fn variants_section(source: &Source<'_>) -> Option<Section> {
+    let tables = variants::tables(source.scenario, source.study);
+    if tables.is_empty() {
+        return None;
+    }
+    let mut section = Section::new("Variants of the shop").paragraph(sentence(variants::MEANING));
+    for own in tables {
+        let mut table = Table::new(own.head.iter().map(|title| if title.is_empty() { "shop" } else { title.as_str() }));
+        own.rows.into_iter().for_each(|row| table.push(row.into_iter().map(Cell::Text)));
+        let title = own.policy.map_or_else(|| "Variants".to_owned(), |policy| format!("Variants under {policy}"));
+        section = section.table(title, table);
+    }
+    if let Some(selection) = &source.study.selection {
+        section = section.note(sentence(&selection.sentence()));
+    }
+    Some(section)
 }
 
 /// Settings of the policies, and how they were found.

@@ -26,6 +26,7 @@ use crate::study::{
 };
 use crate::summary::summary;
 use crate::trace;
+use crate::variants;
 use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -55,12 +56,13 @@ pub struct RunInfo {
 }
 
 /// The files of every study, beside its log tables.
-pub const NAMES: [&str; 9] = [
+pub const NAMES: [&str; 10] = [
     Finished::FILE,
     "kpi.csv",
     planner::FILES[0],
     planner::FILES[1],
     planner::FILES[2],
+    variants::FILE,
     "trace.json",
     "summary.json",
     "report.html",
@@ -220,6 +222,9 @@ pub(crate) fn write_files(
         for name in planner::FILES {
             in_file(directory, name, |out| planner::write(name, scenario, study, out))?;
         }
+    }
+    if !study.variants.is_empty() {
+        in_file(directory, variants::FILE, |out| variants::write(scenario, study, out))?;
     }
     in_file(directory, "trace.json", |out| trace::write(scenario, study, out))?;
     in_file(directory, "summary.json", |out| pretty(out, &summary(scenario, study, comparison)))?;

@@ -20,6 +20,7 @@ use crate::kpi::{self, Counting, Kpi};
 use crate::logs::{LogError, LogWriter};
 use crate::planner::Figures;
 use crate::tune::Tuning;
+use crate::variants::{self, Found, VariantRuns, VariantShop, Wanted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -62,6 +63,10 @@ pub struct StudyOptions {
     pub earlier: Option<Finished>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
+    /// Variants of the shop that are run as often.
+    pub variants: Vec<VariantShop>,
+    /// By what the best of the shop and its variants is selected.
+    pub select: Option<Wanted>,
 }
 
 impl StudyOptions {
@@ -78,6 +83,8 @@ impl StudyOptions {
             stop_after: None,
             earlier: None,
             tuning: None,
+            variants: Vec::new(),
+            select: None,
         }
     }
 }
@@ -174,6 +181,10 @@ pub struct Study {
     pub edge_lives: Vec<Vec<EdgeLife>>,
     /// How the settings of the policies were found.
     pub tuning: Option<Arc<Tuning>>,
+    /// Variants of the shop, run as often on the same random numbers.
+    pub(crate) variants: Vec<VariantRuns>,
+    /// The best of them, where that was asked for.
+    pub(crate) selection: Option<Found>,
     /// By policy and replication: key figures, then what a planner asks.
     values: Vec<Vec<Vec<f64>>>,
 }
@@ -233,6 +244,14 @@ pub enum StudyError {
     /// A shop stopped.
     #[error(transparent)]
     Shop(#[from] StoppedShop),
+    /// A variant of the shop has no result.
+    #[error("variant \"{name}\": {source}")]
+    Variant {
+        /// Name of the variant.
+        name: String,
+        /// Why.
+        source: Box<StudyError>,
+    },
     /// A log cannot be written.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -289,7 +308,13 @@ pub fn run_study_as_far(
         let ended = unless_stopped(shop, scenario.horizon, stop)?;
         Ok(ended.map(|(counting, log)| Run::of(scenario, &counting, log)))
     };
-    study_as_far(scenario, options, logs, progress, stop, &simulate)
+    let shops = 1 + options.variants.len() as u32;
+    let of_all = |at: Progress| progress(Progress { done: at.done, total: at.total.saturating_mul(shops) });
+    let (mut study, stopped) = study_as_far(scenario, options, logs, &of_all, stop, &simulate)?;
+    if study.complete && study.variants.is_empty() {
+        variants::run(scenario, &mut study, options, progress, stop)?;
+    }
+    Ok((study, stopped))
 }
 
 /// Whether the log of a replication is needed: to be written, for pictures of the first one, or for what a
@@ -460,6 +485,8 @@ where
         first_logs: Vec::new(),
         edge_lives: vec![Vec::new(); count],
         tuning: options.tuning.clone(),
+        variants: Vec::new(),
+        selection: None,
         values: vec![Vec::new(); count],
     };
     if let Some(earlier) = &options.earlier {

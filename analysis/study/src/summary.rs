@@ -8,6 +8,7 @@ use crate::kpi::Kpi;
 use crate::planner;
 use crate::study::Study;
 use crate::tune::tuning_json;
+use crate::variants;
 use serde_json::{Map, Value, json};
 use toolroom_scenario::Scenario;
 use toolroom_statistics::{Interval, Paired};
@@ -69,6 +70,12 @@ pub fn summary(scenario: &Scenario, study: &Study, comparison: &Comparison) -> V
     });
     for (key, value) in planner::json(scenario, study).into_iter().flatten() {
         summary[key] = value;
+    }
+    if let Some(variants) = variants::json(scenario, study) {
+        summary["variants"] = variants;
+    }
+    if let Some(selection) = &study.selection {
+        summary["selection"] = selection.json();
     }
     if let Some(tuning) = &study.tuning {
         let pair = [decision.adaptive, decision.rival].map(|policy| policy.map(name));

@@ -7,6 +7,7 @@ use crate::planner::late_orders;
 use crate::study::Study;
 use crate::summary::cutting_share;
 use crate::tune::tuning_text;
+use crate::variants;
 use std::fmt::Write;
 use std::time::Duration;
 use toolroom_scenario::Scenario;
@@ -83,6 +84,7 @@ pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style:
         }
     }
     out.push_str(&late_orders(scenario, study));
+    varied(scenario, study, &mut out);
     if !study.complete {
         let _ = writeln!(out, "stopped early: {} replications are complete", study.replications);
     }
@@ -273,6 +275,23 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         rows.push(row);
     }
     align(&rows, &[0], style, out);
+}
+
+/// Variants of the shop.
+fn varied(scenario: &Scenario, study: &Study, out: &mut String) {
+    for table in variants::tables(scenario, study) {
+        let under = table.policy.map_or_else(String::new, |policy| format!(" under {policy}"));
+        let _ = writeln!(out, "variants{under}");
+        let cells = |row: Vec<String>| row.into_iter().map(Cell::from).collect::<Vec<_>>();
+        let rows: Vec<Vec<Cell>> = std::iter::once(table.head).chain(table.rows).map(cells).collect();
+        align(&rows, &[0], Style::default(), out);
+    }
+    if !study.variants.is_empty() {
+        let _ = writeln!(out, "  {}", variants::MEANING);
+    }
+    if let Some(selection) = &study.selection {
+        let _ = writeln!(out, "{}", selection.sentence());
+    }
 }
 
 #[cfg(test)]

@@ -147,3 +147,19 @@ impl DispatchRule {
         )
     }
 }
+
+vocabulary! {
+    /// What becomes of plain work in a machine when a waiting job of strictly better priority needs that machine.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum Preemption {
+        /// It is finished first.
+        #[default]
+        None = "none",
+        /// Its job waits again, and later needs what was left.
+        Resume = "resume",
+        /// Its job waits again, and later needs the same time once more.
+        Repeat = "repeat",
+        /// Its job is lost.
+        Scrap = "scrap",
+    }
+}

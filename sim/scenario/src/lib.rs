@@ -20,6 +20,8 @@
 #![deny(clippy::wildcard_enum_match_arm)]
 #![cfg_attr(test, allow(clippy::wildcard_enum_match_arm))]
 
+mod assembly;
+mod batch;
 mod calibration;
 mod contour;
 mod deviation;
@@ -30,6 +32,7 @@ pub mod file;
 mod flow;
 mod gap;
 mod grinding;
+mod inspection;
 pub mod lobes;
 mod order;
 mod part;
@@ -44,14 +47,17 @@ mod tuning;
 mod unit;
 mod variants;
 
+pub use assembly::Component;
+pub use batch::{Batch, BatchFamily, BatchUnit, WorkPer};
 pub use calibration::{Calibration, Moved, Target, calibrated};
 pub use contour::{ContourRule, ContourWork};
 pub use deviation::{Deviation, MICRO_STOP};
-pub use dispatch::{DispatchRule, MOST_RULES};
+pub use dispatch::{DispatchRule, MOST_RULES, Preemption};
 pub use distribution::{Distribution, Empirical};
 pub use flow::{Blocking, Buffer, Deadlock};
 pub use gap::{GapSection, SensorErrors};
 pub use grinding::{CycleWork, DressingRule, GrindingRule};
+pub use inspection::{InspectedTo, InspectedUnit, Inspection, InspectionOutcome};
 pub use order::{MachineChoice, Order};
 pub use part::{Arrival, ArrivalPattern, Cut, GrindingPhase, Operation, Part, Work, lot_name};
 pub use policy::{Knowledge, PolicyRule, SensorSheet, SpeedChoice, SpeedRule, ToolChangeRule};
@@ -115,6 +121,8 @@ pub struct Scenario {
     /// Which waiting job a free machine takes: rules of which each decides where the ones before are equal.
     /// The first [`MOST_RULES`] count.
     pub dispatch: Vec<DispatchRule>,
+    /// What becomes of plain work in a machine when a job of better priority comes.
+    pub preemption: Preemption,
     /// Working time; a machine without calendar always works.
     pub calendars: Vec<ShiftCalendar>,
     /// Breakdowns.

@@ -1,6 +1,6 @@
 //! Parts, routings, arrivals.
 
-use super::{Attendance, ContourWork, CycleWork, Distribution};
+use super::{Attendance, Component, ContourWork, CycleWork, Distribution, Inspection, WorkPer};
 use std::sync::Arc;
 
 /// A part and its routing.
@@ -16,6 +16,8 @@ pub struct Part {
     pub batch_size: u32,
     /// Number, from 1, of the batch from each source on which the effect `lot_hardness` acts.
     pub deviating_lot: Option<u32>,
+    /// What goes into one of it, from the stock of finished parts.
+    pub components: Vec<Component>,
     /// Operations in order.
     pub operations: Vec<Operation>,
 }
@@ -49,6 +51,14 @@ pub struct Operation {
     pub attendance: Attendance,
     /// What is done.
     pub work: Work,
+    /// What takes the time of plain work once.
+    pub work_per: WorkPer,
+    /// What may happen when it is done.
+    pub inspection: Inspection,
+    /// Whether a job of better priority may interrupt it.
+    pub preemptible: bool,
+    /// Whether it begins only when the components of its part are there, and takes them.
+    pub assembles: bool,
     /// Greatest size error of a good part, m. Infinite where it is not looked at.
     pub size_tolerance: f64,
     /// Greatest roughness Ra of a good part, m: of its surface after the last pass. Infinite where
@@ -134,6 +144,10 @@ pub struct GrindingPhase {
 pub struct Arrival {
     /// Part, by index.
     pub part: usize,
+    /// The smaller, the more urgent.
+    pub priority: u32,
+    /// Weight of their lateness in weighted rules, 1.
+    pub weight: f64,
     /// When they come.
     pub pattern: ArrivalPattern,
 }

@@ -1,6 +1,6 @@
 //! Machines, tools, working time, breakdowns.
 
-use super::{Calibration, DispatchRule, Distribution, Posterior, StructureScatter, Target, Variants};
+use super::{Batch, Calibration, DispatchRule, Distribution, Posterior, StructureScatter, Target, Variants};
 use std::fmt;
 use std::sync::Arc;
 use toolroom_calendar::Interruption;
@@ -48,6 +48,8 @@ pub struct MachineType {
     pub input_buffer: Option<usize>,
     /// The same of those behind it; `None`: none, a part stays on the machine until it can move on.
     pub output_buffer: Option<usize>,
+    /// How it works on several jobs at once; `None`: on one after the other.
+    pub batch: Option<Batch>,
     /// Rules of its queue; `None`: those of the shop.
     pub rules: Option<Vec<DispatchRule>>,
 }

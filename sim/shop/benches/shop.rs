@@ -25,6 +25,7 @@ fn machine(name: &str, process: &str, load_time: Distribution) -> MachineType {
         setup_at_start: None,
         input_buffer: None,
         output_buffer: None,
+        batch: None,
         magazine: 20,
         refill_time: 300.0,
         speed_range: (0.1, 10.0),
@@ -58,6 +59,10 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
         setup_time: None,
         attendance: Attendance::default(),
         work,
+        work_per: WorkPer::Part,
+        inspection: Inspection::default(),
+        preemptible: true,
+        assembles: false,
         size_tolerance: f64::INFINITY,
         roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 0.3,
@@ -65,7 +70,8 @@ fn operation(machines: &[usize], tool: usize, work: Work) -> Operation {
 }
 
 fn part(name: String, operations: Vec<Operation>) -> Part {
-    Part { name, material_cost: 1.0, flow_allowance: 1e5, batch_size: 25, deviating_lot: None, operations }
+    let components = Vec::new();
+    Part { name, material_cost: 1.0, flow_allowance: 1e5, batch_size: 25, deviating_lot: None, components, operations }
 }
 
 fn policy(speed: SpeedRule) -> PolicyRule {
@@ -100,6 +106,7 @@ fn scenario() -> Scenario {
         blocking: Blocking::AfterService,
         deadlock: Deadlock::Stop,
         dispatch: vec![DispatchRule::Fifo],
+        preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy(SpeedRule::Programmed)],
@@ -137,7 +144,12 @@ fn job_shop(dispatch: DispatchRule) -> Scenario {
             })
             .collect(),
         arrivals: (0..60)
-            .map(|part| Arrival { part, pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 } })
+            .map(|part| Arrival {
+                part,
+                priority: 0,
+                weight: 1.0,
+                pattern: ArrivalPattern::Poisson { rate: 0.85 / 60.0 },
+            })
             .collect(),
         dispatch: vec![dispatch],
         ..scenario()
@@ -172,7 +184,12 @@ fn demo() -> Scenario {
             tool("wheel", ProcessModel::Infeed(Arc::new(Infeed::default()))),
         ],
         parts: vec![part("ring".to_owned(), route)],
-        arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::ConstantWork { jobs: 12 } }],
+        arrivals: vec![Arrival {
+            part: 0,
+            priority: 0,
+            weight: 1.0,
+            pattern: ArrivalPattern::ConstantWork { jobs: 12 },
+        }],
         policies: [
             SpeedRule::Programmed,
             SpeedRule::Constant(SpeedChoice::BestRate),

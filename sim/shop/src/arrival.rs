@@ -94,6 +94,7 @@ impl<R: Recorder> Shop<'_, R> {
             start: f64::NAN,
             finish: f64::NAN,
             due: now.seconds() + self.scenario.parts[part].flow_allowance,
+            divided_from: None,
             outcome: JobOutcome::InProcess,
         };
         let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
@@ -101,8 +102,8 @@ impl<R: Recorder> Shop<'_, R> {
             number,
             entity,
             origin: Origin::Source(source as u32),
-            priority: 0,
-            weight: 1.0,
+            priority: self.scenario.arrivals[source].priority,
+            weight: self.scenario.arrivals[source].weight,
             row,
             operation: 0,
             waiting: false,
@@ -111,6 +112,10 @@ impl<R: Recorder> Shop<'_, R> {
             reserved: None,
             lot_owner: origin,
             lot,
+            visits: 0,
+            divisions: 0,
+            rest: None,
+            supplied: false,
             handling,
         };
         let slot = self.world.jobs.insert(job);
@@ -169,6 +174,7 @@ impl<R: Recorder> Shop<'_, R> {
                 start: f64::NAN,
                 finish: f64::NAN,
                 due: own.due,
+                divided_from: None,
                 outcome: JobOutcome::InProcess,
             };
             let handling = self.layout.random_handling.then(|| self.streams.open(entity, Purpose::Processing));
@@ -186,6 +192,10 @@ impl<R: Recorder> Shop<'_, R> {
                 reserved: None,
                 lot_owner: owner,
                 lot: 0,
+                visits: 0,
+                divisions: 0,
+                rest: None,
+                supplied: false,
                 handling,
             });
             for (operation, time) in drawn.iter().enumerate() {
@@ -229,16 +239,16 @@ impl<R: Recorder> Shop<'_, R> {
         self.recorder.job(job.number, job.row);
         let event = if outcome == JobOutcome::Good { "finish" } else { "scrap" };
         self.log_event(event, None, Some(job.number), None);
-        match job.origin {
-            Origin::Source(source) => {
-                let pattern = &self.scenario.arrivals[source as usize].pattern;
-                if matches!(pattern, ArrivalPattern::ConstantWork { .. }) {
-                    // By an event: a routing without duration must not recurse.
-                    self.schedule(self.now(), Event::Arrival { source })?;
-                }
-            }
-            Origin::Order(order) => self.left_lot(order, job.operation),
+        if let Origin::Order(order) = job.origin {
+            self.left_lot(order, job.operation);
         }
+        // A component is in the shop until it has been built in.
+        let part = job.row.part as usize;
+        if outcome == JobOutcome::Good && self.layout.components[part] {
+            self.stock(part, job.origin, job.row.quantity);
+            return Ok(());
+        }
+        self.replace(job.origin)?;
         Ok(())
     }
 }

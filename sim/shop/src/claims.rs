@@ -1,4 +1,4 @@
-//! Queues and lines with exact answers, through the scenario files that are shipped.
+//! Queues, lines, batches, priorities, rework and assembly with exact answers, through the scenario files that are shipped.
 
 use crate::recorder::{Closing, Recorder};
 use crate::runlog::{EdgeRow, EventRow, JobRow, OperationRow, PassRow, StateRow};
@@ -15,6 +15,18 @@ const LENGTH: &str = "shop.horizon=\"41667 h\"";
 
 /// Three stations in a row.
 const LINE: &str = include_str!("../../../scenarios/shop/line.toml");
+/// Two classes of jobs.
+const URGENT: &str = include_str!("../../../scenarios/shop/urgent.toml");
+/// Three stations and an inspection that sends parts back.
+const REWORK: &str = include_str!("../../../scenarios/shop/rework.toml");
+/// Two feeders and a bench.
+const ASSEMBLY: &str = include_str!("../../../scenarios/shop/assembly.toml");
+/// Work of a batch, 18 jobs an hour.
+const BATCH: [&str; 3] = [
+    "part.job.operation.serve.work_per=\"batch\"",
+    "part.job.operation.serve.work={ distribution = \"exponential\", mean = \"10 min\" }",
+    "arrivals.1.rate=\"18 1/h\"",
+];
 /// Rates and buffers of a line whose stations differ.
 const UNEQUAL: [&str; 4] = [
     "part.part.operation.second.work.mean=\"1.25 min\"",
@@ -38,6 +50,12 @@ enum Figure {
     Stay(f64),
     /// Parts of the line a minute.
     Rate(f64),
+    /// Mean time in the shop of a part of the scenario with two classes, min.
+    StayOf(u32, f64),
+    /// Mean time in the shop with rework, min.
+    Reworked(f64),
+    /// Assemblies a minute.
+    Assembled(f64),
 }
 
 /// The shipped queue at 80 % load and queues that differ from it by a word. The tolerances are some four
@@ -141,6 +159,74 @@ const CASES: &[Case] = &[
         figure: Figure::Rate(0.567_612),
         tolerance: 0.002,
     },
+    Case {
+        claim: "mean stay where up to 4 are worked on together, begun with what is there, min",
+        source: "stationary distribution of its Markov chain: Neuts, Annals of Mathematical Statistics 38 (1967) 759",
+        changes: &[BATCH[0], BATCH[1], BATCH[2], "machine.server.batch={ max = 4, min = 1 }"],
+        figure: Figure::Stay(35.524_987),
+        tolerance: 0.9,
+    },
+    Case {
+        claim: "the same, begun with 4 only, min",
+        source: "the same",
+        changes: &[BATCH[0], BATCH[1], BATCH[2], "machine.server.batch={ max = 4, min = 4 }"],
+        figure: Figure::Stay(31.476_391),
+        tolerance: 0.9,
+    },
+    Case {
+        claim: "the same with a constant time, min",
+        source: "Bailey, Journal of the Royal Statistical Society B 16 (1954) 80",
+        changes: &[
+            BATCH[0],
+            "part.job.operation.serve.work=\"10 min\"",
+            BATCH[2],
+            "machine.server.batch={ max = 4, min = 4 }",
+        ],
+        figure: Figure::Stay(17.669_612),
+        tolerance: 0.15,
+    },
+    Case {
+        claim: "mean stay of urgent jobs that interrupt nobody, min",
+        source: "Cobham, Operations Research 2 (1954) 70",
+        changes: &[],
+        figure: Figure::StayOf(0, 14.473_684),
+        tolerance: 0.4,
+    },
+    Case {
+        claim: "mean stay of the other jobs, min",
+        source: "the same",
+        changes: &[],
+        figure: Figure::StayOf(1, 42.591_093),
+        tolerance: 2.5,
+    },
+    Case {
+        claim: "mean stay of urgent jobs that interrupt others, min",
+        source: "Jaiswal, Priority Queues (1968)",
+        changes: &["dispatch.preempt=\"resume\""],
+        figure: Figure::StayOf(0, 7.894_737),
+        tolerance: 0.2,
+    },
+    Case {
+        claim: "mean stay of the other jobs, which are resumed, min",
+        source: "the same",
+        changes: &["dispatch.preempt=\"resume\""],
+        figure: Figure::StayOf(1, 45.748_988),
+        tolerance: 2.5,
+    },
+    Case {
+        claim: "mean stay in three stations with rework, min",
+        source: "Jackson, Operations Research 5 (1957) 518",
+        changes: &[],
+        figure: Figure::Reworked(89.565_217),
+        tolerance: 3.0,
+    },
+    Case {
+        claim: "rate of two feeders and their assembly, 1/min",
+        source: "stationary distribution of its Markov chain",
+        changes: &[],
+        figure: Figure::Assembled(0.771_654),
+        tolerance: 0.002,
+    },
 ];
 
 /// Time that jobs stay in the shop.
@@ -148,13 +234,15 @@ const CASES: &[Case] = &[
 struct Stays {
     /// Since when they count, s.
     from: f64,
+    /// Part that counts; `None`: all.
+    part: Option<u32>,
     total: f64,
     count: f64,
 }
 
 impl Recorder for Stays {
     fn job(&mut self, _: u32, row: JobRow) {
-        if row.arrival >= self.from && row.finish.is_finite() {
+        if row.arrival >= self.from && self.part.is_none_or(|part| part == row.part) && row.finish.is_finite() {
             self.total += row.finish - row.arrival;
             self.count += 1.0;
         }
@@ -188,15 +276,25 @@ impl Case {
         let (name, text) = match self.figure {
             Figure::Stay(_) => ("queue.toml", QUEUE),
             Figure::Rate(_) => ("line.toml", LINE),
+            Figure::StayOf(..) => ("urgent.toml", URGENT),
+            Figure::Reworked(_) => ("rework.toml", REWORK),
+            Figure::Assembled(_) => ("assembly.toml", ASSEMBLY),
         };
         let file = parse(name, text, &changes).unwrap_or_else(|error| panic!("{}: {error}", self.claim));
         let policy = Arc::new(ResolvedPolicy::of(&file.scenario, 0)?);
-        let stays = Stays { from: file.scenario.warm_up, ..Stays::default() };
+        let part = match self.figure {
+            Figure::StayOf(part, _) => Some(part),
+            Figure::Assembled(_) => Some(2), // after its two components
+            Figure::Stay(_) | Figure::Rate(_) | Figure::Reworked(_) => None,
+        };
+        let stays = Stays { from: file.scenario.warm_up, part, ..Stays::default() };
         let stays = Shop::with_recorder(&file.scenario, policy, 0, stays)?.run()?;
         let minutes = (file.scenario.horizon - stays.from) / 60.0;
         let (published, computed) = match self.figure {
-            Figure::Stay(stay) => (stay, stays.total / stays.count / 60.0),
-            Figure::Rate(rate) => (rate, stays.count / minutes),
+            Figure::Stay(stay) | Figure::StayOf(_, stay) | Figure::Reworked(stay) => {
+                (stay, stays.total / stays.count / 60.0)
+            }
+            Figure::Rate(rate) | Figure::Assembled(rate) => (rate, stays.count / minutes),
         };
         Ok(Claim {
             claim: self.claim.to_owned(),

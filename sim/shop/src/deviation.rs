@@ -152,9 +152,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
         moved.max(0.0)
     }
 
-    /// Time of a job's plain work, s: what was drawn when it entered the shop, as calibration has moved it.
-    pub(super) fn plain_time(&self, asked: &Asked, slot: u32, operation: usize) -> f64 {
-        let drawn = self.world.jobs.drawn(slot, operation);
+    /// A drawn time of plain work as calibration has moved it, s.
+    pub(super) fn plain_time(&self, asked: &Asked, drawn: f64) -> f64 {
         asked.calibrated(self.scenario, "programmed_time", drawn).max(0.0)
     }
 

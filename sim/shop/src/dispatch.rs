@@ -1,30 +1,32 @@
 //! Which waiting job a free machine takes.
 
 use super::job::Jobs;
+use super::kinetic;
 use super::layout::Layout;
-use super::queue::{Facts, Keys, QueueKind, Waiting};
+use super::machine::Readiness;
+use super::queue::{Facts, Keys, Queue, QueueKind, Waiting};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use rand::RngExt;
 use std::ops::Range;
 use toolroom_kernel::{Purpose, Streams};
-use toolroom_scenario::{Blocking, DispatchRule, MOST_RULES, MachineChoice, Scenario};
+use toolroom_scenario::{Blocking, DispatchRule, MOST_RULES, MachineChoice, Preemption, Scenario};
 
 /// Look-ahead of [`DispatchRule::Atc`], in mean processing times.
 ///
 /// # Source
 /// A. P. J. Vepsalainen, T. E. Morton, Management Science 33 (1987) 1035.
-const ATC_LOOK_AHEAD: f64 = 3.0;
+pub(super) const ATC_LOOK_AHEAD: f64 = 3.0;
 /// Expected waiting time of [`DispatchRule::Covert`] over the work left.
 ///
 /// # Source
 /// The same.
-const COVERT_WAIT: f64 = 2.0;
+pub(super) const COVERT_WAIT: f64 = 2.0;
 /// Share of the slack over that time in which the cost of [`DispatchRule::Covert`] falls to nothing.
 ///
 /// # Source
 /// The same.
-const COVERT_LOOK_AHEAD: f64 = 2.0;
+pub(super) const COVERT_LOOK_AHEAD: f64 = 2.0;
 
 /// How the queue of rules has to be kept.
 pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
@@ -32,6 +34,11 @@ pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
         QueueKind::Line
     } else if rules.iter().all(|rule| rule.stands()) {
         QueueKind::Heap
+    } else if let [first, others @ ..] = rules
+        && kinetic::knows(*first)
+        && others.iter().all(|rule| rule.stands())
+    {
+        QueueKind::Kinetic(*first)
     } else {
         QueueKind::Scan
     }
@@ -39,19 +46,19 @@ pub(super) fn queue_kind(rules: &[DispatchRule]) -> QueueKind {
 
 /// What changes while jobs wait.
 #[derive(Clone, Copy, Debug, Default)]
-struct Moment {
+pub(super) struct Moment {
     /// Time, s.
-    now: f64,
+    pub now: f64,
     /// Mean time of the operations that wait in the queue, s.
-    mean_time: f64,
+    pub mean_time: f64,
     /// Time of the operations that wait at the next station, s.
-    next_work: f64,
+    pub next_work: f64,
     /// Setup that the machine would need, s.
-    setup: f64,
+    pub setup: f64,
 }
 
 /// Key of a job under a rule: the job with the least key goes first.
-fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
+pub(super) fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
     let &Facts { time, work_left, operations_left, due, .. } = facts;
     let slack = due - moment.now - work_left;
     let late_in = |look_ahead: f64| slack.max(0.0) / look_ahead.max(f64::MIN_POSITIVE);
@@ -91,7 +98,8 @@ fn key(rule: DispatchRule, since: f64, facts: &Facts, moment: &Moment) -> f64 {
     key + 0.0 // one zero for both signs: keys are compared with them
 }
 
-fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment) -> Keys {
+/// Keys of a job under several rules.
+pub(super) fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment) -> Keys {
     let mut keys = [0.0; MOST_RULES];
     keys.iter_mut().zip(rules).for_each(|(each, rule)| *each = key(*rule, since, facts, moment));
     keys
@@ -100,7 +108,11 @@ fn keys(rules: &[DispatchRule], since: f64, facts: &Facts, moment: &Moment) -> K
 /// Whether a job still waits for what a place in a queue says.
 fn is_here(jobs: &Jobs, waiting: &Waiting) -> bool {
     let job = jobs.get(waiting.slot);
-    job.is_some_and(|job| job.waiting && job.number == waiting.number && job.operation == waiting.operation)
+    job.is_some_and(|job| {
+        let this = job.waiting && job.number == waiting.number && job.operation == waiting.operation;
+        // An inspection may have sent it back to the same operation.
+        this && job.queued == waiting.since
+    })
 }
 
 /// What the rules of a machine look at of a job that comes to its queue.
@@ -163,6 +175,10 @@ impl<R: Recorder> Shop<'_, R> {
             next += 1;
             let machine = machine as usize;
             self.world.machines[machine].listed = false;
+            if self.scenario.machines[machine].batch.is_some() {
+                while self.world.machines[machine].is_free() && self.begin_batch(machine)? {}
+                continue;
+            }
             while self.world.machines[machine].is_free()
                 && let Some(slot) = self.pick(machine)
             {
@@ -172,7 +188,8 @@ impl<R: Recorder> Shop<'_, R> {
                 if self.world.flow.is_limited() {
                     self.leave_buffer(slot);
                 }
-                self.begin(taker, slot)?;
+                self.supply(slot)?;
+                self.begin(taker, slot, Vec::new())?;
             }
         }
         self.world.candidates.clear();
@@ -184,27 +201,43 @@ impl<R: Recorder> Shop<'_, R> {
         if let Some((order, operation)) = self.world.machines[machine].kept_for {
             return self.world.next_of_lot(order, operation);
         }
-        let found = if self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService {
-            self.reserving(machine)
+        let reserves = self.world.flow.is_limited() && self.scenario.blocking == Blocking::BeforeService;
+        let found = if reserves || self.layout.assembles[machine] {
+            self.first_able(machine, reserves)
         } else {
             self.choose(machine).map(|waiting| waiting.slot)
         };
-        self.world.jobs.at_mut(found?).waiting = false;
+        self.stop_waiting(found?, Some(machine));
         found
     }
 
-    /// The first job by the rules of a machine for which a place can be reserved; it then is. Where there is
-    /// none, but other work, the machine is held up.
-    fn reserving(&mut self, machine: usize) -> Option<u32> {
-        let (mut found, mut aside) = (None, Vec::new());
+    /// A job waits no longer; the queue of `machine` does not have it any more.
+    pub(super) fn stop_waiting(&mut self, slot: u32, machine: Option<usize>) {
+        let job = self.world.jobs.at_mut(slot);
+        job.waiting = false;
+        let (part, operation) = (job.row.part as usize, job.operation as usize);
+        for &other in
+            self.scenario.parts[part].operations[operation].machines.iter().filter(|own| Some(**own) != machine)
+        {
+            self.world.machines[other].queue.leave(slot);
+        }
+    }
+
+    /// The first job by the rules of a machine whose components are there and, where it has to, for which a
+    /// place can be reserved; it then is. Where there is none, but other work for want of a place, the machine
+    /// is held up.
+    fn first_able(&mut self, machine: usize, reserves: bool) -> Option<u32> {
+        let (mut found, mut aside, mut without_place) = (None, Vec::new(), false);
         while let Some(waiting) = self.choose(machine) {
-            if self.reserve(waiting.slot) {
+            let supplied = self.is_supplied(waiting.slot);
+            if supplied && (!reserves || self.reserve(waiting.slot)) {
                 found = Some(waiting.slot);
                 break;
             }
+            without_place |= supplied;
             aside.push(waiting.slot);
         }
-        let held_up = found.is_none() && !aside.is_empty();
+        let held_up = found.is_none() && without_place;
         aside.into_iter().for_each(|slot| self.join(machine, slot));
         if held_up {
             self.world.flow.held_up.push(machine as u32);
@@ -252,6 +285,9 @@ impl<R: Recorder> Shop<'_, R> {
     pub(super) fn wait(&mut self, slot: u32) {
         let scenario = self.scenario;
         self.world.jobs.at_mut(slot).waiting = true;
+        if scenario.preemption != Preemption::None {
+            self.world.challengers.push(slot);
+        }
         let job = self.world.jobs.at(slot);
         // A job in a buffer waits for the machines behind it only.
         let (limited, buffer) = (self.world.flow.is_limited(), job.buffer);
@@ -302,26 +338,55 @@ impl<R: Recorder> Shop<'_, R> {
     }
 
     fn choose(&mut self, machine: usize) -> Option<Waiting> {
-        let now = self.now().seconds();
-        let scenario = self.scenario;
-        let (rules, layout, world) = (scenario.rules(machine), &self.layout, &mut self.world);
-        let (jobs, waiting_work) = (&world.jobs, &world.waiting_work);
-        let state = &mut world.machines[machine];
-        let ready = state.ready;
-        let work_at = |station: u32| {
-            let together = &layout.overlapping[station as usize];
-            together.iter().map(|station| waiting_work[*station as usize].1).sum::<f64>()
-        };
-        let moment = |facts: &Facts, mean_time: f64| Moment {
-            now,
-            mean_time,
-            next_work: facts.next_station.filter(|_| layout.looks_ahead).map_or(0.0, work_at),
-            setup: layout.setup(scenario, machine, ready, facts.setup_group, facts.setup_time).unwrap_or(0.0),
-        };
-        state.queue.take(
-            |waiting| is_here(jobs, waiting),
-            |waiting, facts, mean| keys(rules, waiting.since.seconds(), facts, &moment(facts, mean)),
+        let (queue, look) = self.look(machine);
+        queue.take(
+            look.now,
+            |waiting| is_here(look.jobs, waiting),
+            |waiting, facts, mean| look.keys(waiting, facts, mean),
         )
+    }
+
+    /// Jobs that wait at a machine which makes batches, in the order of its rules.
+    pub(super) fn in_order(&mut self, machine: usize) -> Vec<Waiting> {
+        let (queue, look) = self.look(machine);
+        queue.in_order(|waiting| is_here(look.jobs, waiting), |waiting, facts, mean| look.keys(waiting, facts, mean))
+    }
+
+    /// The queue of a machine, and what its rules look at.
+    fn look(&mut self, machine: usize) -> (&mut Queue, Look<'_>) {
+        let now = self.now().seconds();
+        let (scenario, layout, world) = (self.scenario, &*self.layout, &mut self.world);
+        let state = &mut world.machines[machine];
+        let (ready, jobs, waiting_work) = (state.ready, &world.jobs, world.waiting_work.as_slice());
+        (&mut state.queue, Look { scenario, layout, jobs, waiting_work, machine, ready, now })
+    }
+}
+
+/// What the rules of a machine look at.
+struct Look<'a> {
+    scenario: &'a Scenario,
+    layout: &'a Layout,
+    jobs: &'a Jobs,
+    waiting_work: &'a [(u32, f64)],
+    machine: usize,
+    ready: Readiness,
+    now: f64,
+}
+
+impl Look<'_> {
+    fn keys(&self, waiting: &Waiting, facts: &Facts, mean_time: f64) -> Keys {
+        let work_at = |station: u32| {
+            let together = &self.layout.overlapping[station as usize];
+            together.iter().map(|station| self.waiting_work[*station as usize].1).sum::<f64>()
+        };
+        let (group, usual) = (facts.setup_group, facts.setup_time);
+        let moment = Moment {
+            now: self.now,
+            mean_time,
+            next_work: facts.next_station.filter(|_| self.layout.looks_ahead).map_or(0.0, work_at),
+            setup: self.layout.setup(self.scenario, self.machine, self.ready, group, usual).unwrap_or(0.0),
+        };
+        keys(self.scenario.rules(self.machine), waiting.since.seconds(), facts, &moment)
     }
 }
 

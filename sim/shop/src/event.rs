@@ -30,6 +30,11 @@ pub enum Event {
         /// Index into the orders of the scenario.
         order: u32,
     },
+    /// A job may have waited for too long for others of its batch.
+    BatchDue {
+        /// Machine.
+        machine: u32,
+    },
     /// A person comes to work or leaves.
     Operator {
         /// Index into the operators of the scenario.
@@ -54,7 +59,7 @@ impl Event {
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
-            Self::Arrival { .. } | Self::Release { .. } => Class::Arrive,
+            Self::Arrival { .. } | Self::Release { .. } | Self::BatchDue { .. } => Class::Arrive,
             Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
         }
     }
@@ -69,6 +74,7 @@ impl Event {
             Self::ShiftStart { machine } => (4, machine),
             Self::ShiftEnd { machine } => (5, machine),
             Self::Release { order } => (6, order),
+            Self::BatchDue { machine } => (9, machine),
             Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };
         kind << 32 | u64::from(index)

@@ -1,7 +1,7 @@
 //! Breakdowns and repairs, and what becomes of the work in the machine.
 
 use super::event::Event;
-use super::machine::{Content, Piece, Step};
+use super::machine::{Content, Piece, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, OperationResult, OperationRow};
@@ -165,6 +165,7 @@ impl<R: Recorder> Shop<'_, R> {
             self.may_choose(machine);
             return Ok(());
         }
+        self.challenge(machine);
         self.start_clocks(machine)?;
         let task = self.world.machines[machine].task.as_ref();
         if task.is_some_and(|task| task.end.is_some()) {
@@ -198,19 +199,21 @@ impl<R: Recorder> Shop<'_, R> {
         }
         self.close_pass(machine);
         let Some(task) = self.world.machines[machine].task.take() else { return Ok(()) }; // an idle machine
-        let job = self.world.jobs.at(task.slot);
-        let row = OperationRow {
-            job: job.number,
-            part: job.row.part,
-            operation: job.operation,
-            quantity: job.row.quantity,
-            machine: machine as u32,
-            start: task.begun.seconds(),
-            end: self.now().seconds(),
-            time_left: 0.0,
-            result: OperationResult::Lost,
-        };
+        self.lose(machine, &task, task.slot, outcome)?;
+        task.riders.iter().try_for_each(|rider| self.lose(machine, &task, *rider, outcome))
+    }
+
+    /// A job in a machine is lost.
+    pub(super) fn lose(
+        &mut self,
+        machine: usize,
+        task: &Task,
+        slot: u32,
+        outcome: JobOutcome,
+    ) -> Result<(), ShopError> {
+        let (end, whole) = (self.now().seconds(), self.world.jobs.at(slot).row.quantity);
+        let row = OperationRow { end, result: OperationResult::Lost, ..self.row(machine, task, slot, whole) };
         self.recorder.operation(row);
-        self.leave(task.slot, outcome)
+        self.leave(slot, outcome)
     }
 }

@@ -42,6 +42,14 @@ pub struct Job {
     pub lot_owner: Entity,
     /// Hardness lot within the source.
     pub lot: u64,
+    /// How often an inspection has sent it back.
+    pub visits: u32,
+    /// Jobs that were divided from it.
+    pub divisions: u32,
+    /// What is left of the plain work at which it was interrupted, s; `None`: all of it.
+    pub rest: Option<f64>,
+    /// Whether it has taken the components of its part.
+    pub supplied: bool,
     /// Its times of loading and unloading, where any machine's are random.
     pub handling: Option<Stream>,
 }
@@ -114,6 +122,11 @@ impl Jobs {
     /// The same to change it.
     pub(super) fn at_mut(&mut self, slot: u32) -> &mut Job {
         self.slots[slot as usize].as_mut().expect("a job in work is in the shop")
+    }
+
+    /// Number of places, free ones included.
+    pub(super) fn places(&self) -> u32 {
+        self.slots.len() as u32
     }
 
     /// Jobs in the shop, by place.

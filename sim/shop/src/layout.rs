@@ -8,7 +8,7 @@ use toolroom_kernel::Entity;
 use toolroom_scenario::policies::ResolveError;
 use toolroom_scenario::{
     ArrivalPattern, Cut, GrindingPhase, Interruption, MachineType, Operation, Part, ProcessModel, Scenario,
-    SetupMatrix, Work,
+    SetupMatrix, Work, WorkPer,
 };
 
 /// Tables that follow from the scenario alone.
@@ -24,6 +24,12 @@ pub(super) struct Layout {
     pub overlapping: Vec<Vec<u32>>,
     /// Whether any queue looks at the work that waits for the next operation.
     pub looks_ahead: bool,
+    /// Whether any operation of a machine needs components, by machine.
+    pub assembles: Vec<bool>,
+    /// Whether a part goes into others, by part.
+    pub components: Vec<bool>,
+    /// Machines at which a part is built in, by part.
+    pub takes: Vec<Vec<u32>>,
     /// Failure modes of every machine.
     pub modes_of: Vec<Vec<u32>>,
     /// Names of setup groups, by number.
@@ -53,6 +59,8 @@ pub(super) struct ToolPlan {
 pub(super) struct OperationPlan {
     pub content: ContentPlan,
     pub setup_group: u32,
+    /// What takes its plain work once.
+    pub work_per: WorkPer,
     /// The machines that may do it, together.
     pub station: u32,
     /// Expected time on its first machine, s: loading, passes as programmed, unloading; plain work is not
@@ -117,6 +125,7 @@ impl Layout {
                 plans.push(OperationPlan {
                     content,
                     setup_group: setup_group as u32,
+                    work_per: operation.work_per,
                     station: station as u32,
                     known_time: machine.load_time.mean() + cutting_time + machine.unload_time.mean(),
                 });
@@ -136,6 +145,15 @@ impl Layout {
         for (mode, failure) in scenario.failures.iter().enumerate() {
             modes_of[failure.machine].push(mode as u32);
         }
+        let mut assembles = vec![false; scenario.machines.len()];
+        let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
+        let mut takes: Vec<Vec<u32>> = vec![Vec::new(); scenario.parts.len()];
+        for part in &scenario.parts {
+            for &machine in part.operations.iter().filter(|own| own.assembles).flat_map(|own| &own.machines) {
+                assembles[machine] = true;
+                part.components.iter().for_each(|component| takes[component.part].push(machine as u32));
+            }
+        }
         let machines = scenario.machines.iter().map(|machine| Entity::named(&machine.name)).collect();
         let random = |machine: &MachineType| !(machine.load_time.is_constant() && machine.unload_time.is_constant());
         let random_handling = scenario.machines.iter().any(random);
@@ -148,6 +166,9 @@ impl Layout {
             pass_times,
             overlapping,
             looks_ahead,
+            assembles,
+            components,
+            takes,
             modes_of,
             matrix_places,
             groups,
@@ -166,7 +187,11 @@ impl Layout {
         let plan = &self.operations[part][operation];
         match plan.content {
             ContentPlan::Plain => {
-                (plan.known_time + jobs.drawn(slot, operation)) * f64::from(jobs.at(slot).row.quantity)
+                let (pieces, drawn) = (f64::from(jobs.at(slot).row.quantity), jobs.drawn(slot, operation));
+                match plan.work_per {
+                    WorkPer::Part => (plan.known_time + drawn) * pieces,
+                    WorkPer::Lot | WorkPer::Batch => plan.known_time * pieces + drawn,
+                }
             }
             ContentPlan::Machining { .. } => plan.known_time,
         }

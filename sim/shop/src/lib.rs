@@ -29,12 +29,14 @@
 //!
 //! # What is not modelled
 //! Transport (a part is at the next queue at once), shared tool cribs
-//! and fixtures, walking times of operators, rework, preemption of one job by another, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! and fixtures, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
 mod arrival;
+mod assembly;
+mod batch;
 mod chatter;
 mod claims;
 mod contour;
@@ -48,8 +50,10 @@ mod error;
 mod event;
 mod flow;
 mod grinding;
+mod inspection;
 mod interruption;
 mod job;
+mod kinetic;
 mod layout;
 mod lot;
 mod machine;
@@ -57,6 +61,7 @@ mod operation;
 mod operator;
 mod pass;
 mod ports;
+mod preemption;
 mod program;
 mod queue;
 mod recorder;
@@ -65,6 +70,8 @@ mod shift;
 mod tooling;
 mod world;
 
+pub use assembly::Stocked;
+pub use batch::BatchState;
 pub use chatter::{Reaction, Surface, Vibration};
 pub use claims::claims;
 pub use cut::Segment;
@@ -85,6 +92,7 @@ pub use world::{FailureState, SourceState, World};
 
 use crate::runlog::{EventRow, StateRow};
 use layout::Layout;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use toolroom_kernel::{Calendar, Class, Digest, EventKey};
 use toolroom_kernel::{Entity, Purpose, SimTime, Streams};
@@ -184,6 +192,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             operators: Vec::new(),
             awaiting: Vec::new(),
             flow: Flow::of(scenario),
+            stock: vec![VecDeque::new(); scenario.parts.len()],
+            challengers: Vec::new(),
         };
         let pairs = scenario.tools.iter().map(|tool| draws::pair(&tool.scatter, &streams, &tool.name)).collect();
         let mut shop = Self {
@@ -256,6 +266,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 self.settle_places()?;
             } else {
                 self.dispatch()?;
+                self.let_urgent_interrupt()?;
             }
             self.assign_operators()?;
         }
@@ -349,6 +360,10 @@ impl<'a, R: Recorder> Shop<'a, R> {
             Event::Repair { mode } => self.repair(mode as usize),
             Event::Arrival { source } => self.arrive(source as usize),
             Event::Release { order } => self.release_order(order as usize),
+            Event::BatchDue { machine } => {
+                self.batch_due(machine as usize);
+                Ok(())
+            }
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),

@@ -47,6 +47,18 @@ impl World {
         self.lots[order as usize].as_mut()
     }
 
+    /// One more job of an order has to pass the operations from `from` on, where several are in the shop.
+    pub(super) fn join_lot(&mut self, order: u32, from: u32) {
+        let Some(lot) = self.lot_mut(order) else { return };
+        lot.steps.iter_mut().skip(from as usize).for_each(|step| step.left += 1);
+    }
+
+    /// A job of an order has to pass the operations `to` to `from` once more, where several are in the shop.
+    pub(super) fn repeat_in_lot(&mut self, order: u32, to: u32, from: u32) {
+        let Some(lot) = self.lot_mut(order) else { return };
+        lot.steps[to as usize..=from as usize].iter_mut().for_each(|step| step.left += 1);
+    }
+
     /// The next job of an order at the machine that is kept for it.
     pub(super) fn next_of_lot(&mut self, order: u32, operation: u32) -> Option<u32> {
         self.lot_mut(order)?.steps[operation as usize].line.pop_front()
@@ -65,6 +77,9 @@ impl<R: Recorder> Shop<'_, R> {
 
     /// Lets the jobs that are gathered be worked on, where enough of them are there or no more will come.
     fn move_on(&mut self, order: u32, operation: u32) {
+        let part = self.scenario.orders[order as usize].part;
+        let machine = self.scenario.parts[part].operations[operation as usize].machines[0];
+        let apart = self.scenario.machines[machine].batch.is_some();
         let Some(lot) = self.world.lot_mut(order) else { return };
         // Before the first operation all jobs come in one instant.
         let still_to_come = operation.checked_sub(1).map_or(0, |before| lot.steps[before as usize].left);
@@ -74,6 +89,11 @@ impl<R: Recorder> Shop<'_, R> {
             return;
         }
         let (moving, machine) = (std::mem::take(&mut step.gathered), step.machine);
+        if apart {
+            // No machine is kept for an order where jobs of several are worked on together.
+            moving.into_iter().for_each(|slot| self.wait(slot));
+            return;
+        }
         let lead = if machine.is_none() && !step.queued { moving.first().copied() } else { None };
         step.queued |= lead.is_some();
         step.line.extend(moving.iter().filter(|slot| Some(**slot) != lead));

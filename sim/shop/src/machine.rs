@@ -1,12 +1,13 @@
 //! A machine and what it is doing.
 
+use super::batch::BatchState;
 use super::chatter::{Reaction, Surface};
 use super::cut::Segment;
 use super::deviation::Moved;
 use super::dispatch::queue_kind;
 use super::draws::Blank;
 use super::edge::Edge;
-use super::queue::Queue;
+use super::queue::{Queue, QueueKind};
 use crate::runlog::{MachineState, PassRow};
 use toolroom_kernel::{EventKey, SimTime};
 use toolroom_scenario::policies::{ForceReading, Observer};
@@ -31,6 +32,8 @@ pub struct Machine {
     pub ready: Readiness,
     /// The order and operation for which it is kept, until the last job of that order is through.
     pub kept_for: Option<(u32, u32)>,
+    /// Batches that it has made.
+    pub batch: BatchState,
     /// The job that is done on it and cannot move on.
     pub blocked: Option<u32>,
     /// Whether it has work for which no place can be reserved.
@@ -104,6 +107,8 @@ pub struct Task {
     pub unload_time: f64,
     /// What is done to the part.
     pub content: Content,
+    /// Other jobs that are worked on together with it.
+    pub riders: Vec<u32>,
 }
 
 /// What an operation does to its part.
@@ -300,7 +305,7 @@ impl Machine {
     /// A machine with a full magazine, ready at time zero.
     pub(super) fn new(tools: usize, kind: &MachineType, rules: &[DispatchRule], ready: Readiness) -> Self {
         Self {
-            queue: Queue::of(queue_kind(rules)),
+            queue: Queue::of(if kind.batch.is_some() { QueueKind::Scan } else { queue_kind(rules) }),
             task: None,
             edges: vec![None; tools],
             learnt: vec![None; tools],
@@ -308,6 +313,7 @@ impl Machine {
             magazine: kind.magazine,
             ready,
             kept_for: None,
+            batch: BatchState::default(),
             blocked: None,
             held_up: false,
             failures: 0,

@@ -1,11 +1,13 @@
 //! An operation step by step: setup, load, passes with edge changes, unload, inspection.
 
+use super::deviation::Asked;
+use super::inspection::Verdict;
 use super::layout::ContentPlan;
 use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
-use toolroom_scenario::{Distribution, Operation};
+use toolroom_scenario::{Distribution, Operation, WorkPer};
 
 impl Piece {
     /// Why it is no good part, if it is none.
@@ -26,28 +28,30 @@ impl Piece {
 }
 
 impl<R: Recorder> Shop<'_, R> {
-    /// A machine takes a job.
-    pub(super) fn begin(&mut self, machine: usize, slot: u32) -> Result<(), ShopError> {
+    /// A machine takes a job, and in a batch others with it.
+    pub(super) fn begin(&mut self, machine: usize, slot: u32, riders: Vec<u32>) -> Result<(), ShopError> {
         let now = self.now();
-        let job = self.world.jobs.at_mut(slot);
-        if job.row.start.is_nan() {
-            job.row.start = now.seconds();
-        }
+        let job = self.world.jobs.at(slot);
         let (number, part, index) = (job.number, job.row.part as usize, job.operation as usize);
         let kind = &self.scenario.machines[machine];
-        // Drawn here, once: work that is repeated takes the same time, and two draws an
-        // operation keep a job's later times the same under every policy.
-        let mut draw = |time: &Distribution| match &mut job.handling {
-            Some(stream) => time.sample(stream),
-            None => time.mean(),
-        };
-        let (load_time, unload_time) = (draw(&kind.load_time), draw(&kind.unload_time));
         let plan = self.layout.operations[part][index];
         let asked = self.asked(machine, slot);
-        let [load_time, unload_time] = asked.handling(self.scenario, [load_time, unload_time]);
-        let pieces = f64::from(self.world.jobs.at(slot).row.quantity);
+        let [mut load_time, mut unload_time] = self.handling(machine, slot, &asked);
+        for &rider in &riders {
+            let own = self.handling(machine, rider, &asked);
+            load_time += own[0];
+            unload_time += own[1];
+        }
         let content = match plan.content {
-            ContentPlan::Plain => Content::Plain(pieces * self.plain_time(&asked, slot, index)),
+            ContentPlan::Plain => {
+                // All that is worked on together is done when the longest work is.
+                let own = |slot: u32| {
+                    let (times, drawn) = self.plain_work(machine, slot);
+                    times * self.plain_time(&asked, drawn)
+                };
+                let whole = riders.iter().map(|rider| own(*rider)).fold(own(slot), f64::max);
+                Content::Plain(self.world.jobs.at_mut(slot).rest.take().unwrap_or(whole))
+            }
             ContentPlan::Machining { tool, cutting_time, .. } => {
                 let moved = asked.moved(self.scenario, cutting_time);
                 Content::Machining(Machining {
@@ -75,15 +79,34 @@ impl<R: Recorder> Shop<'_, R> {
             end: None,
             operator: None,
             waits: false,
-            load_time: pieces * load_time,
-            unload_time: pieces * unload_time,
+            load_time,
+            unload_time,
             content,
+            riders,
         });
         if change {
             self.log_event("setup", Some(machine), Some(number), None);
         }
         self.start_clocks(machine)?;
         self.drive(machine, true)
+    }
+
+    /// Times of loading and unloading a job, s.
+    fn handling(&mut self, machine: usize, slot: u32, asked: &Asked) -> [f64; 2] {
+        let (now, kind) = (self.now(), &self.scenario.machines[machine]);
+        let job = self.world.jobs.at_mut(slot);
+        if job.row.start.is_nan() {
+            job.row.start = now.seconds();
+        }
+        // Drawn here, once: work that is repeated takes the same time, and two draws an
+        // operation keep a job's later times the same under every policy.
+        let mut draw = |time: &Distribution| match &mut job.handling {
+            Some(stream) => time.sample(stream),
+            None => time.mean(),
+        };
+        let times = [draw(&kind.load_time), draw(&kind.unload_time)];
+        let pieces = f64::from(job.row.quantity);
+        asked.handling(self.scenario, times).map(|time| pieces * time)
     }
 
     /// Goes through steps without duration and schedules the end of the first that takes time.
@@ -242,44 +265,70 @@ impl<R: Recorder> Shop<'_, R> {
         if std::mem::take(&mut state.leaving) {
             state.off_shift = true;
         }
-        let job = self.world.jobs.at_mut(task.slot);
-        let (part, index) = (job.row.part as usize, job.operation as usize);
-        let operation = &self.scenario.parts[part].operations[index];
+        self.end_for(machine, &task, task.slot)?;
+        task.riders.iter().try_for_each(|rider| self.end_for(machine, &task, *rider))
+    }
+
+    /// The operation in a machine is over for one of its jobs.
+    fn end_for(&mut self, machine: usize, task: &Task, slot: u32) -> Result<(), ShopError> {
+        let job = self.world.jobs.at(slot);
+        let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
         let bad = match &task.content {
             Content::Plain(_) => None,
             Content::Machining(Machining { piece, .. }) => piece.fault(operation),
         };
-        job.operation += 1;
-        let result = if bad.is_some() { OperationResult::Bad } else { OperationResult::Good };
-        let row = OperationRow {
-            job: job.number,
-            part: part as u32,
-            operation: index as u32,
-            quantity: job.row.quantity,
-            machine: machine as u32,
-            start: task.begun.seconds(),
-            end: self.calendar.now().seconds(),
-            time_left: 0.0,
-            result,
-        };
-        self.recorder.operation(row);
-        if self.world.flow.is_limited() {
-            self.free_place(task.slot); // with blocking before service the machine's place counts with the buffer's
+        let whole = job.row.quantity;
+        if let Some(outcome) = bad {
+            return self.end_as(machine, task, (slot, Verdict::Scrap(outcome)), whole);
         }
-        self.passed(task.slot, index as u32);
+        if operation.inspection.outcomes.is_empty() {
+            return self.end_as(machine, task, (slot, Verdict::Good), whole);
+        }
+        self.inspect(slot).into_iter().try_for_each(|own| self.end_as(machine, task, own, whole))
+    }
+
+    /// A job goes on, goes back or leaves; it was one of `whole` pieces when the operation began.
+    fn end_as(
+        &mut self,
+        machine: usize,
+        task: &Task,
+        (slot, verdict): (u32, Verdict),
+        whole: u32,
+    ) -> Result<(), ShopError> {
+        let index = self.world.jobs.at(slot).operation;
+        let row = OperationRow {
+            end: self.calendar.now().seconds(),
+            result: verdict.result(),
+            ..self.row(machine, task, slot, whole)
+        };
+        match verdict {
+            Verdict::Back(to) => self.send_back(slot, to),
+            Verdict::Good | Verdict::Scrap(_) => self.world.jobs.at_mut(slot).operation += 1,
+        }
+        self.recorder.operation(OperationRow { next: self.world.jobs.at(slot).operation, ..row });
+        if self.world.flow.is_limited() {
+            self.free_place(slot); // with blocking before service the machine's place counts with the buffer's
+        }
+        self.passed(slot, index);
         self.show_state(machine);
         self.may_choose(machine);
-        match bad {
-            Some(outcome) => self.leave(task.slot, outcome),
-            None => self.enqueue(task.slot, Some(machine)),
+        match verdict {
+            Verdict::Scrap(outcome) => self.leave(slot, outcome),
+            Verdict::Good | Verdict::Back(_) => self.enqueue(slot, Some(machine)),
         }
     }
 
-    /// Writes the row of the operation that is in a machine at the end of the run.
-    pub(super) fn log_in_process(&mut self, machine: usize) {
-        let Some(task) = &self.world.machines[machine].task else { return }; // nothing is in work
-        let job = self.world.jobs.at(task.slot);
-        let row = OperationRow {
+    /// The row of an operation in a machine for one of its jobs, not ended yet; the job was one of `whole`
+    /// pieces when it began.
+    pub(super) fn row(&self, machine: usize, task: &Task, slot: u32, whole: u32) -> OperationRow {
+        let job = self.world.jobs.at(slot);
+        let pieces = f64::from(job.row.quantity);
+        let operation = &self.scenario.parts[job.row.part as usize].operations[job.operation as usize];
+        let own = match operation.work_per {
+            WorkPer::Part => pieces,
+            WorkPer::Lot | WorkPer::Batch => pieces / f64::from(whole),
+        };
+        OperationRow {
             job: job.number,
             part: job.row.part,
             operation: job.operation,
@@ -287,10 +336,24 @@ impl<R: Recorder> Shop<'_, R> {
             machine: machine as u32,
             start: task.begun.seconds(),
             end: f64::NAN,
-            time_left: self.time_left(task, job.row.part as usize, job.operation as usize),
+            time_left: 0.0,
+            work: own / (1 + task.riders.len()) as f64,
+            next: job.operation,
             result: OperationResult::InProcess,
-        };
-        self.recorder.operation(row);
+        }
+    }
+
+    /// Writes the row of the operation that is in a machine at the end of the run.
+    pub(super) fn log_in_process(&mut self, machine: usize) {
+        let Some(task) = &self.world.machines[machine].task else { return }; // nothing is in work
+        let job = self.world.jobs.at(task.slot);
+        let time_left = self.time_left(task, job.row.part as usize, job.operation as usize);
+        let jobs = std::iter::once(&task.slot).chain(&task.riders);
+        let rows: Vec<OperationRow> = jobs
+            .map(|slot| self.row(machine, task, *slot, self.world.jobs.at(*slot).row.quantity))
+            .map(|row| OperationRow { time_left, ..row })
+            .collect();
+        rows.into_iter().for_each(|row| self.recorder.operation(row));
     }
 
     /// Time that the operation in a machine still takes, s, its setup included; `None` where there is none.

@@ -1,9 +1,10 @@
 //! Jobs that wait at a machine, kept in the way that its rules ask for.
 
+use super::kinetic::Kinetic;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, VecDeque};
 use toolroom_kernel::SimTime;
-use toolroom_scenario::MOST_RULES;
+use toolroom_scenario::{DispatchRule, MOST_RULES};
 
 /// A place in a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,9 +56,9 @@ pub(super) struct Facts {
 
 /// A job with its keys: the least goes first, ties by arrival at the queue, then job number.
 #[derive(Clone, Copy, Debug)]
-struct Ranked {
-    keys: Keys,
-    waiting: Waiting,
+pub(super) struct Ranked {
+    pub keys: Keys,
+    pub waiting: Waiting,
 }
 
 impl Ord for Ranked {
@@ -99,6 +100,8 @@ enum Order {
     },
     /// By keys that change with the clock, other queues or the machine: a decision looks at all once.
     Scan(Vec<(Waiting, Facts)>),
+    /// The same without looking at all.
+    Kinetic(Box<Kinetic>),
 }
 
 /// How a queue has to be kept.
@@ -110,6 +113,8 @@ pub(super) enum QueueKind {
     Heap,
     /// By keys that change.
     Scan,
+    /// By keys of which the first, under this rule, changes in a known way.
+    Kinetic(DispatchRule),
 }
 
 /// Length from which a heap is looked through for jobs that are gone.
@@ -121,6 +126,7 @@ impl Queue {
             QueueKind::Line => Order::Line(VecDeque::new()),
             QueueKind::Heap => Order::Heap { jobs: BinaryHeap::new(), full: FULL },
             QueueKind::Scan => Order::Scan(Vec::new()),
+            QueueKind::Kinetic(rule) => Order::Kinetic(Box::new(Kinetic::of(rule))),
         })
     }
 
@@ -147,14 +153,28 @@ impl Queue {
                 jobs.push(Reverse(Ranked { keys: keys(&facts()), waiting }));
             }
             Order::Scan(jobs) => jobs.push((waiting, facts())),
+            Order::Kinetic(jobs) => {
+                let facts = facts();
+                let keys = keys(&facts);
+                jobs.join(waiting, facts, keys);
+            }
         }
     }
 
-    /// Takes out the job that goes first. `here` tells whether a job is still to be had; `keys` gives its
+    /// A job is gone to another machine: only queues that cannot see that have to be told.
+    pub(super) fn leave(&mut self, slot: u32) {
+        match &mut self.0 {
+            Order::Line(_) | Order::Heap { .. } | Order::Scan(_) => {}
+            Order::Kinetic(jobs) => drop(jobs.leave(slot)),
+        }
+    }
+
+    /// Takes out the job that goes first at time `now`, s. `here` tells whether a job is still to be had; `keys` gives its
     /// keys at this moment, from the mean time of all that are. Only a queue whose keys change asks for
     /// them.
     pub(super) fn take(
         &mut self,
+        now: f64,
         here: impl Fn(&Waiting) -> bool,
         keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
     ) -> Option<Waiting> {
@@ -173,7 +193,26 @@ impl Queue {
                 let first = jobs.iter().map(ranked).enumerate().min_by_key(|(_, ranked)| *ranked);
                 first.map(|(place, _)| jobs.swap_remove(place).0)
             }
+            Order::Kinetic(jobs) => jobs.take(now, keys),
         }
+    }
+
+    /// Jobs that are still to be had, the one that goes first in front; they stay. Those that are gone are
+    /// forgotten. Only a queue whose keys may change is asked.
+    pub(super) fn in_order(
+        &mut self,
+        here: impl Fn(&Waiting) -> bool,
+        keys: impl Fn(&Waiting, &Facts, f64) -> Keys,
+    ) -> Vec<Waiting> {
+        let Order::Scan(jobs) = &mut self.0 else { unreachable!("queues of batch machines are looked through") };
+        jobs.retain(|(waiting, _)| here(waiting));
+        let mean = jobs.iter().map(|(_, facts)| facts.time).sum::<f64>() / jobs.len() as f64;
+        let ranked =
+            |(waiting, facts): &(Waiting, Facts)| Ranked { keys: keys(waiting, facts, mean), waiting: *waiting };
+        let mut all: Vec<Ranked> = jobs.iter().map(ranked).collect();
+        all.sort_unstable();
+        all.dedup_by_key(|ranked| ranked.waiting.number);
+        all.into_iter().map(|ranked| ranked.waiting).collect()
     }
 
     /// Number of places, those of jobs that are gone included.
@@ -182,6 +221,7 @@ impl Queue {
             Order::Line(jobs) => jobs.len(),
             Order::Heap { jobs, .. } => jobs.len(),
             Order::Scan(jobs) => jobs.len(),
+            Order::Kinetic(jobs) => jobs.len(),
         }
     }
 
@@ -211,7 +251,7 @@ mod tests {
             let waiting = Waiting { since, number, slot: number, operation: 0 };
             queue.join(waiting, || Facts { time, ..Facts::default() }, |facts| key(facts.time), here);
         }
-        std::iter::from_fn(|| queue.take(here, |_, facts, _| key(facts.time))).map(|taken| taken.number).collect()
+        std::iter::from_fn(|| queue.take(0.0, here, |_, facts, _| key(facts.time))).map(|taken| taken.number).collect()
     }
 
     #[test]

@@ -113,6 +113,10 @@ pub enum JobOutcome {
     Burnt,
     /// Scrapped at inspection: rough by chatter.
     Chatter,
+    /// Scrapped at an inspection of which only shares are known.
+    Rejected,
+    /// Lost when a more urgent job took its machine.
+    Preempted,
     /// Scrapped by a breakdown of the machine.
     Breakdown,
     /// Scrapped because the shift ended while it was in the machine.
@@ -130,6 +134,8 @@ impl JobOutcome {
             Self::OutOfTolerance => "out_of_tolerance",
             Self::Burnt => "burnt",
             Self::Chatter => "chatter",
+            Self::Rejected => "rejected",
+            Self::Preempted => "preempted",
             Self::Breakdown => "breakdown",
             Self::ShiftEnd => "shift_end",
             Self::InProcess => "in_process",
@@ -250,6 +256,8 @@ pub struct JobRow {
     pub finish: f64,
     /// Due, s.
     pub due: f64,
+    /// The job from which an inspection divided it.
+    pub divided_from: Option<u32>,
     /// How it ended.
     pub outcome: JobOutcome,
 }
@@ -261,6 +269,8 @@ pub enum OperationResult {
     Good,
     /// Completed, and the part was scrapped at its inspection.
     Bad,
+    /// Completed, and the part was sent back at its inspection.
+    Rework,
     /// Not completed: a breakdown or the end of a shift spoiled the part.
     Lost,
     /// Not completed at the end of the run.
@@ -287,6 +297,10 @@ pub struct OperationRow {
     /// Time in cut and in handling that it would still take, s, later passes as programmed; 0 unless
     /// it is in process.
     pub time_left: f64,
+    /// Times of plain work, or of passes, that it stands for: pieces, or its share of what a lot or a batch took once.
+    pub work: f64,
+    /// Operation to which its job goes; the same one where it is not completed.
+    pub next: u32,
     /// What became of it.
     pub result: OperationResult,
 }
@@ -316,7 +330,7 @@ pub struct EventRow {
     pub time: f64,
     /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
     /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`.
+    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`, `rework`, `preempt`.
     pub event: &'static str,
     /// Machine.
     pub machine: Option<u32>,

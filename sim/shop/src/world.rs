@@ -1,10 +1,12 @@
 //! Everything of a shop that changes, as plain data.
 
+use super::assembly::Stocked;
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
 use super::operator::{Awaiting, OperatorState};
+use std::collections::VecDeque;
 use toolroom_kernel::{EventKey, SimTime, Stream};
 
 /// Jobs, machines with their queues and edges, failure clocks, sources. Cloning it takes a
@@ -27,6 +29,10 @@ pub struct World {
     pub(super) awaiting: Vec<Awaiting>,
     /// Places in buffers, and jobs that cannot move on.
     pub flow: Flow,
+    /// Finished components that are not built in yet, by part, the first come in front.
+    pub stock: Vec<VecDeque<Stocked>>,
+    /// Waiting jobs that may interrupt others.
+    pub(super) challengers: Vec<u32>,
     /// Edges mounted so far.
     pub edges_mounted: u32,
     /// Number and time (s) of the operations that wait at every station, kept where a rule looks at them.

@@ -73,6 +73,8 @@ impl MachineTally {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub window: f64,
+    /// Whether a part goes into others, by part.
+    components: Vec<bool>,
     pub machines: Vec<MachineTally>,
     /// Good parts.
     pub good: u32,
@@ -159,7 +161,8 @@ fn calendar(scenario: &Scenario, machine: usize) -> Option<&ShiftCalendar> {
 
 impl Tally {
     pub fn new(scenario: &Scenario) -> Self {
-        Self { machines: vec![MachineTally::default(); scenario.machines.len()], ..Self::default() }
+        let components = (0..scenario.parts.len()).map(|part| scenario.is_component(part)).collect();
+        Self { components, machines: vec![MachineTally::default(); scenario.machines.len()], ..Self::default() }
     }
 
     /// Operations that wheels did, by their part in the window.
@@ -291,7 +294,7 @@ impl Tally {
         let operation = &scenario.parts[row.part as usize].operations[row.operation as usize];
         let work = programmed + operation.work.plain_time();
         let pieces = f64::from(row.quantity);
-        let planned = pieces * (work + machine.load_time.mean() + machine.unload_time.mean());
+        let planned = row.work * work + pieces * (machine.load_time.mean() + machine.unload_time.mean());
         let tool = operation.tool.and_then(|tool| scenario.tools.get(tool));
         let ground = tool.is_some_and(|tool| matches!(tool.process, ProcessModel::Infeed(_)));
         let tally = &mut self.machines[row.machine as usize];
@@ -302,7 +305,7 @@ impl Tally {
         if ground {
             tally.wheel_parts += share;
         }
-        if row.result != OperationResult::Bad {
+        if matches!(row.result, OperationResult::Good | OperationResult::InProcess) {
             tally.programmed_good += programmed * share;
         }
         if completed {
@@ -323,6 +326,8 @@ impl Tally {
         self.offered += f64::from(job.quantity);
         self.job_time += left - job.arrival.max(scenario.warm_up);
         match job.outcome {
+            // What goes into other parts does not leave the shop.
+            JobOutcome::Good if self.components[job.part as usize] => {}
             JobOutcome::Good => {
                 self.good += job.quantity;
                 self.good_jobs += 1;
@@ -335,6 +340,8 @@ impl Tally {
             | JobOutcome::OutOfTolerance
             | JobOutcome::Burnt
             | JobOutcome::Chatter
+            | JobOutcome::Rejected
+            | JobOutcome::Preempted
             | JobOutcome::Breakdown
             | JobOutcome::ShiftEnd) => {
                 let lost = job.quantity;

@@ -3,7 +3,7 @@
 use super::{Figures, LoadKind, QueueFigure};
 use crate::study::Study;
 use toolroom_numerics::order_quantile;
-use toolroom_scenario::{Scenario, date};
+use toolroom_scenario::{Order, Scenario, date};
 use toolroom_statistics::{CONFIDENCE, wilson};
 
 /// Everything that a planner asks, under one policy.
@@ -68,6 +68,23 @@ pub(crate) fn shown(scenario: &Scenario, time: f64) -> String {
         Some(start) => date::show(start + time),
         None => format!("{:.2} h", time / 3600.0),
     }
+}
+
+/// Number of orders that are late in every replication, those that are not finished included; empty where there are
+/// no orders.
+pub(crate) fn late(scenario: &Scenario, study: &Study, policy: usize) -> Vec<f64> {
+    if scenario.orders.is_empty() {
+        return Vec::new();
+    }
+    (0..study.replications).map(|own| late_in(scenario, study.planner_figures(policy, own))).collect()
+}
+
+/// The same of one run, from its figures.
+pub(crate) fn late_in(scenario: &Scenario, values: &[f64]) -> f64 {
+    let figures = Figures::of(scenario);
+    // NaN where an order is not finished.
+    let on_time = |(order, own): &(usize, &Order)| values[figures.finish(*order)] <= own.due;
+    (scenario.orders.len() - scenario.orders.iter().enumerate().filter(on_time).count()) as f64
 }
 
 /// What a machine does in a week.

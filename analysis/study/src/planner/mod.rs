@@ -7,8 +7,8 @@
 mod answers;
 mod files;
 
-pub(crate) use answers::shown;
 pub use answers::{Answers, Finish, LoadAnswer, OrderAnswer, QueueAnswer, answers};
+pub(crate) use answers::{late, late_in, shown};
 pub(crate) use files::ticks;
 pub use files::{FILES, json, late_orders, write};
 
@@ -221,14 +221,19 @@ impl Figures {
             self.stations.iter().position(|own| *own == machines).unwrap_or(0)
         };
         // When every job was ready for its next operation, and which one that is.
-        let mut ready: Vec<(f64, u32)> = log.jobs.iter().map(|job| (job.arrival, 0)).collect();
+        let mut ready: Vec<(f64, u32)> =
+            log.jobs.iter().map(|job| (if job.divided_from.is_some() { f64::NAN } else { job.arrival }, 0)).collect();
         let mut waits: Vec<Vec<(f64, f64)>> = vec![Vec::new(); self.stations.len()];
         let mut begun = vec![0.0; self.stations.len()];
         for row in &log.operations {
             let place = station(row.part, row.operation);
-            waits[place].push((ready[row.job as usize].0, row.start));
-            begun[place] += 1.0;
-            ready[row.job as usize] = (row.end, row.operation + 1);
+            let from = ready[row.job as usize].0;
+            // Pieces that an inspection divided from a job have waited with it.
+            if from.is_finite() {
+                waits[place].push((from, row.start));
+                begun[place] += 1.0;
+            }
+            ready[row.job as usize] = (row.end, row.next);
         }
         let total: Vec<f64> = waits.iter().map(|own| own.iter().map(|(from, to)| to - from).sum()).collect();
         for (job, (from, operation)) in log.jobs.iter().zip(&ready) {

@@ -2,6 +2,7 @@
 //! its report is drawn from again.
 
 use super::{EdgeLife, NamedLife, Run, Study, StudyError};
+use crate::variants::{Found, VariantRuns};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io;
@@ -20,6 +21,12 @@ pub struct Finished {
     /// By policy and replication; null where it is not defined.
     values: Vec<Vec<Vec<Option<f64>>>>,
     edge_lives: Vec<Vec<NamedLife>>,
+    /// Variants of the shop.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    variants: Vec<VariantRuns>,
+    /// The best of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    selection: Option<Found>,
     /// Where it was read, with the log tables of the same replications.
     #[serde(skip)]
     pub directory: PathBuf,
@@ -61,6 +68,8 @@ impl Finished {
             digest: study.digest,
             values: study.values.iter().map(|policy| policy.iter().map(defined).collect()).collect(),
             edge_lives: study.edge_lives.iter().map(|lives| lives.iter().map(EdgeLife::named).collect()).collect(),
+            variants: study.variants.clone(),
+            selection: study.selection.clone(),
             directory: PathBuf::new(),
         }
     }
@@ -97,6 +106,8 @@ impl Finished {
             study.first_logs.extend(run.log);
         }
         study.digest = self.digest;
+        study.variants.clone_from(&self.variants);
+        study.selection.clone_from(&self.selection);
         study.replications = self.replications;
         Ok(())
     }

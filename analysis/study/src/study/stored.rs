@@ -104,10 +104,15 @@ impl StoredRun {
         }
     }
 
+    /// Key figures, then what a planner asks.
+    pub(crate) fn figures(&self) -> Vec<f64> {
+        self.values.iter().map(|bits| f64::from_bits(*bits)).collect()
+    }
+
     /// The run as if it had been made here.
     pub(super) fn run(&self) -> Run {
         Run {
-            values: self.values.iter().map(|bits| f64::from_bits(*bits)).collect(),
+            values: self.figures(),
             digest: self.digest,
             lives: self.lives.iter().filter_map(EdgeLife::of_named).collect(),
             log: None,

@@ -92,6 +92,10 @@ pub const CODES: &[(&str, &str)] = &[
         "A limited buffer takes jobs as a whole: parts of a source, or an order that moves together. An order with `transfer`, or one whose parts are cut piece by piece, moves in several jobs that wait for each other before an operation, and could fill the places that the rest of it needs.",
     ),
     (
+        "arrangement",
+        "What the flow of jobs is asked to do contradicts itself, could never work, or is not modelled together: batches of machines that also work on single jobs, an inspection that sends parts forward, a part that goes into itself or needs one that nobody makes, preemption in queues that do not go by priority. docs/guide/shops.md says what goes together.",
+    ),
+    (
         "calibration",
         "A calibration moves a constant of the process of a tool (`parameter = \"force.specific_force\"`, `target = \"tool insert\"`), or a value of the shop; the moved value stays within the range of the constant.",
     ),

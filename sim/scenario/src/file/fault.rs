@@ -229,6 +229,14 @@ pub enum ScenarioFault {
         /// The machine or buffer.
         buffer: String,
     },
+    /// What contradicts itself, could never work or is not modelled together.
+    #[error("{reason}")]
+    Arrangement {
+        /// What.
+        reason: String,
+        /// What to do about it.
+        fix: String,
+    },
     /// A calibration that its process refuses.
     #[error("calibration: {reason}")]
     Calibration {
@@ -262,6 +270,7 @@ impl ContentFault for ScenarioFault {
             Self::MissingPair { .. } => "missing-pair",
             Self::BufferLoop { .. } => "buffer-loop",
             Self::BufferLot { .. } => "buffer-lot",
+            Self::Arrangement { .. } => "arrangement",
             Self::Calibration { .. } => "calibration",
         }
     }
@@ -279,7 +288,7 @@ impl ContentFault for ScenarioFault {
             Self::NoMachine { .. } => "list at least one machine of the tool's process in `machines`".to_owned(),
             Self::NoOperation { .. } => "add [[part.operation]] below the part".to_owned(),
             Self::ShiftsOverlap { .. } => "order the shifts and let each end before the next starts".to_owned(),
-            Self::Unit { fix, .. } => fix.clone(),
+            Self::Unit { fix, .. } | Self::Arrangement { fix, .. } => fix.clone(),
             Self::DateWithoutStart { .. } => {
                 "write `start = \"2026-03-30 00:00\"` in [shop], or the time since the start, such as \"12 day\""
                     .to_owned()

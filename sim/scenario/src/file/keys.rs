@@ -1,9 +1,11 @@
 //! The sections of a scenario file.
 
+mod flow;
 mod order;
 mod policy;
 mod resource;
 
+use flow::{BATCH, COMPONENT, OUTCOME, VARIANT};
 use order::{CALENDAR, ORDER, TABLES};
 pub use policy::SENSORS;
 use resource::{ATTENDANCE, BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
@@ -14,7 +16,10 @@ use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
 use super::measured::{CALIBRATION, SCOPE, SHOP_DEVIATION};
 use super::tune::TUNE;
-use crate::{Blocking, ContourRule, Deadlock, DispatchRule, FailureClock, Interruption, MachineChoice, MachineType};
+use crate::{
+    Blocking, ContourRule, Deadlock, DispatchRule, FailureClock, InspectedUnit, Interruption, MachineChoice,
+    MachineType, Preemption, WorkPer,
+};
 use policy::POLICY;
 use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
@@ -187,6 +192,12 @@ static MACHINE: Form = Form {
             PLACES,
             "Places behind them for parts that cannot move on; left out: none, such a part stays on its machine",
         ),
+        Key::optional(
+            "batch",
+            Kind::Table(&BATCH),
+            "How it works on several jobs at once; left out: one after the other",
+        )
+        .when("process", PLAIN),
         Key::optional("rule", Kind::List(&DISPATCH_RULE), "Rule of its queue, or up to three; left out: the shop's"),
     ],
 };
@@ -278,6 +289,11 @@ static PART: Form = Form {
             Kind::Count { min: 1, max: 1_000_000 },
             "Batch from each source, the first being 1, on which the effect `lot_hardness` acts",
         ),
+        Key::optional(
+            "components",
+            Kind::Tables(&COMPONENT),
+            "Parts that go into one of it, taken from the stock of finished ones where an operation has `assemble = true`",
+        ),
         Key::optional("operation", Kind::Tables(&OPERATION), "Operations in order"),
     ],
 };
@@ -294,6 +310,27 @@ static OPERATION: Form = Form {
             "Time of plain work, of which nothing else is known: no tool and nothing that is cut",
         )
         .when("process", PLAIN),
+        Key::default(
+            "work_per",
+            Kind::Choice(WorkPer::WORDS),
+            WorkPer::Part.word(),
+            "What takes this time once: every piece, all that moves together, or all that a machine with `batch` takes",
+        )
+        .when("process", PLAIN),
+        Key::default(
+            "preemptible",
+            Kind::Flag,
+            "true",
+            "Whether a job of better priority may interrupt it, where `[dispatch] preempt` lets it",
+        )
+        .when("process", PLAIN),
+        Key::default(
+            "assemble",
+            Kind::Flag,
+            "false",
+            "Whether it begins only when all components of its part are in stock, and takes them together",
+        )
+        .when("process", PLAIN),
         Key::required("tool", Kind::Reference("tool"), "Tool; due unless `work` is given")
             .when("process", ProcessKind::WORDS),
         Key::optional(
@@ -303,6 +340,22 @@ static OPERATION: Form = Form {
         ),
         Key::optional("setup_time", TIME, "Setup time; left out: the machine's"),
         Key::optional("operator", Kind::Table(&ATTENDANCE), "Skills that its steps need; left out: none"),
+        Key::optional(
+            "outcomes",
+            Kind::Tables(&OUTCOME),
+            "What an inspection finds when it is done: shares that go back to an operation or are scrapped; the rest goes on",
+        ),
+        Key::default(
+            "outcomes_per",
+            Kind::Choice(InspectedUnit::WORDS),
+            InspectedUnit::Part.word(),
+            "Whether pieces of an order are judged one by one or all alike",
+        ),
+        Key::optional(
+            "rework_max",
+            Kind::Count { min: 0, max: 1_000_000 },
+            "How often a job is sent back before it is scrapped instead; left out: without limit",
+        ),
         Key::required("size_tolerance", Kind::positive("m", "um", 0.05, "50 um"), "Greatest size error of a good part")
             .when("process", ProcessKind::WORDS),
         Key::optional(
@@ -410,6 +463,8 @@ static ARRIVALS: Form = Form {
     keys: &[
         Key::required("part", Kind::Reference("part"), "Part"),
         Key::required("pattern", Kind::Choice(PatternWord::WORDS), "When jobs come"),
+        order::PRIORITY,
+        order::WEIGHT,
         Key::required("rate", Kind::positive("1/s", "1/h", 100.0, "5 1/h"), "Jobs per time")
             .when("pattern", &["poisson"]),
         Key::required("time_between", RANDOM_TIME, "Time between jobs, and to the first of them")
@@ -461,6 +516,12 @@ static DISPATCH: Form = Form {
             Kind::Choice(Deadlock::WORDS),
             Deadlock::Stop.word(),
             "Parts that wait for each other's places in a circle: the run stops and names them, or they change places",
+        ),
+        Key::default(
+            "preempt",
+            Kind::Choice(Preemption::WORDS),
+            Preemption::None.word(),
+            "What becomes of plain work in a machine when a waiting job of strictly better priority needs that machine",
         ),
     ],
 };
@@ -521,6 +582,11 @@ pub static SCENARIO: Form = Form {
             "The comparison axis; left out: one policy, everything as programmed",
         ),
         Key::optional("deviation", Kind::Tables(&SHOP_DEVIATION), "What the true shop does otherwise than planned"),
+        Key::optional(
+            "variant",
+            Kind::Tables(&VARIANT),
+            "The shop with some values changed, compared with the shop as it is",
+        ),
         Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
         Key::optional("tune", Kind::Table(&TUNE), "Tunes the policies before `toolroom compare` judges them"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),

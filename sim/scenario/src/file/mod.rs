@@ -17,6 +17,7 @@ mod codes;
 mod fault;
 mod flow;
 mod imported;
+mod jobs;
 mod keys;
 mod measured;
 mod order_columns;
@@ -31,6 +32,7 @@ mod rules;
 mod speed;
 mod stability;
 mod tune;
+mod variants;
 
 #[cfg(test)]
 pub(crate) use choices::tests::speed_rules;
@@ -38,6 +40,7 @@ pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
 pub use rules::{gap as gap_section, sensors};
+pub use variants::{AS_IT_IS, ShopVariant};
 
 use super::{GapSection, Scenario, TuneRequest};
 use std::path::{Path, PathBuf};
@@ -56,6 +59,8 @@ pub struct ScenarioFile {
     pub gap: Option<GapSection>,
     /// How the policies are tuned, where the file has a section `[tune]`.
     pub tune: Option<TuneRequest>,
+    /// Variants of the shop, in the order of the file.
+    pub variants: Vec<ShopVariant>,
     /// The text, for records of what was run.
     pub text: String,
     /// Other files that it names: cycles, contours, structures, units.
@@ -98,7 +103,7 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<ScenarioFil
 
 impl ScenarioFile {
     fn new(file: FormFile<resolve::Resolved>) -> Self {
-        let FormFile { content: resolve::Resolved { scenario, output, gap, tune }, echo, text, files } = file;
-        Self { scenario, echo, output, gap, tune, text, files }
+        let FormFile { content: resolve::Resolved { scenario, output, gap, tune, variants }, echo, text, files } = file;
+        Self { scenario, echo, output, gap, tune, variants, text, files }
     }
 }

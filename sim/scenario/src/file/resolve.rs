@@ -4,7 +4,8 @@ use super::calendars::{calendars, start};
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
-use super::{Output, flow, measured, orders, planned, processes, resources, routing, rules, stability, tune};
+use super::variants::{ShopVariant, variants};
+use super::{Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, tune};
 use crate::{
     Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target,
     ToolType, TuneRequest, Variants,
@@ -74,6 +75,7 @@ pub(super) struct Resolved {
     pub output: Output,
     pub gap: Option<GapSection>,
     pub tune: Option<TuneRequest>,
+    pub variants: Vec<ShopVariant>,
 }
 
 /// Resolves a whole file; `None` only where `[shop]` is no section.
@@ -108,6 +110,18 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let calibrations = calibrations.into_iter().map(|(calibration, _)| calibration).collect();
     resources::check_pairs(walk, root, &machines, &parts, &setup_matrices);
     flow::check(walk, root, &dispatch, &machines, &buffers, (&parts, &orders));
+    let around = jobs::Around {
+        machines: &machines,
+        buffers: &buffers,
+        parts: &parts,
+        arrivals: &arrivals,
+        orders: &orders,
+        blocking: dispatch.blocking,
+        rules: &dispatch.rules,
+        preemption: dispatch.preemption,
+    };
+    jobs::check(walk, root, &around);
+    let variants = variants(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
         && warm_up >= horizon
@@ -149,6 +163,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         blocking: dispatch.blocking,
         deadlock: dispatch.deadlock,
         dispatch: dispatch.rules,
+        preemption: dispatch.preemption,
         calendars,
         failures,
         policies,
@@ -157,7 +172,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         currency,
     };
     planned::policies(walk, &scenario, &places);
-    Some(Resolved { scenario, output, gap, tune })
+    Some(Resolved { scenario, output, gap, tune, variants })
 }
 
 /// A tool as operations see it: known by name and process even where its constants are at fault.
@@ -227,6 +242,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
         let unload_time = distribution(walk, &section, "unload_time");
         let speed_range = speed_range(walk, &section);
         let own_rules = rules::queue_rules(walk, &section);
+        let batch = jobs::batch(walk, &section);
         let count = section.count("count");
         let mut indices = Vec::new();
         for i in 1..=count.unwrap_or(1) {
@@ -258,6 +274,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
                 calendar,
                 input_buffer: None,
                 output_buffer: None,
+                batch,
                 rules: own_rules.clone(),
             });
         }

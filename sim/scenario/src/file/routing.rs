@@ -2,11 +2,12 @@
 
 use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
+use super::jobs;
 use super::planned::{contour, cycle};
 use super::random::distribution;
 use super::resolve::{NamedTool, Names, machine_indices, named, reference};
 use super::resources::attendance;
-use crate::{Cut, GrindingPhase, MachineType, Operation, Part, ProcessModel, Work};
+use crate::{Cut, GrindingPhase, Inspection, MachineType, Operation, Part, ProcessModel, Work, WorkPer};
 use std::f64::consts::PI;
 use toolroom_form::{Fault, Kind, Quantity, Section, Value, Walk, display, significant};
 
@@ -17,7 +18,7 @@ pub(super) fn parts(
     machines: &[MachineType],
     tools: &[NamedTool],
 ) -> Vec<Part> {
-    let mut parts = Vec::new();
+    let (mut parts, mut sections) = (Vec::new(), Vec::new());
     let mut used = vec![false; tools.len()];
     for (name, section) in named(walk, root, "part", Some("[[part]] with name and at least one [[part.operation]]")) {
         names.parts.push(name.clone());
@@ -28,9 +29,12 @@ pub(super) fn parts(
             flow_allowance: section.required("flow_allowance"),
             batch_size: section.count32("batch_size"),
             deviating_lot: section.count("deviating_lot").and_then(|lot| u32::try_from(lot).ok()),
+            components: Vec::new(),
             operations,
         });
+        sections.push(section);
     }
+    jobs::components(walk, &sections, names, &mut parts);
     for (i, tool) in tools.iter().enumerate().filter(|(i, _)| !used[*i]) {
         let reason = "no operation names it".to_owned();
         walk.fault(tool.span.clone(), ScenarioFault::UnusedTool { tool: names.tools[i].clone(), reason });
@@ -47,7 +51,7 @@ fn operations(
     tools: &[NamedTool],
     used: &mut [bool],
 ) -> Vec<Operation> {
-    let mut operations: Vec<Operation> = Vec::new();
+    let (mut operations, mut sections): (Vec<Operation>, Vec<Section<'_>>) = (Vec::new(), Vec::new());
     let Some(Value::Raw(toml::de::DeValue::Array(raw))) = part.got("operation").map(|got| &got.value) else {
         if part.got("operation").is_none() {
             walk.fault(part.span.clone(), ScenarioFault::NoOperation { part: part_name.to_owned() });
@@ -106,7 +110,7 @@ fn operations(
             }
             None => Work::Cutting(Vec::new()),
         };
-        operations.push(Operation {
+        let mut operation = Operation {
             name,
             machines: able,
             tool: if plain { None } else { Some(tool.unwrap_or(0)) },
@@ -114,10 +118,22 @@ fn operations(
             setup_time: section.si("setup_time"),
             attendance: attendance(walk, &section, names),
             work,
+            work_per: WorkPer::Part,
+            inspection: Inspection::default(),
+            preemptible: true,
+            assembles: false,
             size_tolerance: section.si("size_tolerance").unwrap_or(f64::INFINITY),
             roughness_limit: section.si("roughness_limit").unwrap_or(f64::INFINITY),
             scrap_on_tool_failure: section.si("scrap_on_tool_failure").unwrap_or(0.0),
-        });
+        };
+        jobs::flow(walk, &section, &mut operation, machines);
+        operations.push(operation);
+        sections.push(section);
+    }
+    let names: Vec<String> = operations.iter().map(|operation| operation.name.clone()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    for (index, section) in sections.iter().enumerate() {
+        operations[index].inspection = jobs::inspection(walk, section, &names, index);
     }
     operations
 }

@@ -11,7 +11,7 @@ use super::speed::speed_rule;
 use super::{stability, tune};
 use crate::{
     Arrival, ArrivalPattern, Blocking, ContourRule, Deadlock, DispatchRule, GapSection, Knowledge, MOST_RULES,
-    MachineChoice, MachineType, PolicyRule, SensorErrors, SensorSheet, ToolChangeRule,
+    MachineChoice, MachineType, PolicyRule, Preemption, SensorErrors, SensorSheet, ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk};
@@ -42,7 +42,12 @@ pub(super) fn arrivals(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Ve
             Some(PatternWord::Poisson) => ArrivalPattern::Poisson { rate: section.required("rate") },
             None => ArrivalPattern::Poisson { rate: f64::NAN }, // a problem was noted
         };
-        arrivals.push(Arrival { part: part.unwrap_or(0), pattern });
+        arrivals.push(Arrival {
+            part: part.unwrap_or(0),
+            priority: section.count32("priority"),
+            weight: section.required("weight"),
+            pattern,
+        });
     }
     arrivals
 }
@@ -53,6 +58,7 @@ pub(super) struct Dispatch {
     pub choice: MachineChoice,
     pub blocking: Blocking,
     pub deadlock: Deadlock,
+    pub preemption: Preemption,
 }
 
 pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
@@ -63,11 +69,13 @@ pub(super) fn dispatch(walk: &mut Walk, root: &Section<'_>) -> Dispatch {
     let choice = given.and_then(|section| section.chosen("machine_choice", MachineChoice::from_word));
     let blocking = given.and_then(|section| section.chosen("blocking", Blocking::from_word));
     let deadlock = given.and_then(|section| section.chosen("deadlock", Deadlock::from_word));
+    let preemption = given.and_then(|section| section.chosen("preempt", Preemption::from_word));
     Dispatch {
         rules,
         choice: choice.unwrap_or(MachineChoice::LeastSetup),
         blocking: blocking.unwrap_or(Blocking::AfterService),
         deadlock: deadlock.unwrap_or(Deadlock::Stop),
+        preemption: preemption.unwrap_or_default(),
     }
 }
 

@@ -29,9 +29,9 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
         tools: vec![tool(Rubbing { wear_per_path: 0.011, wear_limit: 0.5, breaks_at: 0.55 })],
         parts: vec![part("shaft", vec![rough.clone(), fine]), part("ring", vec![rough])],
         arrivals: vec![
-            Arrival { part: 0, pattern: ArrivalPattern::Poisson { rate: 0.015 } },
-            Arrival { part: 1, pattern: ArrivalPattern::Batch { interval: 400.0, size: 4 } },
-            Arrival { part: 1, pattern: ArrivalPattern::ConstantWork { jobs: 1 } },
+            Arrival { part: 0, priority: 0, weight: 1.0, pattern: ArrivalPattern::Poisson { rate: 0.015 } },
+            Arrival { part: 1, priority: 0, weight: 1.0, pattern: ArrivalPattern::Batch { interval: 400.0, size: 4 } },
+            Arrival { part: 1, priority: 0, weight: 1.0, pattern: ArrivalPattern::ConstantWork { jobs: 1 } },
             jobs_at(&[(7000.0, 3), (10.0, 2)]),
         ],
         dispatch: vec![dispatch],

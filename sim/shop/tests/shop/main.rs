@@ -14,6 +14,7 @@ mod grinding;
 #[path = "../../../kernel/tests/kernel/instances.rs"]
 mod instances;
 mod interruptions;
+mod jobs_flow;
 mod operators;
 mod orders;
 mod places;

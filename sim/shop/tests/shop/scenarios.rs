@@ -124,6 +124,7 @@ pub fn machine(name: &str) -> MachineType {
         setup_at_start: None,
         input_buffer: None,
         output_buffer: None,
+        batch: None,
         magazine: 1000,
         refill_time: 0.0,
         speed_range: (0.1, 5.0),
@@ -152,6 +153,10 @@ pub fn operation(machines: &[usize], durations: &[f64]) -> Operation {
         setup_time: None,
         attendance: Attendance::default(),
         work: Work::Cutting(durations.iter().map(cut).collect()),
+        work_per: WorkPer::Part,
+        inspection: Inspection::default(),
+        preemptible: true,
+        assembles: false,
         size_tolerance: f64::INFINITY,
         roughness_limit: f64::INFINITY,
         scrap_on_tool_failure: 0.0,
@@ -165,6 +170,7 @@ pub fn part(name: &str, operations: Vec<Operation>) -> Part {
         flow_allowance: 1000.0,
         batch_size: 10,
         deviating_lot: None,
+        components: Vec::new(),
         operations,
     }
 }
@@ -203,6 +209,7 @@ pub fn scenario() -> Scenario {
         blocking: Blocking::AfterService,
         deadlock: Deadlock::Stop,
         dispatch: vec![DispatchRule::Fifo],
+        preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
         policies: vec![policy("programmed", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: u32::MAX })],
@@ -213,7 +220,7 @@ pub fn scenario() -> Scenario {
 }
 
 pub fn jobs_at(times: &[(f64, u32)]) -> Arrival {
-    Arrival { part: 0, pattern: ArrivalPattern::Schedule(times.to_vec()) }
+    Arrival { part: 0, priority: 0, weight: 1.0, pattern: ArrivalPattern::Schedule(times.to_vec()) }
 }
 
 pub fn run(scenario: &Scenario) -> RunLog {

@@ -63,6 +63,22 @@ static WEEK: Content = Content {
     entry: None,
 };
 
+/// How urgent jobs are.
+pub(super) const PRIORITY: Key = Key::default(
+    "priority",
+    Kind::Count { min: 0, max: 1_000_000 },
+    "0",
+    "The smaller, the more urgent (rule `priority`)",
+);
+
+/// What their lateness weighs.
+pub(super) const WEIGHT: Key = Key::default(
+    "weight",
+    Kind::quantity("1", "1", 1e-6, 1e6, "2"),
+    "1",
+    "Weight in the rules `wspt`, `atc` and `covert`",
+);
+
 pub(super) static ORDER: Form = Form {
     title: "[[order]]",
     doc: "A quantity of one part that is released and due together",
@@ -76,18 +92,8 @@ pub(super) static ORDER: Form = Form {
             Kind::Text,
             "When it is due: a date, or the time since the start; left out: the part's flow_allowance after its release",
         ),
-        Key::default(
-            "priority",
-            Kind::Count { min: 0, max: 1_000_000 },
-            "0",
-            "The smaller, the more urgent (rule `priority`)",
-        ),
-        Key::default(
-            "weight",
-            Kind::quantity("1", "1", 1e-6, 1e6, "2"),
-            "1",
-            "Weight in the rules `wspt`, `atc` and `covert`",
-        ),
+        PRIORITY,
+        WEIGHT,
         Key::default("customer", Kind::Text, "", "Who ordered it"),
         Key::optional(
             "transfer",

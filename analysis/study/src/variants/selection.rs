@@ -1,0 +1,208 @@
+//! The best of a shop and its variants, with a guarantee.
+
+use super::{LATE_ORDERS, VariantShop, shop_figures};
+use crate::kpi::{Better, kpis};
+use crate::planner::late_in;
+use crate::study::{Study, StudyError, StudyOptions, stored_runs};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::sync::atomic::{AtomicBool, Ordering};
+use toolroom_process::unit;
+use toolroom_scenario::Scenario;
+use toolroom_scenario::file::AS_IT_IS;
+use toolroom_statistics::{CONFIDENCE, Selection};
+
+/// Most replications of a shop.
+const MOST: u32 = 10_000;
+
+/// Replications that are run at once.
+const AT_ONCE: u32 = 16;
+
+/// The figure by which the best shop is selected, and the least difference that matters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// Id of the figure.
+    kpi: String,
+    /// Least difference that matters, SI.
+    indifference: f64,
+    /// Whether the least value is the best.
+    least: bool,
+    /// As it was typed.
+    text: String,
+}
+
+/// A text that says no selection.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` selects nothing: {reason}")]
+pub struct NoSelection {
+    text: String,
+    reason: String,
+}
+
+impl Wanted {
+    /// `lead_time 0.5 min`: a figure of the shop and the least difference that matters.
+    ///
+    /// # Errors
+    /// [`NoSelection`]: a figure that is not known or of which neither more nor less is better, a difference that is no
+    /// quantity above zero of its unit.
+    pub fn parse(scenario: &Scenario, text: &str) -> Result<Self, NoSelection> {
+        let refuse = |reason: String| NoSelection { text: text.to_owned(), reason };
+        let Some((id, difference)) = text.trim().split_once(' ') else {
+            return Err(refuse(
+                "a figure and the least difference that matters are due, such as \"lead_time 5 min\"".to_owned(),
+            ));
+        };
+        let shop: Vec<_> = kpis(scenario).into_iter().filter(|kpi| kpi.machine.is_none()).collect();
+        let (si, better) = if id == LATE_ORDERS && !scenario.orders.is_empty() {
+            ("1", Better::Less)
+        } else {
+            let known = || shop.iter().map(|kpi| kpi.definition.id).collect::<Vec<_>>().join(", ");
+            let found = shop.iter().find(|kpi| kpi.definition.id == id);
+            let kpi = found.ok_or_else(|| refuse(format!("there is no figure `{id}`; known: {}", known())))?;
+            (kpi.definition.unit, kpi.definition.better)
+        };
+        let difference = difference.trim();
+        let indifference = if si == "currency" {
+            let number = difference.strip_suffix(scenario.currency.as_str()).unwrap_or(difference).trim();
+            number.parse::<f64>().map_err(|_| refuse(format!("an amount of {} is due", scenario.currency)))?
+        } else {
+            unit::quantity(difference, si).map_err(|error| refuse(error.to_string()))?
+        };
+        if !(indifference > 0.0 && indifference.is_finite()) {
+            return Err(refuse("the least difference that matters is above zero".to_owned()));
+        }
+        let least = match better {
+            Better::Less => true,
+            Better::More => false,
+            Better::Neither => return Err(refuse(format!("neither more nor less of `{id}` is better"))),
+        };
+        Ok(Self { kpi: id.to_owned(), indifference, least, text: text.trim().to_owned() })
+    }
+
+    /// As it was typed.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The figure in a run of all figures.
+    fn of(&self, scenario: &Scenario, values: &[f64]) -> f64 {
+        if self.kpi == LATE_ORDERS {
+            return late_in(scenario, &values[kpis(scenario).len()..]);
+        }
+        let place = kpis(scenario).iter().position(|kpi| kpi.machine.is_none() && kpi.definition.id == self.kpi);
+        place.map_or(f64::NAN, |place| values[place])
+    }
+}
+
+/// What was selected.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// As it was asked for.
+    asked: String,
+    /// The shop as it is and its variants.
+    names: Vec<String>,
+    /// Replications of each until it was struck out or the end.
+    replications: Vec<u32>,
+    /// The best.
+    best: Option<usize>,
+    /// Those that could not be told apart.
+    survivors: Vec<usize>,
+}
+
+/// Selects the best of the shop as it is and its variants under the first policy, with further replications where the
+/// first ones do not suffice; `None` where `stop` is set on the way.
+pub(super) fn select(
+    scenario: &Scenario,
+    study: &Study,
+    options: &StudyOptions,
+    wanted: &Wanted,
+    stop: &AtomicBool,
+) -> Result<Option<Found>, StudyError> {
+    let policy = study.policies[0];
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|source| StudyError::Threads { source })?;
+    let shops: Vec<&Scenario> =
+        std::iter::once(scenario).chain(options.variants.iter().map(|own| own.scenario.as_ref())).collect();
+    let figure = if wanted.kpi == LATE_ORDERS {
+        shop_figures(study).len()
+    } else {
+        study.index(&wanted.kpi).unwrap_or(usize::MAX)
+    };
+    let base = super::VariantRuns::of(AS_IT_IS, scenario, study);
+    let mut samples: Vec<Vec<f64>> =
+        std::iter::once(&base).chain(&study.variants).map(|runs| runs.sample(0, figure)).collect();
+    let selection = Selection {
+        systems: shops.len(),
+        indifference: wanted.indifference,
+        confidence: CONFIDENCE,
+        least: wanted.least,
+        most: MOST,
+    };
+    let selected = selection.select(|system, replication| -> Result<Option<f64>, StudyError> {
+        let sample = &mut samples[system];
+        if replication as usize >= sample.len() {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let from = sample.len() as u32;
+            let runs = pool.install(|| stored_runs(shops[system], &[policy], from, from + AT_ONCE))?;
+            sample.extend(runs.iter().map(|run| wanted.of(shops[system], &run.figures())));
+        }
+        Ok(sample.get(replication as usize).copied())
+    })?;
+    if selected.best.is_none() && stop.load(Ordering::Relaxed) {
+        return Ok(None);
+    }
+    let name = |own: &VariantShop| own.name.clone();
+    Ok(Some(Found {
+        asked: wanted.text.clone(),
+        names: std::iter::once(AS_IT_IS.to_owned()).chain(options.variants.iter().map(name)).collect(),
+        replications: selected.replications,
+        best: selected.best,
+        survivors: selected.survivors,
+    }))
+}
+
+impl Found {
+    /// What it would have cost to run all shops as often as the last.
+    fn equal(&self) -> u32 {
+        self.names.len() as u32 * self.replications.iter().copied().max().unwrap_or(0)
+    }
+
+    /// In words.
+    pub(crate) fn sentence(&self) -> String {
+        let each: Vec<String> =
+            self.names.iter().zip(&self.replications).map(|(name, count)| format!("{name} {count}")).collect();
+        let runs: u32 = self.replications.iter().sum();
+        let cost =
+            format!("{runs} runs ({}); the same number of each would have been {}", each.join(", "), self.equal());
+        match self.best {
+            Some(best) => format!(
+                "selected by {}: {}; with a probability of at least {} % it is the best of them, if it is better than all \
+                 others by that much (Kim and Nelson). {cost}",
+                self.asked,
+                self.names[best],
+                100.0 * CONFIDENCE
+            ),
+            None => {
+                let left: Vec<&str> = self.survivors.iter().map(|&place| self.names[place].as_str()).collect();
+                format!("selected by {}: nothing, {} could not be told apart. {cost}", self.asked, left.join(", "))
+            }
+        }
+    }
+
+    /// `selection` of the summary.
+    pub(crate) fn json(&self) -> Value {
+        let each = self.names.iter().zip(&self.replications).map(|(name, count)| (name.clone(), json!(count)));
+        json!({
+            "procedure": "kn",
+            "by": self.asked,
+            "best": self.best.map(|best| self.names[best].as_str()),
+            "confidence": CONFIDENCE,
+            "replications": each.collect::<serde_json::Map<_, _>>(),
+            "equal_allocation": self.equal(),
+        })
+    }
+}

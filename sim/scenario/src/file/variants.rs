@@ -1,0 +1,67 @@
+//! Variants of a shop: named changes of its file.
+
+use super::fault::ScenarioFault;
+use super::resolve::named;
+use toml::de::DeValue;
+use toolroom_form::{Section, Value, Walk};
+
+/// A shop with some values changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShopVariant {
+    /// Name, unique.
+    pub name: String,
+    /// Changes of the file, `path=value` as after `--set`.
+    pub set: Vec<String>,
+}
+
+/// Name of the shop as it is, among its variants.
+pub const AS_IT_IS: &str = "as it is";
+
+/// The sections `[[variant]]`.
+pub(super) fn variants(walk: &mut Walk, root: &Section<'_>) -> Vec<ShopVariant> {
+    let mut variants = Vec::new();
+    for (name, section) in named(walk, root, "variant", None) {
+        if name == AS_IT_IS {
+            let reason = format!("\"{AS_IT_IS}\" is the name of the shop without changes");
+            let fix = "call the variant by what it changes".to_owned();
+            walk.fault(section.span_of("name"), ScenarioFault::Arrangement { reason, fix });
+        }
+        let mut set = Vec::new();
+        if let Some(Value::Raw(value)) = section.got("set").map(|got| &got.value) {
+            if let DeValue::Table(table) = value {
+                let change = |(path, value): (&toml::Spanned<_>, &toml::Spanned<DeValue<'_>>)| {
+                    let path: &std::borrow::Cow<'_, str> = path.get_ref();
+                    format!("{path}={}", literal(value.get_ref()))
+                };
+                set.extend(table.iter().map(change));
+            } else {
+                let example = "{ \"machine.CMM.count\" = 3 }".to_owned();
+                walk.wrong_type("set", value, "a table of paths and values", section.span_of("set"), example);
+            }
+        }
+        variants.push(ShopVariant { name, set });
+    }
+    variants
+}
+
+/// A value as it is written in a file.
+fn literal(value: &DeValue<'_>) -> String {
+    let joined = |parts: Vec<String>| parts.join(", ");
+    match value {
+        DeValue::String(text) => toml::Value::String(text.to_string()).to_string(),
+        DeValue::Integer(number) => number.as_str().to_owned(),
+        DeValue::Float(number) => number.as_str().to_owned(),
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::Datetime(time) => format!("\"{time}\""),
+        DeValue::Array(list) => {
+            format!("[{}]", joined(list.iter().map(|entry| literal(entry.get_ref())).collect()))
+        }
+        DeValue::Table(table) => {
+            let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<DeValue<'_>>)| {
+                let key: &std::borrow::Cow<'_, str> = key.get_ref();
+                format!("{} = {}", toml::Value::String(key.to_string()), literal(value.get_ref()))
+            };
+            format!("{{ {} }}", joined(table.iter().map(entry).collect()))
+        }
+    }
+}

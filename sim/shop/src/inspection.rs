@@ -1,0 +1,136 @@
+//! What becomes of jobs when an operation is done: they go on, go back, or are scrapped.
+//!
+//! A job of several pieces that are judged one by one is divided: those that go on stay together, those
+//! that go back to one operation follow as a job of their own, and so do those that are scrapped. What is
+//! drawn for them belongs to the name of the job, the operation and the number of the visit.
+
+use super::Shop;
+use super::flow::Place;
+use super::job::{Job, Origin};
+use super::recorder::Recorder;
+use crate::runlog::{JobOutcome, OperationResult};
+use rand::RngExt;
+use toolroom_kernel::Purpose;
+use toolroom_scenario::{InspectedTo, InspectedUnit, Work};
+
+/// Owner of the jobs that were divided from another, part of that one's name.
+const DIVIDED: u64 = 1 << 42;
+
+/// What becomes of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It goes on.
+    Good,
+    /// It goes back to an operation.
+    Back(u32),
+    /// It is lost.
+    Scrap(JobOutcome),
+}
+
+impl Verdict {
+    /// What the log says of the operation.
+    pub fn result(self) -> OperationResult {
+        match self {
+            Self::Good => OperationResult::Good,
+            Self::Back(_) => OperationResult::Rework,
+            Self::Scrap(_) => OperationResult::Bad,
+        }
+    }
+}
+
+impl<R: Recorder> Shop<'_, R> {
+    /// Jobs into which one divides when its operation is done, each with what becomes of it.
+    pub(super) fn inspect(&mut self, slot: u32) -> Vec<(u32, Verdict)> {
+        let scenario = self.scenario;
+        let job = self.world.jobs.at(slot);
+        let (part, index) = (job.row.part as usize, job.operation);
+        let inspection = &scenario.parts[part].operations[index as usize].inspection;
+        let (quantity, visits) = (job.row.quantity, job.visits);
+        let owner = job.entity.part(u64::from(index));
+        let mut stream = self.streams.at(owner, Purpose::Quality, u64::from(visits));
+        let apart = inspection.per == InspectedUnit::Part && quantity > 1 && !self.world.flow.is_limited();
+        let mut counts = vec![0u32; inspection.outcomes.len() + 1];
+        for _ in 0..if apart { quantity } else { 1 } {
+            let rank: f64 = stream.random();
+            let mut below = 0.0;
+            let found = inspection.outcomes.iter().position(|outcome| {
+                below += outcome.share;
+                rank < below
+            });
+            counts[found.map_or(0, |found| found + 1)] += if apart { 1 } else { quantity };
+        }
+        let verdict = |place: usize| match place.checked_sub(1).map(|outcome| inspection.outcomes[outcome].to) {
+            None => Verdict::Good,
+            Some(InspectedTo::Operation(_)) if inspection.rework_max.is_some_and(|most| visits >= most) => {
+                Verdict::Scrap(JobOutcome::Rejected)
+            }
+            Some(InspectedTo::Operation(to)) => Verdict::Back(to as u32),
+            Some(InspectedTo::Scrap) => Verdict::Scrap(JobOutcome::Rejected),
+        };
+        // Several outcomes may come to the same.
+        let mut groups: Vec<(Verdict, u32)> = Vec::new();
+        for (place, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
+            let own = verdict(place);
+            match groups.iter_mut().find(|(other, _)| *other == own) {
+                Some((_, sum)) => *sum += count,
+                None => groups.push((own, count)),
+            }
+        }
+        let mut divided = Vec::with_capacity(groups.len());
+        for (place, (verdict, count)) in groups.into_iter().enumerate() {
+            let own = if place == 0 { slot } else { self.divide(slot, count) };
+            divided.push((own, verdict));
+        }
+        divided
+    }
+
+    /// Takes pieces out of a job, as a job of their own at the same operation.
+    fn divide(&mut self, slot: u32, pieces: u32) -> u32 {
+        let number = self.world.jobs.released;
+        let parent = self.world.jobs.at_mut(slot);
+        parent.row.quantity -= pieces;
+        let entity = parent.entity.part(DIVIDED + u64::from(parent.divisions));
+        parent.divisions += 1;
+        let mut job = Job { number, entity, divisions: 0, handling: None, ..parent.clone() };
+        job.row.quantity = pieces;
+        job.row.divided_from = Some(parent.number);
+        let (row, origin, operation) = (job.row, job.origin, job.operation);
+        let operations = self.scenario.parts[row.part as usize].operations.len();
+        if self.layout.random_handling {
+            job.handling = Some(self.streams.open(entity, Purpose::Processing));
+        }
+        let drawn: Vec<(usize, f64)> = (0..operations)
+            .filter(|each| matches!(self.scenario.parts[row.part as usize].operations[*each].work, Work::Plain(_)))
+            .map(|each| (each, self.world.jobs.drawn(slot, each)))
+            .collect();
+        let own = self.world.jobs.insert(job);
+        for (each, time) in drawn {
+            *self.world.jobs.drawn_mut(own, each) = time;
+        }
+        if let Origin::Order(order) = origin {
+            self.world.join_lot(order, operation);
+        }
+        self.recorder.arrival(number, row);
+        own
+    }
+
+    /// A job goes back to an operation: its times from there on are drawn anew.
+    pub(super) fn send_back(&mut self, slot: u32, to: u32) {
+        let scenario = self.scenario;
+        let job = self.world.jobs.at_mut(slot);
+        job.visits += 1;
+        let from = std::mem::replace(&mut job.operation, to);
+        let (entity, visit, part, origin) = (job.entity, u64::from(job.visits), job.row.part as usize, job.origin);
+        if let Origin::Order(order) = origin {
+            self.world.repeat_in_lot(order, to, from);
+        }
+        for each in to as usize..=from as usize {
+            if let Work::Plain(time) = &scenario.parts[part].operations[each].work {
+                let mut stream = self.streams.at(entity.part(each as u64), Purpose::Processing, visit);
+                *self.world.jobs.drawn_mut(slot, each) = time.sample(&mut stream);
+            }
+        }
+        debug_assert!(!matches!(self.world.jobs.at(slot).reserved, Some(Place::Buffer(_))));
+        self.log_event("rework", None, Some(self.world.jobs.at(slot).number), None);
+    }
+}
