@@ -116,4 +116,35 @@ fn a_planner_goes_from_the_order_system_to_a_paired_answer() {
     let ends = &lead["difference"]["ci95"];
     assert_eq!(lead["difference"]["n"], 20);
     assert!(ends[1].as_f64().expect("an end") < 0.0, "lots leave earlier, beyond chance: {lead}");
+
+    // The same question as a variant of the file.
+    let varied = folder.join("varied.toml");
+    let variant = "[[variant]]\nname = \"second setter\"\nset = { \"operator.setter.count\" = 2 }\n";
+    fs::write(&varied, format!("{SHOP}\n{variant}")).expect("written");
+    let varied = varied.display().to_string();
+    let out = folder.join("varied").display().to_string();
+    let answers = json(&toolroom(&["compare", &varied, "--out", &out, "--json", "--select", "lead_time 10 min"]));
+    let found = &answers["variants"][0];
+    assert_eq!(found["name"], "second setter");
+    let paired = &found["policies"][0]["differences"]["lead_time [min]"];
+    let close = |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-9;
+    assert!(close(&paired["mean"], &lead["difference"]["mean"]), "{paired} and {lead}");
+    assert!(close(&paired["ci95"][1], &ends[1]));
+    assert_eq!(paired["resolved_together"], true);
+    assert_eq!(answers["selection"]["best"], "second setter", "{}", answers["selection"]);
+    let rows = fs::read_to_string(folder.join("varied/variants.csv")).expect("a table");
+    let late = |shop: &str| rows.lines().filter(|row| row.starts_with(shop) && row.contains(",late_orders,")).count();
+    assert_eq!((late("as it is,"), late("second setter,")), (20, 20));
+    let report = fs::read_to_string(folder.join("varied/report.html")).expect("a report");
+    assert!(report.contains("Variants of the shop") && report.contains("second setter"));
+
+    // What a variant cannot change is told at its place.
+    fs::write(folder.join("wrong.toml"), format!("{SHOP}\n{}", variant.replace("setter.count", "seter.count"))).expect("written");
+    let wrong = folder.join("wrong.toml").display().to_string();
+    for verb in ["check", "compare"] {
+        let output = toolroom(&[verb, &wrong]);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains("second setter") && told.contains("seter"), "{told}");
+    }
 }

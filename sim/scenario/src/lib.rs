@@ -41,6 +41,7 @@ mod resource;
 mod scope;
 mod stability;
 mod station;
+mod transport;
 mod tuning;
 mod unit;
 mod variants;
@@ -67,6 +68,7 @@ pub use station::{FailureClock, FailureMode, MachineType, ProcessModel, ToolType
 pub use toolroom_calendar::{
     Boundary, Dated, Interruption, Periodic, Shift, ShiftCalendar, WeekPlan, WorkingTime, date,
 };
+pub use transport::{Crew, Parking, Transport, TransportRule};
 pub use tuning::{Setting, SettingRange, Tunable, TuneRequest};
 pub use unit::{Importer, UnitRefusal, UnitRequest, set_importer};
 pub use variants::{MOST_SCOPED, SwitchedEffect, Variants, move_constant};
@@ -106,6 +108,10 @@ pub struct Scenario {
     pub skills: Vec<String>,
     /// People.
     pub operators: Vec<Operator>,
+    /// Crews that repair.
+    pub crews: Vec<Crew>,
+    /// Vehicles; of several kinds that could carry a job the first does.
+    pub transports: Vec<Transport>,
     /// Times of changing over between setup groups.
     pub setup_matrices: Vec<SetupMatrix>,
     /// Which of several idle machines takes a job.

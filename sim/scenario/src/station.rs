@@ -48,6 +48,8 @@ pub struct MachineType {
     pub input_buffer: Option<usize>,
     /// The same of those behind it; `None`: none, a part stays on the machine until it can move on.
     pub output_buffer: Option<usize>,
+    /// Where it stands, for vehicles.
+    pub location: String,
     /// How it works on several jobs at once; `None`: on one after the other.
     pub batch: Option<Batch>,
     /// Rules of its queue; `None`: those of the shop.
@@ -211,6 +213,8 @@ pub struct FailureMode {
     pub time_to_repair: Distribution,
     /// Clock that runs towards the failure.
     pub clock: FailureClock,
+    /// Crew that repairs it, by index; `None`: somebody at once.
+    pub crew: Option<usize>,
     /// What becomes of the part in the machine.
     pub part: Interruption,
 }

@@ -213,19 +213,30 @@ impl<R: Recorder> Shop<'_, R> {
     /// A job joins the queues of its next operation, or leaves where there is none; `machine` is the one from which
     /// it comes.
     pub(super) fn enqueue(&mut self, slot: u32, machine: Option<usize>) -> Result<(), ShopError> {
-        let now = self.now();
-        let job = self.world.jobs.at_mut(slot);
+        let job = self.world.jobs.at(slot);
         let (part, operation) = (job.row.part as usize, job.operation as usize);
         if operation >= self.scenario.parts[part].operations.len() {
             return self.leave(slot, JobOutcome::Good);
         }
+        if let Some(machine) = machine.filter(|_| !self.scenario.transports.is_empty())
+            && self.call_vehicle(slot, machine)
+        {
+            return Ok(());
+        }
+        self.come(slot, machine);
+        Ok(())
+    }
+
+    /// A job comes to where its next operation is done.
+    pub(super) fn come(&mut self, slot: u32, machine: Option<usize>) {
+        let now = self.now();
+        let job = self.world.jobs.at_mut(slot);
         job.queued = now;
         match job.origin {
             Origin::Order(order) if self.world.lots[order as usize].is_some() => self.gather(order, slot),
             Origin::Order(_) | Origin::Source(_) if self.world.flow.is_limited() => self.look_for_place(slot, machine),
             Origin::Order(_) | Origin::Source(_) => self.wait(slot),
         }
-        Ok(())
     }
 
     /// A job leaves the shop; constant work lets the next one in.

@@ -35,6 +35,13 @@ pub enum Event {
         /// Machine.
         machine: u32,
     },
+    /// A vehicle comes to where it drives.
+    Delivery {
+        /// Index into the transports of the scenario.
+        transport: u16,
+        /// Vehicle among those of its kind.
+        vehicle: u16,
+    },
     /// A person comes to work or leaves.
     Operator {
         /// Index into the operators of the scenario.
@@ -59,7 +66,9 @@ impl Event {
     pub(super) fn class(self) -> Class {
         match self {
             Self::StepEnd { .. } | Self::Failure { .. } | Self::Repair { .. } => Class::Finish,
-            Self::Arrival { .. } | Self::Release { .. } | Self::BatchDue { .. } => Class::Arrive,
+            Self::Arrival { .. } | Self::Release { .. } | Self::BatchDue { .. } | Self::Delivery { .. } => {
+                Class::Arrive
+            }
             Self::ShiftStart { .. } | Self::ShiftEnd { .. } | Self::Operator { .. } => Class::Shift,
         }
     }
@@ -75,6 +84,7 @@ impl Event {
             Self::ShiftEnd { machine } => (5, machine),
             Self::Release { order } => (6, order),
             Self::BatchDue { machine } => (9, machine),
+            Self::Delivery { transport, vehicle } => (10, u32::from(transport) << 16 | u32::from(vehicle)),
             Self::Operator { operator, comes } => (7 + u64::from(comes), operator),
         };
         kind << 32 | u64::from(index)

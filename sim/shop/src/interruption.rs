@@ -109,14 +109,14 @@ impl<R: Recorder> Shop<'_, R> {
             state.off_shift = true;
         }
         self.show_state(machine);
-        let at = self.now().after(repair)?;
-        self.schedule(at, Event::Repair { mode: mode as u32 })?;
-        Ok(())
+        self.world.modes[mode].repair = repair;
+        self.call_crew(mode)
     }
 
     pub(super) fn repair(&mut self, mode: usize) -> Result<(), ShopError> {
         let machine = self.scenario.failures[mode].machine;
         self.log_event("repair", Some(machine), None, None);
+        self.release_crew(mode)?;
         let clock = &mut self.world.modes[mode];
         clock.failed = false;
         clock.count += 1;

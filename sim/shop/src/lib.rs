@@ -28,8 +28,7 @@
 //! | [`ShopError`] | why it stopped |
 //!
 //! # What is not modelled
-//! Transport (a part is at the next queue at once), shared tool cribs
-//! and fixtures, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
+//! Shared tool cribs and fixtures, traffic of vehicles, walking times of operators, preventive maintenance. Scatter of the stock that a grinder finds, and its finish and
 //! roundness; a contour that is adapted while it is milled. Tools change on the machine that needs them, never in stock.
 
 #![deny(clippy::wildcard_enum_match_arm)]
@@ -40,6 +39,7 @@ mod batch;
 mod chatter;
 mod claims;
 mod contour;
+mod crew;
 mod cut;
 mod deadlock;
 mod deviation;
@@ -68,12 +68,14 @@ mod recorder;
 pub mod runlog;
 mod shift;
 mod tooling;
+mod transport;
 mod world;
 
 pub use assembly::Stocked;
 pub use batch::BatchState;
 pub use chatter::{Reaction, Surface, Vibration};
 pub use claims::claims;
+pub use crew::CrewState;
 pub use cut::Segment;
 pub use edge::Edge;
 pub use error::{CODES, Refusal, ShopError};
@@ -88,6 +90,7 @@ pub use program::{Block, Program};
 pub use queue::{Queue, Waiting};
 pub use recorder::{Closing, Recorder, Silent};
 pub use runlog::RunLog;
+pub use transport::{Call, TransportState, VehicleState};
 pub use world::{FailureState, SourceState, World};
 
 use crate::runlog::{EventRow, StateRow};
@@ -179,7 +182,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
             let ranks = draws::ranks(scenario, &streams, index);
             SourceState { released: 0, releases: 0, stream: streams.open(entity, Purpose::Arrival), ranks }
         };
-        let failure = FailureState { count: 0, failed: false, left: 0.0, since: SimTime::ZERO, due: None };
+        let failure = FailureState { count: 0, failed: false, left: 0.0, repair: 0.0, since: SimTime::ZERO, due: None };
         let world = World {
             jobs: Jobs::with_plain_work(layout.plain_operations),
             machines,
@@ -190,6 +193,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
             waiting_work: vec![(0, 0.0); layout.overlapping.len()],
             candidates: Vec::new(),
             operators: Vec::new(),
+            crews: scenario.crews.iter().map(CrewState::of).collect(),
+            transports: scenario.transports.iter().map(TransportState::of).collect(),
             awaiting: Vec::new(),
             flow: Flow::of(scenario),
             stock: vec![VecDeque::new(); scenario.parts.len()],
@@ -261,6 +266,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
                     return Err(ShopError::NoProgress { time: now.seconds(), events: count });
                 }
             }
+            self.send_vehicles()?;
             self.assign_operators()?; // steps in work go before those that are yet to begin
             if self.world.flow.is_limited() {
                 self.settle_places()?;
@@ -364,6 +370,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
                 self.batch_due(machine as usize);
                 Ok(())
             }
+            Event::Delivery { transport, vehicle } => self.delivered(transport as usize, vehicle as usize),
             Event::Operator { operator, comes } => self.operator_shift(operator as usize, comes),
             Event::ShiftStart { machine } => self.shift_starts(machine as usize),
             Event::ShiftEnd { machine } => self.shift_ends(machine as usize),

@@ -165,7 +165,7 @@ impl Queue {
     pub(super) fn leave(&mut self, slot: u32) {
         match &mut self.0 {
             Order::Line(_) | Order::Heap { .. } | Order::Scan(_) => {}
-            Order::Kinetic(jobs) => drop(jobs.leave(slot)),
+            Order::Kinetic(jobs) => _ = jobs.leave(slot),
         }
     }
 

@@ -330,7 +330,8 @@ pub struct EventRow {
     pub time: f64,
     /// What: a name of [`ProcessEvent`](toolroom_process::ProcessEvent), or `arrival`,
     /// `finish`, `scrap`, `tool_change`, `dressing`, `failure`, `repair`, `shift_start`,
-    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`, `rework`, `preempt`.
+    /// `shift_end`, `setup`, `feed_hold`, `feed_release`, `chatter_onset`, `swap`, `rework`, `preempt`, `repair_start`,
+    /// `move`, `delivery`.
     pub event: &'static str,
     /// Machine.
     pub machine: Option<u32>,

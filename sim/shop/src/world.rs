@@ -1,11 +1,13 @@
 //! Everything of a shop that changes, as plain data.
 
 use super::assembly::Stocked;
+use super::crew::CrewState;
 use super::flow::Flow;
 use super::job::Jobs;
 use super::lot::Lot;
 use super::machine::Machine;
 use super::operator::{Awaiting, OperatorState};
+use super::transport::TransportState;
 use std::collections::VecDeque;
 use toolroom_kernel::{EventKey, SimTime, Stream};
 
@@ -25,6 +27,10 @@ pub struct World {
     pub lots: Vec<Option<Lot>>,
     /// People, as in the scenario.
     pub operators: Vec<OperatorState>,
+    /// Crews, as in the scenario.
+    pub crews: Vec<CrewState>,
+    /// Vehicles, as in the scenario.
+    pub transports: Vec<TransportState>,
     /// Steps that wait for somebody.
     pub(super) awaiting: Vec<Awaiting>,
     /// Places in buffers, and jobs that cannot move on.
@@ -50,6 +56,8 @@ pub struct FailureState {
     pub failed: bool,
     /// Busy time left to the failure at `since`, s; of calendar clocks unused.
     pub left: f64,
+    /// Time that the repair of the failure takes, s.
+    pub repair: f64,
     /// When the busy clock was started.
     pub since: SimTime,
     /// The failure in the calendar; `None` while the clock stands.

@@ -323,11 +323,12 @@ impl Tally {
         if left < scenario.warm_up {
             return;
         }
-        self.offered += f64::from(job.quantity);
+        let component = self.components[job.part as usize];
+        self.offered += if component { 0.0 } else { f64::from(job.quantity) };
         self.job_time += left - job.arrival.max(scenario.warm_up);
         match job.outcome {
             // What goes into other parts does not leave the shop.
-            JobOutcome::Good if self.components[job.part as usize] => {}
+            JobOutcome::Good if component => {}
             JobOutcome::Good => {
                 self.good += job.quantity;
                 self.good_jobs += 1;

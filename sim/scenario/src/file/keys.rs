@@ -4,6 +4,7 @@ mod flow;
 mod order;
 mod policy;
 mod resource;
+mod transport;
 
 use flow::{BATCH, COMPONENT, OUTCOME, VARIANT};
 use order::{CALENDAR, ORDER, TABLES};
@@ -25,6 +26,7 @@ use toolroom_cutting::TurningInput;
 use toolroom_infeed::CycleLimits;
 use toolroom_process::Record;
 use toolroom_wear::{Scatter, ScatterWord};
+use transport::{CREW, TRANSPORT};
 
 /// The case of a machine or operation without a process.
 const PLAIN: &[&str] = &[MachineType::PLAIN];
@@ -192,6 +194,7 @@ static MACHINE: Form = Form {
             PLACES,
             "Places behind them for parts that cannot move on; left out: none, such a part stays on its machine",
         ),
+        Key::optional("location", Kind::Name, "Where it stands, for [[transport]]; left out: the name of this section"),
         Key::optional(
             "batch",
             Kind::Table(&BATCH),
@@ -539,6 +542,11 @@ static FAILURE: Form = Form {
             FailureClock::Busy.word(),
             "Whether only working time counts towards the failure, or all",
         ),
+        Key::optional(
+            "crew",
+            Kind::Reference("crew"),
+            "Who repairs it, when they are free; left out: somebody at once",
+        ),
         Key::default(
             "part",
             Kind::Choice(AFTER_FAILURE),
@@ -569,6 +577,8 @@ pub static SCENARIO: Form = Form {
         Key::optional("setup_matrix", Kind::Tables(&SETUP_MATRIX), "Setup times between setup groups"),
         Key::optional("buffer", Kind::Tables(&BUFFER), "Places before machines, where several share them"),
         Key::optional("operator", Kind::Tables(&OPERATOR), "People"),
+        Key::optional("crew", Kind::Tables(&CREW), "People who repair machines"),
+        Key::optional("transport", Kind::Tables(&TRANSPORT), "Vehicles between places"),
         Key::optional("tool", Kind::Tables(&TOOL), "Tools"),
         Key::optional("part", Kind::Tables(&PART), "Parts with their routings"),
         Key::optional("arrivals", Kind::Tables(&ARRIVALS), "Where jobs come from"),

@@ -5,7 +5,9 @@ use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::random::distribution;
 use super::variants::{ShopVariant, variants};
-use super::{Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, tune};
+use super::{
+    Output, flow, jobs, measured, orders, planned, processes, resources, routing, rules, stability, transport, tune,
+};
 use crate::{
     Buffer, Calibration, FailureClock, FailureMode, GapSection, Interruption, MachineType, Moved, Scenario, Target,
     ToolType, TuneRequest, Variants,
@@ -20,6 +22,7 @@ use toolroom_process::Record;
 pub(super) struct Names {
     pub calendars: Vec<String>,
     pub setup_matrices: Vec<String>,
+    pub crews: Vec<String>,
     /// What any operator can do.
     pub skills: Vec<String>,
     /// A name and the machines that it stands for.
@@ -92,6 +95,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let buffers = flow::shared(walk, root, &names, &mut machines, buffers);
     let (operators, skills) = resources::operators(walk, root, &names);
     names.skills = skills;
+    let crews = transport::crews(walk, root, &mut names);
+    let transports = transport::transports(walk, root, &machines);
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
@@ -121,6 +126,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         preemption: dispatch.preemption,
     };
     jobs::check(walk, root, &around);
+    transport::check(walk, root, &transports, &machines, &parts, &buffers);
     let variants = variants(walk, root);
     let shop = shop?;
     if let (Some(warm_up), Some(horizon)) = (shop.si("warm_up"), shop.si("horizon"))
@@ -157,6 +163,8 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         orders,
         skills: names.skills,
         operators,
+        crews,
+        transports,
         setup_matrices,
         machine_choice: dispatch.choice,
         buffers,
@@ -274,6 +282,7 @@ fn machines(walk: &mut Walk, root: &Section<'_>, names: &mut Names) -> (Vec<Mach
                 calendar,
                 input_buffer: None,
                 output_buffer: None,
+                location: section.text("location").unwrap_or(&name).to_owned(),
                 batch,
                 rules: own_rules.clone(),
             });
@@ -414,9 +423,10 @@ fn failures(walk: &mut Walk, root: &Section<'_>, names: &Names) -> Vec<FailureMo
         // Without a word a problem was noted.
         let clock = section.chosen("clock", FailureClock::from_word).unwrap_or(FailureClock::Busy);
         let part = section.chosen("part", Interruption::from_word).unwrap_or(Interruption::Resume);
+        let crew = reference(walk, "crew", section.got("crew"), names.crews.iter().map(String::as_str));
         for machine in machine_indices(walk, &section, "machines", names) {
             let (time_between, time_to_repair) = (time_between.clone(), time_to_repair.clone());
-            failures.push(FailureMode { machine, time_between, time_to_repair, clock, part });
+            failures.push(FailureMode { machine, time_between, time_to_repair, clock, crew, part });
         }
     }
     failures

@@ -298,6 +298,7 @@ pub(super) fn for_turning(rule: &PolicyRule, pair: &Pair, cut: &Cut, speed_range
         setup_at_start: None,
         input_buffer: None,
         output_buffer: None,
+        location: "lathe".to_owned(),
         batch: None,
         magazine: 10,
         refill_time: 300.0,

@@ -19,6 +19,7 @@ fn failing_server(part: Interruption) -> Scenario {
         time_between: Distribution::Exponential { mean: 20.0 },
         time_to_repair: Distribution::Exponential { mean: 2.0 },
         clock: FailureClock::Busy,
+        crew: None,
         part,
     }];
     shop.horizon = 500_000.0;
@@ -56,6 +57,7 @@ fn a_calendar_clock_gives_the_availability_of_an_alternating_process() {
         time_between: Distribution::Weibull { mean: 300.0, shape: 2.0 },
         time_to_repair: Distribution::Lognormal { mean: 30.0, cv: 1.0 },
         clock: FailureClock::Calendar,
+        crew: None,
         part: Interruption::Resume,
     }];
     shop.horizon = 100_000.0;
@@ -79,6 +81,7 @@ fn failures_do_not_depend_on_what_else_the_shop_does() {
         time_between: Distribution::Exponential { mean: 100.0 },
         time_to_repair: Distribution::Exponential { mean: 10.0 },
         clock: FailureClock::Calendar,
+        crew: None,
         part: Interruption::Resume,
     }];
     let times = |shop: &Scenario| -> Vec<f64> {

@@ -47,6 +47,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
                 time_between: Distribution::Exponential { mean: 150.0 },
                 time_to_repair: Distribution::Exponential { mean: 15.0 },
                 clock: FailureClock::Busy,
+                crew: None,
                 part: part_rule,
             },
             FailureMode {
@@ -54,6 +55,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
                 time_between: Distribution::Weibull { mean: 300.0, shape: 1.5 },
                 time_to_repair: Distribution::Exponential { mean: 40.0 },
                 clock: FailureClock::Calendar,
+                crew: None,
                 part: part_rule,
             },
             FailureMode {
@@ -61,6 +63,7 @@ fn troubled(seed: u64, dispatch: DispatchRule, part_rule: Interruption, at_end: 
                 time_between: Distribution::Exponential { mean: 100.0 },
                 time_to_repair: Distribution::Constant(25.0),
                 clock: FailureClock::Busy,
+                crew: None,
                 part: part_rule,
             },
         ],

@@ -187,6 +187,7 @@ fn a_pass_that_is_interrupted_is_the_same_pass() {
         time_between: Distribution::Constant(7.77),
         time_to_repair: Distribution::Constant(50.0),
         clock: FailureClock::Busy,
+        crew: None,
         part: Interruption::Resume,
     }];
     let (whole, broken) = (run(&whole), run(&broken));

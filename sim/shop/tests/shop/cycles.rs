@@ -124,6 +124,7 @@ fn a_cycle_that_is_interrupted_is_the_same_cycle() {
             time_between: Distribution::Constant(1.234),
             time_to_repair: Distribution::Constant(50.0),
             clock: FailureClock::Busy,
+            crew: None,
             part: Interruption::Resume,
         }];
         let (whole, broken) = (run(&whole), run(&broken));

@@ -82,6 +82,7 @@ fn an_interrupted_phase_gives_the_same_part() {
         time_between: Distribution::Constant(1.234),
         time_to_repair: Distribution::Constant(50.0),
         clock: FailureClock::Busy,
+        crew: None,
         part: Interruption::Resume,
     }];
     let parts = run(&shop);

@@ -16,6 +16,7 @@ fn shop(part: Interruption) -> Scenario {
         time_between: Distribution::Constant(22.0),
         time_to_repair: Distribution::Constant(100.0),
         clock: FailureClock::Calendar,
+        crew: None,
         part,
     }];
     shop.horizon = 143.0;

@@ -22,6 +22,7 @@ fn shop() -> Scenario {
         time_between: Distribution::Exponential { mean: 200.0 },
         time_to_repair: Distribution::Exponential { mean: 20.0 },
         clock: FailureClock::Busy,
+        crew: None,
         part: Interruption::Resume,
     }];
     let slow = SpeedRule::Constant(SpeedChoice::Given(0.5));

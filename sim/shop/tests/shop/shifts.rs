@@ -55,6 +55,7 @@ fn broken(at_end: Interruption, repair: f64) -> RunLog {
         time_between: Distribution::Constant(180.0),
         time_to_repair: Distribution::Constant(repair),
         clock: FailureClock::Calendar,
+        crew: None,
         part: Interruption::Resume,
     }];
     shop.horizon = 1500.0;
@@ -96,6 +97,7 @@ fn a_machine_that_fails_in_overtime_takes_no_other_part() {
         time_between: Distribution::Constant(210.0),
         time_to_repair: Distribution::Constant(5.0),
         clock: FailureClock::Calendar,
+        crew: None,
         part: Interruption::Scrap,
     }];
     shop.horizon = 1400.0;

@@ -52,4 +52,4 @@ pub(super) static BUFFER: Form = Form {
 };
 
 /// Times to every group.
-const ROW: Kind = Kind::List(&TIME);
+pub(super) const ROW: Kind = Kind::List(&TIME);

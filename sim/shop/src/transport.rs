@@ -1,0 +1,122 @@
+//! Vehicles that carry jobs between places.
+//!
+//! A job that is done calls a vehicle where its next operation is done at another place. When all events of an
+//! instant are settled, free vehicles take jobs: they drive to them empty, and then to where they go. What is
+//! carried stands in no queue.
+
+use super::event::Event;
+use super::recorder::Recorder;
+use super::{Shop, ShopError};
+use std::collections::VecDeque;
+use toolroom_scenario::{Parking, Transport, TransportRule};
+
+/// Vehicles of one kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TransportState {
+    /// Every vehicle.
+    pub vehicles: Vec<VehicleState>,
+    /// Jobs that wait for one, the first in front.
+    pub calls: VecDeque<Call>,
+}
+
+/// A vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VehicleState {
+    /// Where it is, or where it will be next, by index into the places of its kind.
+    pub at: usize,
+    /// Whether it drives.
+    pub busy: bool,
+    /// The job for which it drives; `None`: it drives home.
+    pub job: Option<u32>,
+}
+
+/// A job that waits for a vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Call {
+    /// Where the job is kept.
+    pub slot: u32,
+    /// Where it waits.
+    pub from: usize,
+    /// Where it goes.
+    pub to: usize,
+}
+
+impl TransportState {
+    pub(super) fn of(transport: &Transport) -> Self {
+        let vehicle = VehicleState { at: 0, busy: false, job: None };
+        Self { vehicles: vec![vehicle; transport.count as usize], calls: VecDeque::new() }
+    }
+}
+
+impl<R: Recorder> Shop<'_, R> {
+    /// Calls a vehicle for a job that comes from a machine; false where none is needed.
+    pub(super) fn call_vehicle(&mut self, slot: u32, machine: usize) -> bool {
+        let machines = &self.scenario.machines;
+        let goes = &machines[self.next_machines(slot)[0]].location;
+        for (transport, own) in self.scenario.transports.iter().enumerate() {
+            if let (Some(from), Some(to)) = (own.location(&machines[machine].location), own.location(goes)) {
+                if from == to {
+                    return false;
+                }
+                self.world.transports[transport].calls.push_back(Call { slot, from, to });
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Free vehicles take the jobs that wait for them.
+    pub(super) fn send_vehicles(&mut self) -> Result<(), ShopError> {
+        for transport in 0..self.world.transports.len() {
+            while let Some((vehicle, call)) = self.next_way(transport) {
+                let own = &self.scenario.transports[transport];
+                let state = &mut self.world.transports[transport];
+                let Some(call) = state.calls.remove(call) else { break };
+                let time = own.times[state.vehicles[vehicle].at][call.from] + own.times[call.from][call.to];
+                state.vehicles[vehicle] = VehicleState { at: call.to, busy: true, job: Some(call.slot) };
+                self.log_event("move", None, Some(self.world.jobs.at(call.slot).number), None);
+                self.drives(transport, vehicle, time)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The vehicle and the job, by their places, that go next.
+    fn next_way(&self, transport: usize) -> Option<(usize, usize)> {
+        let (own, state) = (&self.scenario.transports[transport], &self.world.transports[transport]);
+        let most = match own.rule {
+            TransportRule::Fifo => 1,
+            TransportRule::Nearest => state.calls.len(),
+        };
+        let free = state.vehicles.iter().enumerate().filter(|(_, vehicle)| !vehicle.busy);
+        let ways = free.flat_map(|(vehicle, from)| {
+            let calls = state.calls.iter().take(most).enumerate();
+            calls.map(move |(call, to)| (own.times[from.at][to.from], call, vehicle))
+        });
+        let nearest = ways.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+        nearest.map(|(_, call, vehicle)| (vehicle, call))
+    }
+
+    fn drives(&mut self, transport: usize, vehicle: usize, time: f64) -> Result<(), ShopError> {
+        let at = self.now().after(time)?;
+        self.schedule(at, Event::Delivery { transport: transport as u16, vehicle: vehicle as u16 })?;
+        Ok(())
+    }
+
+    /// A vehicle has come to where it drove.
+    pub(super) fn delivered(&mut self, transport: usize, vehicle: usize) -> Result<(), ShopError> {
+        let own = &self.scenario.transports[transport];
+        let state = &mut self.world.transports[transport];
+        let (at, nobody) = (state.vehicles[vehicle].at, state.calls.is_empty());
+        let job = state.vehicles[vehicle].job.take();
+        state.vehicles[vehicle].busy = false;
+        if own.park == Parking::Home && at != 0 && nobody {
+            state.vehicles[vehicle] = VehicleState { at: 0, busy: true, job: None };
+            self.drives(transport, vehicle, own.times[at][0])?;
+        }
+        let Some(slot) = job else { return Ok(()) };
+        self.log_event("delivery", None, Some(self.world.jobs.at(slot).number), None);
+        self.come(slot, None);
+        Ok(())
+    }
+}

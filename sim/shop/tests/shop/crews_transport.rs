@@ -1,0 +1,121 @@
+//! Repair crews and vehicles against exact values and by hand.
+
+use toolroom_scenario::Scenario;
+use toolroom_scenario::file::parse;
+use toolroom_shop::run;
+use toolroom_shop::runlog::{MachineState, RunLog};
+
+fn parsed(text: &str) -> Scenario {
+    parse("shop.toml", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).scenario
+}
+
+fn near(computed: f64, exact: f64, relative: f64) {
+    assert!((computed / exact - 1.0).abs() < relative, "{computed} instead of {exact}");
+}
+
+/// Mean time from each failure to the beginning of its repair, min.
+fn wait_for_crew(log: &RunLog) -> f64 {
+    let (mut failed, mut waits) = (vec![f64::NAN; 6], Vec::new());
+    for row in &log.events {
+        let Some(machine) = row.machine.map(|index| index as usize) else { continue };
+        match row.event {
+            "failure" => failed[machine] = row.time,
+            "repair_start" => waits.push(row.time - failed[machine]),
+            _ => {}
+        }
+    }
+    waits.iter().sum::<f64>() / waits.len() as f64 / 60.0
+}
+
+#[test]
+fn machines_wait_for_their_crew_as_in_the_repairman_model() {
+    // Six machines, mean time to failure 480 min, to repair 60 min: birth and death of failures (Feller).
+    let text = |count: u32| {
+        format!(
+            "schema = 1\n[shop]\nname = \"crew\"\nhorizon = \"60000 h\"\n\
+             [[machine]]\nname = \"M\"\ncount = 6\nprocess = \"plain\"\n[[crew]]\nname = \"fitters\"\ncount = {count}\n\
+             [[failure]]\nmachines = \"M\"\nclock = \"calendar\"\ncrew = \"fitters\"\n\
+             time_between = {{ distribution = \"exponential\", mean = \"480 min\" }}\n\
+             time_to_repair = {{ distribution = \"exponential\", mean = \"60 min\" }}\n\
+             [[part]]\nname = \"job\"\noperation = [{{ name = \"do\", machines = \"M\", work = \"1 min\" }}]\n\
+             [[arrivals]]\npart = \"job\"\npattern = \"schedule\"\nlot = [{{ time = \"0 min\" }}]\n"
+        )
+    };
+    for (count, available, wait) in [(1, 0.813_664, 49.924_0), (2, 0.882_760, 3.749_022)] {
+        let log = run(&parsed(&text(count)), 0, 0).unwrap();
+        let down = log.states.iter().filter(|row| row.state == MachineState::Down).map(|row| row.end - row.start);
+        near(1.0 - down.sum::<f64>() / (6.0 * log.horizon), available, 0.01);
+        near(wait_for_crew(&log), wait, 0.05);
+    }
+}
+
+/// Jobs that are done in no time at P and carried to Q, with the keys of the transport.
+fn carried(transport: &str, arrivals: &str, horizon: &str) -> RunLog {
+    let text = format!(
+        "schema = 1\n[shop]\nname = \"agv\"\nhorizon = \"{horizon}\"\n\
+         [[machine]]\nname = \"P\"\nprocess = \"plain\"\n[[machine]]\nname = \"Q\"\nprocess = \"plain\"\n\
+         [[machine]]\nname = \"R\"\nprocess = \"plain\"\n[[transport]]\nname = \"AGV\"\n{transport}\n\
+         [[part]]\nname = \"job\"\noperation = [{{ name = \"first\", machines = \"P\", work = \"0 min\" }}, \
+         {{ name = \"second\", machines = \"Q\", work = \"0 min\" }}]\n\
+         [[part]]\nname = \"back\"\noperation = [{{ name = \"first\", machines = \"R\", work = \"0 min\" }}, \
+         {{ name = \"second\", machines = \"P\", work = \"0 min\" }}]\n{arrivals}"
+    );
+    run(&parsed(&text), 0, 0).unwrap()
+}
+
+#[test]
+fn a_vehicle_is_a_server_with_an_empty_way() {
+    // Moves one way, 8 min in each direction: M/D/1 with 16 min of service, but the job is there when it is unloaded.
+    let log = carried(
+        "locations = [\"P\", \"Q\"]\ntimes = [[\"0 min\", \"8 min\"], [\"8 min\", \"0 min\"]]",
+        "[[arrivals]]\npart = \"job\"\npattern = \"poisson\"\nrate = \"2.4 1/h\"\n",
+        "30000 h",
+    );
+    let stays: Vec<f64> =
+        log.jobs.iter().filter(|job| job.finish.is_finite()).map(|job| job.finish - job.arrival).collect();
+    near(stays.iter().sum::<f64>() / stays.len() as f64 / 60.0, 30.222_222, 0.02);
+}
+
+#[test]
+fn vehicles_park_and_choose_as_they_are_told() {
+    let places = "locations = [\"P\", \"Q\", \"R\"]\n\
+        times = [[\"0 min\", \"4 min\", \"1 min\"], [\"4 min\", \"0 min\", \"9 min\"], [\"1 min\", \"9 min\", \"0 min\"]]";
+    let two = "[[arrivals]]\npart = \"job\"\npattern = \"schedule\"\nlot = [{ time = \"0 min\", size = 2 }]\n\
+        [[arrivals]]\npart = \"back\"\npattern = \"schedule\"\nlot = [{ time = \"1 min\" }]\n";
+    let ends = |keys: &str| -> Vec<f64> {
+        let log = carried(&format!("{places}\n{keys}"), two, "2 h");
+        log.jobs.iter().map(|job| job.finish / 60.0).collect()
+    };
+    // First job: 4 min. Second: 4 back, 4 there. The one at R: 9 from Q, then 1.
+    assert_eq!(ends(""), [4.0, 12.0, 22.0]);
+    // Two vehicles take the first two at once, and the nearer by number the last.
+    assert_eq!(ends("count = 2"), [4.0, 4.0, 14.0]);
+    // At 4 the vehicle is at Q: P is nearer than R.
+    assert_eq!(ends("rule = \"nearest\""), [4.0, 12.0, 22.0]);
+    let late = two.replace("size = 2", "size = 1").replace("1 min\" }]", "10 min\" }]");
+    let ends = |keys: &str| -> Vec<f64> {
+        let log = carried(&format!("{places}\n{keys}"), &late, "2 h");
+        log.jobs.iter().map(|job| job.finish / 60.0).collect()
+    };
+    // From Q at 10: 9 and 1. From home, where it has been since 8: 1 and 1.
+    assert_eq!(ends(""), [4.0, 20.0]);
+    assert_eq!(ends("park = \"home\""), [4.0, 12.0]);
+}
+
+#[test]
+fn what_vehicles_cannot_do_is_refused() {
+    let text = "schema = 1\n[shop]\nname = \"agv\"\nhorizon = \"1 h\"\n\
+         [[machine]]\nname = \"P\"\nprocess = \"plain\"\n[[machine]]\nname = \"Q\"\nprocess = \"plain\"\n\
+         [[transport]]\nname = \"AGV\"\nlocations = [\"P\", \"Q\"]\ntimes = [[\"0 min\", \"8 min\"], [\"8 min\", \"0 min\"]]\n\
+         [[part]]\nname = \"job\"\noperation = [{ name = \"first\", machines = \"P\", work = \"0 min\" }]\n\
+         [[arrivals]]\npart = \"job\"\npattern = \"schedule\"\nlot = [{ time = \"0 min\" }]\n";
+    assert!(parse("agv.toml", text, &[]).is_ok());
+    for (from, to, word) in [
+        ("\"P\", \"Q\"]", "\"P\", \"W\"]", "\"W\""),
+        (", [\"8 min\", \"0 min\"]]", "]", "2 rows and 2 columns"),
+        ("machines = \"P\"", "machines = [\"P\", \"Q\"]", "several places"),
+    ] {
+        let error = parse("agv.toml", &text.replacen(from, to, 1), &[]).expect_err(word).to_string();
+        assert!(error.contains(word), "{error}");
+    }
+}
