@@ -8,10 +8,16 @@ use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_output::{OutputDir, provenance};
 use toolroom_planning::contour::{NAMES, StudyOptions, Task, edge_life, files, studies, summary, text};
+use toolroom_program::{Control, Dialect, Units};
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
-    let task = Task::read(&args.file, args.gcode.as_deref(), &args.set)?;
+    let control = args.gcode.as_deref().map(|path| {
+        let units = args.units.as_deref().and_then(Units::named);
+        let dialect = args.dialect.as_deref().and_then(Dialect::named);
+        (path, Control { dialect, ..Control::of_file(path, units) })
+    });
+    let task = Task::read(&args.file, control.as_ref().map(|(path, control)| (*path, control)), &args.set)?;
     for name in &args.pass {
         let known = task.file.pass(name);
         known.map_err(|error| Failure::argument(format_args!("--pass: {error}"), "leave --pass out for all"))?;
@@ -24,7 +30,8 @@ pub fn run(args: &ContourArgs, voice: &Voice) -> Result<(), Failure> {
     let studies = studies(&task.file, &options, &|note| voice.say(note)).map_err(|refused| task.refused(&refused))?;
     let wall = start.elapsed();
     let provenance = origin(args, &task);
-    let results = files(&task.file, &studies, provenance.clone()).map_err(|refused| task.refused(&refused))?;
+    let dialect = args.post.as_deref().and_then(Dialect::named).unwrap_or(Dialect::Fanuc);
+    let results = files(&task.file, &studies, provenance.clone(), dialect).map_err(|refused| task.refused(&refused))?;
     out.put_all(&results)?;
     out.record(&provenance, wall)?;
     let target = out.publish()?;
@@ -61,6 +68,9 @@ fn origin(args: &ContourArgs, task: &Task) -> Provenance {
     }
     if let Some(program) = &args.gcode {
         arguments.extend(["--gcode".to_owned(), program.display().to_string()]);
+    }
+    if let Some(post) = &args.post {
+        arguments.extend(["--post".to_owned(), post.clone()]);
     }
     arguments.extend(args.ramps.then(|| "--ramps".to_owned()));
     arguments.extend(args.edge.iter().flat_map(|edge| ["--edge".to_owned(), edge.clone()]));

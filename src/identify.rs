@@ -45,6 +45,7 @@ fn origin(args: &IdentifyArgs, inputs: &[Table]) -> Provenance {
         arguments.extend(["--forces".to_owned(), force.display().to_string()]);
     }
     arguments.extend(["--basis".to_owned(), args.basis.word().to_owned()]);
+    arguments.extend(args.strict.then(|| "--strict".to_owned()));
     arguments.extend(args.error.iter().flat_map(|change| ["--error".to_owned(), change.clone()]));
     let trials = [(inputs[0].name.clone(), inputs[0].bytes.as_slice())];
     let mut provenance = provenance("identify", &trials, arguments, Some(args.seed));
@@ -72,7 +73,13 @@ fn refused(error: TrialsError) -> Failure {
 fn options(args: &IdentifyArgs) -> Result<IdentifyOptions, Failure> {
     let errors = measurement_errors(&args.error)
         .map_err(|error| Failure::argument(format_args!("--error: {error}"), error.fix()))?;
-    Ok(IdentifyOptions { basis: args.basis, resamples: args.resamples as usize, seed: args.seed, errors })
+    Ok(IdentifyOptions {
+        basis: args.basis,
+        resamples: args.resamples as usize,
+        seed: args.seed,
+        errors,
+        strict: args.strict,
+    })
 }
 
 fn read(path: &Path) -> Result<Table, Failure> {

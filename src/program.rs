@@ -6,8 +6,10 @@ use crate::speak::Voice;
 use std::fs;
 use std::path::Path;
 use toolroom_output::Files;
+use toolroom_planning::engagement::Engagement;
 use toolroom_planning::program::{CycleTime, set_drive};
-use toolroom_program::{Control, Dialect, Drives, Units, post};
+use toolroom_program::{Dialect, Machine, Units, post};
+use toolroom_stock::Setup;
 
 /// What a refused program is about.
 pub const REFUSED: &str = "a word that is not followed could move an axis or take time, so none is passed over";
@@ -16,10 +18,18 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let text = read(&args.file)?;
     let files = Files::new([args.file.as_path()], voice.force);
-    for path in args.blocks.iter().chain(&args.out) {
+    for path in args.blocks.iter().chain(&args.out).chain(&args.motions) {
         files.check(path)?;
     }
-    let mut control = Control::of_file(&args.file, args.units.as_deref().and_then(Units::named));
+    let setup = args.setup.as_deref().map(|path| Setup::read(path, &[])).transpose()?.map(|file| file.content);
+    let units = args.units.as_deref().and_then(Units::named);
+    // A machine that the setup names, from its folder unless it is a preset.
+    let named = setup.as_ref().and_then(|setup| setup.drives.clone()).zip(args.setup.as_deref()).map(|(name, file)| {
+        let beside = file.with_file_name(&name);
+        if beside.exists() { beside } else { name.into() }
+    });
+    let Machine { control, mut drives } = machine(args.drives.as_deref().or(named.as_deref()), &args.set)?;
+    let mut control = control.for_file(&args.file, units);
     control.dialect = args.dialect.as_deref().and_then(Dialect::named);
     control.steps = args.steps;
     for number in &args.skip {
@@ -29,17 +39,27 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
         let fault = |error| Failure::argument(format!("--start {text}: {error}"), "write --start \"0,0,100 mm\"");
         control.set_start(text).map_err(fault)?;
     }
+    for (number, tool) in setup.iter().flat_map(|setup| &setup.tools) {
+        control.diameters.insert(*number, 2e3 * tool.radius);
+    }
     for text in &args.tool {
         let fault = |error| Failure::argument(format!("--tool {text}: {error}"), "write --tool D1=\"10 mm\"");
         control.set_tool(text).map_err(fault)?;
     }
-    let mut drives = Drives::default();
-    for text in &args.set {
+    for text in args.set.iter().filter(|text| !text.starts_with(FILE)) {
         set_drive(&mut drives, &mut control, text)
             .map_err(|error| Failure::argument(format!("--set {text}: {error}"), error.fix()))?;
     }
     let cycle = CycleTime::new(&text, &control, &drives, args.blocks.is_some())
         .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    let engagement = setup
+        .map(|setup| Engagement::new(&text, &control, &setup, args.motions.is_some()))
+        .transpose()
+        .map_err(|error| Failure::argument(format!("{name}:{error}"), REFUSED))?;
+    if let (Some(path), Some(engagement)) = (&args.motions, &engagement) {
+        files.put(path, engagement.table().as_bytes())?;
+        voice.say(format_args!("wrote {}", path.display()));
+    }
     if let Some(path) = &args.blocks {
         files.put(path, cycle.table().as_bytes())?;
         voice.say(format_args!("wrote {}", path.display()));
@@ -67,7 +87,33 @@ pub fn run(args: &ProgramArgs, voice: &Voice) -> Result<(), Failure> {
             "{count} blocks move axes from places that only the machine knows (first: line {first}); those axes count as standing"
         ));
     }
-    if voice.json { voice.json(&cycle.json()) } else { voice.data(cycle.text()) }
+    if voice.json {
+        let mut result = cycle.json();
+        if let Some(engagement) = &engagement {
+            result["engagement"] = engagement.json();
+        }
+        voice.json(&result)?;
+    } else {
+        voice.data(cycle.text())?;
+        if let Some(engagement) = &engagement {
+            voice.data(engagement.text())?;
+        }
+    }
+    let crash = engagement.as_ref().and_then(|engagement| engagement.crashes().first()).filter(|_| args.strict);
+    crash.map_or(Ok(()), |line| Err(Failure::Work { message: format!("{name}:{line}: a rapid motion meets material") }))
+}
+
+/// How a change of a machine file begins.
+const FILE: &str = "drives.";
+
+/// The machine of `--drives`, a file or a preset, with the changes of `--set` that begin with `drives.`.
+fn machine(path: Option<&Path>, set: &[String]) -> Result<Machine, Failure> {
+    let set: Vec<String> = set.iter().filter(|text| text.starts_with(FILE)).cloned().collect();
+    let file = match path {
+        Some(path) => Machine::read(path, &set),
+        None => Machine::of("--set", "", &set),
+    };
+    Ok(file?.content)
 }
 
 /// The text of a part program; controls write other encodings than UTF-8 in comments.

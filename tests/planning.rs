@@ -154,11 +154,16 @@ fn a_recorded_force_tells_the_lag_that_a_threshold_force_hides_in_the_stock() {
 }
 
 #[test]
-fn impossible_trials_are_refused_by_name_all_at_once() {
+fn impossible_trials_are_left_out_by_name_or_refused_all_at_once() {
     let text = "trial_id,infeed_per_rev [um],revolutions,stock_removed [um]\n\
                 good,4,10,35\nfull,4,10,40\nfew,4,1,2\n";
     let file = written("impossible", "trials.csv", text);
-    let found = problems("identify", &file, &[]);
+    let kept = result("impossible", "identify", &file, &[]);
+    assert_eq!(kept["trials"].as_array().map(Vec::len), Some(1));
+    let left: Vec<&str> =
+        kept["left_out"].as_array().expect("a list").iter().filter_map(|one| one["trial_id"].as_str()).collect();
+    assert_eq!(left, ["full", "few"]);
+    let found = problems("identify", &file, &["--strict"]);
     let codes: Vec<(&str, u64)> = found.iter().map(|problem| (problem.0.as_str(), problem.2)).collect();
     assert_eq!(codes, [("stock-beyond-infeed", 3), ("too-few-revolutions", 4)]);
     assert!(found[0].3.contains("`full`") && found[1].3.contains("`few`"), "{found:?}");
@@ -274,6 +279,7 @@ name = "fresh"
 title = "Line, hollow, line, bulge"
 closed = false
 cutter_side = "left"
+engagement = "section"
 economics = { edge_cost = "12 EUR" }
 [[pass]]
 name = "semi"
@@ -342,9 +348,9 @@ fn a_contour_in_g_code_gives_the_plan_of_the_same_contour_in_sections() {
         assert!(found[0].1.ends_with("bad.nc"), "the fault is in the program: {found:?}");
         (found[0].0.clone(), found[0].2)
     };
-    assert_eq!(refused("G41 G0 X0 Y0\nG1 X40\nG3 X65 Y25 I0 J24\n"), ("arc-misses-end".to_owned(), 3));
-    assert_eq!(refused("G41 G0 X0 Y0\nG1 X40\nG81 Z1\n"), ("gcode".to_owned(), 3));
-    assert_eq!(refused("G41 G0 X0 Y0\nG1 X40\nG3 X50 Y10 I0 J10\n"), ("cutter-too-large".to_owned(), 3));
+    assert_eq!(refused("G21 G41 G0 X0 Y0\nG1 X40\nG3 X65 Y25 I0 J24\n"), ("gcode".to_owned(), 3));
+    assert_eq!(refused("G21 G41 G0 X0 Y0\nG1 X40\nG12 I5\n"), ("gcode".to_owned(), 3));
+    assert_eq!(refused("G21 G41 G0 X0 Y0\nG1 X40\nG3 X50 Y10 I0 J10\n"), ("cutter-too-large".to_owned(), 3));
 }
 
 #[test]

@@ -209,7 +209,7 @@ pub fn identify(
     };
     through(py, move || {
         let errors = measurement_errors(&error).map_err(|error| Failure::argument(&error, error.fix()))?;
-        let options = IdentifyOptions { basis, resamples: resamples as usize, seed, errors };
+        let options = IdentifyOptions { basis, resamples: resamples as usize, seed, errors, strict: false };
         let table = |path: &Path| Ok::<_, Failure>(Trials { name: path.display().to_string(), bytes: bytes_of(path)? });
         let trials = table(&data)?;
         let forces = forces.as_deref().map(table).transpose()?;

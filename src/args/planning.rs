@@ -18,6 +18,9 @@ pub struct IdentifyArgs {
     /// Standard deviation of a measurement (stock, infeed_per_rev, revolutions, force), repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub error: Vec<String>,
+    /// Refuse the table where one trial cannot be, instead of leaving it out
+    #[arg(long)]
+    pub strict: bool,
     /// Bootstrap resamples of more than six trials; fewer trials are enumerated
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(..=10_000_000))]
     pub resamples: u32,
@@ -49,9 +52,18 @@ pub struct GrindArgs {
 pub struct ContourArgs {
     /// Contour file
     pub file: PathBuf,
-    /// Part program (G-code) that draws the contour, instead of the sections of the file
+    /// Part program that draws the contour, instead of the sections of the file
     #[arg(long, value_name = "PROGRAM")]
     pub gcode: Option<PathBuf>,
+    /// Language of the part program; found from its words where not given
+    #[arg(long, value_name = "DIALECT", value_parser = toolroom_program::Dialect::NAMES, requires = "gcode")]
+    pub dialect: Option<String>,
+    /// Unit of lengths of a part program that names none
+    #[arg(long, value_name = "UNIT", value_parser = toolroom_program::Units::NAMES, requires = "gcode")]
+    pub units: Option<String>,
+    /// Language of the part programs that are written; fanuc where not given
+    #[arg(long, value_name = "DIALECT", value_parser = toolroom_program::Dialect::NAMES)]
+    pub post: Option<String>,
     /// Only this pass, repeatable
     #[arg(long, value_name = "NAME")]
     pub pass: Vec<String>,

@@ -9,6 +9,14 @@ use toolroom_program::{Dialect, Units};
 /// What `--set` may change.
 static SET: LazyLock<String> = LazyLock::new(|| format!("Replace a value of {}, repeatable", drive_names()));
 
+/// What `--drives` takes.
+static DRIVES: LazyLock<String> = LazyLock::new(|| {
+    format!(
+        "Machine that runs the program: a machine file, or one of the presets {}",
+        toolroom_program::PRESETS.join(", ")
+    )
+});
+
 #[derive(Args, Debug)]
 pub struct ProgramArgs {
     /// Part program of a machine tool
@@ -16,6 +24,9 @@ pub struct ProgramArgs {
     /// Language of the program; found from its words where not given
     #[arg(long, value_name = "DIALECT", value_parser = Dialect::NAMES)]
     pub dialect: Option<String>,
+    /// Machine that runs it: a machine file, or a preset (see `toolroom schema machine`); without one no time is lost
+    #[arg(long, value_name = "FILE|PRESET", long_help = DRIVES.as_str())]
+    pub drives: Option<PathBuf>,
     #[arg(long, value_name = "KEY=VALUE", help = SET.as_str())]
     pub set: Vec<String>,
     /// Unit of lengths and feeds of a program that names none
@@ -39,6 +50,15 @@ pub struct ProgramArgs {
     /// File of the program that --post writes
     #[arg(long, value_name = "FILE", requires = "post")]
     pub out: Option<PathBuf>,
+    /// Stock and tools: the program is followed through its stock (see `toolroom schema program-setup`)
+    #[arg(long, value_name = "FILE")]
+    pub setup: Option<PathBuf>,
+    /// Table of every motion with its engagement (CSV)
+    #[arg(long, value_name = "CSV", requires = "setup")]
+    pub motions: Option<PathBuf>,
+    /// End with an error where a rapid motion meets material
+    #[arg(long, requires = "setup")]
+    pub strict: bool,
     /// Table of every block (CSV)
     #[arg(long, value_name = "CSV")]
     pub blocks: Option<PathBuf>,

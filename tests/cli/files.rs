@@ -58,7 +58,7 @@ fn every_problem_is_reported_at_once_with_file_line_and_column() {
 }
 
 /// One shipped file of every kind that can be read.
-const KINDS: [(&str, &str); 11] = [
+const KINDS: [(&str, &str); 13] = [
     ("scenario", "template"),
     ("lobes", "chatter/milling-slot"),
     ("structure", "chatter/spindle"),
@@ -70,6 +70,8 @@ const KINDS: [(&str, &str); 11] = [
     ("mapping", "gap/map-vicomtech"),
     ("gap", "gap/vicomtech"),
     ("gap", "gap/program"),
+    ("machine", "machines/vmc"),
+    ("program-setup", "programs/plate-setup"),
 ];
 
 #[test]

@@ -136,6 +136,13 @@ pub static KINDS: &[FileKind] = &[
         form: Described::By(&SETUP),
     },
     FileKind {
+        word: "program-setup",
+        doc: "Stock and tools of a part program, for program --setup",
+        signs: &["stock"],
+        read: Some(readers::program_setup),
+        form: Described::By(&toolroom_stock::SETUP),
+    },
+    FileKind {
         word: "mapping",
         doc: "What the columns of a measured table are, for import csv",
         signs: &["column", "keep", "rows_per_operation"],
@@ -145,9 +152,16 @@ pub static KINDS: &[FileKind] = &[
     FileKind {
         word: "gap",
         doc: "A nominal model of power laws or part programs, or a scenario taken as one, for gap",
-        signs: &["gap", "drives", "program"],
+        signs: &["gap", "program"],
         read: Some(readers::nominal),
         form: Described::ByOneOf(&NominalModel::FORMS),
+    },
+    FileKind {
+        word: "machine",
+        doc: "The control, drives, spindle and tool changer of a machine, for program --drives",
+        signs: &["drives", "control"],
+        read: Some(readers::machine),
+        form: Described::By(&toolroom_program::MACHINE),
     },
     FileKind {
         word: "parameter-set",

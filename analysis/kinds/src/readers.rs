@@ -39,6 +39,18 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
     Checked { echo, result, summary: format!("valid: {more}") }
 }
 
+pub fn program_setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_stock::Setup::read(path, set)?;
+    let tools = file.content.tools.len();
+    let plural = if tools == 1 { "" } else { "s" };
+    Ok(checked("program-setup", None, file.echo, &format!("a stock and {tools} tool{plural}")))
+}
+
+pub fn machine(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_program::Machine::read(path, set)?;
+    Ok(checked("machine", None, file.echo, "a machine with its control and drives"))
+}
+
 pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let ScenarioFile { scenario, echo, text, variants, .. } = file::read(path, set)?;
     for (index, variant) in variants.iter().enumerate() {

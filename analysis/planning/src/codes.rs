@@ -50,7 +50,7 @@ pub const CODES: &[(&str, &str)] = &[
     ),
     (
         "gcode",
-        "Contours are read from G0 to G3 in the XY plane with I and J or R, G20 or G21, G90 or G91, G40 to G42, one motion a block, plain numbers. Canned cycles, other planes and variables are refused, because ignoring them would change the contour.",
+        "A contour is what a part program moves at feed in the plane XY behind its last rapid motion there. The program is read in the language of its control, as by `toolroom program`; a word that is not understood is refused, because passing it over could change the contour. The unit has to be named (G20, G21, --units), and the compensation of the radius or cutter_side has to say on which side the cutter runs.",
     ),
     (
         "no-ramp",

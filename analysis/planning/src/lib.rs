@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`contour`] | plans along a contour, and how their gains move with the conditions |
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
+//! | [`engagement`] | a part program through its stock: engagement, air, power and force by tool |
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
 //! | [`listen`] | whether a recorded cut chatters, and at which speeds it would not |
 //! | [`lobes`] | stability charts: what is cut, verdicts at points and over a grid, boundaries |
@@ -20,6 +21,7 @@ mod change;
 mod codes;
 pub mod contour;
 pub mod cycle;
+pub mod engagement;
 pub mod identification;
 pub mod listen;
 pub mod lobes;

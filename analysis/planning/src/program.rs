@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use toolroom_process::Record;
 use toolroom_process::table::Cell;
-use toolroom_program::{AXES, Block, Blocks, Control, Drives, ProgramError, Timer};
+use toolroom_program::{AXES, Block, Blocks, Control, Drives, Part, ProgramError, Spent, Timer};
 
 /// Why a change of drives or control was refused.
 #[derive(Debug, thiserror::Error)]
@@ -83,6 +83,7 @@ struct Share {
     dwell: f64,
     auxiliary: f64,
     change_time: f64,
+    spindle: f64,
     length: f64,
     changes: u32,
     holes: u32,
@@ -116,18 +117,17 @@ impl CycleTime {
         let mut rows: Option<Vec<Row>> = blocks.then(Vec::new);
         let (mut timer, mut done, mut unknown) = (Timer::new(drives), Vec::new(), Vec::new());
         // Share of each block whose time is not settled yet.
-        let settle =
-            |done: &mut Vec<(usize, f64)>, shares: &mut Vec<Share>, rows: &mut Option<Vec<Row>>, of: &[usize]| {
-                for (key, time) in done.drain(..) {
-                    match rows {
-                        Some(rows) => {
-                            rows[key].total += time;
-                            shares[of[key]].total += time;
-                        }
-                        None => shares[key].total += time,
+        let settle = |done: &mut Vec<Spent>, shares: &mut Vec<Share>, rows: &mut Option<Vec<Row>>, of: &[usize]| {
+            for spent in done.drain(..) {
+                match rows {
+                    Some(rows) => {
+                        rows[spent.key].total += spent.seconds;
+                        shares[of[spent.key]].spend(&spent);
                     }
+                    None => shares[spent.key].spend(&spent),
                 }
-            };
+            }
+        };
         let mut of: Vec<usize> = Vec::new();
         for block in list.by_ref() {
             let block = block?;
@@ -152,7 +152,7 @@ impl CycleTime {
             timer.block(key, &block, &mut done);
             settle(&mut done, &mut shares, &mut rows, &of);
         }
-        timer.finish(&mut done);
+        timer.finish(rows.as_ref().map_or(shares.len(), Vec::len).saturating_sub(1), &mut done);
         settle(&mut done, &mut shares, &mut rows, &of);
         let run = list.run();
         let (dialect, reason) = run.dialect();
@@ -208,6 +208,7 @@ impl CycleTime {
             "rapid_time [s]": self.sum(|share| share.rapid),
             "dwell [s]": self.sum(|share| share.dwell),
             "change_time [s]": self.sum(|share| share.change_time),
+            "spindle_wait [s]": self.sum(|share| share.spindle),
             "auxiliary_time [s]": self.sum(|share| share.auxiliary),
             "acceleration_time [s]": self.sum(|share| share.total) - parts,
             "feed_length [mm]": self.sum(|share| share.length),
@@ -228,19 +229,26 @@ impl CycleTime {
     /// Times by tool for a terminal, s.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:>6} {:>8} {:>10} {:>10} {:>9} {:>8} {:>6} {:>11}",
-            "tool", "blocks", "feed [s]", "rapid [s]", "dwell [s]", "changes", "holes", "total [s]"
+            "{:>6} {:>8} {:>10} {:>10} {:>9} {:>10} {:>11} {:>6} {:>11}",
+            "tool", "blocks", "feed [s]", "rapid [s]", "dwell [s]", "change [s]", "spindle [s]", "holes", "total [s]"
         );
         for share in &self.shares {
             let tool = share.tool.map_or("–".to_owned(), |tool| format!("T{tool}"));
             let _ = write!(
                 text,
-                "\n{tool:>6} {:>8} {:>10.1} {:>10.1} {:>9.1} {:>8} {:>6} {:>11.1}",
-                share.blocks, share.feed, share.rapid, share.dwell, share.changes, share.holes, share.total
+                "\n{tool:>6} {:>8} {:>10.1} {:>10.1} {:>9.1} {:>10.1} {:>11.1} {:>6} {:>11.1}",
+                share.blocks,
+                share.feed,
+                share.rapid,
+                share.dwell,
+                share.change_time,
+                share.spindle,
+                share.holes,
+                share.total
             );
         }
         let blocks: usize = self.shares.iter().map(|share| share.blocks).sum();
-        let _ = write!(text, "\n{:>6} {:>8} {:>58.1}", "all", blocks, self.sum(|share| share.total));
+        let _ = write!(text, "\n{:>6} {:>8} {:>72.1}", "all", blocks, self.sum(|share| share.total));
         text
     }
 
@@ -266,7 +274,7 @@ impl CycleTime {
 
 /// Time of a block's rapid motions, s.
 fn rapid(block: &Block, drives: &Drives) -> f64 {
-    block.motions.iter().filter(|motion| motion.rapid).map(|motion| motion.nominal(drives.rapid_speed)).sum()
+    block.motions.iter().map(|motion| drives.rapid_time(motion)).sum()
 }
 
 impl Row {
@@ -290,23 +298,34 @@ impl Share {
         self.motions += block.motions.len();
         self.feed += block.feed_time();
         self.rapid += rapid(block, drives);
-        self.dwell += block.dwell;
-        self.auxiliary += block.auxiliary_time;
         self.length += block.motions.iter().map(|motion| motion.feed_length()).sum::<f64>();
         self.changes += u32::from(block.tool_change);
-        self.change_time += if block.tool_change { drives.tool_change_time } else { 0.0 };
         self.holes += block.holes;
     }
 
-    /// Programmed times and changes, without what acceleration adds, s.
+    /// What the machine spends beside the programmed times of motions.
+    fn spend(&mut self, spent: &Spent) {
+        self.total += spent.seconds;
+        match spent.part {
+            Part::Dwell => self.dwell += spent.seconds,
+            Part::Auxiliary => self.auxiliary += spent.seconds,
+            Part::Change => self.change_time += spent.seconds,
+            Part::Spindle => self.spindle += spent.seconds,
+            // What they take beside their programmed times is told together.
+            Part::Feed | Part::Rapid | Part::Settling => {}
+        }
+    }
+
+    /// Programmed times, changes and waits, without what override, accelerations and settling add, s.
     fn parts(&self) -> f64 {
-        self.feed + self.rapid + self.dwell + self.auxiliary + self.change_time
+        self.feed + self.rapid + self.dwell + self.auxiliary + self.change_time + self.spindle
     }
 
     fn json(&self) -> Value {
         json!({
             "tool": self.tool, "blocks": self.blocks, "feed_time [s]": self.feed, "rapid_time [s]": self.rapid,
-            "dwell [s]": self.dwell, "tool_changes": self.changes, "holes": self.holes, "cycle_time [s]": self.total,
+            "dwell [s]": self.dwell, "change_time [s]": self.change_time, "spindle_wait [s]": self.spindle,
+            "tool_changes": self.changes, "holes": self.holes, "cycle_time [s]": self.total,
         })
     }
 }

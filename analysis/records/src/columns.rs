@@ -166,6 +166,7 @@ const PROGRAM: &[RecordColumn] = &[
     required(condition("sequence", "1", "1", 1e7)),
     text("tool_id"),
     text("section"),
+    text("override_source"),
     condition("first_block", "1", "1", 1e9),
     condition("last_block", "1", "1", 1e9),
     condition("start_time", "s", "s", 1e10),

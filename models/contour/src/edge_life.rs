@@ -124,7 +124,11 @@ impl Planner<'_> {
             }
             if layer.is_empty() {
                 let nothing = by_wall[self.wall_of(i)].iter().all(Vec::is_empty);
-                return Err(if nothing { self.empty_set(i) } else { ContourError::EdgeTooShort { section: i } });
+                return Err(if nothing {
+                    self.empty_set(i)
+                } else {
+                    ContourError::EdgeTooShort { section: self.pieces()[i].section }
+                });
             }
             layers.push(layer);
         }

@@ -30,6 +30,21 @@ pub enum ContourError {
         /// Most sections.
         greatest: u32,
     },
+    /// Arcs that do not follow a curve well enough.
+    #[error(
+        "{sections} pairs of arcs are off the profile by {:.2} um, more than the tolerance of {} um; write sections = {enough}, or leave it out",
+        residual * 1e6, toolroom_form::significant(tolerance * 1e6)
+    )]
+    Residual {
+        /// Greatest distance between arcs and curve, m.
+        residual: f64,
+        /// Distance that is admitted, m.
+        tolerance: f64,
+        /// Pairs of arcs asked for.
+        sections: u32,
+        /// Pairs of arcs that would do.
+        enough: u32,
+    },
     /// A contour that does not come back to its start.
     #[error("the contour is open: its end is {:.4} mm from its start; close it, or write `closed = false`", gap * 1e3)]
     Open {
@@ -126,10 +141,10 @@ pub enum ContourError {
     /// A parameter set that did not load.
     #[error(transparent)]
     Set(#[from] SetError),
-    /// G-code that cannot be read.
+    /// A part program that cannot be followed.
     #[error("{message}")]
-    Syntax {
-        /// What the reader says.
+    Program {
+        /// What its reader says.
         message: String,
     },
     /// A section that is none of the known forms.
@@ -151,26 +166,13 @@ pub enum ContourError {
     /// A contour file without passes.
     #[error("there is no pass; add [[pass]]")]
     NoPass,
-    /// A G-code word that a contour cannot contain.
-    #[error("{word} is not supported in a contour; there are G0 to G3, G9, G17, G20, G21, G40 to G42, G90, G91, G94")]
-    GcodeUnsupported {
-        /// The word.
-        word: String,
-    },
-    /// Two motions in one block.
-    #[error("two of G0 to G3 stand in one block; write one block a motion")]
-    GcodeTwoMotions,
-    /// An arc without centre and radius.
-    #[error("an arc needs I and J, or R")]
-    GcodeArc,
-    /// A number given by a variable.
-    #[error("{letter} is a variable; only numbers can be read")]
-    GcodeVariable {
-        /// Letter of the word.
-        letter: char,
-    },
-    /// G-code that does not say on which side the cutter runs.
-    #[error("neither G41 nor G42 says on which side the cutter runs")]
+    /// An arc that draws no wall.
+    #[error("an arc lies in another plane than XY or turns more than once; a contour lies in XY")]
+    GcodePlane,
+    /// A part program that does not say on which side the cutter runs.
+    #[error(
+        "no compensation of the radius (G41, G42, RL, RR) says on which side the cutter runs; give cutter_side in the file"
+    )]
     GcodeSide,
 }
 
@@ -184,7 +186,7 @@ impl ContourError {
             Self::ArcMissesEnd { .. } => "arc-misses-end",
             Self::SharpInsideCorner { .. } | Self::Reversal { .. } => "unreachable-corner",
             Self::CutterTooLarge { .. } => "cutter-too-large",
-            Self::Division { .. } | Self::Model(_) | Self::NoSpindleSpeed => "out-of-range",
+            Self::Division { .. } | Self::Residual { .. } | Self::Model(_) | Self::NoSpindleSpeed => "out-of-range",
             Self::EmptyFeasibleSet { .. } | Self::NoCommonSetting { .. } | Self::NoHandbookRegime { .. } => {
                 "limits-conflict"
             }
@@ -192,12 +194,7 @@ impl ContourError {
             Self::EdgeTooShort { .. } => "edge-too-short",
             Self::SettingCount { .. } | Self::SectionForm { .. } => "section-form",
             Self::Set(_) | Self::UnknownPass { .. } => "unknown-name",
-            Self::Syntax { .. } => "syntax",
-            Self::GcodeUnsupported { .. }
-            | Self::GcodeTwoMotions
-            | Self::GcodeArc
-            | Self::GcodeVariable { .. }
-            | Self::GcodeSide => "gcode",
+            Self::Program { .. } | Self::GcodePlane | Self::GcodeSide => "gcode",
         }
     }
 
@@ -214,6 +211,7 @@ impl ContourError {
             | Self::EdgeTooShort { section } => Some(*section),
             Self::Empty
             | Self::Division { .. }
+            | Self::Residual { .. }
             | Self::Open { .. }
             | Self::Model(_)
             | Self::NoSpindleSpeed
@@ -221,14 +219,11 @@ impl ContourError {
             | Self::NoHandbookRegime { .. }
             | Self::SettingCount { .. }
             | Self::Set(_)
-            | Self::Syntax { .. }
+            | Self::Program { .. }
             | Self::SectionForm { .. }
             | Self::UnknownPass { .. }
             | Self::NoPass
-            | Self::GcodeUnsupported { .. }
-            | Self::GcodeTwoMotions
-            | Self::GcodeArc
-            | Self::GcodeVariable { .. }
+            | Self::GcodePlane
             | Self::GcodeSide => None,
         }
     }
@@ -244,12 +239,4 @@ pub struct FileError {
     pub column: usize,
     /// What is wrong.
     pub fault: Box<ContourError>,
-}
-
-impl FileError {
-    /// A fault at a byte offset of `text`.
-    pub(crate) fn at(text: &str, offset: usize, fault: ContourError) -> Self {
-        let (line, column) = toolroom_process::parameters::place(text, offset);
-        Self { line, column, fault: Box::new(fault) }
-    }
 }

@@ -1,14 +1,16 @@
 //! Contour files: contour, passes, models and parameters in TOML.
 
-use crate::file_form::{CONTOUR, CornerWord, Direction, PathErrorWord, SETUP};
+use crate::file_form::{Approximation, CONTOUR, CornerWord, Direction, PathErrorWord, SETUP};
+use crate::lobed::Profile;
 use crate::{
-    ConditionScatter, Contour, ContourError, CornerPolicy, CutterSide, FileError, FormError, Milling, Models,
-    Parameters, Pass, PathError, Planner, Point, Trace, VelocityLoop, gcode,
+    ConditionScatter, Contour, ContourError, CornerPolicy, CutterSide, EngagementModel, FileError, FormError, Milling,
+    Models, Parameters, Pass, PathError, Planner, Point, Trace, VelocityLoop, gcode,
 };
 use std::ops::Range;
 use std::sync::Arc;
 use toolroom_form::{ContentFault, Fault, FormFile, Got, ReadError, Section, Value, Walk, example, fill_record, parse};
 use toolroom_process::parameters::places;
+use toolroom_program::Control;
 
 /// A contour file as understood.
 ///
@@ -23,6 +25,7 @@ use toolroom_process::parameters::places;
 /// milling = "down"
 /// path_error = { model = "servo" }   # or "empirical", "off", "explicit_euler" with step
 /// form_error = "mean"                # or "helical"
+/// engagement = "path"                # or "section": one engagement a section, as in the paper
 /// corners = { policy = "slow_down" } # or "exact_stop", "loop" with radius
 /// start = ["0 mm", "0 mm"]
 /// heading = "0 deg"
@@ -46,8 +49,8 @@ use toolroom_process::parameters::places;
 /// [[section]]
 /// spline_to = [["70 mm", "120 mm"], ["50 mm", "120 mm"]]
 /// ```
-/// A section may also be `lobed = { diameter, eccentricity, lobes, sections }`, a whole profile
-/// of equal width.
+/// A section may also be `lobed = { diameter, eccentricity, lobes, tolerance }`, a whole profile
+/// of equal width within 1 um where no tolerance is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContourFile {
     /// Name.
@@ -64,6 +67,8 @@ pub struct ContourFile {
     pub models: Models,
     /// How conditions scatter in a sensitivity study.
     pub scatter: ConditionScatter,
+    /// Greatest distance between the contour and the curves that it stands for, m; 0 where lines and arcs are drawn.
+    pub residual: f64,
     /// Line and column, from 1, of every section of the contour in the file, or in the G-code
     /// program, that draws it.
     pub places: Vec<(usize, usize)>,
@@ -104,8 +109,8 @@ impl ContourFile {
         })
     }
 
-    /// Reads a contour file whose contour is a G-code program instead of sections. G41 or G42
-    /// in the program say on which side the cutter runs, else `cutter_side` in the file.
+    /// Reads a contour file whose contour is drawn by a part program, in the language of `control`, instead of sections. The
+    /// compensation of the radius in the program says on which side the cutter runs, else `cutter_side` in the file.
     ///
     /// # Errors
     /// [`GcodeFileError`] says which of the two is at fault and where.
@@ -114,13 +119,14 @@ impl ContourFile {
         text: &str,
         overrides: &[String],
         program: &str,
+        control: &Control,
     ) -> Result<FormFile<Self>, GcodeFileError> {
         let mut refused = None;
         let read = parse(file, text, overrides, &CONTOUR, |walk, root| {
             let side = root.chosen("cutter_side", CutterSide::from_word);
-            let placed = gcode::read_placed(program, side, root.flag("closed").unwrap_or(true));
+            let placed = gcode::read_placed(program, control, side, root.flag("closed").unwrap_or(true));
             let placed = placed.map_err(|error| refused = Some(error)).ok();
-            assemble(walk, root, placed)
+            assemble(walk, root, placed.map(|placed| (placed, 0.0)))
         });
         match refused {
             // The faults of the file decide what the program means.
@@ -171,8 +177,8 @@ pub enum GcodeFileError {
     /// The contour file.
     #[error(transparent)]
     File(ReadError),
-    /// The G-code program.
-    #[error("G-code: {0}")]
+    /// The part program.
+    #[error("part program: {0}")]
     Program(FileError),
 }
 
@@ -213,7 +219,7 @@ fn point(walk: &mut Walk, section: &Section<'_>, key: &str) -> Option<Point> {
     point_of(walk, key, section.got(key)?)
 }
 
-fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<Placed> {
+fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<(Placed, f64)> {
     let noted = walk.problems.len();
     let start = if root.given("start") { point(walk, root, "start") } else { Some(Point::default()) };
     let side = root.chosen("cutter_side", CutterSide::from_word);
@@ -232,18 +238,22 @@ fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<Placed> {
     let mut trace = Trace::new(start?, root.si("heading").unwrap_or(0.0));
     // Where each drawn section stands in the file.
     let mut starts: Vec<usize> = Vec::new();
+    let mut residual: f64 = 0.0;
     for ((at, step), section) in steps.into_iter().zip(&sections) {
         if let Some(turn) = section.si("turn") {
             trace.turn(turn);
         }
-        if let Err(error) = step?.draw(&mut trace) {
-            refuse(walk, at..section.span.end, error);
-            return None;
+        match step?.draw(&mut trace) {
+            Ok(own) => residual = own.max(residual),
+            Err(error) => {
+                refuse(walk, at..section.span.end, error);
+                return None;
+            }
         }
         starts.resize(trace.sections(), at);
     }
     match trace.finish(side?, root.flag("closed").unwrap_or(true)) {
-        Ok(contour) => Some((contour, places(text, &starts))),
+        Ok(contour) => Some(((contour, places(text, &starts)), residual)),
         Err(error) => {
             let section = error.section().unwrap_or(starts.len().saturating_sub(1));
             let at = starts.get(section).copied().unwrap_or(0);
@@ -257,26 +267,59 @@ fn draw(walk: &mut Walk, text: &str, root: &Section<'_>) -> Option<Placed> {
 enum Step {
     Line(f64),
     LineTo(Point),
-    Arc { radius: f64, angle: f64 },
-    ArcTo { end: Point, center: Point, left: bool },
-    ArcByRadius { end: Point, radius: f64, left: bool },
+    Arc {
+        radius: f64,
+        angle: f64,
+    },
+    ArcTo {
+        end: Point,
+        center: Point,
+        left: bool,
+    },
+    ArcByRadius {
+        end: Point,
+        radius: f64,
+        left: bool,
+    },
     Spline(Vec<Point>),
-    Lobed { diameter: f64, eccentricity: f64, lobes: u32, sections: u32 },
+    /// One arc of the mean radius a section.
+    MeanRadius {
+        diameter: f64,
+        eccentricity: f64,
+        lobes: u32,
+        sections: u32,
+    },
+    /// Pairs of arcs within a tolerance.
+    Lobed {
+        diameter: f64,
+        eccentricity: f64,
+        lobes: u32,
+        sections: Option<u32>,
+        tolerance: f64,
+    },
 }
 
 impl Step {
-    fn draw(&self, trace: &mut Trace) -> Result<(), ContourError> {
-        match self {
+    /// Draws the section; the distance of the trace from the curve that it stands for is returned, m.
+    fn draw(&self, trace: &mut Trace) -> Result<f64, ContourError> {
+        let done = match self {
             Self::Line(length) => trace.line(*length),
             Self::LineTo(end) => trace.line_to(*end),
             Self::Arc { radius, angle } => trace.arc(*radius, *angle),
             Self::ArcTo { end, center, left } => trace.arc_to(*end, *center, *left),
             Self::ArcByRadius { end, radius, left } => trace.arc_by_radius(*end, *radius, *left),
             Self::Spline(points) => trace.spline_to(points),
-            Self::Lobed { diameter, eccentricity, lobes, sections } => {
-                trace.lobed(*diameter, *eccentricity, *lobes, *sections)
+            Self::MeanRadius { diameter, eccentricity, lobes, sections } => {
+                let from = trace.sections();
+                trace.lobed(*diameter, *eccentricity, *lobes, *sections)?;
+                let profile = Profile { diameter: *diameter, eccentricity: *eccentricity, lobes: *lobes };
+                return Ok(trace.residual(profile, from));
             }
-        }
+            Self::Lobed { diameter, eccentricity, lobes, sections, tolerance } => {
+                return trace.lobed_within(*diameter, *eccentricity, *lobes, *tolerance, *sections);
+            }
+        };
+        done.map(|()| 0.0)
     }
 }
 
@@ -301,11 +344,14 @@ fn step(walk: &mut Walk, section: &Section<'_>) -> Option<Step> {
         }
         ["lobed"] => {
             let lobed = walk.table(section, "lobed")?;
-            Step::Lobed {
-                diameter: lobed.si("diameter")?,
-                eccentricity: lobed.si("eccentricity")?,
-                lobes: u32::try_from(lobed.count("lobes")?).ok()?,
-                sections: u32::try_from(lobed.count("sections")?).ok()?,
+            let (diameter, eccentricity) = (lobed.si("diameter")?, lobed.si("eccentricity")?);
+            let lobes = u32::try_from(lobed.count("lobes")?).ok()?;
+            let sections = lobed.count("sections").and_then(|count| u32::try_from(count).ok());
+            match lobed.chosen("approximation", Approximation::from_word)? {
+                Approximation::MeanRadius => Step::MeanRadius { diameter, eccentricity, lobes, sections: sections? },
+                Approximation::Biarc => {
+                    Step::Lobed { diameter, eccentricity, lobes, sections, tolerance: lobed.si("tolerance")? }
+                }
             }
         }
         other => {
@@ -358,12 +404,12 @@ fn settings(walk: &mut Walk, root: &Section<'_>) -> Option<Settings> {
     Some(Settings { parameters, passes, models, scatter })
 }
 
-fn assemble(walk: &mut Walk, root: &Section<'_>, contour: Option<Placed>) -> Option<ContourFile> {
+fn assemble(walk: &mut Walk, root: &Section<'_>, contour: Option<(Placed, f64)>) -> Option<ContourFile> {
     let settings = settings(walk, root);
     let Settings { parameters, passes, models, scatter } = settings?;
-    let (contour, places) = contour?;
+    let ((contour, places), residual) = contour?;
     let (name, title) = (root.text("name")?.to_owned(), root.text("title")?.to_owned());
-    Some(ContourFile { name, title, contour, parameters, passes, models, scatter, places })
+    Some(ContourFile { name, title, contour, parameters, passes, models, scatter, residual, places })
 }
 
 fn models(walk: &mut Walk, root: &Section<'_>) -> Option<Models> {
@@ -375,6 +421,7 @@ fn models(walk: &mut Walk, root: &Section<'_>) -> Option<Models> {
         path_error: path_error?,
         form_error: root.chosen("form_error", FormError::from_word).unwrap_or(defaults.form_error),
         corners: corners?,
+        engagement: root.chosen("engagement", EngagementModel::from_word).unwrap_or(EngagementModel::Path),
     })
 }
 

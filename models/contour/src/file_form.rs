@@ -1,6 +1,9 @@
 //! Keys of contour files.
 
-use crate::{ConditionScatter, Cutter, CutterSide, Economics, EdgeForce, FormError, Machine, MillLife, Milling, Pass};
+use crate::{
+    ConditionScatter, Cutter, CutterSide, Economics, EdgeForce, EngagementModel, FormError, Machine, MillLife, Milling,
+    Pass,
+};
 use toolroom_form::{Form, Key, Kind, joined, record_keys};
 use toolroom_process::Record;
 
@@ -134,6 +137,17 @@ static PASS: Form = Form {
     ]),
 };
 
+toolroom_form::vocabulary! {
+    /// Arcs that stand for a curve.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub(crate) enum Approximation {
+        /// Pairs of arcs that meet the curve in its own directions.
+        Biarc = "biarc",
+        /// One arc of the mean radius a section, as in the paper: off by hundreds of micrometres.
+        MeanRadius = "mean_radius",
+    }
+}
+
 static LOBED: Form = Form {
     title: "lobed",
     doc: "A whole profile of equal width",
@@ -141,7 +155,22 @@ static LOBED: Form = Form {
         Key::required("diameter", LENGTH, "Mean diameter"),
         Key::required("eccentricity", LENGTH, "Amplitude of the support function"),
         Key::required("lobes", Kind::Count { min: 0, max: u32::MAX as u64 }, "Lobes"),
-        Key::required("sections", Kind::Count { min: 0, max: u32::MAX as u64 }, "Arcs into which it is divided"),
+        Key::default("approximation", Kind::Choice(Approximation::WORDS), "biarc", "Arcs that stand for the profile"),
+        Key::required("sections", Kind::Count { min: 0, max: u32::MAX as u64 }, "Arcs into which it is divided")
+            .when("approximation", &["mean_radius"]),
+        Key::optional(
+            "sections",
+            Kind::Count { min: 0, max: u32::MAX as u64 },
+            "Pairs of arcs into which it is divided; the fewest within the tolerance where left out",
+        )
+        .when("approximation", &["biarc"]),
+        Key::default(
+            "tolerance",
+            Kind::positive("m", "um", FARTHEST, "1 um"),
+            "1 um",
+            "Greatest distance of the arcs from the profile",
+        )
+        .when("approximation", &["biarc"]),
     ],
 };
 
@@ -163,7 +192,7 @@ static SECTION: Form = Form {
 };
 
 /// What stands in a contour file whoever draws the contour.
-const SETUP_KEYS: [Key; 16] = [
+const SETUP_KEYS: [Key; 17] = [
     Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
     Key::required("name", Kind::Name, "Name"),
     Key::required("title", Kind::Text, "One line for people"),
@@ -174,6 +203,11 @@ const SETUP_KEYS: [Key; 16] = [
     Key::optional("path_error", Kind::Table(&PATH_ERROR), "Error of the drives"),
     Key::optional("form_error", Kind::Choice(FormError::WORDS), "Which deflection the accuracy sees"),
     Key::optional("corners", Kind::Table(&CORNERS), "How sharp outside corners are passed"),
+    Key::optional(
+        "engagement",
+        Kind::Choice(EngagementModel::WORDS),
+        "Whether limits hold along the path (where left out) or for one engagement a section",
+    ),
     Key::optional("machine", Kind::Table(&MACHINE), "Deviations of the machine from the parameter set"),
     Key::optional("cutter", Kind::Table(&CUTTER), "Deviations of the cutter from the parameter set"),
     Key::optional("force", Kind::Table(&FORCE), "Deviations of the edge forces from the parameter set"),
@@ -195,12 +229,12 @@ const DRAWING: [Key; 3] = [
 pub static CONTOUR: Form = Form {
     title: "the contour file",
     doc: "A contour to be milled, its passes, and how both are modelled",
-    keys: &joined::<20>(&[&SETUP_KEYS, &PASSES, &DRAWING]),
+    keys: &joined::<21>(&[&SETUP_KEYS, &PASSES, &DRAWING]),
 };
 
 /// Keys of a setup file: a contour file whose contour a part program draws.
 pub static SETUP: Form = Form {
     title: "the setup file",
     doc: "Passes around a contour that a part program draws, and how they are modelled",
-    keys: &joined::<17>(&[&SETUP_KEYS, &PASSES]),
+    keys: &joined::<18>(&[&SETUP_KEYS, &PASSES]),
 };

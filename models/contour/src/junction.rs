@@ -85,7 +85,7 @@ impl Planner<'_> {
                     true
                 });
                 if layer.is_empty() {
-                    return Err(ContourError::NoRamp { section: i });
+                    return Err(ContourError::NoRamp { section: self.pieces()[i].section });
                 }
             }
             layers.push(layer);

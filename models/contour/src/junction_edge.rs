@@ -98,9 +98,9 @@ impl Planner<'_> {
                 return Err(if candidates().next().is_none() {
                     self.empty_set(i)
                 } else if candidates().all(|candidate| candidate.life * length > 1.0) {
-                    ContourError::EdgeTooShort { section: i }
+                    ContourError::EdgeTooShort { section: self.pieces()[i].section }
                 } else {
-                    ContourError::NoRamp { section: i }
+                    ContourError::NoRamp { section: self.pieces()[i].section }
                 });
             }
             layers.push(layer);

@@ -24,7 +24,8 @@
 //! | [`Constraint`], [`Ratios`], [`Evaluation`] | limits by name, and what a setting does |
 //! | [`Planner`], [`Setting`], [`Objective`], [`EdgeLife`], [`Plan`] | plans: optimal, with ramps, on a used edge or both, baselines, front of time and cost |
 //! | [`Planner::part_program`], [`Planner::follow`] | G-code with planned feeds; the path the drives make of it |
-//! //! | [`Sensitivity`] | gains over scattered conditions |
+//! | [`Along`], [`Piece`], [`Rim`], [`distance`] | engagement along the path, with a bound between samples |
+//! | [`Sensitivity`] | gains over scattered conditions |
 //! | [`claims`] | published numbers beside computed ones |
 //!
 //! ```
@@ -38,10 +39,10 @@
 //!
 //! # What is not modelled
 //! Chatter and every other vibration: forces are those of a stiff machine or of one that bends
-//! statically. Stock is parallel to the wall on each section: at joints of different curvature
-//! the engagement changes at once, and what an earlier pass left by deflection is not carried
-//! over. The cutter is compared with the radius of the section under it only: narrow slots,
-//! necks and contours that cross themselves are not noticed. Run-out enters the roughness, not
+//! statically. Stock is parallel to the wall: what an earlier pass left at corners and by deflection is not carried
+//! over. With [`EngagementModel::Section`] the engagement changes at once at joints of different curvature, as in the
+//! paper; with [`EngagementModel::Path`] limits hold between samples too. The cutter is compared with the radius of the
+//! section under it only: narrow slots, necks and contours that cross themselves are not noticed. Run-out enters the roughness, not
 //! the forces. Heat. Wear of the edge raises the edge forces as a constant of the pass, not
 //! along the contour. The feed in ramps wears the edge as if there were none. Lead-in, lead-out
 //! and the change from the last spindle speed back to the first take no time. The direction of
@@ -49,6 +50,7 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod along;
 mod baseline;
 mod claims;
 mod constraint;
@@ -67,18 +69,21 @@ mod helix;
 mod junction;
 mod junction_edge;
 mod life;
+mod lobed;
 mod parameters;
 mod part_program;
 mod pass;
 mod path_error;
 mod plan;
 mod planner;
+mod rim;
 mod search;
 mod sensitivity;
 mod spline;
 mod trace;
 mod trajectory;
 
+pub use along::{Along, Piece};
 pub use claims::claims;
 pub use constraint::{Constraint, Ratios};
 pub use contour::Contour;
@@ -95,13 +100,14 @@ pub use handbook::{Calibration, HandbookForce};
 pub use helix::HelicalCut;
 pub use life::MillLife;
 pub use parameters::{Cutter, Economics, Machine, PARAMETER_SETS, Parameters, SetError};
-pub use pass::{FormError, Models, Pass};
+pub use pass::{EngagementModel, FormError, Models, Pass};
 pub use path_error::{
     PathError, VelocityLoop, corner_feed, corner_impulse, corner_undershoot, explicit_euler_march, gain_mismatch_error,
     inertia_force,
 };
 pub use plan::{Plan, PlannedSection};
 pub use planner::{Evaluation, Planner, Setting, Warning};
+pub use rim::{Rim, distance};
 pub use search::Objective;
 pub use sensitivity::{ConditionScatter, Draw, Sensitivity};
 pub use trace::{CORNER_ANGLE, POSITION_TOLERANCE, Trace};

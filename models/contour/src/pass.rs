@@ -58,6 +58,20 @@ toolroom_form::vocabulary! {
     }
 }
 
+toolroom_form::vocabulary! {
+    /// Where the engagement is taken that limits the feed.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum EngagementModel {
+        /// One engagement a section, as the paper has it: before a hollow wall limits are broken, because the rim is in the
+        /// allowance of the next section already.
+        #[default]
+        Section = "section",
+        /// The engagement along the path, with a bound between samples ([`Along`](crate::Along)): sections are planned in
+        /// pieces.
+        Path = "path",
+    }
+}
+
 /// The models that a plan is made with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Models {
@@ -69,16 +83,19 @@ pub struct Models {
     pub form_error: FormError,
     /// Sharp corners.
     pub corners: CornerPolicy,
+    /// Where the engagement is taken.
+    pub engagement: EngagementModel,
 }
 
 impl Default for Models {
-    /// Down milling, ideal servo, average force, slowing down in corners.
+    /// Down milling, ideal servo, average force, slowing down in corners, one engagement a section.
     fn default() -> Self {
         Self {
             milling: Milling::Down,
             path_error: PathError::default(),
             form_error: FormError::default(),
             corners: CornerPolicy::SlowDown { tolerance: None },
+            engagement: EngagementModel::default(),
         }
     }
 }

@@ -3,9 +3,11 @@
 use crate::constraint::exceeds;
 use crate::path_error::ArcError;
 use crate::{
-    Constraint, Contour, ContourError, CornerMove, Cutter, CutterSide, Engagement, Forces, FormError, HelicalCut,
-    Machine, MeanForces, Milling, Models, Parameters, Pass, PathError, Ratios, Shape,
+    Along, Constraint, Contour, ContourError, Corner, CornerMove, Cutter, CutterSide, Engagement, EngagementModel,
+    Forces, FormError, HelicalCut, Machine, MeanForces, Milling, Models, Parameters, Pass, PathError, Piece, Ratios,
+    Section, Shape,
 };
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use toolroom_process::{ModelError, Record};
@@ -135,7 +137,11 @@ struct Operating {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Planner<'a> {
-    pub(crate) contour: &'a Contour,
+    /// The contour as it is drawn.
+    drawn: &'a Contour,
+    /// The contour whose sections are planned: those that are drawn, or pieces of them.
+    pub(crate) contour: Cow<'a, Contour>,
+    pieces: Vec<Piece>,
     pub(crate) parameters: &'a Parameters,
     pub(crate) pass: &'a Pass,
     pub(crate) models: &'a Models,
@@ -188,13 +194,23 @@ impl<'a> Planner<'a> {
             return Err(ContourError::NoSpindleSpeed);
         }
         let coefficients = force.under(pass.hardness_ratio, pass.flank_wear);
+        let backwards = backwards(contour, models);
+        let (refined, pieces) = match models.engagement {
+            EngagementModel::Section => (Cow::Borrowed(contour), whole(contour, cutter.radius(), pass.allowance)),
+            EngagementModel::Path => {
+                let pieces = Along::new(contour, cutter.radius(), pass.allowance, backwards).pieces();
+                (Cow::Owned(cut(contour, &pieces)), pieces)
+            }
+        };
         let mut planner = Self {
-            contour,
+            drawn: contour,
+            contour: refined,
+            pieces,
             parameters,
             pass,
             models,
             walls: Vec::new(),
-            sections: Vec::with_capacity(contour.sections.len()),
+            sections: Vec::new(),
             stiffness: cutter.stiffness(),
             life_of_speed: speeds.iter().map(|speed| life.of_speed(*speed, cutter.diameter)).collect(),
             life_of_feed: feeds.iter().map(|feed| life.of_feed(*feed)).collect(),
@@ -203,12 +219,13 @@ impl<'a> Planner<'a> {
             tooth_force: (coefficients.tangential_edge, coefficients.on_tooth(1.0) - coefficients.tangential_edge),
         };
         // Sections of one shape share a wall; great contours repeat few shapes or none.
-        let mut known: BTreeMap<(u64, u64), usize> = BTreeMap::new();
-        for section in &contour.sections {
-            let shape = contour.shape(section);
-            let key = (shape.curvature().to_bits(), section.arc_angle.to_bits());
+        let mut known: BTreeMap<(u64, u64, u64), usize> = BTreeMap::new();
+        for i in 0..planner.contour.sections.len() {
+            let section = planner.contour.sections[i];
+            let (shape, engagement) = (planner.contour.shape(&section), planner.pieces[i].engagement);
+            let key = (shape.curvature().to_bits(), section.arc_angle.to_bits(), engagement.angle.to_bits());
             let wall = *known.entry(key).or_insert_with(|| {
-                planner.walls.push(planner.wall(shape, section.arc_angle, &coefficients));
+                planner.walls.push(planner.wall(shape, engagement, section.arc_angle, &coefficients));
                 planner.walls.len() - 1
             });
             planner.sections.push((wall, section.length * shape.centre_path_ratio(cutter.radius())));
@@ -216,10 +233,9 @@ impl<'a> Planner<'a> {
         Ok(planner)
     }
 
-    fn wall(&self, shape: Shape, arc_angle: f64, coefficients: &crate::EdgeForce) -> Wall {
+    fn wall(&self, shape: Shape, engagement: Engagement, arc_angle: f64, coefficients: &crate::EdgeForce) -> Wall {
         let Parameters { machine, cutter, life, .. } = self.parameters;
         let (pass, models, radius) = (self.pass, self.models, cutter.radius());
-        let engagement = Engagement::new(shape, radius, pass.allowance);
         let contact = 1.0 / shape.centre_path_ratio(radius);
         let heights = match models.form_error {
             FormError::Mean => Vec::new(),
@@ -403,11 +419,38 @@ impl<'a> Planner<'a> {
     /// Whether the machine travels the contour against the order in which it is drawn: with the
     /// spindle turning clockwise, a cutter on the left mills down.
     pub(crate) fn backwards(&self) -> bool {
-        let due = match self.models.milling {
-            Milling::Down => CutterSide::Left,
-            Milling::Up => CutterSide::Right,
-        };
-        self.contour.side != due
+        backwards(self.drawn, self.models)
+    }
+
+    /// The contour whose sections are planned: those that are drawn, or pieces of them where the engagement is taken along
+    /// the path.
+    pub fn contour(&self) -> &Contour {
+        &self.contour
+    }
+
+    /// Pieces of the drawn sections that are planned, one entry a section of [`Planner::contour`].
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The contour as it is drawn.
+    pub(crate) fn drawn(&self) -> &Contour {
+        self.drawn
+    }
+
+    /// Constraints that the settings of another planner of the same contour break here, in the order of system (4).
+    pub(crate) fn violated_by(&self, other: &Self, settings: &[Setting]) -> Vec<Constraint> {
+        let mut violated: Vec<Constraint> = Vec::new();
+        for (i, own) in self.pieces.iter().enumerate() {
+            let overlaps = |piece: &Piece| piece.section == own.section && piece.from < own.to && own.from < piece.to;
+            for (_, setting) in other.pieces.iter().zip(settings).filter(|(piece, _)| overlaps(piece)) {
+                violated
+                    .extend(self.evaluate(i, *setting).iter().flat_map(|at| at.ratios.violated().collect::<Vec<_>>()));
+            }
+        }
+        violated.sort();
+        violated.dedup();
+        violated
     }
 
     /// Length of the cutter-centre path along section `i`, m.
@@ -487,7 +530,10 @@ impl<'a> Planner<'a> {
 
     /// The error of a section on which nothing is admissible.
     pub(crate) fn empty_set(&self, section: usize) -> ContourError {
-        ContourError::EmptyFeasibleSet { section, conflicting: self.conflicts(&[self.sections[section].0]) }
+        ContourError::EmptyFeasibleSet {
+            section: self.pieces[section].section,
+            conflicting: self.conflicts(&[self.sections[section].0]),
+        }
     }
 
     /// The error of a contour on which no single setting is admissible.
@@ -552,6 +598,36 @@ fn helical_heights(cut: &HelicalCut) -> Vec<(f64, f64)> {
         (edge, (cut.finishing_force(UNIT_FEED, height) - edge) / UNIT_FEED)
     };
     kinks.iter().copied().chain(between).map(line).collect()
+}
+
+/// Whether the machine travels a contour against the order in which it is drawn.
+fn backwards(contour: &Contour, models: &Models) -> bool {
+    let due = match models.milling {
+        Milling::Down => CutterSide::Left,
+        Milling::Up => CutterSide::Right,
+    };
+    contour.side != due
+}
+
+/// Every section as one piece.
+fn whole(contour: &Contour, radius: f64, allowance: f64) -> Vec<Piece> {
+    let piece = |(section, own): (usize, &Section)| {
+        let engagement = Engagement::new(contour.shape(own), radius, allowance);
+        Piece { section, from: 0.0, to: own.length, engagement }
+    };
+    contour.sections.iter().enumerate().map(piece).collect()
+}
+
+/// The contour with its sections cut into pieces.
+fn cut(contour: &Contour, pieces: &[Piece]) -> Contour {
+    let section = |piece: &Piece| {
+        let own = &contour.sections[piece.section];
+        let heading = own.heading + own.curvature * piece.from;
+        Section { start: own.at(piece.from), heading, length: piece.to - piece.from, ..*own }
+    };
+    let last = |section: usize| pieces.iter().rposition(|piece| piece.section == section).unwrap_or(section);
+    let corners = contour.corners.iter().map(|corner| Corner { after: last(corner.after), ..*corner }).collect();
+    Contour { sections: pieces.iter().map(section).collect(), corners, side: contour.side, closed: contour.closed }
 }
 
 fn contradiction(

@@ -74,9 +74,9 @@ impl Planner<'_> {
         let settings: Vec<Setting> = nominal.sections.iter().map(|section| section.setting).collect();
         let one = |k: u32| -> Result<Draw, ContourError> {
             let pass = scatter.pass(self.pass, seed, k);
-            let planner = Planner::new(self.contour, self.parameters, &pass, self.models)?;
+            let planner = Planner::new(self.drawn(), self.parameters, &pass, self.models)?;
             let plans = planner.handbook().ok().zip(planner.optimal(objective).ok());
-            let broken = planner.violated(&settings);
+            let broken = planner.violated_by(self, &settings);
             let productivity_gain = plans.as_ref().map(|(handbook, plan)| plan.productivity_gain(handbook));
             let cost_change = plans.as_ref().map(|(handbook, plan)| plan.cost_change(handbook));
             Ok(Draw { pass, productivity_gain, cost_change, broken })

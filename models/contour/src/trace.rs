@@ -160,7 +160,7 @@ impl Trace {
     /// A closed hole or disc of equal width: support function
     /// `h(φ) = diameter/2 − eccentricity·cos(lobes·φ)`, hence radius of curvature
     /// `diameter/2 + (lobes² − 1)·eccentricity·cos(lobes·φ)`, as `sections` arcs of the mean
-    /// radius. The natural arc is the angle from one extreme of curvature to the next.
+    /// radius, as in the paper: 18 of them are off the profile RK-3 by 324 um ([`Trace::lobed_within`] is not). The natural arc is the angle from one extreme of curvature to the next.
     ///
     /// # Errors
     /// [`ContourError::NoLength`] where the eccentricity is so great that a radius vanishes,
@@ -183,11 +183,21 @@ impl Trace {
                 return Err(ContourError::NoLength { section: self.sections.len() });
             }
             self.arc(radius, step)?;
-            if let Some(section) = self.sections.last_mut() {
-                section.arc_angle = PI / m;
-            }
+            self.natural_arc(PI / m);
         }
         Ok(())
+    }
+
+    /// Sections from number `from` on.
+    pub(crate) fn drawn(&self, from: usize) -> &[Section] {
+        &self.sections[from..]
+    }
+
+    /// Says of which arc the last section is a part, rad.
+    pub(crate) fn natural_arc(&mut self, angle: f64) {
+        if let Some(section) = self.sections.last_mut() {
+            section.arc_angle = angle;
+        }
     }
 
     fn push(&mut self, section: Section, end: Point) -> Result<(), ContourError> {

@@ -128,12 +128,13 @@ fn units_of_the_file_do_not_matter() {
 /// The path between the lead-in and the lead-out of a part program.
 fn read_back(program: &str) -> toolroom_contour::Contour {
     let lines: Vec<&str> = program.lines().collect();
-    let end = lines.iter().position(|line| *line == "M5").unwrap() - 1;
-    let contact = lines.iter().position(|line| line.starts_with("G0")).unwrap() + 1;
-    let text: Vec<String> = (lines[..end].iter().enumerate())
-        .map(|(i, line)| if i == contact { line.replace("G1", "G0") } else { (*line).to_owned() })
-        .collect();
-    read_gcode(&text.join("\n"), Some(CutterSide::Left), true).unwrap_or_else(|error| panic!("{error}\n{program}"))
+    let find = |word: &str| lines.iter().position(|line| *line == word).unwrap();
+    let (contour, exit) = (find("(CONTOUR)"), find("(EXIT)"));
+    // The arc of entry ends where the contour begins.
+    let at: Vec<&str> = lines[contour - 1].split(' ').filter(|word| word.starts_with(['X', 'Y'])).collect();
+    let text = format!("G21 G90\nG0 {}\n{}\n", at.join(" "), lines[contour..exit].join("\n"));
+    let control = toolroom_program::Control::default();
+    read_gcode(&text, &control, Some(CutterSide::Left), true).unwrap_or_else(|error| panic!("{error}\n{program}"))
 }
 
 #[test]

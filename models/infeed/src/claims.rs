@@ -89,7 +89,7 @@ fn stiffnesses(claim: &mut impl FnMut(&str, &str, f64, f64, f64)) {
 /// B of Malkin's burn limit, from the temperature that the process gives at one depth.
 fn burn_constant(grinding: &Infeed, input: &Input, output: &crate::Output) -> f64 {
     let p = &grinding.parameters;
-    let equivalent_diameter = p.work_diameter * p.wheel_diameter / (p.work_diameter + p.wheel_diameter);
+    let equivalent_diameter = p.equivalent_diameter();
     let work_speed = 0.5 * p.work_diameter * input.work_rotation_speed;
     let carried_off = p.chip_heat_share * p.chip_formation_energy;
     let at_burn = (output.specific_energy - carried_off) * p.burn_temperature_rise / output.temperature_rise;

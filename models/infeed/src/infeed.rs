@@ -118,6 +118,11 @@ impl<N: Number> Infeed<N> {
         ]
     }
 
+    /// Specific removal rate Q'_w = v_w·h, m²/s.
+    pub(crate) fn removal_rate(&self, x: &State<N>, u: &Input<N>) -> N {
+        x.depth_of_cut * u.work_rotation_speed * self.parameters.work_diameter * 0.5
+    }
+
     /// Infeed that is commanded before contact.
     pub(crate) fn start_offset(&self, x: &State<N>, u: &Input<N>) -> N {
         self.terms(x, u).start_offset
@@ -172,7 +177,7 @@ impl<N: Number> Infeed<N> {
     /// Outputs while the wheel touches the part.
     ///
     /// Temperature: `rise = (2/√π) ε q √(l_c/(v_w k ρ c))`, `q = F_t v_s/(b l_c)`,
-    /// `l_c = √(d_e F_n/Cp)`, `d_e = d_w d_s/(d_w + d_s)`; `ε = (u − share·u_ch)/u` of the specific
+    /// `l_c = √(d_e F_n/Cp)`, `d_e = d_w d_s/(d_w ± d_s)`, in a bore with minus; `ε = (u − share·u_ch)/u` of the specific
     /// energy u stays in the work, all of it where the wheel only rubs. Without a threshold force
     /// `F_n/Cp` is the depth h; with one it keeps the contact from shrinking to nothing with h.
     ///
@@ -196,7 +201,7 @@ impl<N: Number> Infeed<N> {
             into_work = positive(-p.chip_formation_energy * p.chip_heat_share / specific_energy + 1.0);
         }
         if normal_force.re() > 0.0 && work_speed.re() > 0.0 {
-            let equivalent_diameter = p.work_diameter * p.wheel_diameter / (p.work_diameter + p.wheel_diameter);
+            let equivalent_diameter = p.equivalent_diameter();
             let contact_length = ((depth + uncut / process_stiffness) * equivalent_diameter).sqrt();
             let flux = spindle_power / (p.width * contact_length);
             let spread = (contact_length / (work_speed * p.conductivity * p.density * p.heat_capacity)).sqrt();

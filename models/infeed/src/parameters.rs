@@ -1,7 +1,7 @@
 //! Constants of the machine, the wheel and the work.
 
 use toolroom_process::parameters::{ParameterError, ParameterFile};
-use toolroom_process::record;
+use toolroom_process::{Number, record};
 
 /// Shipped parameter sets: name and file.
 pub const PARAMETER_SETS: &[(&str, &str)] =
@@ -39,6 +39,8 @@ record! {
         wheel_diameter: Real["m" => "mm"] = 0.4, 1e-3..=3.0;
         /// Work diameter.
         work_diameter: Real["m" => "mm"] = 0.05, 1e-4..=5.0;
+        /// 1 where the wheel grinds a bore of the work diameter, which must exceed its own; 0 outside.
+        internal: Real = 0.0, 0.0..=1.0;
         /// Ground width.
         width: Real["m" => "mm"] = 0.02, 1e-4..=2.0;
         /// Peripheral speed of the wheel.
@@ -85,6 +87,21 @@ pub enum SetError {
     /// A faulty entry.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+}
+
+impl<N: Number> Parameters<N> {
+    /// Equivalent diameter of wheel and work, m: `d_w d_s/(d_w + d_s)`, in a bore `d_w d_s/(d_w − d_s)`.
+    ///
+    /// ```
+    /// use toolroom_infeed::Parameters;
+    /// let bore = Parameters { wheel_diameter: 0.04, internal: 1.0, ..Parameters::default() };
+    /// assert!((bore.equivalent_diameter() - 0.2).abs() < 1e-12);
+    /// ```
+    pub fn equivalent_diameter(&self) -> N {
+        let (work, wheel) = (self.work_diameter, self.wheel_diameter);
+        let sum = if self.internal.re() >= 0.5 { work - wheel } else { work + wheel };
+        work * wheel / sum
+    }
 }
 
 impl Parameters {

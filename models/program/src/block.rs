@@ -1,10 +1,28 @@
 //! All blocks of a program.
 
 use crate::control::Control;
+use crate::drives::Drives;
 use crate::error::ProgramError;
-use crate::motion::{Event, EventKind, Motion};
+use crate::motion::{Event, EventKind, Motion, Sense};
 use crate::run::Run;
-use crate::timing::{Drives, Timer};
+use crate::timing::Timer;
+
+/// What a block does beside its motions, where it can take time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// The spindle is commanded: speed, rpm, and how it turns.
+    Spindle(f64, Sense),
+    /// Coolant is switched on or off.
+    Coolant(bool),
+    /// A stop.
+    Stop,
+    /// The tool changes to this number, where one was called.
+    Change(Option<u32>),
+    /// Axes are at their reference point.
+    Home,
+    /// The program ends.
+    End,
+}
 
 /// One block that has run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +33,8 @@ pub struct Block {
     pub tool: Option<u32>,
     /// Motions in order.
     pub motions: Vec<Motion>,
+    /// What it does beside them, in order, each with the number of motions that stand before it.
+    pub actions: Vec<(usize, Action)>,
     /// Programmed dwell, s.
     pub dwell: f64,
     /// Time of auxiliary functions, s.
@@ -102,8 +122,11 @@ impl Blocks {
 
 impl Block {
     fn take(&mut self, event: &Event) {
+        let mut act = |action| self.actions.push((self.motions.len(), action));
         match event.kind {
-            EventKind::Block | EventKind::Home | EventKind::End => {}
+            EventKind::Block | EventKind::Offset(_) => {}
+            EventKind::Home(_) => act(Action::Home),
+            EventKind::End => act(Action::End),
             EventKind::Motion(motion) => {
                 if motion.unknown && self.unknown.is_none() {
                     self.unknown = Some(event.line);
@@ -111,12 +134,26 @@ impl Block {
                 self.motions.push(motion);
             }
             EventKind::Dwell(seconds) => self.dwell += seconds,
-            EventKind::ToolChange(number) => (self.tool_change, self.tool) = (true, number),
+            EventKind::ToolChange(number) => {
+                act(Action::Change(number));
+                (self.tool_change, self.tool) = (true, number);
+            }
             EventKind::Auxiliary(_, seconds) => {
                 self.auxiliary = true;
                 self.auxiliary_time += seconds;
             }
-            EventKind::Spindle { .. } | EventKind::Coolant(_) | EventKind::Stop(_) => self.auxiliary = true,
+            EventKind::Spindle { speed, sense } => {
+                act(Action::Spindle(speed, sense));
+                self.auxiliary = true;
+            }
+            EventKind::Coolant(on) => {
+                act(Action::Coolant(on));
+                self.auxiliary = true;
+            }
+            EventKind::Stop(_) => {
+                act(Action::Stop);
+                self.auxiliary = true;
+            }
             EventKind::Hole => self.holes += 1,
             EventKind::ExactStop => self.exact_stop = true,
         }
@@ -190,9 +227,9 @@ impl Program {
         for (index, block) in self.blocks.iter().enumerate() {
             timer.block(index, block, &mut done);
         }
-        timer.finish(&mut done);
-        for (index, time) in done {
-            times[index] += time;
+        timer.finish(self.blocks.len().saturating_sub(1), &mut done);
+        for spent in done {
+            times[spent.key] += spent.seconds;
         }
         times
     }

@@ -66,6 +66,8 @@ pub struct Control {
     pub diameters: BTreeMap<u32, f64>,
     /// Folder of subprograms in files of their own.
     pub library: Option<PathBuf>,
+    /// Feed before a program names one, mm/min; a motion at feed without one is refused else.
+    pub feed: Option<f64>,
     /// Whether F holds on the contour instead of the path of the cutter's centre.
     pub feed_at_contour: bool,
 }
@@ -86,6 +88,7 @@ impl Default for Control {
             g: BTreeMap::new(),
             diameters: BTreeMap::new(),
             library: None,
+            feed: None,
             feed_at_contour: false,
         }
     }
@@ -105,6 +108,13 @@ impl Control {
             library: file.parent().map(Path::to_path_buf),
             ..Self::default()
         }
+    }
+
+    /// The same settings for a program in `file`, as [`Control::of_file`]; `units` come before those of the settings.
+    #[must_use]
+    pub fn for_file(self, file: &Path, units: Option<Units>) -> Self {
+        let Self { units: theirs, extension, library, .. } = Self::of_file(file, units);
+        Self { units: theirs.or(self.units), extension, library, ..self }
     }
 
     /// A control of a language, with lengths in millimetres where a program does not say.

@@ -5,7 +5,7 @@ use crate::error::Fault;
 use crate::frame::Frame;
 use crate::lathe::surface_time;
 use crate::motion::{
-    Arc, Axes, Event, EventKind, Motion, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius, sweep,
+    Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Purpose, Sense, arc_tolerance, centre_by_radius, sweep,
 };
 use crate::offset::Offsetting;
 use std::collections::VecDeque;
@@ -88,6 +88,8 @@ pub(crate) struct Kernel {
     pub tool: Option<u32>,
     pub exact: bool,
     pub offset: Option<Offsetting>,
+    /// Side of the path on which the cutter was last told to run; true is left.
+    pub side: Option<bool>,
     pub out: VecDeque<Event>,
     pub line: usize,
     pub main_line: usize,
@@ -107,12 +109,12 @@ impl Kernel {
         let mut own = Self {
             at: control.start.map(|place| place.unwrap_or(0.0)),
             known: control.start.map(|place| place.is_some()),
+            feed: control.feed,
             control,
             frame: Frame::IDENTITY,
             plane: if lathe { PLANES[1] } else { PLANES[0] },
             scale,
             absolute: true,
-            feed: None,
             feed_scale: 1.0,
             feed_mode: if lathe { FeedMode::Revolution } else { FeedMode::Minute },
             speed: 0.0,
@@ -123,6 +125,7 @@ impl Kernel {
             tool: None,
             exact: false,
             offset: None,
+            side: None,
             out: VecDeque::new(),
             line: 0,
             main_line: 0,
@@ -444,6 +447,11 @@ impl Kernel {
         Ok(())
     }
 
+    /// A table of the control adds to programmed positions, which shifts the program as a whole.
+    pub fn offset_by(&mut self, offset: Offset) {
+        self.push(EventKind::Offset(offset));
+    }
+
     pub fn change_tool(&mut self, number: Option<u32>) {
         self.tool = number;
         self.push(EventKind::ToolChange(number));
@@ -474,6 +482,7 @@ impl Kernel {
             purpose: Purpose::Approach,
         })?;
         self.forget(axes.iter().copied());
+        self.push(EventKind::Home(std::array::from_fn(|axis| axes.contains(&axis))));
         Ok(())
     }
 }

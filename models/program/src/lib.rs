@@ -10,9 +10,10 @@
 //! | [`Dialect`] | the language of a control, found from the text |
 //! | [`Control`], [`Units`] | what a control adds to the words: units, block skip, times of M codes, tools |
 //! | [`Run`] | a program that runs: events in order, in bounded memory |
-//! | [`Event`], [`EventKind`], [`Motion`], [`Path`], [`Arc`] | what happens |
+//! | [`Event`], [`EventKind`], [`Motion`], [`Path`], [`Arc`], [`Offset`] | what happens |
 //! | [`Blocks`], [`Block`], [`Program`], [`Stretch`] | the blocks of a program, one after the other or all |
-//! | [`Drives`], [`Timer`] | feed drives and tool changer, and how long blocks take with them |
+//! | [`Machine`], [`Drives`] | a machine file or a preset: its control; feed drives, spindle and tool changer |
+//! | [`Timer`], [`Spent`], [`Part`] | how long blocks take with them, and on what |
 //! | [`post()`], [`Post`] | a program in the words of another control |
 //! | [`ProgramError`] | line, column, language, word and fix of what is not understood |
 //!
@@ -33,6 +34,7 @@
 mod block;
 mod control;
 mod dialect;
+mod drives;
 mod error;
 mod expression;
 mod frame;
@@ -42,20 +44,24 @@ mod kernel;
 mod klartext;
 mod lathe;
 mod library;
+mod machine;
 mod motion;
 mod offset;
 mod post;
 mod run;
 mod siemens;
+mod spindle;
 mod stretch;
 mod timing;
 
-pub use block::{Block, Blocks, Program};
+pub use block::{Action, Block, Blocks, Program};
 pub use control::{Control, Units};
 pub use dialect::{Conflict, Dialect};
+pub use drives::Drives;
 pub use error::ProgramError;
-pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Path, Purpose, Sense};
+pub use machine::{CODES, DRIVES, MACHINE, Machine, PRESETS, drives};
+pub use motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, Path, Purpose, Sense};
 pub use post::{Post, post};
 pub use run::Run;
 pub use stretch::{Stretch, StretchKind};
-pub use timing::{Drives, Timer};
+pub use timing::{Part, Spent, Timer};

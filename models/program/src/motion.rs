@@ -197,6 +197,15 @@ pub enum Sense {
     Still,
 }
 
+/// What a table of the control adds to programmed positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offset {
+    /// Work offset by its number: 0 is the first, G54.
+    Work(u32),
+    /// Length of the tool by its register; `None` where it is switched off.
+    Length(Option<u32>),
+}
+
 /// What happens.
 // Events are read one after the other and motions are most of them: a box for each would only cost time.
 #[allow(clippy::large_enum_variant)]
@@ -227,8 +236,10 @@ pub enum EventKind {
     Hole,
     /// The axes come to rest though the path goes on.
     ExactStop,
-    /// Axes go to their reference point.
-    Home,
+    /// These axes, in the order of [`AXES`], are at their reference point or at another place of the machine.
+    Home([bool; 9]),
+    /// An offset from a table of the control.
+    Offset(Offset),
     /// The program ends.
     End,
 }

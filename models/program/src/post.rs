@@ -3,7 +3,7 @@
 use crate::control::Control;
 use crate::dialect::Dialect;
 use crate::error::ProgramError;
-use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, PLANES, Path, Sense, plane_code};
+use crate::motion::{AXES, Arc, Axes, Event, EventKind, Motion, Offset, PLANES, Path, Sense, plane_code};
 use crate::run::Run;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -59,6 +59,10 @@ struct Writer {
     plane: [usize; 3],
     speed: f64,
     left_out: Vec<usize>,
+    /// Tools in the order of their calls.
+    tools: Vec<u32>,
+    /// Where the list of tools stands.
+    head: usize,
 }
 
 /// The number with at most so many decimals; with a point where it may count least increments otherwise.
@@ -76,11 +80,11 @@ fn number(value: f64, decimals: usize, pointed: bool) -> String {
 impl Writer {
     fn new(dialect: Dialect) -> Self {
         let text = match dialect {
-            Dialect::Fanuc | Dialect::FanucLathe => "%\nO0001\nG21 G17 G90 G94 G40 G49 G80\n",
-            Dialect::Haas => "%\nO00001\nG21 G17 G90 G94 G40 G49 G80\n",
-            Dialect::Siemens => "%_N_MAIN_MPF\nG71 G17 G90 G94 G40\n",
+            Dialect::Fanuc | Dialect::FanucLathe => "%\nO0001\nG21 G17 G90 G94 G40 G49 G80\nG54\n",
+            Dialect::Haas => "%\nO00001\nG21 G17 G90 G94 G40 G49 G80\nG54\n",
+            Dialect::Siemens => "%_N_MAIN_MPF\nG71 G17 G90 G94 G40\nG54\n",
             Dialect::Heidenhain => "BEGIN PGM MAIN MM\n",
-            Dialect::LinuxCnc => "G21 G17 G90 G94 G40 G49 G80\n",
+            Dialect::LinuxCnc => "G21 G17 G90 G94 G40 G49 G80\nG54\n",
         };
         Self {
             dialect,
@@ -90,6 +94,8 @@ impl Writer {
             plane: PLANES[0],
             speed: 0.0,
             left_out: Vec::new(),
+            tools: Vec::new(),
+            head: text.find("\nG").map_or(text.len(), |at| at + 1),
         }
     }
 
@@ -131,6 +137,9 @@ impl Writer {
             }
             EventKind::ToolChange(tool) => {
                 let tool = tool.unwrap_or(0);
+                if !self.tools.contains(&tool) {
+                    self.tools.push(tool);
+                }
                 if self.klartext() {
                     self.line(&format!("TOOL CALL {tool} Z"));
                 } else {
@@ -152,11 +161,62 @@ impl Writer {
             }
             EventKind::Coolant(on) => self.line(if on { "M8" } else { "M9" }),
             EventKind::Stop(optional) => self.line(if optional { "M1" } else { "M0" }),
-            EventKind::ExactStop | EventKind::Home => self.leave_out(event.line),
+            EventKind::Home(axes) => self.home(axes, event.line),
+            EventKind::Offset(offset) => self.offset(offset, event.line),
+            EventKind::ExactStop => self.leave_out(event.line),
             EventKind::Auxiliary(2 | 30, _) | EventKind::Block | EventKind::Hole | EventKind::End => {}
             EventKind::Auxiliary(..) => self.leave_out(event.line),
         }
         Ok(())
+    }
+
+    /// The linear axes return to the machine's own place, in the words of the control; the program knows them no more.
+    fn home(&mut self, axes: [bool; 9], line: usize) {
+        // What was said of the motion is said in these words.
+        if self.left_out.last() == Some(&line) {
+            self.left_out.pop();
+        }
+        if axes[3..].contains(&true) {
+            self.leave_out(line);
+        }
+        let zero =
+            if matches!(self.dialect, Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas) { "0." } else { "0" };
+        let mut words = String::new();
+        for axis in (0..3).filter(|axis| axes[*axis]) {
+            let sign = if self.klartext() { "+" } else { "" };
+            let _ = write!(words, " {}{sign}{zero}", AXES[axis]);
+            self.at[axis] = None;
+        }
+        if words.is_empty() {
+            return;
+        }
+        match self.dialect {
+            Dialect::Siemens => self.line(&format!("SUPA G0{words} D0")),
+            Dialect::Heidenhain => self.line(&format!("L{words} R0 FMAX M91")),
+            Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas | Dialect::LinuxCnc => {
+                self.line(&format!("G91 G28{words}"));
+                self.line("G90");
+            }
+        }
+    }
+
+    /// Offsets by a table of the control. Klartext adds the length with the tool and has datums of its own.
+    fn offset(&mut self, offset: Offset, line: usize) {
+        let iso = !self.klartext();
+        match offset {
+            Offset::Work(number) if iso && (number < 4 || (number < 6 && self.dialect != Dialect::Siemens)) => {
+                self.line(&format!("G{}", 54 + number));
+            }
+            Offset::Work(0) => {}
+            Offset::Work(_) => self.leave_out(line),
+            Offset::Length(_) if !iso => {}
+            Offset::Length(register) => match (register, self.dialect) {
+                (Some(_), Dialect::Siemens) => self.line("D1"),
+                (None, Dialect::Siemens) => self.line("D0"),
+                (Some(register), _) => self.line(&format!("G43 H{register}")),
+                (None, _) => self.line("G49"),
+            },
+        }
     }
 
     fn leave_out(&mut self, line: usize) {
@@ -288,6 +348,13 @@ impl Writer {
     }
 
     fn finish(&mut self) {
+        let tools: String = (self.tools.iter())
+            .map(|tool| match self.dialect {
+                Dialect::Siemens | Dialect::Heidenhain => format!("; TOOL {tool}\n"),
+                Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas | Dialect::LinuxCnc => format!("(TOOL {tool})\n"),
+            })
+            .collect();
+        self.text.insert_str(self.head, &tools);
         match self.dialect {
             Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas => self.text.push_str("M30\n%\n"),
             Dialect::Siemens | Dialect::LinuxCnc => self.text.push_str("M30\n"),

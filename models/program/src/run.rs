@@ -104,6 +104,12 @@ impl Run {
         self.kernel.scale
     }
 
+    /// Side of the path on which the last compensation of the radius put the cutter: true is left, as of G41 and RL. `None`
+    /// before the first.
+    pub fn side(&self) -> Option<bool> {
+        self.kernel.side
+    }
+
     /// What was noticed up to now, with its line, from 1; each text once.
     pub fn notes(&self) -> &[(usize, String)] {
         &self.kernel.notes

@@ -1,32 +1,38 @@
 //! How long each block takes.
 
-use crate::block::{Block, ROTARY_RAPID};
-use crate::motion::{Motion, Path};
-use toolroom_process::record;
+use crate::block::{Action, Block};
+use crate::drives::Drives;
+use crate::motion::{Motion, Path, Purpose};
+use crate::spindle::Spindle;
 
-record! {
-    /// What drives and tool changer do to the programmed times. Neutral at zero: acceleration,
-    /// settling, holes.
-    pub struct Drives {
-        /// Rapid speed of each axis. 30 m/min: a vertical machining centre of the middle class (assumption).
-        rapid_speed: Real["m/s" => "m/min"] = 0.5, 1e-4..=10.0;
-        /// Time from chip to chip of a tool change.
-        tool_change_time: Real["s" => "s"] = 0.0, 0.0..=3600.0;
-        /// Inverse of the acceleration along the path; 0 for drives that need none.
-        inverse_acceleration: Real["s2/m" => "s2/m"] = 0.0, 0.0..=100.0;
-        /// Inverse of the acceleration of rapid motions; 0 for that along the path.
-        inverse_rapid_acceleration: Real["s2/m" => "s2/m"] = 0.0, 0.0..=100.0;
-        /// Distance by which corners may be rounded: it gives the speed at them.
-        corner_deviation: Real["m" => "um"] = 10e-6, 1e-9..=1e-3;
-        /// Time in which a drive builds its acceleration up: acceleration over jerk.
-        jerk_time: Real["s" => "s"] = 0.0, 0.0..=1.0;
-        /// Time that the axes need to settle where a stop ends a motion at feed.
-        feed_settling: Real["s" => "s"] = 0.0, 0.0..=60.0;
-        /// Time that the axes need to settle behind a rapid motion.
-        rapid_settling: Real["s" => "s"] = 0.0, 0.0..=60.0;
-        /// Time that every hole of a canned cycle takes beside its motions.
-        hole_dwell: Real["s" => "s"] = 0.0, 0.0..=3600.0;
-    }
+/// Time that a machine spends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spent {
+    /// Key of the block that takes it.
+    pub key: usize,
+    /// s.
+    pub seconds: f64,
+    /// On what.
+    pub part: Part,
+}
+
+/// What a machine spends time on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Motions at feed.
+    Feed,
+    /// Rapid motions, the ways to the reference point and from it.
+    Rapid,
+    /// Axes that settle behind a motion.
+    Settling,
+    /// Programmed dwells.
+    Dwell,
+    /// Auxiliary functions, coolant, holes beside their motions, start and end of the program.
+    Auxiliary,
+    /// The tool changer.
+    Change,
+    /// Waiting for the spindle.
+    Spindle,
 }
 
 /// A motion at feed whose speed at its ends is not settled.
@@ -47,23 +53,49 @@ const WINDOW: usize = 8192;
 
 /// Times blocks one after the other, in bounded memory.
 ///
-/// `t = length/feed`, rapid `longest axis/rapid_speed`, without acceleration. With it the speed follows trapezoids
-/// between the speeds at the ends of motions: rest before and behind rapid motions, dwells, tool changes, auxiliary
-/// functions and exact stops, else at most `v² = a·corner_deviation·s/(1 − s)`, `s = cos(half the turn)`, and at most
-/// `v² = a·radius` on arcs. With a jerk time a change of speed by `Δv` takes `Δv/a + jerk_time`, and where it is too
-/// small to need the whole acceleration `2 √(Δv·jerk_time/a)`. Rotary axes alone need no acceleration.
+/// `t = length/(feed·override)`, rapid `longest axis/rapid_speed`, without acceleration. With it the speed follows
+/// trapezoids between the speeds at the ends of motions: rest before and behind rapid motions, dwells, tool changes,
+/// auxiliary functions and exact stops, else at most `v² = a·corner_deviation·s/(1 − s)`, `s = cos(half the turn)`, or
+/// `corner_step` over the greatest change of the direction's parts, and at most `v² = a·radius` on arcs. With a jerk time a
+/// change of speed by `Δv` takes `Δv/a + jerk_time`, and where it is too small to need the whole acceleration
+/// `2 √(Δv·jerk_time/a)`; motions of one feed that follow each other smoothly are one motion to it. Rotary axes alone need
+/// no acceleration.
+///
+/// The spindle ramps beside the axes ([`Drives::spindle_ramp`]). The first motion at feed behind its command waits for
+/// it, or the block that switches coolant on before, or its own block; stops, tool changes and the end of the program wait
+/// until it stands, and tool change and end brake it where the program does not. The first rapid motion behind a tool change
+/// takes `approach_time`, the first from the reference point `from_home_time`, where those are given.
 ///
 /// # Source
 /// Trapezoidal speed with look-ahead; corner speed of Jeon, "Improving Grbl: cornering algorithm" (2011). Ramps of
 /// limited jerk: Biagiotti & Melchiorri, "Trajectory Planning for Automatic Machines and Robots" (2008), double S; the
 /// look-ahead does without jerk. That rapid motions start and end at rest, and that one acceleration holds for all
-/// directions, are assumptions.
+/// directions at feed, are assumptions. What waits for the spindle was seen in the logs of the NIST box.
 pub struct Timer {
     drives: Drives,
     steps: Vec<Step>,
     /// Speed at which the first step begins, m/s.
     entry: f64,
     last: Option<Last>,
+    /// Time since the start, s, of what is settled.
+    elapsed: f64,
+    spindle: Spindle,
+    /// Tool in the spindle.
+    tool: Option<u32>,
+    place: Place,
+    started: bool,
+    ended: bool,
+}
+
+/// Where the axes stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// Where the program says.
+    Work,
+    /// At the reference point, in some axes.
+    Home,
+    /// Where tools are changed.
+    Changer,
 }
 
 /// The motion that ended last, where the axes still have to settle.
@@ -74,69 +106,193 @@ struct Last {
 }
 
 impl Timer {
-    /// Begins at rest.
+    /// Begins at rest, with a spindle that stands.
     pub fn new(drives: &Drives) -> Self {
-        Self { drives: *drives, steps: Vec::new(), entry: 0.0, last: None }
+        Self {
+            drives: *drives,
+            steps: Vec::new(),
+            entry: 0.0,
+            last: None,
+            elapsed: 0.0,
+            spindle: Spindle::default(),
+            tool: None,
+            place: Place::Work,
+            started: false,
+            ended: false,
+        }
     }
 
-    /// Takes the next block; `done` gets the times that are settled, each with the key of its block, s.
-    pub fn block(&mut self, key: usize, block: &Block, done: &mut Vec<(usize, f64)>) {
-        let change = if block.tool_change { self.drives.tool_change_time } else { 0.0 };
-        let fixed = block.dwell + block.auxiliary_time + change + f64::from(block.holes) * self.drives.hole_dwell;
-        if fixed > 0.0 {
-            done.push((key, fixed));
+    fn spend(&mut self, key: usize, seconds: f64, part: Part, done: &mut Vec<Spent>) {
+        self.elapsed += seconds;
+        done.push(Spent { key, seconds, part });
+    }
+
+    /// As [`spend`](Self::spend), but for nothing where the time is 0.
+    fn perhaps(&mut self, key: usize, seconds: f64, part: Part, done: &mut Vec<Spent>) {
+        if seconds > 0.0 {
+            self.spend(key, seconds, part, done);
         }
+    }
+
+    /// Takes the next block; `done` gets the times that are settled, each with the key of its block.
+    pub fn block(&mut self, key: usize, block: &Block, done: &mut Vec<Spent>) {
+        if !self.started {
+            self.started = true;
+            self.perhaps(key, self.drives.program_start, Part::Auxiliary, done);
+        }
+        self.perhaps(key, block.dwell, Part::Dwell, done);
+        let holes = f64::from(block.holes) * self.drives.hole_dwell;
+        self.perhaps(key, block.auxiliary_time + holes, Part::Auxiliary, done);
         // Auxiliary functions act before the motion of their block or behind it; either way the axes rest.
         let rests = block.dwell > 0.0 || block.tool_change || block.auxiliary;
         if rests {
             self.rest(done);
         }
-        for motion in &block.motions {
-            self.motion(key, motion, done);
+        let mut actions = block.actions.iter().peekable();
+        for (count, motion) in block.motions.iter().enumerate() {
+            while let Some((_, action)) = actions.next_if(|(before, _)| *before <= count) {
+                self.act(key, *action, block.holes > 0, done);
+            }
+            // The way to the reference point has a time of its own.
+            if !matches!(actions.peek(), Some((before, Action::Home)) if *before == count + 1) {
+                self.motion(key, motion, done);
+            }
             if block.holes > 0 {
                 self.rest(done);
             }
         }
+        for (_, action) in actions {
+            self.act(key, *action, block.holes > 0, done);
+        }
         if rests || block.exact_stop {
             self.rest(done);
         }
+        if self.spindle.pending && self.drives.spindle_block_wait >= 0.5 {
+            self.wait(key, done);
+        }
     }
 
-    fn motion(&mut self, key: usize, motion: &Motion, done: &mut Vec<(usize, f64)>) {
+    /// The axes wait for the spindle.
+    fn wait(&mut self, key: usize, done: &mut Vec<Spent>) {
+        self.rest(done);
+        let wait = self.spindle.wait(self.elapsed);
+        self.perhaps(key, wait, Part::Spindle, done);
+    }
+
+    fn act(&mut self, key: usize, action: Action, tapping: bool, done: &mut Vec<Spent>) {
+        let drives = self.drives;
+        match action {
+            Action::Spindle(speed, sense) => {
+                self.rest(done);
+                let reversal = self.spindle.command(&drives, (speed, sense), self.elapsed, tapping);
+                self.perhaps(key, reversal, Part::Spindle, done);
+            }
+            Action::Coolant(on) => {
+                if on {
+                    self.wait(key, done);
+                }
+                if drives.coolant_time > 0.0 {
+                    self.rest(done);
+                    self.spend(key, drives.coolant_time, Part::Auxiliary, done);
+                }
+            }
+            Action::Stop => {
+                if self.spindle.stands() {
+                    self.wait(key, done);
+                }
+            }
+            Action::Change(tool) => {
+                self.rest(done);
+                self.spindle.brake(&drives, self.elapsed);
+                self.wait(key, done);
+                let pockets = tool.zip(self.tool).map_or(0, |(new, old)| new.abs_diff(old));
+                let changer = drives.orient_time + drives.tool_change_time + f64::from(pockets) * drives.index_time;
+                self.perhaps(key, changer, Part::Change, done);
+                self.tool = tool.or(self.tool);
+                self.place = Place::Changer;
+            }
+            Action::Home => {
+                self.perhaps(key, drives.home_time, Part::Rapid, done);
+                self.place = Place::Home;
+            }
+            Action::End => self.close(key, done),
+        }
+    }
+
+    /// The program ends: the spindle comes to rest.
+    fn close(&mut self, key: usize, done: &mut Vec<Spent>) {
+        self.rest(done);
+        if self.ended {
+            return;
+        }
+        self.ended = true;
+        self.spindle.brake(&self.drives, self.elapsed);
+        self.wait(key, done);
+        self.perhaps(key, self.drives.program_end, Part::Auxiliary, done);
+    }
+
+    /// A motion from the place of the tool change or from the reference point, which the program does not know.
+    fn from_machine(&mut self, key: usize, motion: &Motion, done: &mut Vec<Spent>) -> bool {
+        let drives = self.drives;
+        let time = match self.place {
+            Place::Work => 0.0,
+            Place::Changer => drives.approach_time,
+            Place::Home if motion.unknown => drives.from_home_time,
+            Place::Home => 0.0,
+        };
+        // Behind a change the axis of the tool comes from its own reference point.
+        self.place = match self.place {
+            Place::Changer => Place::Home,
+            Place::Home if motion.unknown => Place::Work,
+            Place::Home | Place::Work => self.place,
+        };
+        if time > 0.0 {
+            self.rest(done);
+            self.spend(key, time, Part::Rapid, done);
+        }
+        time > 0.0
+    }
+
+    fn motion(&mut self, key: usize, motion: &Motion, done: &mut Vec<Spent>) {
         let drives = self.drives;
         if motion.rapid {
-            let (linear, rotary) = motion.longest();
-            if linear == 0.0 && rotary == 0.0 {
+            if self.from_machine(key, motion, done) {
                 return;
             }
-            let inverse = if drives.inverse_rapid_acceleration > 0.0 {
-                drives.inverse_rapid_acceleration
-            } else {
-                drives.inverse_acceleration
-            };
-            let straight = if inverse > 0.0 {
-                let ramp = Ramp { acceleration: 1.0 / inverse, jerk_time: drives.jerk_time };
-                ramp.time_of(1e-3 * linear, drives.rapid_speed, 0.0, 0.0)
-            } else {
-                1e-3 * linear / drives.rapid_speed
-            };
-            let time = straight.max(rotary / ROTARY_RAPID);
+            let ways = drives.rapid_ways(motion);
+            let rotary = drives.rotary(motion);
+            if ways.is_empty() && rotary == 0.0 {
+                return;
+            }
+            let straight = ways.iter().map(|(way, speed, acceleration)| {
+                if *acceleration > 0.0 {
+                    Ramp { acceleration: *acceleration, jerk_time: drives.jerk_time }.time_of(*way, *speed, 0.0, 0.0)
+                } else {
+                    way / speed
+                }
+            });
+            let time = straight.fold(rotary, f64::max);
             self.rest(done);
-            done.push((key, time));
+            self.spend(key, time, Part::Rapid, done);
             self.last = Some(Last { key, rapid: true });
             return;
         }
+        if self.spindle.pending {
+            self.wait(key, done);
+        }
+        self.place = Place::Work;
         if self.last.is_some_and(|last| last.rapid) {
             self.settle(done);
         }
         self.last = Some(Last { key, rapid: false });
-        if drives.inverse_acceleration <= 0.0 || motion.is_rotary() || motion.length <= 0.0 || motion.time <= 0.0 {
-            done.push((key, motion.time));
+        let time = if motion.purpose == Purpose::Thread { motion.time } else { motion.time / drives.feed_override };
+        if drives.inverse_acceleration <= 0.0 || motion.is_rotary() || motion.length <= 0.0 || time <= 0.0 {
+            self.spend(key, time.max(drives.block_time), Part::Feed, done);
             return;
         }
         let (start, end) = motion.directions();
         let way = 1e-3 * motion.length;
-        let feed = way / motion.time;
+        let feed = way / time.max(drives.block_time);
         // On an arc part of the acceleration turns the path.
         let top = match motion.path {
             Path::Line => feed,
@@ -149,55 +305,99 @@ impl Timer {
     }
 
     /// The axes come to rest.
-    fn rest(&mut self, done: &mut Vec<(usize, f64)>) {
+    fn rest(&mut self, done: &mut Vec<Spent>) {
         self.commit(self.steps.len(), done);
         self.settle(done);
         self.entry = 0.0;
     }
 
-    fn settle(&mut self, done: &mut Vec<(usize, f64)>) {
+    fn settle(&mut self, done: &mut Vec<Spent>) {
         if let Some(last) = self.last.take() {
             let time = if last.rapid { self.drives.rapid_settling } else { self.drives.feed_settling };
-            if time > 0.0 {
-                done.push((last.key, time));
-            }
+            self.perhaps(last.key, time, Part::Settling, done);
         }
     }
 
     /// Times the first `count` steps, as if the axes rested behind the last that is known.
-    fn commit(&mut self, count: usize, done: &mut Vec<(usize, f64)>) {
+    fn commit(&mut self, count: usize, done: &mut Vec<Spent>) {
         if self.steps.is_empty() {
             return;
         }
-        let acceleration = 1.0 / self.drives.inverse_acceleration;
-        let joints = joints(&self.steps, self.entry, acceleration, self.drives.corner_deviation);
-        let ramp = Ramp { acceleration, jerk_time: self.drives.jerk_time };
-        for (i, step) in self.steps[..count].iter().enumerate() {
-            done.push((step.key, ramp.time_of(step.way, step.top, joints[i], joints[i + 1])));
+        let drives = self.drives;
+        let ramp = Ramp { acceleration: 1.0 / drives.inverse_acceleration, jerk_time: drives.jerk_time };
+        let joints = joints(&self.steps, self.entry, &drives);
+        let steps: Vec<Step> = self.steps.drain(..count).collect();
+        let mut first = 0;
+        while first < count {
+            let mut end = first + 1;
+            while drives.jerk_time > 0.0 && end < count && smooth(&steps[end - 1], &steps[end], &drives) {
+                end += 1;
+            }
+            let run = &steps[first..end];
+            let way = run.iter().map(|step| step.way).sum();
+            let whole = ramp.time_of(way, run[0].top, joints[first], joints[end]);
+            if let [step] = run {
+                self.spend(step.key, whole, Part::Feed, done);
+            } else {
+                // Without jerk each of them takes its share; the jerk is shared out alike.
+                let plain = Ramp { jerk_time: 0.0, ..ramp };
+                let own = |i: usize| plain.time_of(steps[i].way, steps[i].top, joints[i], joints[i + 1]);
+                let sum: f64 = (first..end).map(own).sum();
+                for i in first..end {
+                    self.spend(steps[i].key, own(i) * whole / sum, Part::Feed, done);
+                }
+            }
+            first = end;
         }
         self.entry = joints[count];
-        self.steps.drain(..count);
     }
 
-    /// The program ends: everything that is left comes to rest; `done` gets its times as in [`block`](Self::block).
-    pub fn finish(&mut self, done: &mut Vec<(usize, f64)>) {
-        self.rest(done);
+    /// The program ends: everything that is left comes to rest; `done` gets its times as in [`block`](Self::block), those of
+    /// the end under `key`.
+    pub fn finish(&mut self, key: usize, done: &mut Vec<Spent>) {
+        self.close(key, done);
     }
 }
 
-/// Speeds before each step and behind the last, m/s, by `acceleration`, m/s², and corner `deviation`, m.
-fn joints(steps: &[Step], entry: f64, acceleration: f64, deviation: f64) -> Vec<f64> {
+/// Speed at the corner between two motions, m/s.
+fn corner(before: &Step, after: &Step, drives: &Drives) -> f64 {
+    let top = before.top.min(after.top);
+    if drives.corner_step > 0.0 {
+        let change = before.end.iter().zip(after.start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        return top.min(drives.corner_step / change.max(1e-12));
+    }
+    let dot: f64 = before.end.iter().zip(after.start).map(|(a, b)| a * b).sum();
+    let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
+    // Without a turn the speed is that of the motions, whatever the rounding of `half`.
+    let acceleration = 1.0 / drives.inverse_acceleration;
+    top.min((acceleration * drives.corner_deviation * half / (1.0 - half).max(1e-15)).sqrt())
+}
+
+/// Whether a motion goes on at the speed of the one before it without slowing down between them.
+fn smooth(before: &Step, after: &Step, drives: &Drives) -> bool {
+    (before.top - after.top).abs() <= 1e-9 * before.top && corner(before, after, drives) >= before.top * (1.0 - 1e-9)
+}
+
+/// Speeds before each step and behind the last, m/s.
+fn joints(steps: &[Step], entry: f64, drives: &Drives) -> Vec<f64> {
+    let acceleration = 1.0 / drives.inverse_acceleration;
     let mut joints = vec![0.0; steps.len() + 1];
     joints[0] = entry;
     for i in 1..steps.len() {
-        let (before, after) = (&steps[i - 1], &steps[i]);
-        let dot: f64 = before.end.iter().zip(after.start).map(|(a, b)| a * b).sum();
-        let half = (0.5 * (1.0 + dot.clamp(-1.0, 1.0))).sqrt();
-        // Without a turn the speed is that of the motions, whatever the rounding of `half`.
-        let corner = (acceleration * deviation * half / (1.0 - half).max(1e-15)).sqrt();
-        joints[i] = corner.min(before.top).min(after.top);
+        joints[i] = corner(&steps[i - 1], &steps[i], drives);
     }
     let reach = |speed: f64, way: f64| (speed * speed + 2.0 * acceleration * way).sqrt();
+    if drives.look_ahead >= 1.0 {
+        // What lies beyond the look-ahead may be a stop.
+        let ahead = drives.look_ahead as usize;
+        let mut ways = vec![0.0; steps.len() + 1];
+        for (i, step) in steps.iter().enumerate() {
+            ways[i + 1] = ways[i] + step.way;
+        }
+        for i in 1..steps.len() {
+            joints[i] = joints[i].min(reach(0.0, ways[(i + ahead - 1).min(steps.len())] - ways[i]));
+        }
+    }
     for i in (1..steps.len()).rev() {
         joints[i] = joints[i].min(reach(joints[i + 1], steps[i].way));
     }
@@ -208,6 +408,7 @@ fn joints(steps: &[Step], entry: f64, acceleration: f64, deviation: f64) -> Vec<
 }
 
 /// How a drive changes its speed.
+#[derive(Clone, Copy)]
 struct Ramp {
     /// m/s².
     acceleration: f64,

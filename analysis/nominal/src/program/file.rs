@@ -5,25 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 use toolroom_form::{ContentFault, Fault, Form, Key, Kind, Section, Walk};
 use toolroom_process::Record;
-use toolroom_program::{Control, Drives, Program, ProgramError, Units};
+use toolroom_program::{Control, DRIVES, Program, ProgramError, Units, drives};
 use toolroom_scenario::effects::ShopDeviations;
 use toolroom_scenario::file::GAP;
-
-/// A drive by its key, with the value where a file does not say.
-const fn drive(name: &str, value: &'static str) -> Key {
-    Key::of_named(Drives::<f64>::FIELDS, name).by_default(value)
-}
-
-static DRIVES: Form = Form {
-    title: "[drives]",
-    doc: "Feed drives and tool changer",
-    keys: &[
-        drive("rapid_speed", "30 m/min"),
-        drive("tool_change_time", "0 s"),
-        drive("corner_deviation", "10 um"),
-        drive("jerk_time", "0 s"),
-    ],
-};
 
 /// An effect by its key; a file that does not say has none of it.
 const fn effect(name: &str, none: &'static str) -> Key {
@@ -105,7 +89,7 @@ pub static FORM: Form = Form {
 pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> ProgramModel {
     let mut model = ProgramModel::default();
     if let Some(section) = walk.table(root, "drives") {
-        fill(&mut model.drives, &section, &DRIVES);
+        drives(walk, &section, &mut model.drives);
     }
     if let Some(section) = walk.table(root, "effects") {
         fill(&mut model.effects, &section, &EFFECTS);

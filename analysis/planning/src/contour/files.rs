@@ -8,8 +8,9 @@ use crate::tables::table;
 use serde_json::{Value, json};
 use toolroom_chart::ResultFiles;
 use toolroom_chart::page::Provenance;
-use toolroom_contour::{Constraint, ContourFile, Plan, PlannedSection, Sensitivity};
+use toolroom_contour::{Constraint, ContourError, ContourFile, Piece, Plan, PlannedSection, Sensitivity};
 use toolroom_process::table::Cell;
+use toolroom_program::{Control, Dialect, post};
 
 const MM: f64 = 1e3;
 const UM: f64 = 1e6;
@@ -17,8 +18,8 @@ const UM: f64 = 1e6;
 /// The files of a plan but for its part programs; `draws.csv` where there are draws.
 pub const NAMES: &[&str] = &["sections.csv", "conditions.csv", "draws.csv", "contour.json", "report.html"];
 
-/// `sections.csv`, `conditions.csv`, `draws.csv` where there are draws, a part program for every pass and objective,
-/// `contour.json` and `report.html`.
+/// `sections.csv`, `conditions.csv`, `draws.csv` where there are draws, a part program for every pass and objective in the
+/// language of a control, `contour.json` and `report.html`.
 ///
 /// # Errors
 /// [`RefusedPass`]: a plan that cannot be written as a part program.
@@ -26,9 +27,10 @@ pub fn files(
     file: &ContourFile,
     studies: &[PassStudy<'_>],
     provenance: Provenance,
+    dialect: Dialect,
 ) -> Result<ResultFiles, RefusedPass> {
     let mut files = ResultFiles::default();
-    files.push("sections.csv", sections(file, studies));
+    files.push("sections.csv", sections(studies));
     files.push("conditions.csv", conditions(studies));
     if studies.iter().any(|study| !study.scatter.is_empty()) {
         files.push("draws.csv", draws(studies));
@@ -36,11 +38,15 @@ pub fn files(
     for study in studies {
         for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
             let title = format!("{} {} least {objective}", file.name, study.name);
-            let program =
-                study.planner.part_program(plan, &title).map_err(|error| RefusedPass::new(study.name, error))?;
+            let left = left(file, study, plan);
+            let program = study
+                .planner
+                .part_program_leaving(plan, &title, left)
+                .map_err(|error| RefusedPass::new(study.name, error))?;
+            let program = written(&program, dialect).map_err(|error| RefusedPass::new(study.name, error))?;
             let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
             let name: String = study.name.chars().map(fit).collect();
-            files.push(format!("{name}-{objective}.nc"), program);
+            files.push(format!("{name}-{objective}.{}", ending(dialect)), program);
         }
     }
     files.push("contour.json", format!("{:#}\n", summary(file, studies)));
@@ -53,7 +59,7 @@ pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
     let plans: Vec<Value> = studies
         .iter()
         .flat_map(|study| {
-            OBJECTIVES.iter().zip(&study.plans).map(|((objective, _), plan)| plan_json(study, objective, plan))
+            OBJECTIVES.iter().zip(&study.plans).map(|((objective, _), plan)| plan_json(file, study, objective, plan))
         })
         .collect();
     let baselines: Vec<Value> = studies
@@ -77,6 +83,7 @@ pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
             "length [mm]": file.contour.length() * MM,
             "centre_length [mm]": file.contour.centre_length(file.parameters.cutter.radius()) * MM,
             "corners": file.contour.corners.len(),
+            "residual [um]": file.residual * UM,
         },
         "plans": plans,
         "baselines": baselines,
@@ -90,7 +97,38 @@ pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
     })
 }
 
-fn plan_json(study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
+/// What a pass leaves of the wall, m: what the passes behind it in the file remove, and what the cutter that bends would cut
+/// too deep.
+fn left(file: &ContourFile, study: &PassStudy<'_>, plan: &Plan) -> f64 {
+    let later = file.passes.iter().skip_while(|(name, _)| name != study.name).skip(1);
+    later.map(|(_, pass)| pass.allowance).sum::<f64>() + study.planner.overcut(plan)
+}
+
+/// The most negative deflection of the cutter into the wall, m; 0 where it only leaves material.
+fn least_error(plan: &Plan) -> f64 {
+    plan.sections.iter().map(|section| section.evaluation.deflection).fold(0.0, f64::min)
+}
+
+/// A part program of this project in the words of another control.
+fn written(program: &str, dialect: Dialect) -> Result<String, ContourError> {
+    if dialect == Dialect::Fanuc {
+        return Ok(program.to_owned());
+    }
+    let post = post(program, &Control::of(Dialect::Fanuc), dialect);
+    post.map(|post| post.text).map_err(|error| ContourError::Program { message: error.to_string() })
+}
+
+/// Ending of the files of a control.
+fn ending(dialect: Dialect) -> &'static str {
+    match dialect {
+        Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas => "nc",
+        Dialect::Siemens => "mpf",
+        Dialect::Heidenhain => "h",
+        Dialect::LinuxCnc => "ngc",
+    }
+}
+
+fn plan_json(file: &ContourFile, study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
     let handbook = study.handbook();
     let against: Vec<Value> = study
         .baselines
@@ -112,20 +150,25 @@ fn plan_json(study: &PassStudy<'_>, objective: &str, plan: &Plan) -> Value {
         "productivity_gain": handbook.map(|handbook| plan.productivity_gain(handbook)),
         "cost_change": handbook.map(|handbook| plan.cost_change(handbook)),
         "against": against,
+        "left [um]": left(file, study, plan) * UM,
+        "least_left [um]": (left(file, study, plan) + least_error(plan)) * UM,
         "life_fraction": plan.life_fraction,
         "edge_share": plan.edge_share(&study.planner),
         "cutting_time [min]": plan.cutting_time / 60.0,
         "corner_time [min]": plan.corner_time / 60.0,
         "speed_change_time [min]": plan.speed_change_time / 60.0,
         "ramp_time [min]": plan.ramp_time / 60.0,
-        "edge_changes": plan.edge_changes.iter().map(|at| at + 1).collect::<Vec<_>>(),
+        "edge_changes": plan.edge_changes.iter().map(|at| study.planner.pieces()[*at].section + 1).collect::<Vec<_>>(),
         "warnings": plan.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "sections": plan.sections.iter().map(section_json).collect::<Vec<_>>(),
+        "sections": plan.sections.iter().zip(study.planner.pieces()).map(section_json).collect::<Vec<_>>(),
     })
 }
 
-fn section_json(section: &PlannedSection) -> Value {
+fn section_json((section, piece): (&PlannedSection, &Piece)) -> Value {
     json!({
+        "section": piece.section + 1,
+        "from [mm]": piece.from * MM,
+        "engagement [deg]": section.evaluation.engagement.angle.to_degrees(),
         "spindle_speed [rpm]": rpm(section),
         "feed_per_tooth [mm]": section.setting.feed_per_tooth * MM,
         "feed [mm/min]": section.evaluation.feed * 60.0 * MM,
@@ -186,11 +229,12 @@ fn scatter_json(study: &PassStudy<'_>, scattered: &Scattered) -> Value {
 }
 
 /// Every section of every regime.
-fn sections(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
+fn sections(studies: &[PassStudy<'_>]) -> String {
     let columns = [
         "pass",
         "regime",
         "section",
+        "from [mm]",
         "shape",
         "radius [mm]",
         "length [mm]",
@@ -208,19 +252,21 @@ fn sections(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
     ];
     let ratios = Constraint::ALL.iter().map(|constraint| format!("{constraint}_ratio"));
     let header = columns.map(str::to_owned).into_iter().chain(ratios);
-    let contour = &file.contour;
     let mut rows: Vec<Vec<Cell<'_>>> = Vec::new();
     for study in studies {
         let baselines =
             study.baselines.iter().filter_map(|each| Some((each.name.to_owned(), each.plan.as_ref().ok()?)));
         let plans = OBJECTIVES.iter().zip(&study.plans).map(|((name, _), plan)| (format!("least {name}"), plan));
         for (regime, plan) in baselines.chain(plans) {
-            for (i, (drawn, section)) in contour.sections.iter().zip(&plan.sections).enumerate() {
+            let contour = study.planner.contour();
+            let places = study.planner.pieces();
+            for ((drawn, place), section) in contour.sections.iter().zip(places).zip(&plan.sections) {
                 let (shape, at) = (contour.shape(drawn), &section.evaluation);
                 let mut row: Vec<Cell<'_>> = vec![
                     study.name.into(),
                     regime.clone().into(),
-                    (i + 1).into(),
+                    (place.section + 1).into(),
+                    (place.from * MM).into(),
                     shape.name().into(),
                     shape.radius().map(|radius| radius * MM).into(),
                     (drawn.length * MM).into(),

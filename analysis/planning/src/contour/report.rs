@@ -38,7 +38,7 @@ pub fn report(file: &ContourFile, studies: &[PassStudy<'_>], provenance: Provena
         report = report.tile(Tile::new("limits at least cost", active, format!("pass {}", study.name)));
     }
     for study in studies {
-        report = report.section(plans(file, study));
+        report = report.section(plans(study));
         if !study.conditions.is_empty() {
             report = report.section(gains(study));
         }
@@ -67,8 +67,8 @@ fn lead(study: &PassStudy<'_>) -> String {
     }
 }
 
-fn plans(file: &ContourFile, study: &PassStudy<'_>) -> Section {
-    let contour = &file.contour;
+fn plans(study: &PassStudy<'_>) -> Section {
+    let contour = study.planner.contour();
     let mut section = Section::new(format!("Pass {}", study.name)).table("Regimes and plans", regimes(study));
     for warning in study.warnings() {
         section = section.warning(warning.to_string());
@@ -87,7 +87,7 @@ fn plans(file: &ContourFile, study: &PassStudy<'_>) -> Section {
         )
         .figure(Figure::new(&picture::map(contour, study), "The wall from above, as it is drawn."))
         .figure(Figure::new(&picture::front(study), "Plans on the convex hull of time and cost, and the regimes."));
-    section = section.table("Sections of the plan of least cost", sections(file, study));
+    section = section.table("Sections of the plan of least cost", sections(study));
     if !study.plans[1].corners.is_empty() {
         section = section.table("Moves around sharp corners", corners(&study.plans[1]));
     }
@@ -171,7 +171,7 @@ fn regimes(study: &PassStudy<'_>) -> Table {
     table
 }
 
-fn sections(file: &ContourFile, study: &PassStudy<'_>) -> Table {
+fn sections(study: &PassStudy<'_>) -> Table {
     let mut table = Table::new([
         "sections",
         "shape",
@@ -182,12 +182,12 @@ fn sections(file: &ContourFile, study: &PassStudy<'_>) -> Table {
         "time [s]",
         "active limit",
     ]);
-    let (plan, contour) = (&study.plans[1], &file.contour);
+    let (plan, contour) = (&study.plans[1], study.planner.contour());
     let runs = runs(plan);
     for (first, last) in runs.iter().take(MOST_ROWS) {
         let section = &plan.sections[*first];
         let shape = contour.shape(&contour.sections[*first]);
-        let name = if first == last { format!("{}", first + 1) } else { format!("{} to {}", first + 1, last + 1) };
+        let name = super::text::place(study, *first, *last);
         table.push([
             name.into(),
             shape.name().into(),

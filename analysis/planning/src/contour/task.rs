@@ -5,6 +5,7 @@ use std::path::Path;
 use toolroom_contour::{ContourError, ContourFile, FileError, GcodeFileError};
 use toolroom_form::{Echo, FaultList, FormFile, ReadError, Refusal, key_place};
 use toolroom_process::ModelError;
+use toolroom_program::Control;
 
 /// A text file with its name.
 #[derive(Clone, Debug)]
@@ -27,18 +28,21 @@ pub struct Task {
 }
 
 impl Task {
-    /// Reads a contour file, with the part program `gcode` beside it and the values of `--set`.
+    /// Reads a contour file, with the part program `gcode` beside it, read by a control, and the values of `--set`.
     ///
     /// # Errors
     /// [`ReadError`]: a file that cannot be opened or decoded, or every fault found in it.
-    pub fn read(file: &Path, gcode: Option<&Path>, set: &[String]) -> Result<Self, ReadError> {
+    pub fn read(file: &Path, gcode: Option<(&Path, &Control)>, set: &[String]) -> Result<Self, ReadError> {
         let setup = open(file)?;
-        let program = gcode.map(open).transpose()?;
+        let program = gcode.map(|(path, control)| Ok((part_program(path)?, control))).transpose()?;
         let FormFile { content, echo, .. } = match &program {
             None => ContourFile::parse(&setup.name, &setup.text, set)?,
-            Some(program) => ContourFile::parse_with_gcode(&setup.name, &setup.text, set, &program.text)
-                .map_err(|error| refused(program, error))?,
+            Some((program, control)) => {
+                ContourFile::parse_with_gcode(&setup.name, &setup.text, set, &program.text, control)
+                    .map_err(|error| refused(program, error))?
+            }
         };
+        let program = program.map(|(program, _)| program);
         Ok(Self { file: content, echo, inputs: std::iter::once(setup).chain(program).collect() })
     }
 
@@ -85,6 +89,15 @@ pub fn read_setup(file: &Path, set: &[String]) -> Result<FormFile<usize>, ReadEr
 
 fn open(path: &Path) -> Result<Text, ReadError> {
     Ok(Text { name: path.display().to_string(), text: toolroom_form::text(path)? })
+}
+
+/// The text of a part program: controls write other encodings than UTF-8 in comments.
+fn part_program(path: &Path) -> Result<Text, ReadError> {
+    let name = path.display().to_string();
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Text { name, text: String::from_utf8_lossy(&bytes).into_owned() }),
+        Err(source) => Err(ReadError::Unreadable { file: name, source }),
+    }
 }
 
 fn placed(input: &Text, place: (usize, usize), refusal: Refusal) -> ReadError {

@@ -7,6 +7,7 @@ use std::fmt::Write;
 use toolroom_contour::{ContourFile, Plan, PlannedSection};
 
 const MM: f64 = 1e3;
+const UM: f64 = 1e6;
 /// Runs of sections that are told one by one.
 const MOST_RUNS: usize = 24;
 
@@ -31,6 +32,9 @@ pub fn text(file: &ContourFile, studies: &[PassStudy<'_>]) -> String {
         contour.length() * MM,
         contour.corners.len()
     );
+    if file.residual > 0.0 {
+        let _ = writeln!(text, "  the arcs lie within {:.2} um of the curve that they stand for", file.residual * UM);
+    }
     for study in studies {
         pass(&mut text, study);
     }
@@ -91,12 +95,12 @@ fn pass(text: &mut String, study: &PassStudy<'_>) {
     let plan = &study.plans[1];
     let runs = runs(plan);
     if runs.len() <= MOST_RUNS {
-        sections(text, plan, &runs);
+        sections(text, study, plan, &runs);
     } else {
         let _ = writeln!(text, "  {} sections in sections.csv", plan.sections.len());
     }
-    for edge in study.plans.iter().flat_map(|plan| plan.edge_changes.iter().map(move |at| (at, plan))).take(1) {
-        let _ = writeln!(text, "  the edge is changed before section {}", edge.0 + 1);
+    for edge in study.plans.iter().flat_map(|plan| &plan.edge_changes).take(1) {
+        let _ = writeln!(text, "  the edge is changed before section {}", place(study, *edge, *edge));
     }
     if let Some(all) = study.scatter.last() {
         for ((name, _), sensitivity) in OBJECTIVES.iter().zip(&all.by_objective) {
@@ -120,7 +124,7 @@ fn pass(text: &mut String, study: &PassStudy<'_>) {
     }
 }
 
-fn sections(text: &mut String, plan: &Plan, runs: &[(usize, usize)]) {
+fn sections(text: &mut String, study: &PassStudy<'_>, plan: &Plan, runs: &[(usize, usize)]) {
     let _ = writeln!(
         text,
         "  {:22} {:>10} {:>10} {:>13}  active limit",
@@ -128,7 +132,7 @@ fn sections(text: &mut String, plan: &Plan, runs: &[(usize, usize)]) {
     );
     for (first, last) in runs {
         let section = &plan.sections[*first];
-        let name = if first == last { format!("{}", first + 1) } else { format!("{} to {}", first + 1, last + 1) };
+        let name = place(study, *first, *last);
         let _ = writeln!(
             text,
             "  {name:22} {:>10.0} {:>10.3} {:>13.0}  {}",
@@ -137,5 +141,21 @@ fn sections(text: &mut String, plan: &Plan, runs: &[(usize, usize)]) {
             section.evaluation.feed * 60.0 * MM,
             section.active.map_or("none", |constraint| constraint.name()),
         );
+    }
+}
+
+/// The planned sections from `first` to `last` as people find them: sections of the contour, with the way along the wall
+/// where only a part of one is meant.
+pub(super) fn place(study: &PassStudy<'_>, first: usize, last: usize) -> String {
+    let pieces = study.planner.pieces();
+    let (from, to) = (&pieces[first], &pieces[last]);
+    if from.section != to.section {
+        return format!("{} to {}", from.section + 1, to.section + 1);
+    }
+    let whole = from.from == 0.0 && pieces.get(last + 1).is_none_or(|next| next.section != to.section);
+    if whole {
+        format!("{}", from.section + 1)
+    } else {
+        format!("{}: {:.1} to {:.1} mm", from.section + 1, from.from * MM, to.to * MM)
     }
 }

@@ -47,6 +47,12 @@ impl IdentificationStudy {
             "schema": 1,
             "name": self.title,
             "trials": trials,
+            "left_out": found.left_out.iter().map(|trial| json!({
+                "trial_id": trial.trial_id,
+                "line": trial.line,
+                "code": trial.fault.code(),
+                "reason": trial.fault.to_string(),
+            })).collect::<Vec<_>>(),
             "mean": {
                 "K": found.lag.mean,
                 "median": found.lag.median,

@@ -23,7 +23,7 @@ pub const NAMES: &[&str] = &["trials.csv", "identify.json", "report.html"];
 pub struct IdentificationStudy {
     /// Name of the study.
     pub title: String,
-    /// The trials, in their order.
+    /// The trials that are possible, in their order.
     pub trials: Vec<Trial>,
     /// Errors of measurement, and what is identified from.
     pub options: IdentifyOptions,
@@ -38,6 +38,8 @@ impl IdentificationStudy {
     /// [`IdentifyError`]: trials that cannot be, or too few of them.
     pub fn new(title: impl Into<String>, trials: Vec<Trial>, options: IdentifyOptions) -> Result<Self, IdentifyError> {
         let found = identify(&trials, &options)?;
+        let possible = |trial: &Trial| found.trials.iter().any(|lag| lag.trial_id == trial.trial_id);
+        let trials = trials.into_iter().filter(possible).collect();
         Ok(Self { title: title.into(), trials, options, found })
     }
 }

@@ -74,6 +74,9 @@ impl IdentificationStudy {
             "best length of a trial",
             format!("{} revolutions, sd of K {:.3}", found.best.revolutions, found.best.lag_sd),
         );
+        for trial in &found.left_out {
+            let _ = writeln!(text, "  ! left out: {trial}");
+        }
         for advice in &found.advice {
             let _ = writeln!(text, "  ! {advice}");
         }

@@ -21,11 +21,13 @@ pub enum Role {
     SpindleOverride,
     /// Parts made.
     PartCount,
+    /// Feed of the path as it is, in any unit.
+    Feed,
 }
 
 impl Role {
     /// Every role with the words by which it is told on the command line.
-    pub const ALL: [(Self, &'static str); 9] = [
+    pub const ALL: [(Self, &'static str); 10] = [
         (Self::Availability, "availability"),
         (Self::Execution, "execution"),
         (Self::Program, "program"),
@@ -35,6 +37,7 @@ impl Role {
         (Self::RapidOverride, "rapid_override"),
         (Self::SpindleOverride, "spindle_override"),
         (Self::PartCount, "part_count"),
+        (Self::Feed, "feed"),
     ];
 
     /// The role called `word`.
@@ -86,7 +89,7 @@ impl RoleError {
 /// Names that adapters give to a role, in lower case without separators and without a path prefix;
 /// where several are logged the first of a list is used. The names are those of the MTConnect
 /// device files of the NIST test bed and of the agent's demonstrations.
-const NAMES: [(Role, &[&str]); 9] = [
+const NAMES: [(Role, &[&str]); 10] = [
     (Role::Availability, &["avail", "availability"]),
     (Role::Execution, &["execution", "exec", "programstatus"]),
     (Role::Program, &["program", "programname", "programnamerunning", "activeprog"]),
@@ -96,6 +99,7 @@ const NAMES: [(Role, &[&str]); 9] = [
     (Role::RapidOverride, &["rovr", "frapidovr", "rapidoverride", "rapidovr"]),
     (Role::SpindleOverride, &["s1ovr", "sovr", "spindleoverride", "spindleovr"]),
     (Role::PartCount, &["partcountact", "partcount"]),
+    (Role::Feed, &["feedrate", "pathfeedrate", "fact", "frtactual"]),
 ];
 
 /// Rank of a key for each role that it may have: smaller is better.

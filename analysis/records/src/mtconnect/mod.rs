@@ -26,6 +26,7 @@
 
 mod events;
 mod keys;
+mod plateau;
 mod run_table;
 mod runs;
 mod session;

@@ -1,5 +1,6 @@
 //! Runs of programs.
 
+use super::keys::Role;
 use super::session::Session;
 use super::state::{MachineState, UNAVAILABLE, states};
 
@@ -20,6 +21,8 @@ pub struct Run {
     pub complete: bool,
     /// States from start to end; the first is that at the start.
     pub states: Vec<MachineState>,
+    /// Reported feeds with their times, s, in the unit of the log.
+    pub feeds: Vec<(f64, f64)>,
 }
 
 /// What an execution state means for a run.
@@ -85,13 +88,23 @@ pub fn runs(session: &Session, program: Option<&str>) -> Vec<Run> {
             }
         }
     }
+    let reported = feeds(session);
     for run in &mut list {
+        let inside = |time: f64| reported.partition_point(|(at, _)| *at < time);
+        run.feeds = reported[inside(run.start)..inside(run.end)].to_vec();
         let named = run.states.iter().map(|state| state.program.as_str()).find(|name| !name.is_empty());
         let name = program.or(named).unwrap_or(UNAVAILABLE).to_owned();
         run.id = format!("{name}@{:.0}", run.start);
         run.program = name;
     }
     list
+}
+
+/// Feeds that a session reports, in the order of time.
+fn feeds(session: &Session) -> Vec<(f64, f64)> {
+    let key = session.keys.get(&Role::Feed);
+    let own = session.entries.iter().filter(|entry| Some(&entry.key) == key);
+    own.filter_map(|entry| Some((entry.time, entry.value.as_deref()?.parse().ok()?))).collect()
 }
 
 fn begun(session: &Session, state: MachineState, program: Option<&str>) -> Run {
@@ -103,6 +116,7 @@ fn begun(session: &Session, state: MachineState, program: Option<&str>) -> Run {
         end: state.time,
         complete: false,
         states: vec![state],
+        feeds: Vec::new(),
     }
 }
 

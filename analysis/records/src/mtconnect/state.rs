@@ -71,6 +71,8 @@ pub fn states(session: &Session) -> Vec<MachineState> {
             Role::RapidOverride => now.rapid_override = number / 100.0,
             Role::SpindleOverride => now.spindle_override = number / 100.0,
             Role::PartCount => now.part_count = number,
+            // The feed changes all the time: runs keep it beside their states.
+            Role::Feed => continue,
         }
         now.execution = execution.clone().filter(|_| available).unwrap_or_else(|| UNAVAILABLE.to_owned());
         now.time = entry.time;

@@ -1,5 +1,6 @@
 //! Runs of programs, timed stretch by stretch.
 
+use super::plateau::{changes, plateau};
 use super::runs::Run;
 use crate::{RecordKind, Records};
 use toolroom_program::{Block, Program, Stretch};
@@ -21,6 +22,8 @@ struct Timed {
     start: f64,
     end: f64,
     feed_override: f64,
+    /// Whether the override was read off the plateau of the reported feed.
+    plateau: bool,
     holds: f64,
     hold_time: f64,
     tool_changes: f64,
@@ -87,6 +90,12 @@ fn table(rows: &[(&Run, usize, Timed)]) -> Records {
     texts("machine", &|(run, ..)| run.machine.clone());
     texts("program", &|(run, ..)| run.program.clone());
     texts("tool_id", &|(_, _, timed)| timed.tool.clone());
+    let source = |timed: &Timed| match (timed.plateau, timed.feed_override.is_finite()) {
+        (true, _) => "plateau",
+        (false, true) => "event",
+        (false, false) => "assumed",
+    };
+    texts("override_source", &|(_, _, timed)| source(timed).to_owned());
     let mut numbers =
         |name: &str, of: &dyn Fn(&Row<'_>) -> f64| records.set_numbers(name, rows.iter().map(of).collect());
     numbers("sequence", &|(_, i, _)| *i as f64 + 1.0);
@@ -118,7 +127,15 @@ fn timed(run: &Run, program: &Program, parts: &[Stretch], rapid_speed: f64) -> R
     }
     samples.push((run.end, last as f64 + 1.0));
     let ends = entries(&samples, program, parts, rapid_speed);
-    let list: Vec<Timed> = ends.windows(2).map(|pair| held(run, pair[0], pair[1])).collect();
+    let mut list: Vec<Timed> = ends.windows(2).map(|pair| held(run, pair[0], pair[1])).collect();
+    // The log says when an override changes, and not where it stands.
+    if !changes(run)
+        && let Some(in_force) = plateau(run, program)
+    {
+        for timed in &mut list {
+            (timed.feed_override, timed.plateau) = (in_force, true);
+        }
+    }
     for (part, timed) in parts.iter().zip(&list) {
         let tool = program.blocks[part.blocks.end - 1].tool.map(|tool| tool.to_string());
         if let Some(tool) = tool.filter(|tool| !timed.tool.is_empty() && *tool != timed.tool) {
@@ -172,6 +189,7 @@ fn held(run: &Run, start: f64, end: f64) -> Timed {
         start,
         end,
         feed_override: f64::NAN,
+        plateau: false,
         holds: 0.0,
         hold_time: 0.0,
         tool_changes: 0.0,

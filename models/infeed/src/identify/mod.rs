@@ -58,11 +58,13 @@ pub struct IdentifyOptions {
     pub seed: u64,
     /// Errors of the measurement.
     pub errors: MeasurementErrors,
+    /// Whether one impossible trial refuses all; else it is left out by name.
+    pub strict: bool,
 }
 
 impl Default for IdentifyOptions {
     fn default() -> Self {
-        Self { basis: Basis::Both, resamples: 10_000, seed: 1, errors: MeasurementErrors::default() }
+        Self { basis: Basis::Both, resamples: 10_000, seed: 1, errors: MeasurementErrors::default(), strict: false }
     }
 }
 
@@ -86,7 +88,7 @@ pub struct TrialLag {
     pub from_stock: Option<Estimate>,
     /// Lag from rise and spark-out of the force.
     pub from_force: Option<Estimate>,
-    /// Process stiffness Cp = P_y/S, N/m.
+    /// Process stiffness Cp = P_y/(S (1 − K^n)), N/m: after n revolutions the force has come to 1 − K^n of its end.
     pub process_stiffness: Option<f64>,
     /// System stiffness J = Cp (1 − K)/K, N/m.
     pub system_stiffness: Option<f64>,
@@ -117,8 +119,10 @@ pub struct BestRevolutions {
 /// All that the trials say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identification {
-    /// One entry a trial.
+    /// One entry a trial that is possible.
     pub trials: Vec<TrialLag>,
+    /// Trials that cannot be and say nothing here, and why.
+    pub left_out: Vec<ImpossibleTrial>,
     /// Lag K over the trials.
     pub lag: Scatter,
     /// Process stiffness over the trials, N/m.
@@ -168,7 +172,7 @@ pub enum IdentifyError {
     /// There is none.
     #[error("there is no trial")]
     NoTrials,
-    /// Trials that cannot be, all of them.
+    /// Trials that cannot be: one entry a fault.
     #[error("{}", .trials.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Impossible {
         /// Which, and why.
@@ -179,10 +183,11 @@ pub enum IdentifyError {
 /// Identifies lag and stiffnesses from plunge trials.
 ///
 /// Each trial gives `K` as the root of `P = S (n − K (1 − K^n)/(1 − K))` or from the shape of
-/// its force, `Cp = P_y/S` and `J = Cp (1 − K)/K`. Intervals hold at 95 %.
+/// its force, `Cp = P_y/(S (1 − K^n))` and `J = Cp (1 − K)/K`. Intervals hold at 95 %. A trial that cannot be is left out
+/// by name and reason, and the others go on.
 ///
 /// # Errors
-/// [`IdentifyError::Impossible`] with every impossible trial by name.
+/// [`IdentifyError::Impossible`] with every impossible trial by name, where no other is left or `strict` is set.
 ///
 /// # Source
 /// Sizyi, Fesenko & Lyubimyi, eqs. (3), (4), (6), (7); J by eq. (3), which eq. (8) contradicts.
@@ -208,9 +213,12 @@ pub fn identify(trials: &[Trial], options: &IdentifyOptions) -> Result<Identific
             })),
         }
     }
-    if !impossible.is_empty() {
+    if lags.is_empty() || (options.strict && !impossible.is_empty()) {
         return Err(IdentifyError::Impossible { trials: impossible });
     }
+    let possible = |trial: &&Trial| lags.iter().any(|lag| lag.trial_id == trial.trial_id);
+    let trials: Vec<Trial> = trials.iter().filter(possible).cloned().collect();
+    let trials = trials.as_slice();
     let values: Vec<f64> = lags.iter().map(|trial| trial.lag.value).collect();
     let all = |of: fn(&TrialLag) -> Option<f64>| -> Option<Scatter> {
         let values: Option<Vec<f64>> = lags.iter().map(of).collect();
@@ -229,6 +237,7 @@ pub fn identify(trials: &[Trial], options: &IdentifyOptions) -> Result<Identific
         half_revolution: [shifted(-0.5), shifted(0.5)],
         best: revolutions_of_least_error(lag.mean, infeed_per_rev, &options.errors),
         advice: Vec::new(),
+        left_out: impossible,
         trials: lags,
         lag,
     };
@@ -280,7 +289,7 @@ fn trial_lag(trial: &Trial, options: &IdentifyOptions) -> Result<TrialLag, Vec<T
         (Some(one), None) | (None, Some(one)) => one,
         (None, None) => return Err(vec![TrialFault::NoLag { basis: options.basis }]),
     };
-    let process_stiffness = trial.normal_force.map(|force| force / trial.infeed_per_rev);
+    let process_stiffness = process_stiffness(trial, lag.value, 0.0);
     Ok(TrialLag {
         trial_id: trial.trial_id.clone(),
         lag,
@@ -290,6 +299,12 @@ fn trial_lag(trial: &Trial, options: &IdentifyOptions) -> Result<TrialLag, Vec<T
         system_stiffness: process_stiffness.map(|stiffness| stiffness_from_k(stiffness, lag.value)),
         force_ratio: trial.tangential_force.zip(trial.normal_force).map(|(tangential, normal)| tangential / normal),
     })
+}
+
+/// Cp of a trial, N/m, if it had `more` revolutions: its force has come to `1 − K^n` of its end.
+fn process_stiffness(trial: &Trial, lag: f64, more: f64) -> Option<f64> {
+    let reached = 1.0 - lag.powf(trial.revolutions + more);
+    trial.normal_force.map(|force| force / (trial.infeed_per_rev * reached))
 }
 
 /// Mean weighted by the inverse variances.
@@ -312,7 +327,7 @@ fn shifted(trials: &[Trial], revolutions: f64) -> Option<Shifted> {
     let lags: Option<Vec<f64>> = trials.iter().map(lag_of).collect();
     let lags = lags?;
     let stiffness =
-        |(trial, lag): (&Trial, &f64)| Some(stiffness_from_k(trial.normal_force? / trial.infeed_per_rev, *lag));
+        |(trial, lag): (&Trial, &f64)| Some(stiffness_from_k(process_stiffness(trial, *lag, revolutions)?, *lag));
     let stiffnesses: Option<Vec<f64>> = trials.iter().zip(&lags).map(stiffness).collect();
     Some(Shifted {
         revolutions,

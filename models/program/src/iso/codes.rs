@@ -8,7 +8,7 @@ use crate::Dialect;
 use crate::control::Units;
 use crate::error::{Fault, unknown};
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::{PLANES, Sense};
+use crate::motion::{Offset, PLANES, Sense};
 use crate::offset::{Corner, Offsetting};
 
 /// What a code is.
@@ -39,6 +39,7 @@ impl Iso {
         if code == 400 {
             return Ok(());
         }
+        kernel.side = Some(code == 410);
         if self.is_lathe() {
             kernel.note("the radius of the nose is not known here; the contour is timed as programmed");
             return Ok(());
@@ -112,6 +113,8 @@ impl Iso {
                 if code == 431 {
                     words.spend(b"XYZ");
                 }
+                let register = words.whole(b'H', 0.0, 9999.0)?.filter(|register| *register > 0);
+                kernel.offset_by(Offset::Length(if code == 490 { None } else { register.or(kernel.tool) }));
                 Modal
             }
             434 | 435 => {
@@ -137,6 +140,7 @@ impl Iso {
             530 => Found::Once(Once::Machine),
             540 | 550 | 560 | 570 | 580 | 590 => {
                 self.system(code / 10 - 53, kernel);
+                kernel.offset_by(Offset::Work(code / 10 - 54));
                 Modal
             }
             591..=593 if linuxcnc => {

@@ -7,7 +7,7 @@ use crate::Dialect;
 use crate::error::Fault;
 use crate::frame::Frame;
 use crate::kernel::Kernel;
-use crate::motion::{AXES, EventKind};
+use crate::motion::AXES;
 
 /// What a code of the block does once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,9 +146,7 @@ impl Iso {
         if !target.is_empty() {
             kernel.straight(&target, true)?;
         }
-        kernel.machine_motion(&axes)?;
-        kernel.push(EventKind::Home);
-        Ok(())
+        kernel.machine_motion(&axes)
     }
 
     /// G92 or G50 of a lathe: the place where the tool stands gets these coordinates.

@@ -4,7 +4,7 @@ use super::contour::{Corner, Element, Joint};
 use super::{Klartext, Statement};
 use crate::error::Fault;
 use crate::kernel::{FeedMode, Kernel, Round, Target};
-use crate::motion::{AXES, EventKind, PLANES, Sense, tangent};
+use crate::motion::{AXES, EventKind, Offset, PLANES, Sense, tangent};
 use crate::offset::{self, Offsetting};
 use crate::run::Flow;
 
@@ -278,6 +278,8 @@ impl Klartext {
         if changes {
             kernel.finish_offset()?;
             kernel.change_tool(number);
+            // The length of the tool is added from here on.
+            kernel.offset_by(Offset::Length(number));
             if number.is_none() {
                 kernel.note("a tool is called by its name, so its number is not known");
             }
@@ -301,6 +303,7 @@ impl Klartext {
         if side == '0' {
             return Ok(());
         }
+        kernel.side = Some(side == 'L');
         let own = kernel.tool.and_then(|tool| {
             let given = kernel.control.diameters.get(&tool).map(|diameter| 0.5 * diameter);
             given.or_else(|| self.radii.get(&tool).copied())

@@ -214,7 +214,6 @@ impl Siemens {
                 })
                 .collect();
             kernel.machine_motion(&axes)?;
-            kernel.push(EventKind::Home);
         } else if machine {
             let axes: Vec<usize> = (0..6).filter(|axis| values.take(&AXES[*axis].to_string()).is_some()).collect();
             // D0 and G0 of the block have been taken; the axes go where only the machine knows.

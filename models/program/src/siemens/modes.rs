@@ -6,7 +6,7 @@ use crate::control::Units;
 use crate::error::{Fault, unknown};
 use crate::frame::Frame;
 use crate::kernel::{FeedMode, Kernel};
-use crate::motion::{AXES, EventKind, PLANES, Sense};
+use crate::motion::{AXES, EventKind, Offset, PLANES, Sense};
 use crate::offset::{Corner, Offsetting};
 
 /// The motion that coordinates make.
@@ -107,6 +107,9 @@ impl Siemens {
                 ));
             }
             54..=57 | 500 | 505..=599 => {
+                if code < 500 {
+                    kernel.offset_by(Offset::Work(code - 54));
+                }
                 if self.modes.work != code {
                     // The first offset is the one in which the program counts.
                     if self.modes.work != 500 || kernel.known.iter().take(3).all(|known| *known) && code == 500 {
@@ -130,6 +133,7 @@ impl Siemens {
         if code == 40 {
             return Ok(());
         }
+        kernel.side = Some(code == 41);
         let diameters = &kernel.control.diameters;
         let number = kernel.tool.or(self.modes.next_tool);
         let known =
@@ -185,6 +189,7 @@ impl Siemens {
             kernel.set_speed(speed).map_err(|fault| fault.or_at(column))?;
         }
         if let Some((edge, ..)) = values.take("D") {
+            kernel.offset_by(Offset::Length(if edge > 0.0 { kernel.tool.or(self.modes.next_tool) } else { None }));
             self.modes.edge = edge.clamp(0.0, 1e6) as u32;
         }
         values.take("H");

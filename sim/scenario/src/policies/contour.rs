@@ -119,7 +119,7 @@ impl ContourPlan {
         }
         .map_err(refuse)?;
         let compensated = pass.deflection_compensation / cutter.stiffness();
-        let sections = content.contour.sections.iter().zip(&plan.sections).map(|(section, planned)| ContourSection {
+        let sections = planner.contour().sections.iter().zip(&plan.sections).map(|(section, planned)| ContourSection {
             shape: content.contour.shape(section),
             cutting_speed: planned.evaluation.cutting_speed,
             feed_per_tooth: planned.setting.feed_per_tooth,

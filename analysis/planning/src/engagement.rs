@@ -1,0 +1,272 @@
+//! A part program through its stock: engagement, air, power and force by tool.
+
+use crate::tables::table;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use toolroom_process::table::Cell;
+use toolroom_program::{Control, EventKind, ProgramError, Run, Sense};
+use toolroom_stock::{Cut, Cutting, Load, Setup};
+
+/// Why a program was not followed through its stock.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EngagementError {
+    /// The program itself.
+    #[error("{0}")]
+    Program(#[from] ProgramError),
+    /// A tool that the setup does not have.
+    #[error("{line}:1: {}; add it as [[tool]] to the setup", match tool { Some(tool) => format!("the setup has no tool {tool}"), None => "no tool is called before the first cut, and the setup has more than one".to_owned() })]
+    NoTool {
+        /// Line of the program.
+        line: usize,
+        /// Its number.
+        tool: Option<u32>,
+    },
+}
+
+/// What one tool does.
+#[derive(Clone, Debug, Default)]
+struct Share {
+    /// Time at feed in material, s.
+    cutting: f64,
+    /// Time at feed in air, s.
+    air: f64,
+    removed: f64,
+    sampled: f64,
+    bound: f64,
+    load: Option<Load>,
+}
+
+/// Where something is greatest: its value and the line.
+type Peak = (f64, usize);
+
+/// A program that has run through its stock.
+#[derive(Clone, Debug)]
+pub struct Engagement {
+    tools: BTreeMap<u32, Share>,
+    bound: Peak,
+    sampled: Peak,
+    power: Option<Peak>,
+    force: Option<Peak>,
+    /// Lines of rapid motions through material and of plunges, the first of each kind first.
+    crashes: Vec<usize>,
+    plunges: Vec<usize>,
+    removed: f64,
+    stock: f64,
+    resolution: f64,
+    rows: Option<Vec<Row>>,
+}
+
+/// A motion in the table.
+#[derive(Clone, Debug)]
+struct Row {
+    line: usize,
+    tool: Option<u32>,
+    rapid: bool,
+    time: f64,
+    cut: Cut,
+}
+
+const MM: f64 = 1e3;
+/// Lines that are kept of motions through material (assumption).
+const LINES: usize = 1000;
+
+impl Engagement {
+    /// Follows a program through the stock of a setup; `motions` keeps a row of each motion.
+    ///
+    /// # Errors
+    /// [`EngagementError`]: the program is refused, or cuts with a tool that the setup does not have.
+    pub fn new(text: &str, control: &Control, setup: &Setup, motions: bool) -> Result<Self, EngagementError> {
+        let mut cutting = Cutting::new(setup.stock, setup.radius());
+        let mut own = Self {
+            tools: BTreeMap::new(),
+            bound: (0.0, 0),
+            sampled: (0.0, 0),
+            power: None,
+            force: None,
+            crashes: Vec::new(),
+            plunges: Vec::new(),
+            removed: 0.0,
+            stock: setup.stock.volume(),
+            resolution: 0.02 * setup.radius(),
+            rows: motions.then(Vec::new),
+        };
+        // A setup of one tool needs no call of it.
+        let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
+        let (mut tool, mut speed) = (only, 0.0);
+        for event in Run::new(text, control)? {
+            let event = event?;
+            match event.kind {
+                EventKind::ToolChange(number) => tool = number.or(only),
+                EventKind::Spindle { speed: rpm, sense } => {
+                    speed = if sense == Sense::Clockwise { rpm * TAU / 60.0 } else { 0.0 };
+                }
+                EventKind::Motion(motion) => {
+                    let Some(which) = tool.and_then(|number| setup.tools.get(&number)) else {
+                        if motion.rapid {
+                            continue;
+                        }
+                        return Err(EngagementError::NoTool { line: event.line, tool });
+                    };
+                    let cut = cutting.motion(&motion, which, speed);
+                    own.take(event.line, tool, motion.rapid, motion.time, cut);
+                }
+                EventKind::Block
+                | EventKind::Dwell(_)
+                | EventKind::Coolant(_)
+                | EventKind::Stop(_)
+                | EventKind::Auxiliary(..)
+                | EventKind::Hole
+                | EventKind::ExactStop
+                | EventKind::Home(_)
+                | EventKind::Offset(_)
+                | EventKind::End => {}
+            }
+        }
+        own.removed = cutting.removed();
+        Ok(own)
+    }
+
+    fn take(&mut self, line: usize, tool: Option<u32>, rapid: bool, time: f64, cut: Cut) {
+        let keep = |lines: &mut Vec<usize>| {
+            if lines.len() < LINES && lines.last() != Some(&line) {
+                lines.push(line);
+            }
+        };
+        if cut.crash {
+            keep(&mut self.crashes);
+        }
+        if cut.plunge && !rapid {
+            keep(&mut self.plunges);
+        }
+        if !rapid {
+            let share = self.tools.entry(tool.unwrap_or(0)).or_default();
+            share.cutting += time * (1.0 - cut.air);
+            share.air += time * cut.air;
+            share.removed += cut.removed;
+            (share.sampled, share.bound) = (share.sampled.max(cut.sampled), share.bound.max(cut.bound));
+            if let Some(load) = cut.load {
+                share.load = Some(share.load.map_or(load, |before| before.max(load)));
+            }
+            let greater = |peak: &mut Peak, value: f64| {
+                if value > peak.0 {
+                    *peak = (value, line);
+                }
+            };
+            greater(&mut self.sampled, cut.sampled);
+            greater(&mut self.bound, cut.bound);
+            if let Some(load) = cut.load {
+                greater(self.power.get_or_insert((0.0, line)), load.power);
+                greater(self.force.get_or_insert((0.0, line)), load.normal_force);
+            }
+        }
+        if let Some(rows) = &mut self.rows {
+            rows.push(Row { line, tool, rapid, time, cut });
+        }
+    }
+
+    /// Lines of rapid motions that meet material; the first thousand.
+    pub fn crashes(&self) -> &[usize] {
+        &self.crashes
+    }
+
+    fn sum(&self, of: impl Fn(&Share) -> f64) -> f64 {
+        self.tools.values().map(of).sum()
+    }
+
+    /// The result for programs. Every key names its unit; peaks are those of the bound, and `sampled` those of the samples.
+    pub fn json(&self) -> Value {
+        let tools: Vec<Value> = (self.tools.iter())
+            .map(|(tool, share)| {
+                json!({
+                    "tool": tool,
+                    "cutting_time [min]": share.cutting / 60.0,
+                    "air_time [s]": share.air,
+                    "removed [cm3]": share.removed * 1e6,
+                    "peak_engagement [deg]": share.bound.to_degrees(),
+                    "peak_power [kW]": share.load.map(|load| load.power * 1e-3),
+                    "peak_normal_force [N]": share.load.map(|load| load.normal_force),
+                })
+            })
+            .collect();
+        json!({
+            "air_time [s]": self.sum(|share| share.air),
+            "cutting_time [s]": self.sum(|share| share.cutting),
+            "peak_engagement [deg]": self.bound.0.to_degrees(),
+            "peak_engagement_line": self.bound.1,
+            "sampled_engagement [deg]": self.sampled.0.to_degrees(),
+            "peak_power [kW]": self.power.map(|(power, _)| power * 1e-3),
+            "peak_power_line": self.power.map(|(_, line)| line),
+            "peak_normal_force [N]": self.force.map(|(force, _)| force),
+            "removed [cm3]": self.removed * 1e6,
+            "stock [cm3]": self.stock * 1e6,
+            "resolution [mm]": self.resolution * MM,
+            "rapids_through_material": self.crashes,
+            "plunges": self.plunges,
+            "tools": tools,
+        })
+    }
+
+    /// The result for a terminal.
+    pub fn text(&self) -> String {
+        let (cutting, air) = (self.sum(|share| share.cutting), self.sum(|share| share.air));
+        let share = 100.0 * air / (cutting + air).max(f64::MIN_POSITIVE);
+        let mut text = format!(
+            "in material {cutting:.1} s, in air {air:.1} s ({share:.1} % of the time at feed); {:.2} of {:.2} cm3 removed\n\
+             greatest engagement {:.1} deg (line {}; bound between samples, {:.1} deg sampled)",
+            self.removed * 1e6,
+            self.stock * 1e6,
+            self.bound.0.to_degrees(),
+            self.bound.1,
+            self.sampled.0.to_degrees()
+        );
+        if let (Some((power, line)), Some((force, _))) = (self.power, self.force) {
+            let _ = write!(
+                text,
+                "\ngreatest power {:.2} kW (line {line}), greatest normal force {force:.0} N",
+                power * 1e-3
+            );
+        }
+        if let [first, ..] = self.crashes[..] {
+            let count = self.crashes.len();
+            let _ = write!(text, "\n! {count} rapid motions meet material (first: line {first})");
+        }
+        text
+    }
+
+    /// Every motion as CSV; only the header where no table was asked for.
+    pub fn table(&self) -> String {
+        let columns = [
+            "line",
+            "tool",
+            "rapid",
+            "time [s]",
+            "engagement [deg]",
+            "engagement_bound [deg]",
+            "depth [mm]",
+            "removed [mm3]",
+            "air",
+            "power [kW]",
+            "normal_force [N]",
+        ];
+        let row = |row: &Row| -> [Cell<'_>; 11] {
+            let load = |of: fn(&Load) -> f64| row.cut.load.as_ref().map(of);
+            [
+                row.line.into(),
+                row.tool.into(),
+                u32::from(row.rapid).into(),
+                Cell::Fixed(row.time, 6),
+                Cell::Fixed(row.cut.sampled.to_degrees(), 4),
+                Cell::Fixed(row.cut.bound.to_degrees(), 4),
+                Cell::Fixed(row.cut.depth * MM, 6),
+                Cell::Fixed(row.cut.removed * 1e9, 6),
+                Cell::Fixed(row.cut.air, 6),
+                load(|load| load.power * 1e-3).into(),
+                load(|load| load.normal_force).into(),
+            ]
+        };
+        table(columns, self.rows.iter().flatten().map(row))
+    }
+}

@@ -1,0 +1,156 @@
+//! The rim of a cutter against regions around lines and arcs.
+
+use crate::geometry::wrapped;
+use crate::{Point, Section};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// The rim of a cutter seen along its axis; angles on it are rad from the X axis.
+///
+/// ```
+/// use toolroom_contour::{Point, Rim};
+/// let rim = Rim { centre: Point::default(), radius: 0.005 };
+/// // In front of a shoulder of 1 mm: all that lies beyond 4 mm to the left.
+/// let mut angles = vec![(0.8f64).asin(), std::f64::consts::PI - (0.8f64).asin()];
+/// let front = (-std::f64::consts::FRAC_PI_2, std::f64::consts::PI);
+/// let engaged = rim.measure(front.0, front.1, &mut angles, |angle| rim.at(angle).y > 0.004);
+/// assert!((engaged.to_degrees() - 36.869898).abs() < 1e-6);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// Centre of the cutter.
+    pub centre: Point,
+    /// Its radius, m.
+    pub radius: f64,
+}
+
+/// Centre of a section's circle; `None` on a line.
+pub(crate) fn circle_centre(section: &Section) -> Option<Point> {
+    (section.curvature != 0.0).then(|| section.start.ahead(section.heading + FRAC_PI_2, 1.0 / section.curvature))
+}
+
+/// Distance of a point from a section, m.
+pub fn distance(section: &Section, point: Point) -> f64 {
+    let ends = || section.start.distance(point).min(section.end().distance(point));
+    let Some(centre) = circle_centre(section) else {
+        let (sin, cos) = section.heading.sin_cos();
+        let (dx, dy) = (point.x - section.start.x, point.y - section.start.y);
+        let ahead = dx * cos + dy * sin;
+        return if (0.0..=section.length).contains(&ahead) { (dy * cos - dx * sin).abs() } else { ends() };
+    };
+    let radius = 1.0 / section.curvature.abs();
+    let turned = section.curvature.signum() * (centre.heading_to(point) - centre.heading_to(section.start));
+    if turned.rem_euclid(TAU) <= section.sweep().abs() { (centre.distance(point) - radius).abs() } else { ends() }
+}
+
+impl Rim {
+    /// The point of the rim at an angle.
+    pub fn at(&self, angle: f64) -> Point {
+        self.centre.ahead(angle, self.radius)
+    }
+
+    /// Adds the angles at which the rim crosses a circle.
+    pub fn circle(&self, centre: Point, radius: f64, angles: &mut Vec<f64>) {
+        let gap = self.centre.distance(centre);
+        if radius <= 0.0 || gap <= 0.0 {
+            return;
+        }
+        let cos = (self.radius * self.radius + gap * gap - radius * radius) / (2.0 * self.radius * gap);
+        if cos.abs() <= 1.0 {
+            let (towards, half) = (self.centre.heading_to(centre), cos.acos());
+            angles.extend([towards - half, towards + half]);
+        }
+    }
+
+    /// Adds the angles at which the rim crosses a straight line through `point` along `heading`.
+    pub fn line(&self, point: Point, heading: f64, angles: &mut Vec<f64>) {
+        let (sin, cos) = heading.sin_cos();
+        let left = (point.y - self.centre.y) * cos - (point.x - self.centre.x) * sin;
+        if left.abs() <= self.radius {
+            let half = (left / self.radius).acos();
+            angles.extend([heading + FRAC_PI_2 - half, heading + FRAC_PI_2 + half]);
+        }
+    }
+
+    /// Adds the angles at which the rim may enter or leave the region within `reach` of a section.
+    pub fn crossings(&self, section: &Section, reach: f64, angles: &mut Vec<f64>) {
+        self.circle(section.start, reach, angles);
+        self.circle(section.end(), reach, angles);
+        match circle_centre(section) {
+            Some(centre) => {
+                let radius = 1.0 / section.curvature.abs();
+                self.circle(centre, radius + reach, angles);
+                self.circle(centre, radius - reach, angles);
+            }
+            None => {
+                for side in [reach, -reach] {
+                    self.line(section.start.ahead(section.heading + FRAC_PI_2, side), section.heading, angles);
+                }
+            }
+        }
+    }
+
+    /// Whether the rim may come within `reach` of a section at all.
+    pub fn meets(&self, section: &Section, reach: f64) -> bool {
+        let gap = distance(section, self.centre);
+        gap <= self.radius + reach
+    }
+
+    /// Intervals of the angles from `from` over `span`, rad, in which `inside` holds, each as its start and end; it changes
+    /// only at `angles`, which are used up.
+    pub fn intervals(
+        &self,
+        from: f64,
+        span: f64,
+        angles: &mut Vec<f64>,
+        inside: impl Fn(f64) -> bool,
+    ) -> Vec<(f64, f64)> {
+        let mut list: Vec<(f64, f64)> = Vec::new();
+        self.parts(from, span, angles, |low, high| {
+            if inside(0.5 * (low + high)) {
+                match list.last_mut() {
+                    Some(last) if low - last.1 < 1e-12 => last.1 = high,
+                    _ => list.push((low, high)),
+                }
+            }
+        });
+        list
+    }
+
+    /// Measure of the angles from `from` over `span`, rad, at which `inside` holds; it changes only at `angles`, which are
+    /// used up.
+    pub fn measure(&self, from: f64, span: f64, angles: &mut Vec<f64>, inside: impl Fn(f64) -> bool) -> f64 {
+        let mut sum = 0.0;
+        self.parts(from, span, angles, |low, high| {
+            if inside(0.5 * (low + high)) {
+                sum += high - low;
+            }
+        });
+        sum
+    }
+
+    /// Hands on the parts between neighbouring `angles`, from `from` over `span`.
+    fn parts(&self, from: f64, span: f64, angles: &mut Vec<f64>, mut part: impl FnMut(f64, f64)) {
+        for angle in angles.iter_mut() {
+            *angle = (*angle - from).rem_euclid(TAU);
+        }
+        angles.retain(|angle| *angle < span);
+        angles.extend([0.0, span]);
+        angles.sort_by(f64::total_cmp);
+        for pair in angles.windows(2) {
+            if pair[1] - pair[0] > 1e-13 {
+                part(from + pair[0], from + pair[1]);
+            }
+        }
+        angles.clear();
+    }
+}
+
+/// Whether an angle lies within `span` of `from`, turning to the left.
+pub(crate) fn within(angle: f64, from: f64, span: f64) -> bool {
+    (angle - from).rem_euclid(TAU) <= span
+}
+
+/// The direction against another one, rad in (−π, π].
+pub(crate) fn opposite(heading: f64) -> f64 {
+    wrapped(heading + PI)
+}

@@ -1,0 +1,167 @@
+//! Drives, spindle and changer: closed forms, and the tool changes that were measured on the NIST box.
+
+use toolroom_program::{Control, Dialect, Drives, Machine, Part, Program, Spent, Timer, Units};
+
+fn control() -> Control {
+    Control { units: Some(Units::Millimetre), ..Control::of(Dialect::Fanuc) }
+}
+
+fn program(text: &str) -> Program {
+    Program::read(text, &control()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn spent(program: &Program, drives: &Drives) -> Vec<Spent> {
+    let (mut timer, mut done) = (Timer::new(drives), Vec::new());
+    for (key, block) in program.blocks.iter().enumerate() {
+        timer.block(key, block, &mut done);
+    }
+    timer.finish(program.blocks.len() - 1, &mut done);
+    done
+}
+
+fn total(text: &str, drives: &Drives) -> f64 {
+    spent(&program(text), drives).iter().map(|spent| spent.seconds).sum()
+}
+
+fn hurco() -> Drives {
+    Machine::preset("hurco-winmax").expect("a preset").drives
+}
+
+/// Two tools, as the post processor of the box writes them.
+fn change(from: u32, to: u32) -> String {
+    format!(
+        "G0 G17 G40 G80 G90\nT1 M6\nG0 G90 G54 X10. Y0. S{from} M3\nZ1. M8\nG1 Z-1. F100.\nX100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\n\
+         M01\nT2 M6\nG0 G90 G54 X50. Y20. S{to} M3\nZ1. M8\nG1 Z-1. F100.\nG0 Z1.\nM5\nG91 G28 Z0. M9\nG90 G58 X12. Y20.\nM30\n"
+    )
+}
+
+/// Time of the blocks from the line that begins with `first` to the one before `end`, counted from line `skip` on.
+fn between(text: &str, first: &str, end: &str, skip: usize) -> f64 {
+    let lines: Vec<&str> = text.lines().collect();
+    let find = |word: &str, from: usize| {
+        (from..lines.len()).find(|i| lines[*i].starts_with(word)).unwrap_or_else(|| panic!("{word}")) + 1
+    };
+    let from = find(first, skip);
+    let to = find(end, from);
+    let program = program(text);
+    let times = program.times(&hurco());
+    program.blocks.iter().zip(times).filter(|(block, _)| (from..to).contains(&block.line)).map(|(_, time)| time).sum()
+}
+
+#[test]
+fn tool_changes_take_the_times_of_the_box() {
+    // From and to rpm; time from M5 to the first cut, s, by the closed form; measured, s.
+    for (from, to, closed, measured) in [
+        (3000, 175, 8.93, 9.0),
+        (175, 12_000, 14.93, 14.9),
+        (12_000, 12_000, 21.75, 21.7),
+        (12_000, 3000, 15.75, 15.8),
+        (7500, 175, 11.33, 11.3),
+        (3200, 9500, 12.56, 12.2),
+        (9500, 12_000, 19.05, 18.9),
+    ] {
+        let time = between(&change(from, to), "M5", "G1", 0);
+        assert!((time - closed).abs() < 0.011, "{from} to {to}: {time}, {closed} expected");
+        assert!((time - measured).abs() < 0.4, "{from} to {to}: {time}, {measured} measured");
+    }
+    let text = change(175, 12_000);
+    let second = text.lines().position(|line| line.starts_with("T2")).expect("a change");
+    let end = format!("{text}(END)\n");
+    assert!((between(&end, "M5", "(END)", second) - 8.23).abs() < 0.01);
+}
+
+#[test]
+fn the_parts_add_up_and_name_what_waits() {
+    let program = program(&change(12_000, 12_000));
+    let done = spent(&program, &hurco());
+    let of = |part: Part| done.iter().filter(|spent| spent.part == part).map(|spent| spent.seconds).sum::<f64>();
+    assert!((of(Part::Change) - 2.0 * 5.93).abs() < 1e-9);
+    // Two ramps up less the approach beside each, two brakings less the way home beside each.
+    let waits = 2.0 * (7.0736 - 1.07) + 2.0 * (7.9958 - 1.18);
+    assert!((of(Part::Spindle) - waits).abs() < 1e-3, "{} {waits}", of(Part::Spindle));
+    let all: f64 = [Part::Feed, Part::Rapid, Part::Settling, Part::Dwell, Part::Auxiliary, Part::Change, Part::Spindle]
+        .map(of)
+        .iter()
+        .sum();
+    let times: f64 = program.times(&hurco()).iter().sum();
+    assert!((all - times).abs() < 1e-9);
+}
+
+#[test]
+fn the_spindle_waits_where_its_machine_says() {
+    let ramp = Drives { spindle_constant: 4.54e-8 * (60.0 / std::f64::consts::TAU).powi(2), ..Drives::default() };
+    let text = "G0 X0 Y0 Z0\nS6000 M3\nG0 X100.\nG1 X200. F1000.\nM30\n";
+    let time = |drives: &Drives| total(text, drives);
+    let alone = time(&Drives::default());
+    // 6000 rpm: k·n² = 1.634 s up and as much down; the rapid motion of 0.2 s runs beside it.
+    assert!((time(&ramp) - (alone + 2.0 * 1.6344 - 0.2)).abs() < 1e-3, "{} {alone}", time(&ramp));
+    let block = Drives { spindle_block_wait: 1.0, ..ramp };
+    assert!((time(&block) - (alone + 2.0 * 1.6344)).abs() < 1e-3, "{}", time(&block));
+}
+
+#[test]
+fn a_path_in_tenths_of_a_millimetre_takes_the_time_of_the_whole_one() {
+    let drives = Drives { inverse_acceleration: 1.0, jerk_time: 0.05, ..Drives::default() };
+    let pieces: String = (1..=1000).map(|i| format!("X{:.1}\n", 0.1 * f64::from(i))).collect();
+    let whole = total("G0 X0 Y0 Z0\nG1 X100. F6000.\n", &drives);
+    assert!((whole - 1.15).abs() < 1e-9, "{whole}");
+    let cut = total(&format!("G0 X0 Y0 Z0\nG1 F6000.\n{pieces}"), &drives);
+    assert!((cut / whole - 1.0).abs() < 1e-3, "{cut} {whole}");
+    // Rest to rest where the acceleration is never reached, and on a slow machine.
+    assert!((total("G0 X0 Y0 Z0\nG1 X4. F6000.\n", &drives) - 0.185_664).abs() < 1e-5);
+    let slow = Drives { inverse_acceleration: 1.0 / 0.64, jerk_time: 0.064, ..Drives::default() };
+    assert!((total("G0 X0 Y0 Z0\nG1 X0.5 F3000.\n", &slow) - 0.116_961).abs() < 1e-5);
+}
+
+#[test]
+fn corners_look_ahead_blocks_and_axes_cost_what_they_should() {
+    let base = Drives { inverse_acceleration: 1.0, ..Drives::default() };
+    let corner = "G0 X0 Y0 Z0\nG1 X50. F6000.\nY50.\n";
+    let free = total(corner, &base);
+    let stop = total(corner, &Drives { corner_step: 1e-9, ..base });
+    assert!((stop - 2.0 * (0.5 + 0.1)).abs() < 1e-6, "{stop}");
+    assert!(free < stop);
+    // A step of 1.2 m/min at a right angle is passed at 0.02 m/s.
+    let step = total(corner, &Drives { corner_step: 0.02, ..base });
+    let expected = 2.0 * (0.5 + 0.05 + (0.1_f64 - 0.02).powi(2) / (2.0 * 0.1));
+    assert!((step - expected).abs() < 1e-6, "{step} {expected}");
+    let pieces: String = (1..=100).map(|i| format!("X{i}.\n")).collect();
+    let path = format!("G0 X0 Y0 Z0\nG1 F6000.\n{pieces}");
+    let seen = |look_ahead: f64| total(&path, &Drives { look_ahead, ..base });
+    assert!((seen(0.0) - 1.1).abs() < 1e-9 && (seen(50.0) - 1.1).abs() < 1e-9);
+    // A look-ahead of one motion stops behind each: 1 mm in a triangle of 2·√(way/a).
+    assert!((seen(1.0) - 100.0 * 2.0 * 1e-3_f64.sqrt()).abs() < 1e-9, "{}", seen(1.0));
+    assert!((total(&path, &Drives { block_time: 0.1, ..Drives::default() }) - 10.0).abs() < 1e-9);
+    let rapid = "G0 X0 Y0 Z0\nG0 X300. Z100.\n";
+    let axes = Drives { rapid_ratio_z: 0.2, ..Drives::default() };
+    assert!((total(rapid, &axes) - 1.0).abs() < 1e-9);
+    let jog = Drives { independent_rapid: 1.0, rapid_ratio_z: 0.5, ..base };
+    // X by itself: 0.6 s at 0.5 m/s and 0.5 s of ramps; Z is done before.
+    assert!((total(rapid, &jog) - 1.1).abs() < 1e-9, "{}", total(rapid, &jog));
+}
+
+#[test]
+fn the_override_acts_on_feeds_and_neither_on_rapids_nor_on_threads() {
+    let text = "G0 X0 Y0 Z10.\nX100.\nG1 X0 F600.\nM3 S300\nG84 Z-10. R5. F300.\nG80\n";
+    let time = |feed_override: f64| total(text, &Drives { feed_override, ..Drives::default() });
+    let (one, double) = (time(1.0), time(2.0));
+    assert!((one - double - 5.0).abs() < 1e-9, "{one} {double}");
+}
+
+#[test]
+fn reversals_of_rigid_taps_grow_with_the_ramp() {
+    let tap = |speed: u32| format!("G0 X0 Y0 Z10.\nM3 S{speed}\nG84 Z-10. R5. F300.\nG80\n");
+    let drives = Drives { tap_reversal: 0.3, ..hurco() };
+    let reversals = |speed: u32| {
+        let done = spent(&program(&tap(speed)), &drives);
+        let ramp = drives.spindle_ramp(0.0, f64::from(speed) * std::f64::consts::TAU / 60.0);
+        let braking = drives.spindle_ramp(f64::from(speed) * std::f64::consts::TAU / 60.0, 0.0);
+        let waits: f64 = done.iter().filter(|spent| spent.part == Part::Spindle).map(|spent| spent.seconds).sum();
+        // Beside the ramp up before the hole, which the way down hides in part, and the braking at the end.
+        (waits - braking, ramp)
+    };
+    let (slow, _) = reversals(175);
+    assert!(slow > 0.59 && slow < 0.66, "two reversals of 0.3 s: {slow}");
+    let (fast, ramp) = reversals(700);
+    assert!(fast > 4.0 * 0.6 - 1e-9 && fast < 4.0 * 0.6 + ramp, "{fast}");
+}

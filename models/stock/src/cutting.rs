@@ -1,0 +1,266 @@
+//! Stock that is cut motion by motion.
+
+use crate::engaged::{Engaged, Place, Stock};
+use crate::load::{Load, Tool};
+use crate::swath::{Index, Swath};
+use std::f64::consts::{PI, TAU};
+use toolroom_contour::{Point, Section};
+use toolroom_program::{Motion, Path};
+
+/// Difference between bound and samples that is not refined further, rad.
+const FINE: f64 = 0.5 * PI / 180.0;
+/// Steps are not halved below this share of the cutter's radius.
+const SHORTEST: f64 = 0.02;
+/// Share of the axial depth by which the floor may change within a piece of a ramp.
+const RAMP: f64 = 0.1;
+/// Pieces of a motion that is neither straight nor an arc in the plane XY.
+const PIECES: u32 = 64;
+/// Greatest number of pieces of a ramp (assumption).
+const RAMP_PIECES: f64 = 500.0;
+
+/// What a motion does to the stock.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cut {
+    /// Greatest engagement angle at the samples, rad.
+    pub sampled: f64,
+    /// Angle that is exceeded nowhere, rad.
+    pub bound: f64,
+    /// Greatest axial depth, m.
+    pub depth: f64,
+    /// Volume removed, m³.
+    pub removed: f64,
+    /// Share of the way without any engagement, 0 to 1.
+    pub air: f64,
+    /// Greatest load, at the bound of the engagement; `None` where the forces of the tool are not known.
+    pub load: Option<Load>,
+    /// Whether the motion is a rapid one that meets material.
+    pub crash: bool,
+    /// Whether the end of the cutter goes straight down into material.
+    pub plunge: bool,
+}
+
+/// Stock, and what of it is gone.
+///
+/// ```
+/// use toolroom_contour::Point;
+/// use toolroom_program::{Control, EventKind, Run};
+/// use toolroom_stock::{Cutting, Outline, Stock, Tool};
+/// let corner = |x, y| Point { x, y };
+/// let stock = Stock { outline: Outline::Box(corner(0.0, 0.0), corner(0.1, 0.05)), base: -0.02, top: 0.0 };
+/// let tool = Tool { radius: 5e-3, teeth: 4.0, force: None };
+/// let mut cutting = Cutting::new(stock, tool.radius);
+/// let text = "G21 G90 G0 X-10 Y-4 Z-5\nG1 X110 F500\n"; // a shoulder of 1 mm
+/// for event in Run::new(text, &Control::default()).unwrap() {
+///     if let EventKind::Motion(motion) = event.unwrap().kind {
+///         let cut = cutting.motion(&motion, &tool, 0.0);
+///         if !motion.rapid {
+///             assert!((cut.sampled.to_degrees() - 36.869898).abs() < 1e-6);
+///             assert!((cut.removed - 0.1 * 1e-3 * 5e-3).abs() < 1e-3 * cut.removed);
+///         }
+///     }
+/// }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Cutting {
+    stock: Stock,
+    index: Index,
+    removed: f64,
+}
+
+/// A piece of a path at one height.
+struct Piece {
+    path: Section,
+    /// Heights of the cutter's end at both ends, m.
+    from: f64,
+    to: f64,
+}
+
+impl Cutting {
+    /// Stock of which nothing is gone; `radius` is that of the usual cutter, m, and decides how fast places are found.
+    pub fn new(stock: Stock, radius: f64) -> Self {
+        Self { stock, index: Index::new(radius), removed: 0.0 }
+    }
+
+    /// The stock as it was.
+    pub fn stock(&self) -> &Stock {
+        &self.stock
+    }
+
+    /// Volume removed so far, m³.
+    pub fn removed(&self) -> f64 {
+        self.removed
+    }
+
+    /// Moves a tool; `speed` is that of the spindle, rad/s. A rapid motion clears what it meets, as any other.
+    ///
+    /// The engaged angle of a step is measured at its ends and its middle, and bounded in between: every point of the rim is
+    /// taken to be deeper in material by the way that it moves from the middle. Steps are halved until both differ by less than
+    /// half a degree, or to a fiftieth of the cutter's radius.
+    pub fn motion(&mut self, motion: &Motion, tool: &Tool, speed: f64) -> Cut {
+        let mut cut = Cut::default();
+        let pieces = pieces(motion, &self.stock);
+        let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
+        let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };
+        let mut air = 0.0;
+        for piece in &pieces {
+            self.piece(piece, tool, (feed, speed), &mut cut, &mut air);
+            let floor = piece.from.max(piece.to);
+            if floor < self.stock.top {
+                self.index.push(Swath { path: piece.path, radius: tool.radius, floor });
+            }
+        }
+        if pieces.is_empty() {
+            self.straight_down(motion, tool, &mut cut);
+        }
+        cut.air = if length > 0.0 { air / length } else { f64::from(u8::from(!cut.plunge)) };
+        cut.crash = motion.rapid && (cut.sampled > 0.0 || cut.plunge);
+        self.removed += cut.removed;
+        cut
+    }
+
+    /// A motion along Z alone: the whole end of the cutter goes into material, or comes out of it.
+    fn straight_down(&mut self, motion: &Motion, tool: &Tool, cut: &mut Cut) {
+        let (from, to) = (1e-3 * motion.start[2], 1e-3 * motion.end[2]);
+        if to >= from.min(self.stock.top) || motion.unknown {
+            return;
+        }
+        let centre = Point { x: 1e-3 * motion.end[0], y: 1e-3 * motion.end[1] };
+        let path = Section { start: centre, heading: 0.0, length: 0.0, curvature: 0.0, arc_angle: 0.0 };
+        // A disc is looked at by rings, each as a rim in two halves.
+        const RINGS: u32 = 40;
+        let mut volume = 0.0;
+        for ring in 0..RINGS {
+            let radius = tool.radius * (f64::from(ring) + 0.5) / f64::from(RINGS);
+            for heading in [0.0, PI] {
+                let place = Place { centre, radius, bottom: to, heading };
+                let engaged = self.stock.engaged(&self.index, None, &place, 0.0);
+                let solid: f64 = engaged
+                    .layers
+                    .iter()
+                    .map(|layer| layer.height * layer.angles.iter().map(|(a, b)| b - a).sum::<f64>())
+                    .sum();
+                volume += solid * radius * tool.radius / f64::from(RINGS);
+                cut.depth = cut.depth.max(engaged.depth());
+            }
+        }
+        cut.removed += volume;
+        cut.plunge = volume > 1e-6 * PI * tool.radius.powi(2) * (from.min(self.stock.top) - to);
+        self.index.push(Swath { path, radius: tool.radius, floor: to });
+    }
+
+    fn piece(&self, piece: &Piece, tool: &Tool, (feed, speed): (f64, f64), cut: &mut Cut, air: &mut f64) {
+        let path = &piece.path;
+        let low = piece.from.min(piece.to);
+        let middle_height = 0.5 * (piece.from + piece.to);
+        // Greatest way of a rim point for a way of the centre.
+        let moves = 1.0 + tool.radius * path.curvature.abs();
+        // The newest motion comes back on itself only where it turns.
+        let own = (path.curvature != 0.0).then_some(Swath { path: *path, radius: tool.radius, floor: low });
+        let at = |way: f64, bottom: f64, slack: f64| -> Engaged {
+            let place = Place {
+                centre: path.at(way),
+                radius: tool.radius,
+                bottom,
+                heading: path.heading + path.curvature * way,
+            };
+            let own = own.map(|swath| Swath { path: Section { length: way, ..swath.path }, ..swath });
+            self.stock.engaged(&self.index, own.as_ref().filter(|_| way > 0.0), &place, slack)
+        };
+        let mut open = vec![(0.0, path.length)];
+        while let Some((from, to)) = open.pop() {
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+            let bound = at(middle, low, half * moves);
+            if bound.layers.is_empty() {
+                *air += to - from;
+                continue;
+            }
+            let samples = [from, middle, to].map(|way| at(way, middle_height, 0.0));
+            let sampled = samples.iter().map(Engaged::angle).fold(0.0, f64::max);
+            if bound.angle() - sampled > FINE && half * moves > SHORTEST * tool.radius {
+                open.extend([(middle, to), (from, middle)]);
+                continue;
+            }
+            cut.sampled = cut.sampled.max(sampled);
+            cut.bound = cut.bound.max(bound.angle());
+            cut.depth = cut.depth.max(bound.depth());
+            // Simpson's rule over the step.
+            let [first, second, third] = [&samples[0], &samples[1], &samples[2]].map(|own| own.area(tool.radius));
+            cut.removed += (to - from) * (first + 4.0 * second + third) / 6.0;
+            if sampled == 0.0 {
+                *air += to - from;
+            }
+            if let Some(load) = Load::of(&bound, tool, feed, speed) {
+                cut.load = Some(cut.load.map_or(load, |before| before.max(load)));
+            }
+        }
+    }
+}
+
+/// The path of a motion in the plane XY, cut where it turns round or its height changes too much; nothing where only Z moves.
+fn pieces(motion: &Motion, stock: &Stock) -> Vec<Piece> {
+    let point = |axes: &[f64; 9]| Point { x: 1e-3 * axes[0], y: 1e-3 * axes[1] };
+    let (start, end) = (point(&motion.start), point(&motion.end));
+    let (from, to) = (1e-3 * motion.start[2], 1e-3 * motion.end[2]);
+    let straight = |start: Point, end: Point| Section {
+        start,
+        heading: start.heading_to(end),
+        length: start.distance(end),
+        curvature: 0.0,
+        arc_angle: 0.0,
+    };
+    let whole: Vec<(Section, f64, f64)> = match motion.path {
+        Path::Line => {
+            if start.distance(end) < 1e-9 {
+                return Vec::new();
+            }
+            vec![(straight(start, end), from, to)]
+        }
+        Path::Arc(arc) if arc.plane == [0, 1, 2] => {
+            let sign = if arc.left { 1.0 } else { -1.0 };
+            let centre = Point { x: 1e-3 * arc.centre[0], y: 1e-3 * arc.centre[1] };
+            let radius = 1e-3 * arc.radius;
+            let parts = (arc.angle / PI).ceil().max(1.0);
+            let turn = sign * arc.angle / parts;
+            let at = |share: f64| from + (to - from) * share;
+            (0..parts as u32)
+                .map(|i| {
+                    let angle = centre.heading_to(start) + turn * f64::from(i);
+                    let section = Section {
+                        start: centre.ahead(angle, radius),
+                        heading: angle + sign * 0.25 * TAU,
+                        length: radius * turn.abs(),
+                        curvature: sign / radius,
+                        arc_angle: turn.abs(),
+                    };
+                    (section, at(f64::from(i) / parts), at(f64::from(i + 1) / parts))
+                })
+                .collect()
+        }
+        Path::Arc(_) => {
+            let places: Vec<[f64; 9]> =
+                (0..=PIECES).map(|i| motion.position(f64::from(i) / f64::from(PIECES))).collect();
+            let chord = |pair: &[[f64; 9]]| {
+                let section = straight(point(&pair[0]), point(&pair[1]));
+                (section.length > 1e-9).then_some((section, 1e-3 * pair[0][2], 1e-3 * pair[1][2]))
+            };
+            places.windows(2).filter_map(chord).collect()
+        }
+    };
+    let mut list = Vec::new();
+    for (section, from, to) in whole {
+        let depth = (stock.top - from.min(to)).max(1e-4);
+        let parts = ((to - from).abs() / (RAMP * depth)).ceil().clamp(1.0, RAMP_PIECES);
+        for i in 0..parts as u32 {
+            let (low, high) = (f64::from(i) / parts, f64::from(i + 1) / parts);
+            let way = section.length * low;
+            let path = Section {
+                start: section.at(way),
+                heading: section.heading + section.curvature * way,
+                length: section.length / parts,
+                ..section
+            };
+            list.push(Piece { path, from: from + (to - from) * low, to: from + (to - from) * high });
+        }
+    }
+    list
+}

@@ -1,0 +1,39 @@
+//! Stock carried through a part program: how much of the cutter is engaged along its path, how much it removes, and what
+//! that asks of spindle and cutter.
+//!
+//! ```text
+//!  setup file ─► Setup: stock, tools
+//!                  │
+//!  Motions ───────►Cutting: outline less swaths ─► Cut of each motion: angle with bound, depth, volume, air, power, force
+//! ```
+//!
+//! A point of the rim is in material where it lies inside the outline of the stock and in no earlier swath whose floor is at or
+//! below its height. Swaths are what the cutter has run over: regions around lines, arcs and points, each with its floor. The
+//! engaged angles follow in closed form from the crossings of the rim with their boundaries, for each height between the
+//! floors near by; no polygon is cut, so none can fail.
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Setup`], [`SETUP`] | a file that describes stock and tools |
+//! | [`Stock`], [`Outline`], [`Tool`], [`ToolForce`] | what is cut and with what |
+//! | [`Cutting`], [`Cut`], [`Load`] | stock that is cut motion by motion, and what each does |
+//!
+//! # Units
+//! SI, but for the motions, which are those of the crate `program`: mm and s.
+//!
+//! # What is not modelled
+//! Cutters that are not cylinders with flat ends; the tool along another axis than Z; holders and fixtures; stock of other forms
+//! than boxes and cylinders. What a bent cutter leaves. Chips thinner than the edge radius.
+
+#![deny(clippy::wildcard_enum_match_arm)]
+
+mod cutting;
+mod engaged;
+mod load;
+mod setup;
+mod swath;
+
+pub use cutting::{Cut, Cutting};
+pub use engaged::{Outline, Stock};
+pub use load::{Load, Tool, ToolForce};
+pub use setup::{SETUP, Setup};

@@ -1,0 +1,109 @@
+//! What an engagement asks of spindle and cutter.
+
+use crate::engaged::Engaged;
+use std::f64::consts::TAU;
+use toolroom_contour::EdgeForce;
+
+/// A cylindrical cutter with a flat end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tool {
+    /// m.
+    pub radius: f64,
+    /// Teeth.
+    pub teeth: f64,
+    /// Forces on its edges, where they are known.
+    pub force: Option<ToolForce>,
+}
+
+/// Forces on the edges of a tool in the work at hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolForce {
+    /// Coefficients.
+    pub edge: EdgeForce,
+}
+
+/// Averages over a revolution.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Cutting power, W.
+    pub power: f64,
+    /// Force across the direction of travel, N, whatever its sign.
+    pub normal_force: f64,
+    /// Force that bends the cutter, N.
+    pub force: f64,
+}
+
+impl Load {
+    /// Greater of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            power: self.power.max(other.power),
+            normal_force: self.normal_force.max(other.normal_force),
+            force: self.force.max(other.force),
+        }
+    }
+
+    /// The load of a clockwise cutter that feeds `feed` m/s at `speed` rad/s: the linear edge-force model, integrated over the
+    /// engaged angles. `None` where the forces of the tool are not known or the spindle stands.
+    pub(crate) fn of(engaged: &Engaged, tool: &Tool, feed: f64, speed: f64) -> Option<Self> {
+        let ToolForce { edge } = tool.force?;
+        if speed <= 0.0 || feed <= 0.0 {
+            return None;
+        }
+        let feed_per_tooth = feed * TAU / (speed * tool.teeth);
+        // Along the path and across it, and what makes the torque; with chip thickness feed·cos θ.
+        let (mut along, mut across, mut tangential) = (0.0, 0.0, 0.0);
+        for layer in &engaged.layers {
+            for (from, to) in &layer.angles {
+                let whole = to - from;
+                let sin = to.sin() - from.sin();
+                let cos = to.cos() - from.cos();
+                let sin2 = 0.5 * (to.sin().powi(2) - from.sin().powi(2));
+                let cos2 = 0.5 * whole + 0.25 * ((2.0 * to).sin() - (2.0 * from).sin());
+                let (kt, kr) = (edge.tangential_cutting * feed_per_tooth, edge.radial_cutting * feed_per_tooth);
+                let height = layer.height;
+                tangential += height * (edge.tangential_edge * whole + kt * sin);
+                // The tangential force on the cutter points a right angle ahead of the rim point, the radial one to the axis.
+                along += height * (edge.tangential_edge * cos - kt * sin2 - edge.radial_edge * sin - kr * cos2);
+                across += height * (edge.tangential_edge * sin + kt * cos2 + edge.radial_edge * cos - kr * sin2);
+            }
+        }
+        let share = tool.teeth / TAU;
+        let [along, across, tangential] = [along, across, tangential].map(|sum| sum * share);
+        Some(Self { power: tangential * speed * tool.radius, normal_force: across.abs(), force: along.hypot(across) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engaged::Layer;
+    use std::f64::consts::FRAC_PI_2;
+    use toolroom_contour::Milling;
+
+    #[test]
+    fn the_load_of_a_shoulder_is_that_of_the_contour_model() {
+        let edge = EdgeForce::default();
+        let (radius, depth, teeth, immersion) = (0.016, 0.03, 4.0, 0.003);
+        let angle = (1.0 - immersion / radius as f64).acos();
+        let tool = Tool { radius, teeth, force: Some(ToolForce { edge }) };
+        let (feed_per_tooth, speed) = (0.1e-3, 200.0);
+        let feed = feed_per_tooth * teeth * speed / TAU;
+        for (milling, angles) in [
+            // A clockwise cutter mills down with the wall on its right.
+            (Milling::Down, (-FRAC_PI_2, -FRAC_PI_2 + angle)),
+            (Milling::Up, (FRAC_PI_2 - angle, FRAC_PI_2)),
+        ] {
+            let engaged = Engaged { layers: vec![Layer { height: depth, angles: vec![angles] }] };
+            let load = Load::of(&engaged, &tool, feed, speed).expect("a load");
+            let forces = edge.mean(angle, depth, teeth, milling).at(feed_per_tooth);
+            assert!((load.power - forces.tangential * speed * radius).abs() < 1e-9 * load.power, "{milling:?}");
+            assert!(
+                (load.normal_force - forces.normal.abs()).abs() < 1e-9 * load.force,
+                "{milling:?}: {load:?} {forces:?}"
+            );
+            assert!((load.force - forces.resultant()).abs() < 1e-9 * load.force, "{milling:?}");
+        }
+    }
+}

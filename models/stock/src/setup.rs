@@ -1,0 +1,176 @@
+//! Setup files: stock and tools of a part program.
+
+use crate::engaged::{Outline, Stock};
+use crate::load::{Tool, ToolForce};
+use std::collections::BTreeMap;
+use std::path::Path;
+use toolroom_contour::{PARAMETER_SETS, Parameters, Point};
+use toolroom_form::{Fault, Form, FormFile, Key, Kind, ReadError, Section, Value, Walk, parse, read};
+
+/// Stock and tools of a part program.
+///
+/// ```
+/// let text = r#"
+/// schema = 1
+/// [stock]
+/// box = [["-5 mm", "-5 mm", "-20 mm"], ["65 mm", "65 mm", "0 mm"]]
+/// [[tool]]
+/// number = 3
+/// diameter = "10 mm"
+/// teeth = 4
+/// "#;
+/// let setup = toolroom_stock::Setup::parse("setup.toml", text, &[]).unwrap().content;
+/// assert_eq!(setup.tools[&3].radius, 5e-3);
+/// assert!((setup.stock.volume() - 0.07 * 0.07 * 0.02).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// What is cut.
+    pub stock: Stock,
+    /// Tools by their number in the program.
+    pub tools: BTreeMap<u32, Tool>,
+    /// Machine file or preset that the file names.
+    pub drives: Option<String>,
+}
+
+const FARTHEST: f64 = 100.0;
+const PLACE: Kind = Kind::quantity("m", "mm", -FARTHEST, FARTHEST, "0 mm");
+const CORNER: Kind = Kind::List(&PLACE);
+const LENGTH: Kind = Kind::positive("m", "mm", FARTHEST, "50 mm");
+
+static CYLINDER: Form = Form {
+    title: "cylinder",
+    doc: "A round stock that stands along Z",
+    keys: &[
+        Key::required("diameter", LENGTH, "Diameter"),
+        Key::required("height", LENGTH, "Height"),
+        Key::default("base", PLACE, "0 mm", "Height of its lower face in the coordinates of the program"),
+        Key::default("centre", CORNER, "[\"0 mm\", \"0 mm\"]", "Its axis, X and Y"),
+    ],
+};
+
+static STOCK: Form = Form {
+    title: "[stock]",
+    doc: "What is cut, in the coordinates of the program: a box or a cylinder",
+    keys: &[
+        Key::optional("box", Kind::List(&CORNER), "Least and greatest corner, X, Y and Z of each"),
+        Key::optional("cylinder", Kind::Table(&CYLINDER), "A round stock"),
+    ],
+};
+
+/// Names of parameter sets, for messages.
+const SETS: [&str; PARAMETER_SETS.len()] = {
+    let mut names = [""; PARAMETER_SETS.len()];
+    let mut i = 0;
+    while i < PARAMETER_SETS.len() {
+        names[i] = PARAMETER_SETS[i].0;
+        i += 1;
+    }
+    names
+};
+
+static TOOL: Form = Form {
+    title: "[[tool]]",
+    doc: "A cylindrical end mill with a flat end",
+    keys: &[
+        Key::required("number", Kind::Count { min: 0, max: 99_999_999 }, "T of the program"),
+        Key::optional("name", Kind::Name, "Name"),
+        Key::required("diameter", LENGTH, "Diameter"),
+        Key::required("teeth", Kind::Count { min: 1, max: 100 }, "Teeth"),
+        Key::optional("parameter_set", Kind::Choice(&SETS), "Set of contour milling whose edge forces it has"),
+    ],
+};
+
+/// Keys of a setup file of a part program.
+pub static SETUP: Form = Form {
+    title: "the setup of a part program",
+    doc: "Stock and tools of a part program",
+    keys: &[
+        Key::required("schema", Kind::Count { min: 1, max: u64::MAX }, "Version of the format, 1"),
+        Key::optional("drives", Kind::Text, "Machine file, from the folder of this file, or a preset"),
+        Key::required("stock", Kind::Table(&STOCK), "What is cut"),
+        Key::optional("tool", Kind::Tables(&TOOL), "Tools of the program"),
+    ],
+};
+
+impl Setup {
+    /// Reads a setup file with values replaced as after `--set`.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the file cannot be opened, or every fault found in it.
+    pub fn read(path: &Path, set: &[String]) -> Result<FormFile<Self>, ReadError> {
+        read(path, set, &SETUP, setup)
+    }
+
+    /// [`Setup::read`] of a text; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// [`ReadError`] with every fault found.
+    pub fn parse(file: &str, text: &str, set: &[String]) -> Result<FormFile<Self>, ReadError> {
+        parse(file, text, set, &SETUP, setup)
+    }
+
+    /// Greatest radius of a tool, m; 5 mm where there is none.
+    pub fn radius(&self) -> f64 {
+        self.tools.values().map(|tool| tool.radius).reduce(f64::max).unwrap_or(5e-3)
+    }
+}
+
+/// The numbers of a list of quantities; `None` where a problem was noted.
+fn numbers(value: &Value<'_>) -> Option<Vec<f64>> {
+    let Value::List(list) = value else { return None };
+    list.iter().map(|got| if let Value::Si(value) = got.value { Some(value) } else { None }).collect()
+}
+
+fn stock(walk: &mut Walk, section: &Section<'_>) -> Option<Stock> {
+    let wrong = |walk: &mut Walk, key: &str, expected: &str, example: &str| {
+        let (read, expected, example) = ("other values".to_owned(), expected.to_owned(), example.to_owned());
+        walk.fault(section.span_of(key), Fault::WrongType { key: key.to_owned(), read, expected, example });
+    };
+    let example = "[[\"0 mm\", \"0 mm\", \"-20 mm\"], [\"60 mm\", \"40 mm\", \"0 mm\"]]";
+    match (section.given("box"), walk.table(section, "cylinder")) {
+        (true, None) => {
+            let corners: Option<Vec<Vec<f64>>> = section.list("box").iter().map(|got| numbers(&got.value)).collect();
+            if let [low, high] = corners?.as_slice()
+                && let ([x0, y0, z0], [x1, y1, z1]) = (low.as_slice(), high.as_slice())
+                && x0 < x1
+                && y0 < y1
+                && z0 < z1
+            {
+                let outline = Outline::Box(Point { x: *x0, y: *y0 }, Point { x: *x1, y: *y1 });
+                return Some(Stock { outline, base: *z0, top: *z1 });
+            }
+            wrong(walk, "box", "the least and the greatest corner, X, Y and Z of each", example);
+            None
+        }
+        (false, Some(table)) => {
+            let (diameter, height, base) = (table.si("diameter")?, table.si("height")?, table.si("base")?);
+            if let [x, y] = table.numbers("centre")?[..] {
+                let outline = Outline::Circle(Point { x, y }, 0.5 * diameter);
+                return Some(Stock { outline, base, top: base + height });
+            }
+            wrong(walk, "cylinder", "a centre of X and Y", "[\"0 mm\", \"0 mm\"]");
+            None
+        }
+        (true, Some(_)) | (false, None) => {
+            wrong(walk, "box", "either a box or a cylinder", example);
+            None
+        }
+    }
+}
+
+fn setup(walk: &mut Walk, root: &Section<'_>) -> Option<Setup> {
+    let stock = walk.table(root, "stock").and_then(|section| stock(walk, &section));
+    let mut tools = BTreeMap::new();
+    for section in walk.sections(root, "tool", None) {
+        let set = section.text("parameter_set").and_then(|name| Parameters::named(name).ok());
+        let (Some(number), Some(diameter), Some(teeth)) =
+            (section.count("number"), section.si("diameter"), section.count("teeth"))
+        else {
+            continue;
+        };
+        let force = set.map(|set| ToolForce { edge: set.force });
+        tools.insert(number as u32, Tool { radius: 0.5 * diameter, teeth: teeth as f64, force });
+    }
+    Some(Setup { stock: stock?, tools, drives: root.text("drives").map(str::to_owned) })
+}

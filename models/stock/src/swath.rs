@@ -1,0 +1,84 @@
+//! What the cutter has run over, found by its place.
+
+use std::collections::BTreeMap;
+use toolroom_contour::{Point, Section, distance};
+
+/// A region around a path, cleared down to a floor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Swath {
+    pub path: Section,
+    /// m.
+    pub radius: f64,
+    /// Height of the lowest place that is cleared everywhere along it, m.
+    pub floor: f64,
+}
+
+/// Swaths in the squares that they touch.
+#[derive(Clone, Debug)]
+pub(crate) struct Index {
+    swaths: Vec<Swath>,
+    squares: BTreeMap<(i64, i64), Vec<u32>>,
+    /// Side of a square, m.
+    side: f64,
+}
+
+/// The box around a section, grown by `reach`: least and greatest corner.
+fn around(path: &Section, reach: f64) -> (Point, Point) {
+    let parts = if path.curvature == 0.0 { 1 } else { (path.sweep().abs() / 0.2).ceil().max(1.0) as u32 };
+    let mut low = Point { x: f64::INFINITY, y: f64::INFINITY };
+    let mut high = Point { x: f64::NEG_INFINITY, y: f64::NEG_INFINITY };
+    for i in 0..=parts {
+        let at = path.at(path.length * f64::from(i) / f64::from(parts));
+        low = Point { x: low.x.min(at.x), y: low.y.min(at.y) };
+        high = Point { x: high.x.max(at.x), y: high.y.max(at.y) };
+    }
+    // An arc bulges over the chord of a part by less than its sagitta.
+    let bulge = if path.curvature == 0.0 { 0.0 } else { 0.01 / path.curvature.abs() };
+    let reach = reach + bulge;
+    (Point { x: low.x - reach, y: low.y - reach }, Point { x: high.x + reach, y: high.y + reach })
+}
+
+impl Index {
+    /// Without swaths, for cutters of about this radius, m.
+    pub fn new(radius: f64) -> Self {
+        Self { swaths: Vec::new(), squares: BTreeMap::new(), side: 2.0 * radius.max(1e-4) }
+    }
+
+    fn square(&self, point: Point) -> (i64, i64) {
+        ((point.x / self.side).floor() as i64, (point.y / self.side).floor() as i64)
+    }
+
+    pub fn push(&mut self, swath: Swath) {
+        let number = self.swaths.len() as u32;
+        let (low, high) = around(&swath.path, swath.radius);
+        let (from, to) = (self.square(low), self.square(high));
+        for x in from.0..=to.0 {
+            for y in from.1..=to.1 {
+                // Of a long slanted path only the squares near it are touched.
+                let middle = Point { x: (x as f64 + 0.5) * self.side, y: (y as f64 + 0.5) * self.side };
+                if distance(&swath.path, middle) <= swath.radius + self.side {
+                    self.squares.entry((x, y)).or_default().push(number);
+                }
+            }
+        }
+        self.swaths.push(swath);
+    }
+
+    /// Swaths that reach within `radius` of a point, the newest first.
+    pub fn near(&self, centre: Point, radius: f64) -> Vec<&Swath> {
+        let (from, to) = (
+            self.square(Point { x: centre.x - radius, y: centre.y - radius }),
+            self.square(Point { x: centre.x + radius, y: centre.y + radius }),
+        );
+        let mut found: Vec<u32> = Vec::new();
+        for x in from.0..=to.0 {
+            for y in from.1..=to.1 {
+                found.extend(self.squares.get(&(x, y)).into_iter().flatten());
+            }
+        }
+        found.sort_unstable_by(|a, b| b.cmp(a));
+        found.dedup();
+        let swaths = found.into_iter().map(|number| &self.swaths[number as usize]);
+        swaths.filter(|swath| distance(&swath.path, centre) < swath.radius + radius).collect()
+    }
+}

@@ -1,0 +1,154 @@
+//! Engagement against closed forms, and volume against the stock that is left.
+
+use proptest::prelude::*;
+use std::f64::consts::PI;
+use toolroom_contour::Point;
+use toolroom_program::{Control, EventKind, Run};
+use toolroom_stock::{Cut, Cutting, Outline, Stock, Tool};
+
+fn block(x: f64, y: f64) -> Stock {
+    Stock { outline: Outline::Box(Point { x: 0.0, y: 0.0 }, Point { x, y }), base: -0.02, top: 0.0 }
+}
+
+/// The cuts of a program's motions at feed, and the stock behind them.
+fn run(text: &str, stock: Stock, radius: f64) -> (Vec<Cut>, Cutting) {
+    let tool = Tool { radius, teeth: 4.0, force: None };
+    let mut cutting = Cutting::new(stock, radius);
+    let mut cuts = Vec::new();
+    for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
+        if let EventKind::Motion(motion) = event.unwrap_or_else(|error| panic!("{error}\n{text}")).kind {
+            let cut = cutting.motion(&motion, &tool, 0.0);
+            if !motion.rapid {
+                cuts.push(cut);
+            }
+        }
+    }
+    (cuts, cutting)
+}
+
+#[test]
+fn a_slot_and_a_shoulder_have_the_angles_of_the_closed_forms() {
+    let (cuts, _) = run("G0 X-10 Y25 Z-5\nG1 X110 F500\n", block(0.1, 0.05), 5e-3);
+    assert!((cuts[0].sampled.to_degrees() - 180.0).abs() < 1e-9);
+    for (radius, width, angle) in [(5.0, 1.0, 36.869_898), (8.0, 0.5, 20.364_135)] {
+        let y = width - radius;
+        let (cuts, _) = run(&format!("G0 X-20 Y{y} Z-5\nG1 X120 F500\n"), block(0.1, 0.05), 1e-3 * radius);
+        assert!((cuts[0].sampled.to_degrees() - angle).abs() < 1e-6, "{}", cuts[0].sampled.to_degrees());
+        assert!(cuts[0].bound - cuts[0].sampled < 3f64.to_radians(), "{:?}", cuts[0]);
+    }
+}
+
+#[test]
+fn an_inner_corner_engages_a_right_angle_more() {
+    // The same cutter was there before, 1 mm farther from both walls: R 5, a 1.
+    let corner = |x: f64, y: f64| Point { x, y };
+    let stock = Stock { outline: Outline::Box(corner(-0.01, -0.04), corner(0.1, 0.06)), base: -0.02, top: 0.0 };
+    let text = "G0 X-20 Y1 Z-5\nG1 X59 F500\nY80\nG0 Z5\nX-20 Y0\nZ-5\nG1 X60\nY80\n";
+    let (cuts, _) = run(text, stock, 5e-3);
+    let degrees: Vec<f64> = cuts.iter().map(|cut| cut.sampled.to_degrees()).collect();
+    assert!((degrees[2] - 126.8699).abs() < 1e-4, "{degrees:?}");
+    // Right behind it the shoulder again.
+    assert!((degrees[3] - 36.869_898).abs() < 1e-4, "{degrees:?}");
+    // Before the corner: distance, mm, and angle, deg.
+    for (before, angle) in [(4.0, 36.872), (3.0, 39.488), (2.0, 53.132), (1.0, 95.742), (0.5, 115.845)] {
+        let end = 60.0 - before;
+        let text = text.replace("G1 X60\nY80\n", &format!("G1 X{end}\n"));
+        let (cuts, _) = run(&text, stock, 5e-3);
+        let degrees = cuts[2].sampled.to_degrees();
+        assert!((degrees - angle).abs() < 2e-3, "{before}: {degrees}");
+    }
+}
+
+#[test]
+fn what_is_engaged_is_what_is_gone() {
+    let (radius, stock) = (4e-3, block(0.06, 0.04));
+    let text = "G0 X-6 Y0 Z-3\nG1 X66 F500\nG0 Z5\nX-6 Y5 Z5\nZ-3\nG1 X30\nG2 X44 Y19 R14\nG1 Y50\nG0 Z5\nX15 Y25\nG1 Z-6\nG3 I5\nX20 Y30 Z-2\n";
+    let (cuts, cutting) = run(text, stock, radius);
+    let sum: f64 = cuts.iter().map(|cut| cut.removed).sum();
+    assert!((sum - cutting.removed()).abs() < 1e-15);
+    assert!(cuts.iter().any(|cut| cut.plunge) && cuts.iter().any(|cut| cut.air > 0.05));
+    // Counted column by column, apart from the swaths.
+    let mut floors = vec![0.0; 600 * 400];
+    for event in Run::new(&format!("G21 G90\n{text}"), &Control::default()).expect("a program") {
+        let EventKind::Motion(motion) = event.expect("a motion").kind else { continue };
+        let steps = (motion.length / 0.05).ceil().max(1.0) as u32;
+        for step in 0..=steps {
+            let at = motion.position(f64::from(step) / f64::from(steps));
+            if at[2] >= 0.0 {
+                continue;
+            }
+            let reach = 1e3 * radius;
+            let cell = |value: f64| ((value / 0.1) - 0.5).floor() as i64;
+            for i in (cell(at[0] - reach)..=cell(at[0] + reach) + 1).filter(|i| (0..600).contains(i)) {
+                for j in (cell(at[1] - reach)..=cell(at[1] + reach) + 1).filter(|j| (0..400).contains(j)) {
+                    let (x, y) = (0.1 * (i as f64 + 0.5), 0.1 * (j as f64 + 0.5));
+                    if (x - at[0]).hypot(y - at[1]) <= reach {
+                        let floor: &mut f64 = &mut floors[(i * 400 + j) as usize];
+                        *floor = floor.min(1e-3 * at[2]);
+                    }
+                }
+            }
+        }
+    }
+    let gone: f64 = floors.iter().map(|floor| -floor * 1e-8).sum();
+    assert!((sum / gone - 1.0).abs() < 5e-3, "{sum} {gone}");
+}
+
+#[test]
+fn rapids_through_stock_are_told() {
+    let tool = Tool { radius: 5e-3, teeth: 4.0, force: None };
+    let mut cutting = Cutting::new(block(0.1, 0.05), 5e-3);
+    let mut crashes = Vec::new();
+    for event in Run::new("G21 G90 G0 X-20 Y25 Z-5\nX50\nZ10\nX80\nZ-1\n", &Control::default()).expect("a program") {
+        let event = event.expect("an event");
+        if let EventKind::Motion(motion) = event.kind
+            && cutting.motion(&motion, &tool, 0.0).crash
+        {
+            crashes.push(event.line);
+        }
+    }
+    assert_eq!(crashes, [2, 5]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    /// The rim sampled between the steps is never engaged more than the bound says.
+    #[test]
+    fn the_bound_holds_between_samples(
+        places in proptest::collection::vec((0.0..60.0f64, 0.0..40.0f64, 1.0..8.0f64), 3..9),
+    ) {
+        let (radius, stock) = (5e-3, block(0.06, 0.04));
+        let tool = Tool { radius, teeth: 4.0, force: None };
+        let mut text = "G21 G90 G0 X-20 Y-20 Z5\n".to_owned();
+        for (i, (x, y, depth)) in places.iter().enumerate() {
+            text += &if i % 3 == 2 {
+                format!("G1 Z-{depth:.3} F500\nX{x:.3}\n")
+            } else {
+                format!("G1 X{x:.3} Y{y:.3} F500\n")
+            };
+        }
+        let mut cutting = Cutting::new(stock, radius);
+        for event in Run::new(&text, &Control::default()).expect("a program") {
+            let EventKind::Motion(motion) = event.expect("an event").kind else { continue };
+            let before = cutting.clone();
+            let cut = cutting.motion(&motion, &tool, 0.0);
+            if motion.rapid || (motion.start[0] == motion.end[0] && motion.start[1] == motion.end[1]) {
+                continue;
+            }
+            // The same motion in many short ones: each begins with a sample of its own.
+            let mut fine = before.clone();
+            let mut worst: f64 = 0.0;
+            const PARTS: u32 = 60;
+            for i in 0..PARTS {
+                let (from, to) = (f64::from(i) / f64::from(PARTS), f64::from(i + 1) / f64::from(PARTS));
+                let (start, end) = (motion.position(from), motion.position(to));
+                let length = motion.length / f64::from(PARTS);
+                let part = toolroom_program::Motion { start, end, length, time: motion.time / f64::from(PARTS), ..motion };
+                worst = worst.max(fine.motion(&part, &tool, 0.0).sampled);
+            }
+            prop_assert!(worst <= cut.bound + 1e-6, "{} {}\n{text}", worst.to_degrees(), cut.bound.to_degrees());
+            prop_assert!(cut.sampled <= cut.bound + 1e-9 && cut.bound <= PI + 1e-9);
+        }
+    }
+}
