@@ -175,9 +175,9 @@ fn demo() -> Scenario {
         arrivals: vec![Arrival { part: 0, pattern: ArrivalPattern::ConstantWork { jobs: 12 } }],
         policies: [
             SpeedRule::Programmed,
-            SpeedRule::Constant(SpeedChoice::BestRate),
+            SpeedRule::BestRate,
             SpeedRule::Schedule,
-            SpeedRule::MinimumWear { literal: false },
+            SpeedRule::MinimumWear,
             SpeedRule::Productivity { price: None },
         ]
         .map(policy)
