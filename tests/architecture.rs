@@ -80,6 +80,32 @@ fn every_crate_names_what_the_architecture_page_says() {
     }
 }
 
+/// The Python package is a workspace of its own. It is built with `--locked`, so that a crate that its lock file does not know
+/// would leave the package out.
+#[test]
+fn the_lock_file_of_the_python_package_knows_every_crate_of_the_library() {
+    let text = std::fs::read_to_string(root().join("python/Cargo.lock")).expect("python/Cargo.lock");
+    let quoted = |line: &str| line.split('"').nth(1).unwrap_or_default().to_owned();
+    let locked: BTreeMap<String, BTreeSet<String>> = text
+        .split("[[package]]")
+        .skip(1)
+        .map(|package| {
+            let name = package.lines().find(|line| line.starts_with("name = ")).map(quoted).unwrap_or_default();
+            // A dependency of which several versions are used is followed by its version.
+            let names = package.lines().filter(|line| line.starts_with(" \"")).map(quoted);
+            (name, names.map(|name| name.split(' ').next().unwrap_or_default().to_owned()).collect())
+        })
+        .collect();
+    let edges = dependencies();
+    let ours = reachable(&edges, "toolroom").into_iter().filter(|name| name.starts_with("toolroom"));
+    for name in ours.chain(["toolroom".to_owned()]) {
+        let known =
+            locked.get(&name).unwrap_or_else(|| panic!("python/Cargo.lock lacks {name}: run cargo metadata there"));
+        let missing: Vec<&String> = edges[&name].difference(known).collect();
+        assert!(missing.is_empty(), "python/Cargo.lock, {name}, lacks {missing:?}: run cargo metadata there");
+    }
+}
+
 #[test]
 fn only_parquet_knows_polars_and_the_rest_compiles_beside_it() {
     let edges = dependencies();
@@ -123,7 +149,7 @@ fn no_crate_outgrows_what_one_reader_can_hold() {
     }
 }
 
-/// Licences under which others may build on toolroom without opening their own code.
+/// Licences under which others may build on toolroom without opening their own code; deny.toml has the same ones.
 const PERMISSIVE: [&str; 14] = [
     "0BSD",
     "Apache-2.0",
@@ -176,6 +202,10 @@ fn is_permissive(expression: &str) -> bool {
 fn every_dependency_has_a_permissive_licence() {
     assert!(is_permissive("(MIT OR GPL-3.0) AND Unicode-3.0") && is_permissive("GPL-3.0 OR MIT"));
     assert!(!is_permissive("MIT AND GPL-3.0") && !is_permissive("(MIT OR ISC) AND GPL-3.0") && !is_permissive(""));
+    let deny = std::fs::read_to_string(root().join("deny.toml")).expect("deny.toml");
+    let allowed = deny.lines().filter(|line| line.starts_with("  \"")).filter_map(|line| line.split('"').nth(1));
+    let allowed: Vec<&str> = allowed.skip_while(|name| *name != PERMISSIVE[0]).collect();
+    assert_eq!(allowed, PERMISSIVE, "deny.toml and this list");
     let metadata = metadata();
     let packages = metadata["packages"].as_array().expect("packages");
     assert!(packages.len() > 100, "{} packages", packages.len());

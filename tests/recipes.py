@@ -146,7 +146,7 @@ def process(program, folder):
 
 
 def policy(program, folder):
-    """The policy runs beside the programmed speed, and slower."""
+    """The policy runs beside the programmed speed, and slower, in a shop and in a study of tool lives."""
     text = (ROOT / "scenarios" / "template.toml").read_text()
     kept = text[: text.index("[[policy]]")]
     rules = '[[policy]]\nname = "{0}"\nspeed = "{0}"\n'
@@ -156,6 +156,13 @@ def policy(program, folder):
     figures = kpi(folder / "compared")
     fast, slow = (figures[name]["mean_cutting_speed_turning"] for name in ("programmed", "eased"))
     assert 0.5 * fast < slow < 0.99 * fast, (fast, slow)
+    lives = folder / "lives.toml"
+    head = 'schema = 1\nname = "eased"\nlives = 20\nparameter_set = "c45_t15k6"\n'
+    lives.write_text(head + rules.format("programmed") + rules.format("eased") + 'ease = "0.5"\n')
+    call(program, "life", lives, "--out", folder / "lived")
+    with open(folder / "lived" / "cells.csv", newline="") as file:
+        path = {row["policy"]: float(row["mean path [m]"]) for row in csv.DictReader(file)}
+    assert path["programmed"] != path["eased"], path
     refused = subprocess.run([program, "check", shop, "--set", "policy.eased.ease=2"], capture_output=True, text=True)
     assert refused.returncode != 0, "an ease beyond its range is accepted"
 

@@ -10,22 +10,23 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
-use toolroom_life::study::policy::{Reading, Rule};
+use toolroom_life::study::policy::Reading;
 use toolroom_life::study::run::lives;
 use toolroom_life::study::{Passes, Study, cell};
-use toolroom_scenario::SensorSheet;
+use toolroom_scenario::{SensorSheet, SpeedRule};
 use toolroom_wear::{Pair, Scatter};
 
 /// Lives of one run, and runs.
 const LIVES: u64 = 200;
 const RUNS: u64 = 100;
 
-fn study(rule: Rule, reading: Reading, scatter: Scatter, lagged: bool) -> Study {
+fn study(rule: SpeedRule, reading: Reading, scatter: Scatter, lagged: bool) -> Study {
     let mut pair = Pair::default();
     let cut = pair.reference_cut().at_speed(0.5);
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.1).expect("an edge that wears out");
     let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
-    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
+    let cells =
+        vec![cell(("", cut), ("", rule.into(), reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
     Study { seed: 1, lives: 1 << 40, ..Study::plain(pair, scatter, cells, (passes, lagged)) }
 }
 
@@ -133,12 +134,16 @@ fn main() {
     let even = Scatter { allowance: 0.0, piece_hardness: 0.0, ..shop };
     // With the lives of about 0.12 s.
     let cases = [
-        ("constant speed", study(Rule::Programmed, Reading::Pass, even, false), 24_000),
-        ("constant speed, passes that differ", study(Rule::Programmed, Reading::Pass, shop, false), 6000),
-        ("constant speed, lagged body and pauses", study(Rule::Programmed, Reading::Pass, shop, true), 2000),
-        ("adaptive, one update a pass", study(Rule::MinimumWear, Reading::Pass, shop, false), 2500),
-        ("adaptive, updates every 6 s", study(Rule::MinimumWear, Reading::Period, shop, false), 850),
-        ("adaptive, every 6 s, lagged body and pauses", study(Rule::MinimumWear, Reading::Period, shop, true), 600),
+        ("constant speed", study(SpeedRule::Programmed, Reading::Pass, even, false), 24_000),
+        ("constant speed, passes that differ", study(SpeedRule::Programmed, Reading::Pass, shop, false), 6000),
+        ("constant speed, lagged body and pauses", study(SpeedRule::Programmed, Reading::Pass, shop, true), 2000),
+        ("adaptive, one update a pass", study(SpeedRule::MinimumWear, Reading::Pass, shop, false), 2500),
+        ("adaptive, updates every 6 s", study(SpeedRule::MinimumWear, Reading::Period, shop, false), 850),
+        (
+            "adaptive, every 6 s, lagged body and pauses",
+            study(SpeedRule::MinimumWear, Reading::Period, shop, true),
+            600,
+        ),
     ];
     let words: Vec<String> = std::env::args().skip(1).collect();
     if let [word, case, from, to] = &words[..]

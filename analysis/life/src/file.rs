@@ -9,15 +9,17 @@ use crate::measured::numbers;
 use crate::replacement::Costs;
 use crate::study::edge::COORDINATES;
 use crate::study::points::Sampling;
-use crate::study::policy::{Knows, Reading, Rule};
+use crate::study::policy::{ChangeCost, Reading, Rule};
 use crate::study::spread::{Copula, Spread};
 use crate::study::{Cell, Ends, Field, Passes, Study, Tilt, cell};
+use keys::PRICE_WORD;
 use std::path::{Path, PathBuf};
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, nearest, set_parameters, significant};
 use toolroom_process::{Record, unit};
 use toolroom_scenario::file::sensors;
-use toolroom_wear::{Cut, Objective, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
-use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
+use toolroom_scenario::{Knowledge, SensorSheet, SpeedRule};
+use toolroom_wear::{Cut, Pair, ParameterSet, Scatter, SetError, TURNING_SETS};
+use words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
 
 /// What may stand before the dot in the name of a field, for messages.
 const GROUPS: &str = "GROUP.NAME as in [parameters], such as limits.wear_limit; cut.NAME, such as cut.hardness";
@@ -219,26 +221,24 @@ fn cells(
     conditions: &[(String, Cut)],
     course: (Passes, bool),
 ) -> Vec<Cell> {
-    let mut policies = Vec::<(String, Rule, Reading, toolroom_scenario::SensorSheet)>::new();
+    let mut policies = Vec::<(String, Rule, Reading, SensorSheet)>::new();
     for section in walk.sections(root, "policy", None) {
         let name = section.text("name").unwrap_or_default().to_owned();
         if policies.iter().any(|(known, ..)| *known == name) {
             walk.fault(section.span_of("name"), Fault::DuplicateName { kind: "policy", name: name.clone() });
         }
-        let rule = match section.chosen("speed", RuleWord::from_word) {
-            Some(RuleWord::BestPath) => Rule::Best(Objective::Path),
-            Some(RuleWord::BestLife) => Rule::Best(Objective::Life),
-            Some(RuleWord::BestRate) => Rule::Best(Objective::Rate { change_time: section.required("change_time") }),
-            Some(RuleWord::Makarov) => Rule::Makarov(section.required("at_flank_wear")),
-            Some(RuleWord::Schedule) => Rule::Schedule,
-            Some(RuleWord::MinimumWear) => Rule::MinimumWear,
-            Some(RuleWord::Price) => Rule::Price(section.required("price")),
-            Some(RuleWord::Oracle) => Rule::Oracle(match section.chosen("knows", KnowsWord::from_word) {
-                Some(KnowsWord::Edge) => Knows::Edge,
-                Some(KnowsWord::Wear) | None => Knows::Wear, // None after a problem
-            }),
-            Some(RuleWord::Programmed) | None => Rule::Programmed, // None after a problem
-        };
+        let word = section.chosen("speed", |word| {
+            let priced = SpeedRule::Productivity { price: None }.word();
+            SpeedRule::known_word(if word == PRICE_WORD { priced } else { word })
+        });
+        let speed = word.and_then(|word| SpeedRule::of_word(word, &section));
+        let mut rule = Rule::from(speed.unwrap_or(SpeedRule::Programmed)); // None after a problem
+        if section.chosen("knows", KnowsWord::from_word) == Some(KnowsWord::Edge) {
+            rule.knows = Knowledge::Edge;
+        }
+        // Each applies to the rules that weigh it.
+        let cost = |key: &str| section.si(key).unwrap_or_default();
+        rule.change = ChangeCost { time: cost("change_time"), edge: cost("edge_cost"), machine: cost("machine_rate") };
         let reading = match section.chosen("reading", ReadingWord::from_word) {
             Some(ReadingWord::Pass) => Reading::Pass,
             // The key applies to rules with sensors only.
@@ -247,8 +247,8 @@ fn cells(
         policies.push((name, rule, reading, sensors(walk, &section, OF_SHOPS)));
     }
     if policies.is_empty() {
-        let sensors = toolroom_scenario::SensorSheet::default();
-        policies.push(("programmed".to_owned(), Rule::Programmed, Reading::Pass, sensors));
+        let rule = Rule::from(SpeedRule::Programmed);
+        policies.push(("programmed".to_owned(), rule, Reading::Pass, SensorSheet::default()));
     }
     let made = conditions.iter().flat_map(|(condition, cut)| {
         policies.iter().map(move |(name, rule, reading, sensors)| {

@@ -94,7 +94,7 @@ pub(super) fn refit(sample: &Sample, near: &Fit) -> Option<Fit> {
 pub fn log_likelihood(sample: &Sample, law: &Law) -> f64 {
     // Classes follow one another: the upper end of one is the lower end of the next.
     let mut last = (f64::NAN, (0.0, 0.0));
-    let mut of = |life: &Observation| match *life {
+    let mut of_life = |life: &Observation| match *life {
         Observation::Failed(age) => law.ln_density(age),
         Observation::Censored(age) => law.ln_survival(age),
         Observation::Between(low, high) => {
@@ -105,7 +105,7 @@ pub fn log_likelihood(sample: &Sample, law: &Law) -> f64 {
             share.ln()
         }
     };
-    sample.lives().iter().map(|(life, weight)| weight * of(life)).sum()
+    sample.lives().iter().map(|(life, weight)| weight * of_life(life)).sum()
 }
 
 impl Fit {

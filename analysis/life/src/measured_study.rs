@@ -96,20 +96,20 @@ fn groups(measured: &Measured, request: &Request) -> Result<Vec<Group>, Measured
             names.push(&life.group);
         }
     }
-    let of = |name: &str, lives: &[&MeasuredLife]| -> Result<Group, SampleError> {
+    let group = |name: &str, lives: &[&MeasuredLife]| -> Result<Group, SampleError> {
         let sample = Sample::new(lives.iter().map(|life| life.life))?;
         let analysis = analyse(&sample, request).map_err(|error| error.to_string());
         Ok(Group { name: name.to_owned(), sample, analysis })
     };
     let all: Vec<&MeasuredLife> = measured.lives.iter().collect();
-    let mut groups = vec![of("", &all)?];
+    let mut groups = vec![group("", &all)?];
     if let Err(reason) = &groups[0].analysis {
         return Err(MeasuredStudyError::TooFew(reason.clone()));
     }
     if names.len() > 1 {
         for name in names {
             let lives: Vec<&MeasuredLife> = all.iter().copied().filter(|life| life.group == name).collect();
-            groups.push(of(name, &lives)?);
+            groups.push(group(name, &lives)?);
         }
     }
     Ok(groups)
@@ -139,12 +139,12 @@ fn coefficients(regression: &Regression) -> impl Iterator<Item = (&str, f64, f64
 }
 
 fn regression_json(regression: &Regression) -> Value {
-    let of = |(name, coefficient, error): (&str, f64, f64)| {
+    let entry = |(name, coefficient, error): (&str, f64, f64)| {
         (name.to_owned(), json!({ "coefficient": coefficient, "standard_error": error }))
     };
     json!({
         "response": "ln(life)",
-        "coefficients": coefficients(regression).map(of).collect::<Map<String, Value>>(),
+        "coefficients": coefficients(regression).map(entry).collect::<Map<String, Value>>(),
         "sigma": regression.sigma,
         "freedom": regression.freedom,
         "log_likelihood": regression.log_likelihood,

@@ -182,13 +182,13 @@ pub fn tiles(sample: &Sample, analysis: &Analysis, words: &Words, confidence: f6
 /// The sections about one sample; `name` is that of its group.
 pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words, confidence: f64) -> Vec<Section> {
     let unit = words.unit.as_str();
-    let of = if name.is_empty() { String::new() } else { format!(", {name}") };
+    let of_group = if name.is_empty() { String::new() } else { format!(", {name}") };
     let bands = format!(
         "Bands are pointwise {} % intervals of {} resampled refits.",
         100.0 * confidence,
         analysis.resampled.len()
     );
-    let mut laws = Section::new(format!("Laws{of}")).table(
+    let mut laws = Section::new(format!("Laws{of_group}")).table(
         "Fits by maximum likelihood, profile-likelihood intervals, most credible first; A² is the Anderson–Darling \
          distance, p the share of samples of the law that are farther from their own fit",
         fits(analysis, words),
@@ -213,7 +213,7 @@ pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words,
         ));
     let hazard = Axis::linear("Hazard", picture::per(unit)).include(0.0);
     let residual = Axis::linear("Mean residual life", unit).include(0.0);
-    let reliability = Section::new(format!("Reliability{of}"))
+    let reliability = Section::new(format!("Reliability{of_group}"))
         .figure(Figure::new(&picture::reliability(analysis, unit), bands))
         .figure(Figure::new(
             &picture::banded("Hazard", hazard, &analysis.hazard, unit, "Rate at which edges of an age end."),
@@ -243,7 +243,7 @@ pub fn sections(name: &str, sample: &Sample, analysis: &Analysis, words: &Words,
     } else {
         "Replacing all edges at fixed intervals does not pay.".to_owned()
     };
-    let replacement = Section::new(format!("Replacement{of}")).paragraph(costs).figure(Figure::new(
+    let replacement = Section::new(format!("Replacement{of_group}")).paragraph(costs).figure(Figure::new(
         &picture::cost(analysis, unit, &words.money),
         "Too early wastes life, too late pays for failures in the cut.",
     ));

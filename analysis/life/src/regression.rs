@@ -116,7 +116,7 @@ pub fn regress<S: Into<String>>(
     let centre = sample.lives().iter().map(|(life, weight)| weight * life.age().ln()).sum::<f64>() / sample.size();
     let log_likelihood = |x: &[f64]| -> f64 {
         let sigma = x[p].exp();
-        let of = |((life, weight), z): (&(Observation, f64), &Vec<f64>)| {
+        let of_life = |((life, weight), z): (&(Observation, f64), &Vec<f64>)| {
             let expected = centre + (0..p).map(|j| x[j] * z[j]).sum::<f64>();
             let score = |age: f64| (age.ln() - expected) / sigma;
             weight
@@ -134,7 +134,7 @@ pub fn regress<S: Into<String>>(
                     }
                 }
         };
-        sample.lives().iter().zip(&design).map(of).sum()
+        sample.lives().iter().zip(&design).map(of_life).sum()
     };
     let mut start = vec![0.0; p + 1];
     start[p] = -0.5;

@@ -17,7 +17,7 @@ mod visits;
 use rand_distr::{Distribution, StandardNormal};
 use toolroom_kernel::{Entity, Purpose, Streams};
 use toolroom_records::{RecordKind, Records, Sensor};
-use toolroom_scenario::{Occasion, ProcessModel, Scenario, ToolType, calibrated, lot_name};
+use toolroom_scenario::{Occasion, ProcessModel, Scenario, ToolType, calibrated_channel, lot_name};
 use toolroom_shop::RunLog;
 use visits::Visits;
 
@@ -80,7 +80,7 @@ impl Run<'_> {
             let text = |column: &str| records.texts(column).map(|values| values[row].as_str());
             let time = records.numbers("start_time").map(|times| times[row]);
             let occasion = Occasion::recorded(&text, time, tool);
-            words.iter().fold(*value, |value, word| calibrated(all, word, &occasion, value))
+            calibrated_channel(all, name, &occasion, *value)
         };
         values.iter().enumerate().map(value).collect()
     }
@@ -92,7 +92,7 @@ impl Run<'_> {
 
     /// Whether the lot of a pass deviates because an effect of its tool is scoped to it.
     fn hardened(&self, at: usize) -> bool {
-        self.tool_of_pass(at).variants.switches(self.acting(at), "lot_hardness")
+        self.tool_of_pass(at).variants.hardens_lots(self.acting(at))
     }
 
     fn tool_of_pass(&self, at: usize) -> &ToolType {

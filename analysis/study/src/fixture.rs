@@ -137,10 +137,7 @@ pub(crate) fn scenario() -> Scenario {
         preemption: Preemption::None,
         calendars: Vec::new(),
         failures: Vec::new(),
-        policies: vec![
-            policy("constant", SpeedRule::Constant(SpeedChoice::BestCost)),
-            policy("adaptive", SpeedRule::MinimumWear { literal: false }),
-        ],
+        policies: vec![policy("constant", SpeedRule::BestCost), policy("adaptive", SpeedRule::MinimumWear)],
         deviations: Vec::new(),
         calibrations: Vec::new(),
         currency: "EUR".to_owned(),

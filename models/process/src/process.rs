@@ -4,7 +4,6 @@ use crate::{AnyRecord, Field, ModelError, Record};
 
 /// Something that ends a step before its time and that a driver has to react to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
 pub enum ProcessEvent {
     /// Flank wear reached the wear limit (ISO 3685 VB criterion).
     WearLimit,

@@ -1,6 +1,7 @@
 //! Constants of a shop that measurements have moved.
 
 use crate::{Occasion, Scope};
+use toolroom_form::vocabulary;
 
 /// To what a calibration belongs.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,18 +97,64 @@ pub struct Calibration {
     pub by: String,
 }
 
+vocabulary! {
+    /// A value of a shop that a calibration can move.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum ShopConstant {
+        /// Time in cut of an operation, s.
+        ProgrammedTime = "programmed_time",
+        /// Time of loading and unloading, s.
+        HandlingTime = "handling_time",
+        /// Time of changing over, s.
+        SetupTime = "setup_time",
+        /// Time of a change of edges, s.
+        ToolChangeTime = "tool_change_time",
+        /// Time between breakdowns, s.
+        TimeBetweenFailures = "time_between_failures",
+        /// Time of a repair, s.
+        TimeToRepair = "time_to_repair",
+        /// Time between two jobs of a source, s.
+        ArrivalInterval = "arrival_interval",
+        /// Share of lost edges that spoil the part, 1.
+        Scrap = "scrap",
+        /// Rate of wear, 1.
+        WearRate = "wear_rate",
+    }
+}
+
+impl ShopConstant {
+    /// Unit of a summand.
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::ProgrammedTime
+            | Self::HandlingTime
+            | Self::SetupTime
+            | Self::ToolChangeTime
+            | Self::TimeBetweenFailures
+            | Self::TimeToRepair
+            | Self::ArrivalInterval => "s",
+            Self::Scrap | Self::WearRate => "1",
+        }
+    }
+
+    /// Word and unit.
+    const fn entry(self) -> (&'static str, &'static str) {
+        (self.word(), self.unit())
+    }
+}
+
 impl Calibration {
     /// Words of the shop: value, and unit of a summand; `*` stands for a name.
     pub const WORDS: &'static [(&'static str, &'static str)] = &[
-        ("programmed_time", "s"),
-        ("handling_time", "s"),
-        ("setup_time", "s"),
-        ("tool_change_time", "s"),
-        ("time_between_failures", "s"),
-        ("time_to_repair", "s"),
-        ("arrival_interval", "s"),
-        ("scrap", "1"),
-        ("wear_rate", "1"),
+        ShopConstant::ProgrammedTime.entry(),
+        ShopConstant::HandlingTime.entry(),
+        ShopConstant::SetupTime.entry(),
+        ShopConstant::ToolChangeTime.entry(),
+        ShopConstant::TimeBetweenFailures.entry(),
+        ShopConstant::TimeToRepair.entry(),
+        ShopConstant::ArrivalInterval.entry(),
+        ShopConstant::Scrap.entry(),
+        ShopConstant::WearRate.entry(),
         ("gain.*", "1"),
         ("offset.*", "1"),
         ("scatter.*", "1"),
@@ -120,18 +167,27 @@ impl Calibration {
     }
 }
 
-/// What all calibrations of `parameter` together make of `value` at a place: factors first, then summands.
+/// What all calibrations of a constant of the shop together make of `value` at a place: factors first, then summands.
 ///
 /// ```
-/// use toolroom_scenario::{Calibration, Moved, Occasion, Scope, Target, calibrated};
+/// use toolroom_scenario::{Calibration, Moved, Occasion, Scope, ShopConstant, Target, calibrated};
 /// let one = |moved| Calibration {
-///     parameter: "handling_time".to_owned(), target: Target::Shop, moved,
+///     parameter: ShopConstant::HandlingTime.word().to_owned(), target: Target::Shop, moved,
 ///     standard_error: None, prior: None, scope: Scope::default(), by: String::new(),
 /// };
 /// let both = [one(Moved::Summand(2.0)), one(Moved::Factor(1.5))];
-/// assert_eq!(calibrated(&both, "handling_time", &Occasion::default(), 10.0), 17.0);
+/// assert_eq!(calibrated(&both, ShopConstant::HandlingTime, &Occasion::default(), 10.0), 17.0);
 /// ```
-pub fn calibrated(all: &[Calibration], parameter: &str, place: &Occasion<'_>, value: f64) -> f64 {
+pub fn calibrated(all: &[Calibration], constant: ShopConstant, place: &Occasion<'_>, value: f64) -> f64 {
+    moved_by(all, constant.word(), place, value)
+}
+
+/// The same of what a sensor reads of a channel: its gain and its offset.
+pub fn calibrated_channel(all: &[Calibration], channel: &str, place: &Occasion<'_>, value: f64) -> f64 {
+    ["gain", "offset"].iter().fold(value, |value, word| moved_by(all, &format!("{word}.{channel}"), place, value))
+}
+
+fn moved_by(all: &[Calibration], parameter: &str, place: &Occasion<'_>, value: f64) -> f64 {
     let (mut factor, mut summand) = (1.0, 0.0);
     for own in all.iter().filter(|own| own.parameter == parameter && own.target.has(place) && own.scope.holds(place)) {
         match own.moved {
@@ -140,4 +196,15 @@ pub fn calibrated(all: &[Calibration], parameter: &str, place: &Occasion<'_>, va
         }
     }
     value * factor + summand
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_constant_of_the_shop_is_a_word_of_files() {
+        let words: Vec<&str> = Calibration::WORDS.iter().map(|(word, _)| *word).collect();
+        assert!(ShopConstant::WORDS.iter().all(|word| words.contains(word)), "{words:?}");
+    }
 }

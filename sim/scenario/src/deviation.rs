@@ -1,6 +1,28 @@
 //! How a shop deviates from what its planner believes.
 
 use super::{Occasion, Scope};
+use toolroom_form::vocabulary;
+
+vocabulary! {
+    /// An effect that a simulated shop can have: rows of [`SHOP_EFFECTS`](crate::effects::SHOP_EFFECTS).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum ShopEffect {
+        /// The feed runs slower or faster than programmed.
+        FeedOverride = "feed_override",
+        /// The feed is held.
+        FeedHold = "feed_hold",
+        /// Short stops that nobody books.
+        MicroStops = "micro_stops",
+        /// Operators come late to the machine.
+        OperatorDelay = "operator_delay",
+        /// A tool change takes longer than planned.
+        ToolChangeDelay = "tool_change_delay",
+        /// Edges are changed at another wear than planned.
+        ToolChangePolicy = "tool_change_policy",
+        /// Breakdowns come in bursts or after wear.
+        BreakdownShape = "breakdown_shape",
+    }
+}
 
 /// An effect of the shop (a row of [`SHOP_EFFECTS`](crate::effects::SHOP_EFFECTS)) with its size.
 ///
@@ -37,24 +59,20 @@ pub const MICRO_STOP: f64 = 20.0;
 
 impl Deviation {
     /// Effects that a simulated shop can have.
-    pub const IDS: &'static [&'static str] = &[
-        "feed_override",
-        "feed_hold",
-        "micro_stops",
-        "operator_delay",
-        "tool_change_delay",
-        "tool_change_policy",
-        "breakdown_shape",
-    ];
+    pub const IDS: &'static [&'static str] = ShopEffect::WORDS;
 
     /// An effect that always acts on everything.
     pub fn new(id: &'static str, size: f64) -> Self {
         Self { id, size, scope: Scope::default(), share: 1.0, standard_error: None, recorded: None }
     }
 
-    /// Those of `id` that act on an operation.
-    pub fn acting<'a>(all: &'a [Self], id: &'a str, occasion: &'a Occasion<'_>) -> impl Iterator<Item = &'a Self> {
-        all.iter().filter(move |own| own.id == id && own.scope.holds(occasion))
+    /// Those of an effect that act on an operation.
+    pub fn acting<'a>(
+        all: &'a [Self],
+        effect: ShopEffect,
+        occasion: &'a Occasion<'_>,
+    ) -> impl Iterator<Item = &'a Self> {
+        all.iter().filter(move |deviation| deviation.id == effect.word() && deviation.scope.holds(occasion))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The comparison axis: how speed is chosen, how cycles and contours are run, when an edge is
 //! changed or dressed.
 
-use super::{ContourRule, DressingRule, GrindingRule, StabilityRule, Tunable};
+use super::{ContourRule, DressingRule, GrindingRule, SpeedRule, StabilityRule, Tunable};
 use toolroom_form::vocabulary;
 use toolroom_wear::Pair;
 
@@ -75,57 +75,6 @@ impl Default for PolicyRule {
             tune: Tunable::default(),
         }
     }
-}
-
-/// How the cutting speed is chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SpeedRule {
-    /// As programmed in the operation.
-    Programmed,
-    /// One speed over the life of an edge, worked out once for every nominal cut (feed, depth)
-    /// and machine.
-    Constant(SpeedChoice),
-    /// Speed against cumulative path, tabulated once on the believed model.
-    Schedule,
-    /// Paper's mode 1: minimum wear per path at the estimated wear. A new edge starts within one
-    /// step (15 % of the pair's reference speed) of the programmed speed.
-    MinimumWear {
-        /// Paper's literal rule (both functionals equal) instead of the exact balance.
-        literal: bool,
-    },
-    /// Paper's mode 2: a set wear increment per pass, so that the limit is reached after this
-    /// cutting path, m.
-    SetIncrement {
-        /// Cutting path over the life of an edge, m.
-        path_per_edge: f64,
-    },
-    /// Greatest production rate at a shadow price of edges.
-    Productivity {
-        /// Shadow price, s/m; `None`: the rate optimum for the machine's tool change time and
-        /// cost.
-        price: Option<f64>,
-    },
-    /// Mode 1 with the true wear, the bound for every observer.
-    Oracle,
-}
-
-/// A constant speed and what it is best for, on the believed model of an edge in continuous cut.
-/// Speeds at which an edge that reaches its wear limit in the middle of a pass would collapse
-/// are left out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SpeedChoice {
-    /// Given, m/s.
-    Given(f64),
-    /// Longest cutting path per edge.
-    BestPath,
-    /// Longest tool life.
-    BestLife,
-    /// Greatest production rate with the machine's tool change time.
-    BestRate,
-    /// Least cost.
-    BestCost,
-    /// Makarov's optimum: minimum wear per path at this flank wear, m.
-    Makarov(f64),
 }
 
 /// When an edge is changed; decided between passes.

@@ -3,7 +3,7 @@
 //! Rules can only be compared fairly where each of them runs at its best settings. A policy has at most two settings: one
 //! that decides the speed, and one that decides when an edge is changed.
 
-use crate::{PolicyRule, SpeedChoice, SpeedRule, ToolChangeRule};
+use crate::{PolicyRule, SpeedRule, ToolChangeRule};
 use toolroom_form::significant;
 use toolroom_process::unit::convert;
 
@@ -124,35 +124,19 @@ impl Default for Tunable {
 impl PolicyRule {
     /// Settings that tuning may move: that of the speed, where the rule has one, and that of the tool change.
     pub fn settings(&self) -> Vec<Setting> {
-        let speed = match self.speed {
-            SpeedRule::Programmed | SpeedRule::Schedule | SpeedRule::MinimumWear { .. } | SpeedRule::Oracle => {
-                Some(Setting::SpeedFactor)
-            }
-            SpeedRule::Constant(SpeedChoice::Given(_)) => Some(Setting::CuttingSpeed),
-            // That their speed is worked out is what these rules claim.
-            SpeedRule::Constant(
-                SpeedChoice::BestPath
-                | SpeedChoice::BestLife
-                | SpeedChoice::BestRate
-                | SpeedChoice::BestCost
-                | SpeedChoice::Makarov(_),
-            ) => None,
-            SpeedRule::SetIncrement { .. } => Some(Setting::PathPerEdge),
-            SpeedRule::Productivity { .. } => Some(Setting::Price),
-        };
         let change = match self.tool_change {
             ToolChangeRule::WearLimit { .. } | ToolChangeRule::Predicted { .. } => Setting::WearLimit,
             ToolChangeRule::CuttingTime { .. } => Setting::CuttingTime,
             ToolChangeRule::PartCount { .. } => Setting::Parts,
         };
-        speed.into_iter().chain([change]).collect()
+        self.speed.entry().setting.into_iter().chain([change]).collect()
     }
 
     /// The policy with one of its settings at another value, SI. A setting that it does not have changes nothing.
     pub fn with(&self, setting: Setting, value: f64) -> Self {
         let mut rule = self.clone();
         match (setting, &mut rule.speed, &mut rule.tool_change) {
-            (Setting::CuttingSpeed, SpeedRule::Constant(SpeedChoice::Given(speed)), _) => *speed = value,
+            (Setting::CuttingSpeed, SpeedRule::Constant { cutting_speed: speed }, _) => *speed = value,
             (Setting::SpeedFactor, _, _) => rule.speed_factor = value,
             (Setting::Price, SpeedRule::Productivity { price }, _) => *price = Some(value),
             (Setting::PathPerEdge, SpeedRule::SetIncrement { path_per_edge }, _) => *path_per_edge = value,

@@ -85,10 +85,19 @@ impl Variants {
         self.processes.get(acting as usize)
     }
 
-    /// Whether an effect called `id` that has a scope is among those of the set `acting`.
-    pub fn switches(&self, acting: u32, id: &str) -> bool {
-        let scoped = self.effects.iter().filter(|own| !own.scope.is_everywhere());
-        scoped.enumerate().any(|(i, own)| acting >> i & 1 == 1 && own.effect.entry().id == id)
+    /// Whether the lots of workpieces deviate because of an effect with a scope among those of the set `acting`.
+    pub fn hardens_lots(&self, acting: u32) -> bool {
+        self.switches(acting, |effect| matches!(effect, Effect::LotHardness(_)))
+    }
+
+    /// Whether the coolant is another one because of an effect with a scope among those of the set `acting`.
+    pub fn changes_coolant(&self, acting: u32) -> bool {
+        self.switches(acting, |effect| matches!(effect, Effect::CoolantChange(_)))
+    }
+
+    fn switches(&self, acting: u32, is: fn(&Effect) -> bool) -> bool {
+        let scoped = self.effects.iter().filter(|switched| !switched.scope.is_everywhere());
+        scoped.enumerate().any(|(i, switched)| acting >> i & 1 == 1 && is(&switched.effect))
     }
 
     /// Whether some entry acts on some operations only.

@@ -195,9 +195,9 @@ fn demo() -> Scenario {
         }],
         policies: [
             SpeedRule::Programmed,
-            SpeedRule::Constant(SpeedChoice::BestRate),
+            SpeedRule::BestRate,
             SpeedRule::Schedule,
-            SpeedRule::MinimumWear { literal: false },
+            SpeedRule::MinimumWear,
             SpeedRule::Productivity { price: None },
         ]
         .map(policy)

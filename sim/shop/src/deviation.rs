@@ -4,7 +4,10 @@ use super::Shop;
 use super::recorder::Recorder;
 use rand::RngExt;
 use toolroom_kernel::{Entity, Purpose};
-use toolroom_scenario::{Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, calibrated, lot_name};
+use toolroom_scenario::{
+    Deviation, Distribution, MICRO_STOP, Occasion, ProcessModel, Scenario, ShopConstant, ShopEffect, calibrated,
+    lot_name,
+};
 
 /// Owners of the draws of short stops and of holds, parts of the operation's own name.
 const STOPS: u64 = 1 << 40;
@@ -25,34 +28,35 @@ pub(super) struct Asked {
 }
 
 impl Asked {
-    pub fn calibrated(&self, scenario: &Scenario, parameter: &str, value: f64) -> f64 {
-        calibrated(&scenario.calibrations, parameter, &self.occasion, value)
+    pub fn calibrated(&self, scenario: &Scenario, constant: ShopConstant, value: f64) -> f64 {
+        calibrated(&scenario.calibrations, constant, &self.occasion, value)
     }
 
     /// Size of a deviation that acts on it.
-    fn deviation(&self, scenario: &Scenario, id: &str) -> f64 {
-        let acting = Deviation::acting(&scenario.deviations, id, &self.occasion);
+    fn deviation(&self, scenario: &Scenario, effect: ShopEffect) -> f64 {
+        let acting = Deviation::acting(&scenario.deviations, effect, &self.occasion);
         acting.map(|own| own.size * own.recorded.unwrap_or(1.0)).sum()
     }
 
     /// Times of loading and unloading, s: what is added is added to loading.
     pub fn handling(&self, scenario: &Scenario, times: [f64; 2]) -> [f64; 2] {
         let whole = times[0] + times[1];
-        let moved = self.calibrated(scenario, "handling_time", whole) + self.deviation(scenario, "operator_delay");
+        let moved = self.calibrated(scenario, ShopConstant::HandlingTime, whole)
+            + self.deviation(scenario, ShopEffect::OperatorDelay);
         if moved == whole {
             return times;
         }
-        let factor = calibrated(&scenario.calibrations, "handling_time", &self.occasion, 1.0)
-            - calibrated(&scenario.calibrations, "handling_time", &self.occasion, 0.0);
+        let factor = calibrated(&scenario.calibrations, ShopConstant::HandlingTime, &self.occasion, 1.0)
+            - calibrated(&scenario.calibrations, ShopConstant::HandlingTime, &self.occasion, 0.0);
         let unload = (factor * times[1]).min(moved).max(0.0);
         [(moved - unload).max(0.0), unload]
     }
 
     pub fn moved(&self, scenario: &Scenario, cutting_time: f64) -> Moved {
-        let time = self.calibrated(scenario, "programmed_time", cutting_time);
-        let faster = self.deviation(scenario, "feed_override").min(0.0);
+        let time = self.calibrated(scenario, ShopConstant::ProgrammedTime, cutting_time);
+        let faster = self.deviation(scenario, ShopEffect::FeedOverride).min(0.0);
         let pace = if time == cutting_time { 1.0 } else { (time / cutting_time).max(LEAST_PACE) };
-        Moved { pace: pace * (1.0 + faster), wear_rate: self.calibrated(scenario, "wear_rate", 1.0) }
+        Moved { pace: pace * (1.0 + faster), wear_rate: self.calibrated(scenario, ShopConstant::WearRate, 1.0) }
     }
 
     /// What acts on it among the entries of a tool that have a scope.
@@ -121,11 +125,11 @@ impl<'a, R: Recorder> Shop<'a, R> {
     }
 
     /// A value of a machine or of the operation in it, as calibration has moved it.
-    pub(super) fn moved(&self, parameter: &str, machine: usize, value: f64) -> f64 {
+    pub(super) fn moved(&self, constant: ShopConstant, machine: usize, value: f64) -> f64 {
         if self.scenario.calibrations.is_empty() {
             return value;
         }
-        self.occupied(machine).calibrated(self.scenario, parameter, value)
+        self.occupied(machine).calibrated(self.scenario, constant, value)
     }
 
     /// Time between two releases of a source, s.
@@ -135,26 +139,27 @@ impl<'a, R: Recorder> Shop<'a, R> {
         }
         let mut occasion = Occasion::at(self.now().seconds());
         occasion.set("part", self.scenario.parts[self.scenario.arrivals[source].part].name.clone());
-        calibrated(&self.scenario.calibrations, "arrival_interval", &occasion, time).max(0.0)
+        calibrated(&self.scenario.calibrations, ShopConstant::ArrivalInterval, &occasion, time).max(0.0)
     }
 
     /// Size of a deviation that acts on the operation in a machine.
-    pub(super) fn deviation(&self, id: &str, machine: usize) -> f64 {
+    pub(super) fn deviation(&self, effect: ShopEffect, machine: usize) -> f64 {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
-        self.occupied(machine).deviation(self.scenario, id)
+        self.occupied(machine).deviation(self.scenario, effect)
     }
 
     /// Time of a change of edges, s.
     pub(super) fn change_time(&self, machine: usize, planned: f64) -> f64 {
-        let moved = self.moved("tool_change_time", machine, planned) + self.deviation("tool_change_delay", machine);
+        let moved = self.moved(ShopConstant::ToolChangeTime, machine, planned)
+            + self.deviation(ShopEffect::ToolChangeDelay, machine);
         moved.max(0.0)
     }
 
     /// A drawn time of plain work as calibration has moved it, s.
     pub(super) fn plain_time(&self, asked: &Asked, drawn: f64) -> f64 {
-        asked.calibrated(self.scenario, "programmed_time", drawn).max(0.0)
+        asked.calibrated(self.scenario, ShopConstant::ProgrammedTime, drawn).max(0.0)
     }
 
     /// Time that the program of a job's operation takes beyond its passes, s; `programmed` is that of the
@@ -163,8 +168,8 @@ impl<'a, R: Recorder> Shop<'a, R> {
         if self.scenario.deviations.is_empty() {
             return 0.0;
         }
-        let slower = asked.deviation(self.scenario, "feed_override").max(0.0);
-        let rate = asked.deviation(self.scenario, "micro_stops");
+        let slower = asked.deviation(self.scenario, ShopEffect::FeedOverride).max(0.0);
+        let rate = asked.deviation(self.scenario, ShopEffect::MicroStops);
         if slower == 0.0 && rate == 0.0 {
             return 0.0;
         }
@@ -192,7 +197,7 @@ impl<'a, R: Recorder> Shop<'a, R> {
         let job = self.world.jobs.at(slot);
         let owner: Entity = job.entity.part(u64::from(job.operation)).part(HOLDS);
         let mut stream = self.streams.open(owner, Purpose::Processing);
-        let acting = Deviation::acting(&self.scenario.deviations, "feed_hold", &asked.occasion);
+        let acting = Deviation::acting(&self.scenario.deviations, ShopEffect::FeedHold, &asked.occasion);
         acting.filter(|own| stream.random::<f64>() < own.share).map(|own| own.size).sum()
     }
 }

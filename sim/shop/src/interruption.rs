@@ -6,7 +6,7 @@ use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{JobOutcome, OperationResult, OperationRow};
 use toolroom_kernel::Purpose;
-use toolroom_scenario::{Distribution, FailureClock, Interruption};
+use toolroom_scenario::{Distribution, FailureClock, Interruption, ShopConstant, ShopEffect};
 
 impl<R: Recorder> Shop<'_, R> {
     /// Draws the first failure of every mode.
@@ -17,7 +17,7 @@ impl<R: Recorder> Shop<'_, R> {
     /// A mode begins to run towards its next failure.
     fn wind_up(&mut self, mode: usize) -> Result<(), ShopError> {
         let failure = &self.scenario.failures[mode];
-        let regular = self.deviation("breakdown_shape", failure.machine);
+        let regular = self.deviation(ShopEffect::BreakdownShape, failure.machine);
         let between = match failure.time_between {
             Distribution::Exponential { mean } if regular != 0.0 => {
                 &Distribution::Weibull { mean, shape: 1.0 + regular }
@@ -36,7 +36,7 @@ impl<R: Recorder> Shop<'_, R> {
             | Distribution::Empirical(_) => &failure.time_between,
         };
         let time = between.sample(&mut self.failure_stream(mode, Purpose::Failure));
-        let time = self.moved("time_between_failures", failure.machine, time).max(0.0);
+        let time = self.moved(ShopConstant::TimeBetweenFailures, failure.machine, time).max(0.0);
         self.world.modes[mode].left = time;
         match failure.clock {
             FailureClock::Calendar => {
@@ -100,7 +100,7 @@ impl<R: Recorder> Shop<'_, R> {
         clock.failed = true;
         clock.due = None;
         let repair = failure.time_to_repair.sample(&mut self.failure_stream(mode, Purpose::Repair));
-        let repair = self.moved("time_to_repair", machine, repair).max(0.0);
+        let repair = self.moved(ShopConstant::TimeToRepair, machine, repair).max(0.0);
         self.interrupt(machine, failure.part, JobOutcome::Breakdown)?;
         let state = &mut self.world.machines[machine];
         state.failures += 1;

@@ -7,7 +7,7 @@ use super::machine::{Content, IN_WORK, Machining, Piece, Readiness, Step, Task};
 use super::recorder::Recorder;
 use super::{Shop, ShopError};
 use crate::runlog::{ChangeReason, JobOutcome, OperationResult, OperationRow};
-use toolroom_scenario::{Distribution, Operation, WorkPer};
+use toolroom_scenario::{Distribution, Operation, ShopConstant, WorkPer};
 
 impl Piece {
     /// Why it is no good part, if it is none.
@@ -69,7 +69,7 @@ impl<R: Recorder> Shop<'_, R> {
         let setup = self.scenario.parts[part].operations[index].setup_time.unwrap_or(kind.setup_time);
         let needed = self.layout.setup(self.scenario, machine, state.ready, plan.setup_group, setup);
         let change = needed.is_some();
-        let setup = asked.calibrated(self.scenario, "setup_time", needed.unwrap_or(0.0));
+        let setup = asked.calibrated(self.scenario, ShopConstant::SetupTime, needed.unwrap_or(0.0));
         state.task = Some(Task {
             slot,
             begun: now,

@@ -13,7 +13,7 @@ use rand::RngExt;
 use toolroom_kernel::Purpose;
 use toolroom_process::ProcessEvent;
 use toolroom_scenario::policies::{ForceReading, Observation};
-use toolroom_scenario::{Cut, Work};
+use toolroom_scenario::{Cut, ShopConstant, ShopEffect, Work};
 
 /// Longest pass that is told to sensors, s: the greatest `pass_time` of the processes.
 const LONG: f64 = 1e6;
@@ -105,7 +105,7 @@ impl<R: Recorder> Shop<'_, R> {
         let blank = draws::blank(&tool.scatter, &self.streams, self.world.jobs.at(place.slot), part);
         let machining = self.world.machines[machine].task.as_mut().expect(IN_WORK).machining_mut();
         machining.piece.blank = blank;
-        if tool.variants.switches(machining.acting, "lot_hardness") {
+        if tool.variants.hardens_lots(machining.acting) {
             machining.piece.blank.lot_deviation = 1.0;
         }
         self.clamp_ground_part(machine, place, first_pass);
@@ -265,7 +265,7 @@ impl<R: Recorder> Shop<'_, R> {
         let InCut { left, machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         let segment = &mut state.segment;
         ports.write_ages(&mut segment.start_input, now.seconds(), &self.scenario.machines[machine]);
-        if self.scenario.tools[place.tool].variants.switches(machining.acting, "coolant_change") {
+        if self.scenario.tools[place.tool].variants.changes_coolant(machining.acting) {
             write(&mut segment.start_input, ports.coolant_changed, 1.0);
         }
         let idle = now - edge.clock;
@@ -423,7 +423,6 @@ impl<R: Recorder> Shop<'_, R> {
                 ProcessEvent::Burn => piece.burnt = true,
                 // These end the cut or say that the wheel is due, which is seen to elsewhere.
                 ProcessEvent::ThermalCollapse | ProcessEvent::Chipping | ProcessEvent::DressingDue => {}
-                _ => unreachable!("the shop does not know the event {event:?}"),
             }
             self.recorder.event(EventRow {
                 time: now - (segment.elapsed - after) * moved.pace,
@@ -453,7 +452,7 @@ impl<R: Recorder> Shop<'_, R> {
         let job = self.world.jobs.at(place.slot);
         let owner = job.entity.part(place.operation as u64).part(place.pass as u64);
         let risk = self.scenario.parts[place.part].operations[place.operation].scrap_on_tool_failure;
-        let risk = self.moved("scrap", machine, risk);
+        let risk = self.moved(ShopConstant::Scrap, machine, risk);
         let state = &mut self.world.machines[machine];
         let InCut { machining, edge, .. } = in_cut(&mut state.task, &mut state.edges[place.tool]);
         edge.spent = Some(match event {
@@ -462,7 +461,6 @@ impl<R: Recorder> Shop<'_, R> {
             ProcessEvent::WearLimit | ProcessEvent::Burn | ProcessEvent::DressingDue => {
                 unreachable!("{event:?} does not end a cut")
             }
-            _ => unreachable!("the shop does not know the event {event:?}"),
         });
         let chance: f64 = self.streams.at(owner, Purpose::Quality, u64::from(machining.lost_edges)).random();
         machining.lost_edges += 1;
@@ -475,7 +473,7 @@ impl<R: Recorder> Shop<'_, R> {
     fn read_wear(&mut self, machine: usize, place: Place) -> f64 {
         let plan = self.layout.passes(place.part, place.operation);
         let controller = self.controllers.of_pass(machine, plan.first_pass + place.pass as u32);
-        let later = self.deviation("tool_change_policy", machine);
+        let later = self.deviation(ShopEffect::ToolChangePolicy, machine);
         let edge = self.world.machines[machine].edges[place.tool].as_mut().expect(MOUNTED);
         let Some(limit) = controller.reading_limit().map(|limit| limit + later) else { return 0.0 };
         let sensors = controller.sensors();

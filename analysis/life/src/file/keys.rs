@@ -1,8 +1,9 @@
 //! The sections of a study file.
 
-use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, RuleWord, SamplingWord};
-use toolroom_form::{Form, Key, Kind};
+use super::words::{BodyWord, FamilyWord, KnowsWord, ReadingWord, SamplingWord};
+use toolroom_form::{Form, Key, Kind, Need, When, joined};
 use toolroom_process::{Field, Record};
+use toolroom_scenario::SpeedRule;
 use toolroom_scenario::file::SENSORS;
 use toolroom_wear::{Cut, Scatter, ScatterWord};
 
@@ -15,6 +16,7 @@ const SPEED: Kind = Kind::positive("m/s", "m/min", CUT[0].max, "30 m/min");
 const FEED: Kind = Kind::quantity("m", "mm", CUT[1].min, CUT[1].max, "0.12 mm/rev");
 const DEPTH: Kind = Kind::quantity("m", "mm", CUT[2].min, CUT[2].max, "0.75 mm");
 const COST: Kind = Kind::positive("EUR", "EUR", 1e9, "12 EUR");
+const RATE: Kind = Kind::positive("EUR/s", "EUR/h", 1e6, "60 EUR/h");
 
 /// The whole file.
 pub static STUDY: Form = Form {
@@ -93,33 +95,70 @@ static CONDITION: Form = Form {
     ],
 };
 
-static POLICY: Form = Form {
-    title: "[[policy]]",
-    doc: "How the speed of an edge is chosen",
-    keys: &[
-        Key::required("name", Kind::Name, "Unique name"),
-        Key::required("speed", Kind::Choice(RuleWord::WORDS), "Rule"),
-        Key::required("change_time", TIME, "Time to change an edge").when("speed", &["best_rate"]),
-        Key::required("at_flank_wear", WEAR, "Wear whose minimum-wear speed is held").when("speed", &["makarov"]),
-        Key::required("price", Kind::positive("s/m", "s/m", 1e5, "2.4 s/m"), "Shadow price of edges")
-            .when("speed", &["price"]),
-        Key::default(
-            "reading",
-            Kind::Choice(ReadingWord::WORDS),
-            ReadingWord::Period.word(),
-            "When the sensors are read: at the end of a pass or every sampling period",
-        )
-        .when("speed", &["minimum_wear", "price"]),
-        Key::optional("sensors", Kind::Table(&SENSORS), "Sensors").when("speed", &["minimum_wear", "price"]),
-        Key::default(
-            "knows",
-            Kind::Choice(KnowsWord::WORDS),
-            KnowsWord::Wear.word(),
-            "What the oracle knows: the wear of its edge, as in the shop; or also how the edge differs from nominal",
-        )
-        .when("speed", &["oracle"]),
-    ],
+/// The word of studies of tool lives for productivity at a price that the file states.
+pub(super) const PRICE_WORD: &str = "price";
+/// Rules at a stated price of edges.
+const PRICED: &[&str] = &["productivity", PRICE_WORD];
+/// The words of shops, and the one above.
+const RULES: [&str; SpeedRule::WORDS.len() + 1] = with_price(SpeedRule::WORDS);
+/// Rules that read sensors.
+const OBSERVING: [&str; SpeedRule::OBSERVING.len() + 1] = with_price(SpeedRule::OBSERVING);
+
+const fn with_price<const N: usize>(words: &[&'static str]) -> [&'static str; N] {
+    let mut all = [PRICE_WORD; N];
+    let mut word = 0;
+    while word < words.len() {
+        all[word] = words[word];
+        word += 1;
+    }
+    assert!(word + 1 == N);
+    all
+}
+
+/// The numbers of the rules as in shops. A study of lives has no machine from which the rate optimum would follow, so that a
+/// price has to be stated.
+const NUMBERS: [Key; SpeedRule::KEYS.len()] = {
+    let mut keys: [Key; SpeedRule::KEYS.len()] = joined(&[SpeedRule::KEYS]);
+    let mut key = 0;
+    while key < keys.len() {
+        if let Need::Optional = keys[key].need {
+            keys[key] = Key {
+                need: Need::Required,
+                when: Some(When { key: "speed", values: PRICED }),
+                doc: "Shadow price of edges",
+                ..keys[key]
+            };
+        }
+        key += 1;
+    }
+    keys
 };
+
+const RULE: &[Key] =
+    &[Key::required("name", Kind::Name, "Unique name"), Key::required("speed", Kind::Choice(&RULES), "Rule")];
+const OTHERS: &[Key] = &[
+    Key::required("change_time", TIME, "Time to change an edge").when("speed", &["best_rate", "best_cost"]),
+    Key::required("edge_cost", COST, "Cost of an edge").when("speed", &["best_cost"]),
+    Key::required("machine_rate", RATE, "Cost of an hour of machine and operator").when("speed", &["best_cost"]),
+    Key::default(
+        "reading",
+        Kind::Choice(ReadingWord::WORDS),
+        ReadingWord::Period.word(),
+        "When the sensors are read: at the end of a pass or every sampling period",
+    )
+    .when("speed", &OBSERVING),
+    Key::optional("sensors", Kind::Table(&SENSORS), "Sensors").when("speed", &OBSERVING),
+    Key::default(
+        "knows",
+        Kind::Choice(KnowsWord::WORDS),
+        KnowsWord::Wear.word(),
+        "What the oracle knows: the wear of its edge, as in the shop; or also how the edge differs from nominal",
+    )
+    .when("speed", &["oracle"]),
+];
+const POLICY_KEYS: [Key; RULE.len() + NUMBERS.len() + OTHERS.len()] = joined(&[RULE, &NUMBERS, OTHERS]);
+
+static POLICY: Form = Form { title: "[[policy]]", doc: "How the speed of an edge is chosen", keys: &POLICY_KEYS };
 
 static END: Form = Form {
     title: "[end]",
@@ -228,6 +267,29 @@ mod tests {
             assert_eq!((quantity.unit, quantity.min, quantity.max), (field.unit, field.min, field.max), "{}", key.name);
         }
     }
+    #[test]
+    fn every_speed_rule_of_shops_has_its_lives() {
+        let numbers = |word: &str| {
+            let due = |key: &&Key| {
+                matches!(key.need, Need::Required) && key.when.is_some_and(|when| when.values.contains(&word))
+            };
+            let lines = POLICY_KEYS.iter().filter(due);
+            lines.map(|key| format!("{} = {}\n", key.name, toolroom_form::example(&key.kind))).collect::<String>()
+        };
+        for word in RULES {
+            let text = format!(
+                "schema = 1\nname = \"s\"\nlives = 2\nparameter_set = \"ni_vk6om\"\n[[condition]]\n\
+                 cutting_speed = \"40 m/min\"\n[[policy]]\nname = \"p\"\nspeed = \"{word}\"\n{}",
+                numbers(word)
+            );
+            let read =
+                parse("study.toml", &text, Path::new("."), &[]).unwrap_or_else(|fault| panic!("{word}: {fault:?}"));
+            let study = read.content.study;
+            let (tally, _) = crate::study::run::lives(&study, &study.cells[0], 0, 2, true);
+            assert!(tally.life.mean() > 0.0, "{word}");
+        }
+    }
+
     #[test]
     fn what_only_a_shop_reads_is_refused() {
         let text = include_str!("../../../../scenarios/life/policies.toml").replace(

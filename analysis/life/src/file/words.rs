@@ -3,31 +3,6 @@
 use toolroom_form::vocabulary;
 
 vocabulary! {
-    /// How the cutting speed of an edge is chosen.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(super) enum RuleWord {
-        /// As programmed.
-        Programmed = "programmed",
-        /// The constant speed of the longest cutting path per edge.
-        BestPath = "best_path",
-        /// The constant speed of the longest tool life.
-        BestLife = "best_life",
-        /// The constant speed of the greatest production rate.
-        BestRate = "best_rate",
-        /// Makarov's constant speed.
-        Makarov = "makarov",
-        /// Speed against cumulative path.
-        Schedule = "schedule",
-        /// Minimum wear per path.
-        MinimumWear = "minimum_wear",
-        /// Greatest production rate at a shadow price of edges.
-        Price = "price",
-        /// Minimum wear with the true state known.
-        Oracle = "oracle",
-    }
-}
-
-vocabulary! {
     /// How points of the inputs are chosen.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub(super) enum SamplingWord {

@@ -3,38 +3,56 @@
 use super::Passes;
 use super::edge::rehearsed;
 use std::sync::Arc;
-use toolroom_scenario::SensorSheet;
 use toolroom_scenario::policies::ramp_limits;
+use toolroom_scenario::{Course, Knowledge, Law, SensorSheet, SpeedChoice, SpeedRule};
 use toolroom_wear::{
-    Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SpeedSchedule, SpeedTable,
+    Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SetSpeed, SpeedSchedule, SpeedTable,
 };
 
-/// A rule, before it is worked out for a cut.
+/// A speed rule of a shop, and what a shop would add to it, before it is worked out for a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rule {
-    /// The speed of the condition.
-    Programmed,
-    /// One speed that is best for something on the nominal model.
-    Best(Objective),
-    /// Least wear per path at a reference wear (m) on the nominal model (Makarov).
-    Makarov(f64),
-    /// Speed against path: what mode 1 does with a nominal edge in the passes of the study.
-    Schedule,
-    /// Least wear per path at the estimated wear (mode 1).
-    MinimumWear,
-    /// Path weighed against time at a price (s/m) at the estimated wear.
-    Price(f64),
-    /// Mode 1 at the truth.
-    Oracle(Knows),
+pub struct Rule {
+    /// How the speed is chosen.
+    pub speed: SpeedRule,
+    /// What it knows of its edge, where it follows wear.
+    pub knows: Knowledge,
+    /// What it costs to change an edge; only some rules weigh it.
+    pub change: ChangeCost,
 }
 
-/// What an oracle knows of its edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Knows {
-    /// Its wear: the bound for whoever measures wear, as in the shop.
-    Wear,
-    /// Its wear, its factors of wear and the hardness of its batch: the bound for every observer.
-    Edge,
+/// What it costs to change an edge. A shop takes it from its machine and its tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ChangeCost {
+    /// Time of a change, s.
+    pub time: f64,
+    /// Price of an edge, currency.
+    pub edge: f64,
+    /// Price of the machine, currency per second; 0: only edges cost.
+    pub machine: f64,
+}
+
+impl From<SpeedRule> for Rule {
+    /// The rule with its sensors (an oracle with the true wear) and changes that cost nothing.
+    fn from(speed: SpeedRule) -> Self {
+        let knows = if speed == SpeedRule::Oracle { Knowledge::Wear } else { Knowledge::Sensors };
+        Self { speed, knows, change: ChangeCost::default() }
+    }
+}
+
+impl ChangeCost {
+    /// Least cost as an objective; without a machine price only edges cost.
+    fn objective(&self) -> Objective {
+        if self.machine > 0.0 {
+            Objective::Cost { change_time: self.time, edge_cost: self.edge, machine_cost: self.machine }
+        } else {
+            Objective::Path
+        }
+    }
+
+    /// Time that a change is worth: its own and that which the price of the edge would buy, s.
+    fn worth(&self) -> f64 {
+        self.objective().change_time().unwrap_or(self.time)
+    }
 }
 
 /// When the sensors are read.
@@ -50,13 +68,20 @@ pub enum Reading {
 enum Speed {
     Constant(f64),
     Schedule(SpeedSchedule),
-    Planned { law: SpeedTable, oracle: Option<Knows> },
+    /// A law of flank wear, and its speed for nominal edges.
+    Planned {
+        law: Law,
+        table: SpeedTable,
+    },
+    /// The wear left, shared out over what is left of this path, m.
+    SetIncrement(f64),
 }
 
 /// A rule worked out for one nominal cut.
 #[derive(Clone, Debug)]
 pub struct Policy {
     speed: Speed,
+    knows: Knowledge,
     pair: Arc<Pair>,
     cut: Cut,
     /// Contact of the pair in the nominal cut.
@@ -97,24 +122,28 @@ impl Policy {
         (sensors, reading): (SensorSheet, Reading),
     ) -> Self {
         let limits = pair.limits;
-        let law = |speed: &dyn Fn(f64) -> f64| SpeedTable::tabulate(limits.wear_limit, |wear| limits.clip(speed(wear)));
-        let least = || law(&|wear| pair.minimum_wear_speed(cut, wear));
-        let speed = match rule {
-            Rule::Programmed => Speed::Constant(cut.cutting_speed),
-            Rule::Best(objective) => Speed::Constant(pair.best_constant_speed(cut, objective).cutting_speed),
-            Rule::Makarov(wear) => Speed::Constant(limits.clip(pair.minimum_wear_speed(cut, wear))),
-            Rule::Schedule => Speed::Schedule(rehearsed(pair, cut, passes, lagged)),
-            Rule::MinimumWear => Speed::Planned { law: least(), oracle: None },
-            Rule::Price(price) => {
-                Speed::Planned { law: law(&|wear| pair.shadow_price_speed(cut, wear, price)), oracle: None }
+        let planned = |law: Law| {
+            let speed = |wear: f64| limits.clip(law.at(pair, cut, wear));
+            Speed::Planned { law, table: SpeedTable::tabulate(limits.wear_limit, speed) }
+        };
+        let speed = match rule.speed.entry().course {
+            Course::Programmed => Speed::Constant(cut.cutting_speed),
+            Course::Constant(choice) => Speed::Constant(constant(choice, rule.change, pair, cut)),
+            Course::Schedule => Speed::Schedule(rehearsed(pair, cut, passes, lagged)),
+            Course::Law(law) => planned(law),
+            Course::Price(price) => {
+                let optimum = || pair.rate_optimum(cut, rule.change.worth()).shadow_price;
+                planned(Law::price(price.unwrap_or_else(optimum)))
             }
-            Rule::Oracle(knows) => Speed::Planned { law: least(), oracle: Some(knows) },
+            Course::SetIncrement(path_per_edge) => Speed::SetIncrement(path_per_edge),
         };
         let noise = sensors.observer_noise(allowance);
-        let observes = matches!(speed, Speed::Planned { oracle: None, .. });
+        let follows = matches!(speed, Speed::Planned { .. } | Speed::SetIncrement(_));
+        let observes = follows && rule.knows == Knowledge::Sensors;
         Self {
             template: observes.then(|| Observer::new(pair, noise)),
             speed,
+            knows: rule.knows,
             pair: Arc::new(pair.clone()),
             cut: *cut,
             contact: pair.contact(cut).coefficients(),
@@ -158,20 +187,44 @@ impl Pilot<'_> {
         let ramp = match &policy.speed {
             Speed::Constant(speed) => Ramp { start: *speed, end: *speed },
             Speed::Schedule(schedule) => Ramp { start: schedule.speed_at(path), end: schedule.speed_at(path + length) },
-            Speed::Planned { oracle: Some(Knows::Edge), .. } => {
-                let law = |wear: f64| policy.pair.limits.clip(self.pair.minimum_wear_speed(&self.cut, wear));
-                policy.planned(law, self.pair.contact(&self.cut), (true_wear, 1.0), length, self.last_speed)
+            Speed::Planned { law, table } => {
+                let (contact, known) = self.known(policy, true_wear);
+                let nominal = |wear: f64| (table.speed_at(wear), true);
+                let of_edge = |wear: f64| (policy.pair.limits.clip(law.at(self.pair, &self.cut, wear)), true);
+                match policy.knows {
+                    Knowledge::Edge => policy.planned(of_edge, contact, known, length, self.last_speed),
+                    Knowledge::Sensors | Knowledge::Wear => {
+                        policy.planned(nominal, contact, known, length, self.last_speed)
+                    }
+                }
             }
-            Speed::Planned { law, .. } => {
-                let estimate = self.observer.as_ref().map(Observer::estimate);
-                let known = estimate
-                    .map_or((true_wear, 1.0), |estimate| (estimate.flank_wear.max(0.0), estimate.ln_wear_factor.exp()));
-                let contact = policy.pair.contact_of(policy.contact);
-                policy.planned(|wear| law.speed_at(wear), contact, known, length, self.last_speed)
+            Speed::SetIncrement(path_per_edge) => {
+                let (contact, known) = self.known(policy, true_wear);
+                let (pair, cut) = match policy.knows {
+                    Knowledge::Edge => (self.pair, &self.cut),
+                    Knowledge::Sensors | Knowledge::Wear => (&*policy.pair, &policy.cut),
+                };
+                let limits = &policy.pair.limits;
+                let intensity = (limits.wear_limit - known.0).max(0.0) / (path_per_edge - path).max(length);
+                let law = |wear: f64| {
+                    let SetSpeed { cutting_speed, feasible } = pair.set_intensity_speed(cut, wear, intensity);
+                    (limits.clip(cutting_speed), feasible)
+                };
+                policy.planned(law, contact, known, length, self.last_speed)
             }
         };
         self.last_speed = Some(ramp.end);
         ramp
+    }
+
+    /// The contact that the policy reckons with, and flank wear (m) and factor of wear as far as it knows them.
+    fn known<'c>(&'c self, policy: &'c Policy, true_wear: f64) -> (Contact<'c>, (f64, f64)) {
+        if policy.knows == Knowledge::Edge {
+            return (self.pair.contact(&self.cut), (true_wear, 1.0));
+        }
+        let estimate = self.observer.as_ref().map(Observer::estimate);
+        let known = estimate.map_or((true_wear, 1.0), |known| (known.flank_wear.max(0.0), known.ln_wear_factor.exp()));
+        (policy.pair.contact_of(policy.contact), known)
     }
 
     /// Takes a reading `dt` seconds after the last one.
@@ -184,12 +237,12 @@ impl Pilot<'_> {
 }
 
 impl Policy {
-    /// Speeds by a law of wear at both ends of a pass, the wear at its end by the midpoint rule on
+    /// Speeds by a law of wear, which also says whether it meets its demand, at both ends of a pass, the wear at its end by the midpoint rule on
     /// the believed contact times the estimated factor of this edge. The first pass starts at the
     /// speed of the law, however far from the programmed one.
     fn planned(
         &self,
-        law: impl Fn(f64) -> f64,
+        law: impl Fn(f64) -> (f64, bool),
         contact: Contact<'_>,
         (wear, factor): (f64, f64),
         length: f64,
@@ -203,7 +256,20 @@ impl Policy {
             let intensity = contact.near_speed(speed).steady_wear(land).intensity(speed);
             (factor * intensity * length).min(limits.wear_limit)
         };
-        let ramp = self.ramp.ramp(limits, wear, length, last, |wear| (law(wear), true), growth);
+        let ramp = self.ramp.ramp(limits, wear, length, last, law, growth);
         Ramp { start: ramp.start_speed, end: ramp.end_speed }
+    }
+}
+
+/// A constant speed on the nominal pair, m/s.
+fn constant(choice: SpeedChoice, change: ChangeCost, pair: &Pair, cut: &Cut) -> f64 {
+    let best = |objective| pair.best_constant_speed(cut, objective).cutting_speed;
+    match choice {
+        SpeedChoice::Given(speed) => speed,
+        SpeedChoice::BestPath => best(Objective::Path),
+        SpeedChoice::BestLife => best(Objective::Life),
+        SpeedChoice::BestRate => best(Objective::Rate { change_time: change.time }),
+        SpeedChoice::BestCost => best(change.objective()),
+        SpeedChoice::Makarov(flank_wear) => pair.limits.clip(pair.minimum_wear_speed(cut, flank_wear)),
     }
 }

@@ -147,7 +147,7 @@ fn summary(
     sensitivity: Option<&Sensitivity>,
 ) -> Value {
     let study = &inputs.parsed.content.study;
-    let of = |cell: &Worked<'_>| {
+    let as_json = |cell: &Worked<'_>| {
         let tally = cell.tally;
         let mut object = Map::from_iter([
             ("condition".to_owned(), json!(cell.cell.condition)),
@@ -194,7 +194,7 @@ fn summary(
         }
         Value::Object(object)
     };
-    let cells: Vec<Value> = worked.iter().map(of).collect();
+    let cells: Vec<Value> = worked.iter().map(as_json).collect();
     let mut object = Map::from_iter([("schema".to_owned(), json!(1)), ("name".to_owned(), json!(study.name))]);
     if let Some(Value::Object(first)) = cells.first() {
         object.extend(first.clone());

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 use toolroom_facts::survival::Life;
 use toolroom_scenario::{
-    Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar, Work, calibrated,
+    Cut, Distribution, FailureMode, Occasion, ProcessModel, Scenario, ShiftCalendar, ShopConstant, Work, calibrated,
 };
 use toolroom_shop::RunLog;
 use toolroom_shop::programmed_cutting_times;
@@ -112,14 +112,14 @@ fn feed_speed(cut: &Cut, duration: f64, process: &ProcessModel) -> f64 {
 fn stated(scenario: &Scenario, mode: &FailureMode) -> FailureMode {
     let mut place = Occasion::default();
     place.set("machine", scenario.machines[mode.machine].name.as_str());
-    let moved = |word: &str, law: &Distribution| {
+    let moved = |constant: ShopConstant, law: &Distribution| {
         let mean = law.mean();
-        let factor = calibrated(&scenario.calibrations, word, &place, mean) / mean;
+        let factor = calibrated(&scenario.calibrations, constant, &place, mean) / mean;
         if factor.is_finite() && factor > 0.0 { law.scaled(factor) } else { law.clone() }
     };
     FailureMode {
-        time_between: moved("time_between_failures", &mode.time_between),
-        time_to_repair: moved("time_to_repair", &mode.time_to_repair),
+        time_between: moved(ShopConstant::TimeBetweenFailures, &mode.time_between),
+        time_to_repair: moved(ShopConstant::TimeToRepair, &mode.time_to_repair),
         ..mode.clone()
     }
 }

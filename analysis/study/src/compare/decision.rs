@@ -17,7 +17,7 @@ use crate::study::Study;
 use crate::tune::{TunedPolicy, Tuning};
 use std::mem::discriminant;
 use toolroom_process::unit::convert;
-use toolroom_scenario::{ContourRule, GrindingRule, Knowledge, PolicyRule, Scenario, SpeedChoice, SpeedRule, Work};
+use toolroom_scenario::{ContourRule, GrindingRule, Knowledge, PolicyRule, Scenario, SpeedPart, SpeedRule, Work};
 use toolroom_statistics::{CONFIDENCE, Interval, paired};
 
 /// Part of a policy in the decision.
@@ -72,18 +72,12 @@ pub fn role(policy: &PolicyRule, scenario: &Scenario) -> Role {
 
 /// Part that a speed rule plays.
 fn of_speed(speed: &SpeedRule) -> Role {
-    match speed {
-        SpeedRule::Programmed | SpeedRule::Constant(SpeedChoice::Given(_)) => Role::Given,
-        SpeedRule::Constant(SpeedChoice::BestPath) => Role::BestConstant("path"),
-        SpeedRule::Constant(SpeedChoice::BestLife) => Role::BestConstant("life"),
-        SpeedRule::Constant(SpeedChoice::BestRate) => Role::BestConstant("rate"),
-        SpeedRule::Constant(SpeedChoice::BestCost) => Role::BestConstant("cost"),
-        SpeedRule::Constant(SpeedChoice::Makarov(wear)) => Role::Makarov(*wear),
-        SpeedRule::Schedule => Role::Schedule,
-        SpeedRule::MinimumWear { .. }
-        | SpeedRule::SetIncrement { .. }
-        | SpeedRule::Productivity { .. }
-        | SpeedRule::Oracle => Role::Adaptive,
+    match speed.entry().part {
+        SpeedPart::Given => Role::Given,
+        SpeedPart::Best(aim) => Role::BestConstant(aim),
+        SpeedPart::Makarov(flank_wear) => Role::Makarov(flank_wear),
+        SpeedPart::Schedule => Role::Schedule,
+        SpeedPart::Adaptive => Role::Adaptive,
     }
 }
 
@@ -294,7 +288,7 @@ fn bounds(scenario: &Scenario, policies: &[PolicyResult], gain: &dyn Fn(usize) -
     let rule = |position: usize| &scenario.policies[policies[position].policy];
     let law = |position: usize| {
         let speed = rule(position).speed;
-        let law = if speed == SpeedRule::Oracle { SpeedRule::MinimumWear { literal: false } } else { speed };
+        let law = if speed == SpeedRule::Oracle { SpeedRule::MinimumWear } else { speed };
         discriminant(&law)
     };
     let oracles = (0..policies.len()).filter(|&position| matches!(policies[position].role, Role::Oracle(_)));

@@ -2,7 +2,7 @@ use super::*;
 use crate::fixture;
 use crate::study::{StudyOptions, study_with};
 use std::sync::atomic::AtomicBool;
-use toolroom_scenario::{SpeedChoice, SpeedRule};
+use toolroom_scenario::SpeedRule;
 use toolroom_shop::runlog::RunLog;
 
 /// A study in which the insert of policy `p` costs as many edges as `edges[p]` says, plus noise
@@ -37,8 +37,8 @@ fn scenario(speeds: &[SpeedRule]) -> Scenario {
     scenario
 }
 
-const ADAPTIVE: SpeedRule = SpeedRule::MinimumWear { literal: false };
-const BEST_COST: SpeedRule = SpeedRule::Constant(SpeedChoice::BestCost);
+const ADAPTIVE: SpeedRule = SpeedRule::MinimumWear;
+const BEST_COST: SpeedRule = SpeedRule::BestCost;
 
 #[test]
 fn adaptive_wins_loses_or_makes_no_difference_by_the_interval() {
@@ -58,7 +58,7 @@ fn adaptive_wins_loses_or_makes_no_difference_by_the_interval() {
 
 #[test]
 fn adaptive_is_measured_against_the_best_rival_not_the_baseline() {
-    let given = SpeedRule::Constant(SpeedChoice::Given(0.5));
+    let given = SpeedRule::Constant { cutting_speed: 0.5 };
     let scenario = scenario(&[given, BEST_COST, ADAPTIVE]);
     let comparison = Comparison::new(&scenario, &study(&scenario, &[9, 2, 4], 6));
     assert_eq!((comparison.decision.outcome, comparison.decision.rival), (Outcome::Loses, Some(1)));

@@ -1,6 +1,6 @@
 //! Values of a setting that are tried.
 
-use toolroom_scenario::{PolicyRule, Scenario, Setting, SpeedChoice, SpeedRule, ToolChangeRule, Tunable, Work};
+use toolroom_scenario::{PolicyRule, Scenario, Setting, SpeedRule, ToolChangeRule, Tunable, Work};
 
 /// Values of the setting of the speed on the first grid.
 const SPEEDS: usize = 6;
@@ -64,7 +64,7 @@ impl Axis {
     fn of(rule: &PolicyRule, setting: Setting, reference: Reference, alone: bool) -> Self {
         let over = |present: f64, span: (f64, f64)| (present * span.0, present * span.1);
         let span = match (setting, rule.speed, rule.tool_change) {
-            (Setting::CuttingSpeed, SpeedRule::Constant(SpeedChoice::Given(speed)), _) => over(speed, SPEED_SPAN),
+            (Setting::CuttingSpeed, SpeedRule::Constant { cutting_speed: speed }, _) => over(speed, SPEED_SPAN),
             (Setting::CuttingSpeed, _, _) => over(reference.speed, SPEED_SPAN),
             (Setting::SpeedFactor, _, _) => over(rule.speed_factor, SPEED_SPAN),
             (Setting::Price, _, _) => over(reference.speed.recip(), PRICE_SPAN),

@@ -39,7 +39,7 @@ const LONG_DURATION: Kind = Kind::positive("s", "h", DECADE, "8 h");
 const COST: Kind = Kind::quantity("EUR", "EUR", 0.0, 1e9, "12 EUR");
 const RATE: Kind = Kind::quantity("EUR/s", "EUR/h", 0.0, 1e6, "60 EUR/h");
 /// A cutting speed that a cut is commanded: what the models of cutting take, in milling as in turning.
-pub(super) const SPEED: Kind = Kind::positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
+pub(crate) const SPEED: Kind = Kind::positive("m/s", "m/min", TurningInput::<f64>::FIELDS[0].max, "60 m/min");
 /// What a spindle is able to; above 6000 m/min nothing is cut.
 const SPINDLE: Kind = Kind::positive("m/s", "m/min", 100.0, "60 m/min");
 const FEED: Kind = Kind::positive("m", "mm", 20e-3, "0.12 mm/rev");
@@ -48,8 +48,8 @@ const DEPTH: Kind = Kind::positive("m", "mm", 0.1, "0.75 mm");
 const LENGTH: Kind = Kind::positive("m", "mm", 1e4, "250 mm");
 /// A factor on a commanded speed.
 pub(super) const FACTOR: Kind = Kind::positive("1", "1", 10.0, "1.1");
-pub(super) const PATH: Kind = Kind::positive("m", "m", 1e6, "75 m");
-pub(super) const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.3 mm");
+pub(crate) const PATH: Kind = Kind::positive("m", "m", 1e6, "75 m");
+pub(crate) const WEAR: Kind = Kind::positive("m", "mm", 5e-3, "0.3 mm");
 pub(super) const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.5");
 const DEVIATION: Kind = Kind::quantity("1", "1", 0.0, 0.5, "2 %");
 const BIAS: Kind = Kind::quantity("1", "1", -0.9, 10.0, "0.05");

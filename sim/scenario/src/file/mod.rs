@@ -40,7 +40,9 @@ pub(crate) use choices::tests::speed_rules;
 pub use codes::CODES;
 pub use fault::ScenarioFault;
 pub use keys::{GAP, SCENARIO, SENSORS};
+pub(crate) use keys::{PATH, SPEED, WEAR};
 pub use rules::{gap as gap_section, sensors};
+pub(crate) use speed::PRICE;
 pub use variants::{AS_IT_IS, ShopVariant};
 
 use super::{GapSection, Scenario, TuneRequest};

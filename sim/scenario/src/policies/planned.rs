@@ -2,6 +2,7 @@
 //! literal form, the productivity rule, and what they would do if they knew more.
 
 use super::{Believed, Conditions, Observation};
+use crate::Law;
 use toolroom_wear::{Cut, Pair, RampLimits, SpeedTable};
 
 /// Greatest change of speed from pass to pass, share of the pair's reference speed.
@@ -10,17 +11,6 @@ const LARGEST_STEP: f64 = 0.15;
 /// Greatest acceleration within a pass, share of the pair's reference speed per second:
 /// 20 m/min per minute at 40 m/min (assumption).
 const LARGEST_ACCELERATION: f64 = 0.5 / 60.0;
-
-/// A law of speed against flank wear.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Law {
-    /// Least wear per path.
-    MinimumWear,
-    /// Both functionals equal.
-    LiteralBalance,
-    /// Path weighed against time at this price, s/m.
-    ShadowPrice(f64),
-}
 
 /// One law for all passes.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,11 +39,7 @@ impl Planned {
 /// The speed of a law at a flank wear (m), clear of thermal collapse, m/s.
 fn speed(believed: &Believed, cut: &Cut, law: Law, factor: f64, flank_wear: f64) -> f64 {
     let pair = &believed.pair;
-    let speed = match law {
-        Law::MinimumWear => pair.minimum_wear_speed(cut, flank_wear),
-        Law::LiteralBalance => pair.literal_balance_speed(cut, flank_wear),
-        Law::ShadowPrice(price) => pair.shadow_price_speed(cut, flank_wear, price),
-    };
+    let speed = law.at(pair, cut, flank_wear);
     (factor * speed).min(believed.safe_speed(|_| flank_wear))
 }
 

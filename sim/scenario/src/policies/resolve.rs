@@ -1,14 +1,14 @@
 //! From a policy of the scenario to a controller for every pass.
 
 use super::constant::{self, ChangeCost, Edges, Spoilage};
-use super::planned::{Law, Planned};
+use super::planned::Planned;
 use super::set_increment::SetIncrement;
 use super::{
     Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
 };
 use crate::policies::ResolveError;
 use crate::{
-    Cut, Knowledge, MachineType, Operation, PolicyRule, ProcessModel, Scenario, SpeedRule, ToolChangeRule, ToolType,
+    Course, Cut, Knowledge, Law, MachineType, Operation, PolicyRule, ProcessModel, Scenario, ToolChangeRule, ToolType,
     Work,
 };
 use std::sync::Arc;
@@ -244,20 +244,19 @@ fn speed(
     let planned = |law: &dyn Fn(&Believed) -> Law| {
         on_model(&|believed| Speed::Planned(Arc::new(Planned::new(believed, law(believed), factor))))
     };
-    match rule.speed {
-        SpeedRule::Programmed => Speed::Fixed(factor * programmed),
-        SpeedRule::Constant(choice) => {
+    match rule.speed.entry().course {
+        Course::Programmed => Speed::Fixed(factor * programmed),
+        Course::Constant(choice) => {
             Speed::Fixed(factor * constant::speed(choice, believed, cost, edges).unwrap_or(programmed))
         }
-        SpeedRule::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed, factor)))),
-        SpeedRule::SetIncrement { path_per_edge } => {
+        Course::Schedule => on_model(&|believed| Speed::Schedule(Arc::new(schedule::tabulate(believed, factor)))),
+        Course::SetIncrement(path_per_edge) => {
             on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge, factor }))
         }
-        SpeedRule::MinimumWear { literal: true } => planned(&|_| Law::LiteralBalance),
-        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => planned(&|_| Law::MinimumWear),
-        SpeedRule::Productivity { price } => planned(&|believed| {
-            Law::ShadowPrice(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit)))
-        }),
+        Course::Law(law) => planned(&|_| law),
+        Course::Price(price) => {
+            planned(&|believed| Law::price(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit))))
+        }
     }
 }
 

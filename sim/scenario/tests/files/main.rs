@@ -5,9 +5,7 @@ mod orders;
 use proptest::prelude::*;
 use toolroom_form::{Origin, ReadError};
 use toolroom_scenario::file::*;
-use toolroom_scenario::{
-    ArrivalPattern, Distribution, Setting, SpeedChoice, SpeedRule, ToolChangeRule, Tunable, TuneRequest, Work,
-};
+use toolroom_scenario::{ArrivalPattern, Distribution, Setting, SpeedRule, ToolChangeRule, Tunable, TuneRequest, Work};
 
 const GOOD: &str = r#"schema = 1
 
@@ -137,7 +135,7 @@ fn a_good_file_is_understood_in_si() {
     assert!(
         matches!(scenario.arrivals[0].pattern, ArrivalPattern::Poisson { rate } if (rate * 720.0 - 1.0).abs() < 1e-12)
     );
-    assert_eq!(scenario.policies[0].speed, SpeedRule::Constant(SpeedChoice::Makarov(0.2e-3)));
+    assert_eq!(scenario.policies[0].speed, SpeedRule::Makarov { at_flank_wear: 0.2e-3 });
     assert_eq!(scenario.policies[1].tool_change, ToolChangeRule::CuttingTime { time: 720.0 });
     assert_eq!(scenario.policies[1].sensors.thermo_emf_bias, 0.05);
     assert_eq!(scenario.policies[1].sensors.sampling_period, 6.0);

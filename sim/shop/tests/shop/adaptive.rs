@@ -12,14 +12,14 @@ use toolroom_wear::{Pair, Scatter};
 
 const RULES: [SpeedRule; 11] = [
     SpeedRule::Programmed,
-    SpeedRule::Constant(SpeedChoice::BestPath),
-    SpeedRule::Constant(SpeedChoice::BestLife),
-    SpeedRule::Constant(SpeedChoice::BestRate),
-    SpeedRule::Constant(SpeedChoice::BestCost),
-    SpeedRule::Constant(SpeedChoice::Makarov(0.2e-3)),
+    SpeedRule::BestPath,
+    SpeedRule::BestLife,
+    SpeedRule::BestRate,
+    SpeedRule::BestCost,
+    SpeedRule::Makarov { at_flank_wear: 0.2e-3 },
     SpeedRule::Schedule,
-    SpeedRule::MinimumWear { literal: false },
-    SpeedRule::MinimumWear { literal: true },
+    SpeedRule::MinimumWear,
+    SpeedRule::MinimumWearLiteral,
     SpeedRule::SetIncrement { path_per_edge: 800.0 },
     SpeedRule::Oracle,
 ];
@@ -195,8 +195,8 @@ fn the_fastest_policies_keep_clear_of_thermal_collapse() {
         collapsed as f64 / log.edges.len() as f64
     };
     // 64 m/min has the best rate on paper; long before a pass is over, the worn edge is gone.
-    let fast = collapsed(SpeedRule::Constant(SpeedChoice::Given(64.0 / 60.0)));
-    let constant = collapsed(SpeedRule::Constant(SpeedChoice::BestRate));
+    let fast = collapsed(SpeedRule::Constant { cutting_speed: 64.0 / 60.0 });
+    let constant = collapsed(SpeedRule::BestRate);
     let adaptive = collapsed(SpeedRule::Productivity { price: None });
     assert!(fast > 0.8 && constant < 0.25 && adaptive < 0.05, "{fast}, {constant}, {adaptive}");
 }
@@ -214,7 +214,7 @@ fn a_wrong_model_costs_path() {
 #[test]
 fn a_predicted_change_keeps_every_edge_below_its_limit() {
     let mut shop = turning(Scatter::none(), 200);
-    for speed in [SpeedRule::Programmed, SpeedRule::MinimumWear { literal: false }, SpeedRule::Oracle] {
+    for speed in [SpeedRule::Programmed, SpeedRule::MinimumWear, SpeedRule::Oracle] {
         shop.policies[0] = policy("", speed, ToolChangeRule::Predicted { limit: None });
         let log = run(&shop, 0, 0).unwrap();
         let changed: Vec<_> = log.edges.iter().filter(|edge| edge.reason == ChangeReason::Rule).collect();
@@ -248,7 +248,7 @@ fn hardness_is_that_of_the_workpiece_under_every_policy() {
     let force = |policy: usize| -> Vec<f64> {
         let mut shop = shop.clone();
         shop.policies[policy].tool_change = ToolChangeRule::PartCount { parts: 1 };
-        shop.policies[policy].speed = SpeedRule::Constant(SpeedChoice::Given(if policy == 0 { 0.4 } else { 0.5 }));
+        shop.policies[policy].speed = SpeedRule::Constant { cutting_speed: if policy == 0 { 0.4 } else { 0.5 } };
         run(&shop, policy, 0).unwrap().passes.iter().map(|row| row.cutting_force).collect()
     };
     let (slow, fast) = (force(0), force(1));
@@ -262,10 +262,8 @@ fn hardness_is_that_of_the_workpiece_under_every_policy() {
 /// A shop whose edges are read after every pass and changed at 0.5 mm, under least wear with these sensors.
 fn read_after_every_pass(sensors: SensorSheet) -> RunLog {
     let mut shop = turning(Scatter { chipped_share: 0.0, ..Scatter::shop() }, 1500);
-    shop.policies[0] = PolicyRule {
-        sensors,
-        ..policy("", SpeedRule::MinimumWear { literal: false }, ToolChangeRule::WearLimit { limit: Some(0.5e-3) })
-    };
+    shop.policies[0] =
+        PolicyRule { sensors, ..policy("", SpeedRule::MinimumWear, ToolChangeRule::WearLimit { limit: Some(0.5e-3) }) };
     run(&shop, 0, 0).unwrap()
 }
 
@@ -310,8 +308,7 @@ fn a_reading_takes_its_time_on_the_machine() {
 fn who_knows_the_edge_wears_it_no_faster_than_who_knows_its_wear() {
     let mut shop = turning(Scatter { mechanical_wear: 0.5, thermal_wear: 0.5, ..Scatter::none() }, 600);
     let mut path = |knows| {
-        let minimum =
-            policy("", SpeedRule::MinimumWear { literal: false }, ToolChangeRule::PartCount { parts: u32::MAX });
+        let minimum = policy("", SpeedRule::MinimumWear, ToolChangeRule::PartCount { parts: u32::MAX });
         shop.policies[0] = PolicyRule { knows, ..minimum };
         mean(lives(&run(&shop, 0, 0).unwrap()).into_iter().map(|(_, path)| path))
     };

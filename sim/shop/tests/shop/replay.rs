@@ -25,7 +25,7 @@ fn shop() -> Scenario {
         crew: None,
         part: Interruption::Resume,
     }];
-    let slow = SpeedRule::Constant(SpeedChoice::Given(0.5));
+    let slow = SpeedRule::Constant { cutting_speed: 0.5 };
     shop.policies.push(policy("changed early", SpeedRule::Programmed, ToolChangeRule::PartCount { parts: 2 }));
     shop.policies.push(policy("slow", slow, ToolChangeRule::PartCount { parts: 2 }));
     shop.horizon = 20_000.0;

@@ -2,9 +2,9 @@
 
 use super::passes::Machining;
 use super::{COORDINATES, Draws, Edge};
-use crate::study::policy::{Knows, Policy, Reading, Rule};
+use crate::study::policy::{Policy, Reading};
 use crate::study::{Passes, Study};
-use toolroom_scenario::SensorSheet;
+use toolroom_scenario::{SensorSheet, SpeedRule};
 use toolroom_wear::{Cut, Pair, Scatter, SpeedSchedule};
 
 /// Speed against path as mode 1 chooses it for a nominal edge in these passes and pauses: what a
@@ -24,7 +24,7 @@ pub fn rehearsed(pair: &Pair, cut: &Cut, passes: Passes, lagged: bool) -> SpeedS
     let mut pair = pair.clone();
     pair.chipping.rate = 0.0;
     let sheet = (SensorSheet::default(), Reading::Pass);
-    let policy = Policy::new(Rule::Oracle(Knows::Wear), (&pair, cut), (passes, lagged), 0.0, sheet);
+    let policy = Policy::new(SpeedRule::Oracle.into(), (&pair, cut), (passes, lagged), 0.0, sheet);
     let study = Study::plain(pair, Scatter::none(), Vec::new(), (passes, lagged));
     let mut draws = Draws::of(0, 0);
     let edge = Edge::of(&study, cut, &[0.5; COORDINATES.len()], &mut draws.wear);

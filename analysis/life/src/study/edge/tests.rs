@@ -1,16 +1,17 @@
 use super::super::points::Points;
-use super::super::policy::{Knows, Ramp, Reading, Rule};
+use super::super::policy::{Ramp, Reading, Rule};
 use super::super::{Passes, cell};
 use super::*;
-use toolroom_scenario::SensorSheet;
+use toolroom_scenario::{Knowledge, SensorSheet, SpeedRule};
 
 /// A study of the default pair from 30 m/min with chipping.
-fn study(scatter: Scatter, rule: Rule, reading: Reading, lagged: bool) -> Study {
+fn study(scatter: Scatter, rule: impl Into<Rule>, reading: Reading, lagged: bool) -> Study {
     let mut pair = Pair::default();
     let cut = pair.reference_cut().at_speed(0.5);
     pair.chipping = pair.chipping.for_share(&pair, &cut, 0.3).unwrap();
     let passes = Passes { path: 37.7, pause: if lagged { 18.0 } else { 0.0 } };
-    let cells = vec![cell(("", cut), ("", rule, reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
+    let cells =
+        vec![cell(("", cut), ("", rule.into(), reading), &pair, &scatter, SensorSheet::default(), (passes, lagged))];
     Study { seed: 11, lives: 1000, ..Study::plain(pair, scatter, cells, (passes, lagged)) }
 }
 
@@ -43,19 +44,22 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
     let even = Scatter { allowance: 0.0, piece_hardness: 0.0, ..shop };
     let mut faults = Vec::new();
     let smooth = Scatter { life_noise: 0.0, ..even };
+    let edge_known = Rule { knows: Knowledge::Edge, ..SpeedRule::Oracle.into() };
+    let literal = Rule { knows: Knowledge::Edge, ..SpeedRule::MinimumWearLiteral.into() };
     for (name, study) in [
-        ("steady", study(even, Rule::Programmed, Reading::Pass, false)),
-        ("steady without noise", study(smooth, Rule::Programmed, Reading::Pass, false)),
-        ("passes", study(shop, Rule::Programmed, Reading::Pass, false)),
-        ("fast passes", study(shop, Rule::Makarov(0.1e-3), Reading::Pass, false)),
-        ("lagged body", study(shop, Rule::Programmed, Reading::Pass, true)),
-        ("one reading a pass", study(shop, Rule::MinimumWear, Reading::Pass, false)),
-        ("readings every 6 s", study(shop, Rule::MinimumWear, Reading::Period, false)),
-        ("schedule", study(shop, Rule::Schedule, Reading::Pass, false)),
-        ("price of a metre", study(shop, Rule::Price(1.3), Reading::Period, false)),
-        ("oracle of wear", study(shop, Rule::Oracle(Knows::Wear), Reading::Pass, false)),
-        ("oracle of the edge", study(shop, Rule::Oracle(Knows::Edge), Reading::Pass, false)),
-        ("readings every 6 s, lagged body", study(shop, Rule::MinimumWear, Reading::Period, true)),
+        ("steady", study(even, SpeedRule::Programmed, Reading::Pass, false)),
+        ("steady without noise", study(smooth, SpeedRule::Programmed, Reading::Pass, false)),
+        ("passes", study(shop, SpeedRule::Programmed, Reading::Pass, false)),
+        ("fast passes", study(shop, SpeedRule::Makarov { at_flank_wear: 0.1e-3 }, Reading::Pass, false)),
+        ("lagged body", study(shop, SpeedRule::Programmed, Reading::Pass, true)),
+        ("one reading a pass", study(shop, SpeedRule::MinimumWear, Reading::Pass, false)),
+        ("readings every 6 s", study(shop, SpeedRule::MinimumWear, Reading::Period, false)),
+        ("schedule", study(shop, SpeedRule::Schedule, Reading::Pass, false)),
+        ("price of a metre", study(shop, SpeedRule::Productivity { price: Some(1.3) }, Reading::Period, false)),
+        ("oracle of wear", study(shop, SpeedRule::Oracle, Reading::Pass, false)),
+        ("oracle of the edge", study(shop, edge_known, Reading::Pass, false)),
+        ("literal rule of the edge", study(shop, literal, Reading::Pass, false)),
+        ("readings every 6 s, lagged body", study(shop, SpeedRule::MinimumWear, Reading::Period, true)),
     ] {
         let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
         let chipped = exact.iter().filter(|row| row.end == End::Chipping).count();
@@ -71,16 +75,26 @@ fn every_life_is_within_1e_4_of_the_exact_one_for_its_noise() {
 }
 
 #[test]
+fn a_life_by_set_increment_is_within_2e_4_of_the_exact_one_for_its_noise() {
+    // The rule turns the estimate of every pass into a demand on the next one, and so hands on what the estimate is off by.
+    let increment = SpeedRule::SetIncrement { path_per_edge: 800.0 };
+    let study = study(Scatter::shop(), increment, Reading::Period, false);
+    let (exact, check) = (lives(&study, 150, 32), lives(&study, 150, 16));
+    let (error, doubt) = (difference(&lives(&study, 150, 1), &exact), difference(&check, &exact));
+    assert!(error < 2e-4 && doubt < 1e-5, "{error:.1e}, the reference within {doubt:.1e}");
+}
+
+#[test]
 fn an_edge_that_is_lost_or_spent_at_the_start_has_no_life() {
     let calm = Scatter { initial_wear_scatter: 0.0, life_noise: 0.0, ..Scatter::shop() };
     let first = |study: &Study| lives(study, 1, 1)[0];
     for scatter in [calm, Scatter { allowance: 0.0, piece_hardness: 0.0, ..calm }] {
         // Too hot from the first moment on, in passes and as a steady life.
-        let mut hot = study(scatter, Rule::Programmed, Reading::Pass, false);
+        let mut hot = study(scatter, SpeedRule::Programmed, Reading::Pass, false);
         hot.pair.temperature.collapse_temperature = 400.0;
         assert_eq!((first(&hot).life, first(&hot).end), (0.0, End::Collapse));
         // Mounted worn out.
-        let worn = study(Scatter { initial_wear: 0.7e-3, ..scatter }, Rule::Programmed, Reading::Pass, false);
+        let worn = study(Scatter { initial_wear: 0.7e-3, ..scatter }, SpeedRule::Programmed, Reading::Pass, false);
         let end = first(&worn);
         assert_eq!((end.life, end.end, end.passages), (0.0, End::WearLimit, [0.0; LEVELS]));
         assert!(end.flank_wear >= worn.pair.limits.wear_limit);
@@ -89,7 +103,7 @@ fn an_edge_that_is_lost_or_spent_at_the_start_has_no_life() {
 
 #[test]
 fn a_ramp_down_that_begins_too_hot_is_lost_at_its_start() {
-    let study = study(Scatter::none(), Rule::Programmed, Reading::Pass, false);
+    let study = study(Scatter::none(), SpeedRule::Programmed, Reading::Pass, false);
     let (pair, cell) = (&study.pair, &study.cells[0]);
     let mut draws = Draws::of(study.seed, 0);
     let edge = Edge::of(&study, &cell.cut, &[0.5; COORDINATES.len()], &mut draws.wear);

@@ -1,9 +1,9 @@
 use super::super::points::Sampling;
-use super::super::policy::{Knows, Reading, Rule};
+use super::super::policy::{Reading, Rule};
 use super::super::{Passes, Tilt, cell};
 use super::*;
-use toolroom_scenario::SensorSheet;
-use toolroom_wear::{Objective, Pair, Scatter};
+use toolroom_scenario::{Knowledge, SensorSheet, SpeedRule};
+use toolroom_wear::{Pair, Scatter};
 
 /// A study of the default pair at 30 m/min under `rules`.
 fn study(scatter: Scatter, rules: &[Rule], lagged: bool, pause: f64) -> Study {
@@ -20,7 +20,7 @@ fn study(scatter: Scatter, rules: &[Rule], lagged: bool, pause: f64) -> Study {
 
 #[test]
 fn without_scatter_every_life_is_the_nominal_one() {
-    let study = study(Scatter::none(), &[Rule::Programmed], false, 0.0);
+    let study = study(Scatter::none(), &[SpeedRule::Programmed.into()], false, 0.0);
     let (tally, rows) = lives(&study, &study.cells[0], 0, 10, true);
     let nominal = study.pair.life(&study.cells[0].cut);
     for row in &rows {
@@ -38,7 +38,7 @@ fn without_scatter_every_life_is_the_nominal_one() {
     lagged.cells[0].cut = study.pair.reference_cut();
     lagged.cells[0].speed = cell(
         ("", lagged.cells[0].cut),
-        ("", Rule::Programmed, Reading::Pass),
+        ("", SpeedRule::Programmed.into(), Reading::Pass),
         &study.pair,
         &study.scatter,
         SensorSheet::default(),
@@ -60,7 +60,7 @@ fn scatter_gives_the_mean_and_variation_of_quadrature() {
         batch_hardness: 0.03,
         ..Scatter::none()
     };
-    let mut study = study(scatter, &[Rule::Programmed], false, 0.0);
+    let mut study = study(scatter, &[SpeedRule::Programmed.into()], false, 0.0);
     study.sampling = Sampling::Sobol;
     let (tally, _) = lives(&study, &study.cells[0], 0, 16_384, false);
     assert!((tally.life.mean() / 60.0 / 23.905_684 - 1.0).abs() < 1e-3, "{}", tally.life.mean() / 60.0);
@@ -69,7 +69,7 @@ fn scatter_gives_the_mean_and_variation_of_quadrature() {
 
 #[test]
 fn parts_merge_to_the_whole_whatever_the_cut() {
-    let study = study(Scatter::shop(), &[Rule::Programmed], false, 0.0);
+    let study = study(Scatter::shop(), &[SpeedRule::Programmed.into()], false, 0.0);
     let (whole, _) = lives(&study, &study.cells[0], 0, 700, false);
     let mut merged = Tally::default();
     for (from, to) in [(500, 700), (0, 123), (123, 500)] {
@@ -82,7 +82,8 @@ fn parts_merge_to_the_whole_whatever_the_cut() {
 fn policies_gain_what_is_published() {
     // Independent reference, 200 tools, full scatter, pauses of 0.3 min: constant 30.4 has a mean
     // path of 713 m, the schedule 974, mode 1 with an observer 1023, the oracle 1046.
-    let rules = [Rule::Best(Objective::Path), Rule::Schedule, Rule::MinimumWear, Rule::Oracle(Knows::Edge)];
+    let oracle = Rule { knows: Knowledge::Edge, ..SpeedRule::Oracle.into() };
+    let rules = [SpeedRule::BestPath.into(), SpeedRule::Schedule.into(), SpeedRule::MinimumWear.into(), oracle];
     let mut study = study(Scatter { chipped_share: 0.0, ..Scatter::shop() }, &rules, true, 18.0);
     study.lives = 400;
     let tallies: Vec<Tally> = study.cells.iter().map(|cell| lives(&study, cell, 0, 400, false).0).collect();
@@ -104,7 +105,7 @@ fn policies_gain_what_is_published() {
 fn tilted_draws_know_the_same_probability_better() {
     let mut scatter = Scatter::shop();
     (scatter.allowance, scatter.piece_hardness) = (0.0, 0.0);
-    let lasting = study(scatter, &[Rule::Programmed], false, 0.0);
+    let lasting = study(scatter, &[SpeedRule::Programmed.into()], false, 0.0);
     let mut chipping = lasting.clone();
     let cut = chipping.cells[0].cut;
     chipping.pair.chipping = chipping.pair.chipping.for_share(&chipping.pair, &cut, 0.10).unwrap();
@@ -128,7 +129,7 @@ fn tilted_draws_know_the_same_probability_better() {
 fn a_chipped_share_comes_out() {
     let mut scatter = Scatter::shop();
     (scatter.allowance, scatter.piece_hardness) = (0.0, 0.0);
-    let mut study = study(scatter, &[Rule::Programmed], false, 0.0);
+    let mut study = study(scatter, &[SpeedRule::Programmed.into()], false, 0.0);
     let cut = study.cells[0].cut;
     study.pair.chipping = study.pair.chipping.for_share(&study.pair, &cut, 0.10).unwrap();
     let (tally, _) = lives(&study, &study.cells[0], 0, 8000, false);

@@ -4,11 +4,11 @@ use super::*;
 use crate::file::keys::SCENARIO;
 use crate::file::random::distribution;
 use crate::file::resolve::Names;
-use crate::file::speed::{SpeedWord, speed_rule};
+use crate::file::speed::speed_rule;
 use crate::file::{planned, processes, rules, stability};
 use crate::{
-    ArrivalPattern, Distribution, DressingRule, GrindingRule, Interruption, ProcessModel, SpeedChoice, SpeedRule,
-    StabilityRule, ToolChangeRule,
+    ArrivalPattern, Distribution, DressingRule, GrindingRule, Interruption, ProcessModel, SpeedRule, StabilityRule,
+    ToolChangeRule,
 };
 use toml::de::DeTable;
 use toolroom_form::{Form, Key, Kind, Need, Section, Walk, example};
@@ -16,24 +16,6 @@ use toolroom_wear::Scatter;
 
 // Each function from a rule to its word matches without a wildcard: a rule without a word does not
 // compile.
-
-fn word_of_speed(rule: SpeedRule) -> SpeedWord {
-    match rule {
-        SpeedRule::Programmed => SpeedWord::Programmed,
-        SpeedRule::Constant(SpeedChoice::Given(_)) => SpeedWord::Constant,
-        SpeedRule::Constant(SpeedChoice::BestPath) => SpeedWord::BestPath,
-        SpeedRule::Constant(SpeedChoice::BestLife) => SpeedWord::BestLife,
-        SpeedRule::Constant(SpeedChoice::BestRate) => SpeedWord::BestRate,
-        SpeedRule::Constant(SpeedChoice::BestCost) => SpeedWord::BestCost,
-        SpeedRule::Constant(SpeedChoice::Makarov(_)) => SpeedWord::Makarov,
-        SpeedRule::Schedule => SpeedWord::Schedule,
-        SpeedRule::MinimumWear { literal: false } => SpeedWord::MinimumWear,
-        SpeedRule::MinimumWear { literal: true } => SpeedWord::MinimumWearLiteral,
-        SpeedRule::SetIncrement { .. } => SpeedWord::SetIncrement,
-        SpeedRule::Productivity { .. } => SpeedWord::Productivity,
-        SpeedRule::Oracle => SpeedWord::Oracle,
-    }
-}
 
 fn word_of_chatter(rule: StabilityRule) -> ChatterWord {
     match rule {
@@ -152,18 +134,11 @@ fn policy_with<T>(key: &str, word: &str, reader: impl FnOnce(&mut Walk, &Section
     read(policy, &format!("name = \"p\", speed = \"programmed\", {key} = {{ {rule} }}"), reader)
 }
 
-#[test]
-fn every_speed_word_reads_as_its_rule() {
-    for (rule, word) in speed_rules().into_iter().zip(SpeedWord::WORDS) {
-        assert_eq!(word_of_speed(rule).word(), *word);
-    }
-}
-
 /// Every speed rule, as read from its word and the examples of its keys.
 pub(crate) fn speed_rules() -> Vec<SpeedRule> {
     let policy = form_of(&SCENARIO, "policy");
     let rule = |word: &&str| read(policy, &body(policy, "speed", word), |walk, section| speed_rule(walk, section, &[]));
-    SpeedWord::WORDS.iter().map(rule).collect()
+    SpeedRule::WORDS.iter().map(rule).collect()
 }
 
 #[test]

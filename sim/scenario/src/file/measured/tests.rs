@@ -77,7 +77,7 @@ fn factors_and_summands_of_the_shop_meet_in_an_operation() {
         occasion.set("machine", machine.to_owned());
         occasion.set("part", "part");
         occasion.set("operation", "turn");
-        calibrated(&scenario.calibrations, "handling_time", &occasion, 100.0)
+        calibrated(&scenario.calibrations, crate::ShopConstant::HandlingTime, &occasion, 100.0)
     };
     assert!((time("L1") - 110.8).abs() < 1e-12 && (time("L2") - 113.8).abs() < 1e-12);
     assert!((time("X") - 110.0).abs() < 1e-12);
