@@ -139,7 +139,8 @@ fn a_planner_goes_from_the_order_system_to_a_paired_answer() {
     assert!(report.contains("Variants of the shop") && report.contains("second setter"));
 
     // What a variant cannot change is told at its place.
-    fs::write(folder.join("wrong.toml"), format!("{SHOP}\n{}", variant.replace("setter.count", "seter.count"))).expect("written");
+    fs::write(folder.join("wrong.toml"), format!("{SHOP}\n{}", variant.replace("setter.count", "seter.count")))
+        .expect("written");
     let wrong = folder.join("wrong.toml").display().to_string();
     for verb in ["check", "compare"] {
         let output = toolroom(&[verb, &wrong]);
