@@ -16,6 +16,7 @@ pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
             program::CODES,
             toolroom_kinds::CODES,
             toolroom_planning::CODES,
+            toolroom_program::CODES,
             toolroom_shop::CODES,
             toolroom_watch::CODES,
         ]

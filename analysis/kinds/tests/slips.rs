@@ -176,7 +176,10 @@ fn plan(path: &Path) -> Result<(), Refused> {
     let task = Task::read(path, None, &[])?;
     let options = StudyOptions { draws: 2, ..StudyOptions::default() };
     let studies = contour::studies(&task.file, &options, &|_| ()).map_err(|error| task.refused(&error))?;
-    contour::files(&task.file, &studies, Provenance::default()).map(drop).map_err(|error| task.refused(&error).into())
+    let fanuc = toolroom_program::Dialect::Fanuc;
+    contour::files(&task.file, &studies, Provenance::default(), fanuc)
+        .map(drop)
+        .map_err(|error| task.refused(&error).into())
 }
 
 fn from(mapped: &Mapped) -> Option<String> {

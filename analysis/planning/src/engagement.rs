@@ -96,6 +96,8 @@ impl Engagement {
         // A setup of one tool needs no call of it.
         let only = if setup.tools.len() == 1 { setup.tools.keys().next().copied() } else { None };
         let (mut tool, mut speed) = (only, 0.0);
+        // Until the program says where Z is, the tool is above everything.
+        let mut lifted = true;
         for event in Run::new(text, control)? {
             let event = event?;
             match event.kind {
@@ -103,7 +105,12 @@ impl Engagement {
                 EventKind::Spindle { speed: rpm, sense } => {
                     speed = if sense == Sense::Clockwise { rpm * TAU / 60.0 } else { 0.0 };
                 }
+                EventKind::Home(axes) => lifted |= axes[2],
                 EventKind::Motion(motion) => {
+                    if lifted && motion.rapid && !motion.unknown && motion.start[2] == motion.end[2] {
+                        continue;
+                    }
+                    lifted = false;
                     let Some(which) = tool.and_then(|number| setup.tools.get(&number)) else {
                         if motion.rapid {
                             continue;
@@ -120,7 +127,6 @@ impl Engagement {
                 | EventKind::Auxiliary(..)
                 | EventKind::Hole
                 | EventKind::ExactStop
-                | EventKind::Home(_)
                 | EventKind::Offset(_)
                 | EventKind::End => {}
             }

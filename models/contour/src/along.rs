@@ -10,9 +10,11 @@ use crate::{Contour, CutterSide, Engagement, Section};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Difference between bound and sample that is not refined further, rad.
-const FINE: f64 = 0.25 * PI / 180.0;
+const FINE: f64 = 1.0 * PI / 180.0;
 /// Half length of a step that is not halved again, m.
-const SHORTEST: f64 = 10e-6;
+const SHORTEST: f64 = 50e-6;
+/// Steps into which a section is cut at most; a longer one keeps a looser bound.
+const MOST_STEPS: f64 = 256.0;
 /// Neighbouring steps are one piece as long as their engagement differs by no more than this share.
 const ALIKE: f64 = 0.03;
 /// Length, m, below which pieces are joined whatever their engagement: some blocks at usual feeds (assumption).
@@ -122,12 +124,13 @@ impl<'a> Along<'a> {
         // Greatest way of a rim point for a way along the wall: the centre's on a line, more where the direction turns.
         let centre = self.contour.shape(own).centre_path_ratio(self.radius);
         let moves = centre + self.radius * own.curvature.abs();
+        let shortest = SHORTEST.max(0.5 * own.length * moves / MOST_STEPS);
         let mut steps: Vec<(f64, f64, f64)> = Vec::new();
         let mut open = vec![(0.0, own.length)];
         while let Some((from, to)) = open.pop() {
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
             let bound = self.others(section, middle, half * moves);
-            let fine = bound == 0.0 || half * moves <= SHORTEST || {
+            let fine = bound == 0.0 || half * moves <= shortest || {
                 let sampled = [from, middle, to].map(|way| self.others(section, way, 0.0));
                 bound - sampled.into_iter().fold(0.0, f64::max) <= FINE
             };

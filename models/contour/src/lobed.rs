@@ -13,7 +13,7 @@ pub(crate) struct Profile {
 }
 
 /// Pairs of arcs beyond which no division is sought.
-const MOST_PAIRS: u32 = 20_000;
+const MOST_PAIRS: u32 = 2000;
 /// Points of a whole profile at which its distance is measured.
 const OUTLINE: u32 = 1440;
 /// Points of the profile between two ends of pairs at which the distance is measured.

@@ -160,7 +160,7 @@ impl Trace {
     /// A closed hole or disc of equal width: support function
     /// `h(φ) = diameter/2 − eccentricity·cos(lobes·φ)`, hence radius of curvature
     /// `diameter/2 + (lobes² − 1)·eccentricity·cos(lobes·φ)`, as `sections` arcs of the mean
-    /// radius, as in the paper: 18 of them are off the profile RK-3 by 324 um ([`Trace::lobed_within`] is not). The natural arc is the angle from one extreme of curvature to the next.
+    /// radius, as in the paper: 18 of them are off the profile RK-3 by ±324 um about the best fit ([`Trace::lobed_within`] is not). The natural arc is the angle from one extreme of curvature to the next.
     ///
     /// # Errors
     /// [`ContourError::NoLength`] where the eccentricity is so great that a radius vanishes,

@@ -134,6 +134,13 @@ impl Parameters {
             return Err(SetError::UnknownGroup { group: group.clone() });
         }
         let mut parameters = Self::default();
+        // Sets from before bores could be ground do not say that they are none.
+        if file.groups.get("infeed").is_some_and(|group| !group.contains_key("internal")) {
+            let whole =
+                format!("{text}\n[parameters.infeed.internal]\nvalue = 0.0\nsource = \"outside where not given\"\n");
+            ParameterFile::read(&whole)?.fill(&whole, "infeed", &mut parameters)?;
+            return Ok(parameters);
+        }
         file.fill(text, "infeed", &mut parameters)?;
         Ok(parameters)
     }

@@ -35,15 +35,16 @@ const DECIMALS: usize = 4;
 /// assert!(klartext.contains("CC X+0 Y+10\nC X+10 Y+10 DR+"), "{klartext}");
 /// ```
 pub fn post(text: &str, control: &Control, dialect: Dialect) -> Result<Post, ProgramError> {
-    let run = Run::new(text, control)?;
+    let mut run = Run::new(text, control)?;
     let (source, _) = run.dialect();
     let mut writer = Writer::new(dialect);
     let refused = |line: usize, message: &str| ProgramError::of_line(line, source, message);
     if source == Dialect::FanucLathe || dialect == Dialect::FanucLathe {
         return Err(refused(1, "programs of lathes are not translated"));
     }
-    for event in run {
+    while let Some(event) = run.next() {
         let event = event?;
+        writer.known = run.position().map(|place| place.is_some());
         writer.event(&event).map_err(|message| refused(event.line, message))?;
     }
     writer.finish();
@@ -59,6 +60,8 @@ struct Writer {
     plane: [usize; 3],
     speed: f64,
     left_out: Vec<usize>,
+    /// Axes whose place the program knows: no other may be sent anywhere.
+    known: [bool; 9],
     /// Tools in the order of their calls.
     tools: Vec<u32>,
     /// Where the list of tools stands.
@@ -94,6 +97,7 @@ impl Writer {
             plane: PLANES[0],
             speed: 0.0,
             left_out: Vec::new(),
+            known: [false; 9],
             tools: Vec::new(),
             head: text.find("\nG").map_or(text.len(), |at| at + 1),
         }
@@ -230,7 +234,7 @@ impl Writer {
         let mut words = String::new();
         for axis in 0..9 {
             let place = Self::round(end[axis]);
-            let unset = self.at[axis].is_none() && axis > 2 && place == 0.0;
+            let unset = self.at[axis].is_none() && (!self.known[axis] || (axis > 2 && place == 0.0));
             if (self.at[axis] != Some(place) && !unset) || forced[axis] {
                 let _ = write!(words, " {}{}", AXES[axis], self.value(place));
                 self.at[axis] = Some(place);

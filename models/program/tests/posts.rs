@@ -110,3 +110,21 @@ proptest! {
         comes_back(&text, &control(Dialect::LinuxCnc));
     }
 }
+
+#[test]
+fn an_axis_whose_place_is_not_known_is_sent_nowhere() {
+    let text = "G21 G90\nT1 M6\nG54 G0 X10. Y0 S3000 M3\nG43 H1 Z5. M8\nG1 Z-1. F100\nX20.\nG91 G28 Z0.\nG90\nM30\n";
+    for dialect in [Dialect::Fanuc, Dialect::Haas, Dialect::Siemens, Dialect::Heidenhain, Dialect::LinuxCnc] {
+        let written = post(text, &Control::default(), dialect).expect("a program").text;
+        let approach = written.lines().find(|line| line.contains("X10") || line.contains("X+10")).expect("an approach");
+        assert!(!approach.contains('Z') && approach.contains('Y'), "{approach}\n{written}");
+        for word in match dialect {
+            Dialect::Siemens => ["SUPA G0 Z0 D0", "D1", "; TOOL 1"],
+            Dialect::Heidenhain => ["L Z+0 R0 FMAX M91", "TOOL CALL 1", "; TOOL 1"],
+            Dialect::Fanuc | Dialect::FanucLathe | Dialect::Haas => ["G91 G28 Z0.", "G43 H1", "(TOOL 1)"],
+            Dialect::LinuxCnc => ["G91 G28 Z0", "G43 H1", "(TOOL 1)"],
+        } {
+            assert!(written.contains(word), "{word} in\n{written}");
+        }
+    }
+}

@@ -98,6 +98,10 @@ impl Cutting {
     /// half a degree, or to a fiftieth of the cutter's radius.
     pub fn motion(&mut self, motion: &Motion, tool: &Tool, speed: f64) -> Cut {
         let mut cut = Cut::default();
+        if motion.rapid && motion.unknown {
+            // It comes from or goes to a place that only the machine knows.
+            return Cut { air: 1.0, ..cut };
+        }
         let pieces = pieces(motion, &self.stock);
         let length: f64 = pieces.iter().map(|piece| piece.path.length).sum();
         let feed = if motion.rapid || motion.time <= 0.0 { 0.0 } else { 1e-3 * motion.length / motion.time };

@@ -40,9 +40,14 @@ pub(crate) struct Engaged {
 }
 
 /// Layers beyond which floors are joined, each to the next higher one: never less material (assumption).
-const LAYERS: usize = 20;
-/// Depth, m, up to which a point on the boundary of a swath counts as in material: positions of programs are exact to less.
-const TOUCH: f64 = 1e-9;
+const LAYERS: usize = 8;
+/// Depth, m, up to which a point on the boundary of a swath counts as in material: the rim begins a motion on the end of
+/// the last one. Rounding is less.
+const TOUCH: f64 = 1e-12;
+/// Difference of heights, m, that is none.
+const LEVEL: f64 = 1e-9;
+/// Angle, rad, below which a rim only touches: less than a hundredth of a degree.
+const GRAZE: f64 = 1e-4;
 
 impl Stock {
     /// Volume, m³.
@@ -80,7 +85,7 @@ impl Stock {
 
     /// What of a cutter at `centre`, of `radius`, whose end is at the height `bottom` and that moves along `heading`, is in
     /// material that `index` and `own` swaths have left. Every point of the rim is taken to be deeper in material by `slack`.
-    pub fn engaged(&self, index: &Index, own: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
+    pub(crate) fn engaged(&self, index: &Index, own: Option<&Swath>, place: &Place, slack: f64) -> Engaged {
         let &Place { centre, radius, bottom, heading } = place;
         let low = bottom.max(self.base);
         if low >= self.top {
@@ -90,9 +95,9 @@ impl Stock {
         let near = index.near(centre, radius);
         let swaths: Vec<&Swath> = own.into_iter().chain(near).filter(|swath| swath.floor < self.top).collect();
         let mut floors: Vec<f64> =
-            swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + TOUCH).chain([self.top]).collect();
+            swaths.iter().map(|swath| swath.floor).filter(|floor| *floor > low + LEVEL).chain([self.top]).collect();
         floors.sort_by(f64::total_cmp);
-        floors.dedup_by(|a, b| *a - *b < TOUCH);
+        floors.dedup_by(|a, b| *a - *b < LEVEL);
         while floors.len() > LAYERS {
             // The thinnest layer takes the floor above it.
             let thin = (0..floors.len() - 1)
@@ -105,7 +110,7 @@ impl Stock {
         for floor in floors {
             let open: Vec<(&Section, f64)> = swaths
                 .iter()
-                .filter(|swath| swath.floor <= from + TOUCH)
+                .filter(|swath| swath.floor <= from + LEVEL)
                 .map(|swath| (&swath.path, swath.radius - slack - TOUCH))
                 .filter(|(_, reach)| *reach > 0.0)
                 .collect();
@@ -117,7 +122,8 @@ impl Stock {
                 let point = rim.at(angle);
                 self.holds(point, slack) && !open.iter().any(|(path, reach)| distance(path, point) < *reach)
             };
-            let list = rim.intervals(heading - FRAC_PI_2, PI, &mut angles, inside);
+            let mut list = rim.intervals(heading - FRAC_PI_2, PI, &mut angles, inside);
+            list.retain(|(a, b)| b - a > GRAZE);
             if !list.is_empty() {
                 let angles = list.into_iter().map(|(a, b)| (a - heading, b - heading)).collect();
                 layers.push(Layer { height: floor - from, angles });

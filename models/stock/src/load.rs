@@ -86,7 +86,7 @@ mod tests {
     fn the_load_of_a_shoulder_is_that_of_the_contour_model() {
         let edge = EdgeForce::default();
         let (radius, depth, teeth, immersion) = (0.016, 0.03, 4.0, 0.003);
-        let angle = (1.0 - immersion / radius as f64).acos();
+        let angle = (1.0f64 - immersion / radius).acos();
         let tool = Tool { radius, teeth, force: Some(ToolForce { edge }) };
         let (feed_per_tooth, speed) = (0.1e-3, 200.0);
         let feed = feed_per_tooth * teeth * speed / TAU;

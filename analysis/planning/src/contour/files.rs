@@ -35,19 +35,8 @@ pub fn files(
     if studies.iter().any(|study| !study.scatter.is_empty()) {
         files.push("draws.csv", draws(studies));
     }
-    for study in studies {
-        for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
-            let title = format!("{} {} least {objective}", file.name, study.name);
-            let left = left(file, study, plan);
-            let program = study
-                .planner
-                .part_program_leaving(plan, &title, left)
-                .map_err(|error| RefusedPass::new(study.name, error))?;
-            let program = written(&program, dialect).map_err(|error| RefusedPass::new(study.name, error))?;
-            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
-            let name: String = study.name.chars().map(fit).collect();
-            files.push(format!("{name}-{objective}.{}", ending(dialect)), program);
-        }
+    for (name, program) in programs(file, studies, dialect)? {
+        files.push(name, program);
     }
     files.push("contour.json", format!("{:#}\n", summary(file, studies)));
     files.push("report.html", report(file, studies, provenance).html());
@@ -95,6 +84,30 @@ pub fn summary(file: &ContourFile, studies: &[PassStudy<'_>]) -> Value {
         "conditions": studies.iter().flat_map(|study| study.conditions.iter().map(|each| condition_json(study, each))).collect::<Vec<_>>(),
         "sensitivity": studies.iter().flat_map(|study| study.scatter.iter().map(|each| scatter_json(study, each))).collect::<Vec<_>>(),
     })
+}
+
+/// A part program for every pass and objective, each with the name of its file.
+///
+/// # Errors
+/// [`RefusedPass`]: a plan that cannot be written as a part program.
+pub(super) fn programs(
+    file: &ContourFile,
+    studies: &[PassStudy<'_>],
+    dialect: Dialect,
+) -> Result<Vec<(String, String)>, RefusedPass> {
+    let mut list = Vec::new();
+    for study in studies {
+        let refused = |error| RefusedPass::new(study.name, error);
+        for ((objective, _), plan) in OBJECTIVES.iter().zip(&study.plans) {
+            let title = format!("{} {} least {objective}", file.name, study.name);
+            let program = study.planner.part_program_leaving(plan, &title, left(file, study, plan)).map_err(refused)?;
+            let fit = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '-' };
+            let name: String = study.name.chars().map(fit).collect();
+            let program = written(&program, dialect).map_err(refused)?;
+            list.push((format!("{name}-{objective}.{}", ending(dialect)), program));
+        }
+    }
+    Ok(list)
 }
 
 /// What a pass leaves of the wall, m: what the passes behind it in the file remove, and what the cutter that bends would cut

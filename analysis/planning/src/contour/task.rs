@@ -1,11 +1,12 @@
 //! A contour file, the part program beside it, and their refusals.
 
+use super::files::programs;
 use super::study::{RefusedPass, StudyOptions, studies};
 use std::path::Path;
 use toolroom_contour::{ContourError, ContourFile, FileError, GcodeFileError};
 use toolroom_form::{Echo, FaultList, FormFile, ReadError, Refusal, key_place};
 use toolroom_process::ModelError;
-use toolroom_program::Control;
+use toolroom_program::{Control, Dialect};
 
 /// A text file with its name.
 #[derive(Clone, Debug)]
@@ -54,7 +55,10 @@ impl Task {
         let task = Self::read(file, None, set)?;
         // Draws are never refused.
         let options = StudyOptions { draws: 0, ..StudyOptions::default() };
-        studies(&task.file, &options, &|_| ()).map_err(|refused| task.refused(&refused))?;
+        let studies = studies(&task.file, &options, &|_| ()).map_err(|refused| task.refused(&refused))?;
+        // The path of a pass has to fit beside what it leaves.
+        programs(&task.file, &studies, Dialect::Fanuc).map_err(|refused| task.refused(&refused))?;
+        drop(studies);
         Ok(task)
     }
 
