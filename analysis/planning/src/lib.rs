@@ -2,6 +2,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`coefficients`] | cutting-force coefficients from mean forces, or of a group of work materials |
 //! | [`contour`] | plans along a contour, and how their gains move with the conditions |
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
 //! | [`identification`] | lag and stiffnesses of a grinder from trials |
@@ -18,6 +19,7 @@
 
 mod change;
 mod codes;
+pub mod coefficients;
 pub mod contour;
 pub mod cycle;
 pub mod identification;
