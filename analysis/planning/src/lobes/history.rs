@@ -315,7 +315,7 @@ impl History<'_> {
             plot = plot.line(name, points, Style::nth(direction));
         }
         let groups =
-            [("teeth", "tooth", Colour::Grey, Dash::Dotted), ("chatter", "chatter", Colour::Vermillion, Dash::Dashed)];
+            [("teeth", "tooth", Colour::Grey, Dash::Dotted), ("chatter", "chatter", Colour::Purple, Dash::DashDot)];
         for (label, word, colour, dash) in groups {
             let mut label = label.to_owned();
             for line in self.lines.iter().filter(|line| line.origin.starts_with(word)) {

@@ -5,7 +5,7 @@ use super::load::Limited;
 use super::picture::{axis, lobes, stretches};
 use super::{ChartStudy, LobesFile};
 use rayon::prelude::*;
-use toolroom_chart::{Axis, Chart, Colour, Dash, HeatMap, Style};
+use toolroom_chart::{Axis, Chart, Colour, ColourMap, Dash, HeatMap, Style};
 use toolroom_chatter::{ChatterError, CuttingLoad, Scatter};
 use toolroom_form::{significant, vocabulary};
 
@@ -186,6 +186,10 @@ impl ChartMap {
         let title = format!("{}: {}", study.file.title, label.to_lowercase());
         let description = format!("{label} over {} and {}.", speed.label.to_lowercase(), depth.label.to_lowercase());
         let mut map = HeatMap::new(title, shown, columns, depths, values).describe(description);
+        // An error of the surface has a sign.
+        if self.kind == MapKind::Sle {
+            map = map.colours(ColourMap::Diverging);
+        }
         if self.values.iter().any(|value| !value.is_finite()) {
             map = map.missing(self.kind.missing());
         }
