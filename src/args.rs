@@ -22,7 +22,7 @@ pub use gap::{
 };
 pub use import::{ImportCommand, ImportCsvArgs, ImportTableArgs, MtconnectArgs, NistRunsArgs};
 pub use lobes::LobesArgs;
-pub use modes::{ListenArgs, ModesArgs, SwapArgs};
+pub use modes::{CoefficientsArgs, ListenArgs, ModesArgs, SwapArgs};
 pub use planning::{ContourArgs, GrindArgs, IdentifyArgs};
 pub use program::ProgramArgs;
 
@@ -131,6 +131,8 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
     #[command(before_help = "Examples:
   toolroom lobes scenarios/chatter/milling-slot.toml
   toolroom lobes scenarios/chatter/milling-slot.toml --at \"5000 rpm\" \"0.5 mm\" --json
+  toolroom lobes chart.toml --best --show power --show sle    within [limits] of the file; greatest removal rate
+  toolroom lobes chart.toml --robust \"2 mm\"                  speeds by the probability of stability
   toolroom lobes scenarios/chatter/turning-bar.toml --set bar.position=\"100 mm\"
   toolroom lobes scenarios/chuck-fig3.toml --at 1 0.3        speed ratio (or rpm) and modulation
   toolroom lobes chart.toml --plan plan.json --shards 64     for a cluster
@@ -142,6 +144,7 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
   toolroom modes tap.uff --averages 4 --report out/modes       pictures and the stabilisation diagram
   toolroom modes tap.csv --pick \"612 Hz\" --pick \"1185 Hz\" --direction \"30 deg\"
   toolroom modes tap.csv --read                                what the file holds, without a fit
+  toolroom modes spindle3-d12.toml --cuts cuts.csv --lobes chart.toml --out new.toml    brought up to date by the shop
 
 A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of its [[mode]].")]
     Modes(ModesArgs),
@@ -155,6 +158,15 @@ A lobes file takes the result by structure = \"spindle3-d12.toml\" in place of i
   toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\"
   toolroom listen cut.wav --teeth 4 --speed \"7500 rpm\" --air air.wav --lobes chart.toml")]
     Listen(ListenArgs),
+    /// Cutting-force coefficients with their uncertainty from mean forces, or of a group of work materials
+    #[command(before_help = "Examples:
+  toolroom coefficients slot.csv --teeth 2 --depth \"2 mm\" --out al7075.toml
+  toolroom coefficients side.csv --teeth 4 --depth \"3 mm\" --immersion 0.25 --axes=-x,-y,z
+  toolroom coefficients --list                              groups of work materials and their source
+  toolroom coefficients --group 6 --chip-thickness \"0.08 mm\" --out steel.toml
+
+A lobes file takes the result by coefficients = \"al7075.toml\" in [force] or [cut].")]
+    Coefficients(CoefficientsArgs),
     /// Tool lives: a Monte Carlo study, or laws fitted to measured lives
     #[command(before_help = "Examples:
   toolroom life scenarios/life/policies.toml          study of policies, report in out/policies

@@ -12,7 +12,11 @@ use std::time::Instant;
 use toolroom_chatter::{ChatterError, Lobes};
 use toolroom_form::FormFile;
 use toolroom_output::{OutputDir, provenance};
-use toolroom_planning::lobes::{ChartStudy, LobesFile, NAMES, PointVerdict, read};
+use toolroom_planning::lobes::{
+    Best, ChartMap, ChartStudy, HISTORY_NAMES, HistoryError, LobesFile, MapError, MapKind, NAMES, PitchError,
+    PointVerdict, read,
+};
+use toolroom_process::unit::quantity;
 
 pub use shards::{merge, shard};
 
@@ -32,7 +36,14 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
     };
     let file = read(path, &args.set)?;
     if let [speed, depth] = args.at.as_slice() {
-        return verdict(&file.content, [speed, depth], args.measured.as_deref(), voice);
+        verdict(&file.content, [speed, depth], args.measured.as_deref(), voice)?;
+        return args
+            .history
+            .as_deref()
+            .map_or(Ok(()), |target| history(&file, path, [speed, depth], target, args, voice));
+    }
+    if let [from, to] = args.pitch.as_slice() {
+        return pool(args.threads)?.install(|| pitch(&file.content, [from, to], voice));
     }
     let input = path.display().to_string();
     if let Some(target) = &args.plan {
@@ -51,25 +62,30 @@ pub fn run(args: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
             Some(shards::grid(&input, &file, args, &out, voice)?)
         };
         let origin = Origin { file: &input, changes: &args.set, start };
-        finish(&file, grid, &origin, out, voice)
+        finish(&file, grid, &origin, Some(args), out, voice)
     })
 }
 
-/// Boundaries and operating points beside the grid, then every file.
+/// Boundaries, operating points and what was asked for beside the grid, then every file.
 fn finish(
     file: &FormFile<LobesFile>,
     grid: Option<Lobes>,
     origin: &Origin<'_>,
+    asked: Option<&LobesArgs>,
     out: OutputDir,
     voice: &Voice,
 ) -> Result<(), Failure> {
-    let study = ChartStudy::new(&file.content, grid).map_err(refused)?;
+    let mut study = ChartStudy::new(&file.content, grid).map_err(refused)?;
+    if let Some(asked) = asked {
+        workbench(&mut study, asked, voice)?;
+    }
     for warning in study.holes() {
         voice.say(format_args!("warning: {warning}"));
     }
     let inputs = [(origin.file.to_owned(), file.text.as_bytes())];
     let changes = origin.changes.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
-    let provenance = provenance("lobes", &inputs, changes, None);
+    let asked = asked.map_or_else(Vec::new, arguments);
+    let provenance = provenance("lobes", &inputs, changes.chain(asked), None);
     let (summary, files) = study.files(&file.echo, provenance.clone());
     out.put_all(&files)?;
     out.record(&provenance, origin.start.elapsed())?;
@@ -84,12 +100,101 @@ fn finish(
     Ok(())
 }
 
+/// What is asked for beside the chart, as it has to be typed.
+fn arguments(asked: &LobesArgs) -> Vec<String> {
+    let mut typed: Vec<String> = asked.show.iter().flat_map(|map| ["--show".to_owned(), map.clone()]).collect();
+    if asked.best {
+        typed.extend(["--best".to_owned(), "--probability".to_owned(), asked.probability.to_string()]);
+    }
+    typed.extend(asked.robust.iter().flat_map(|depth| ["--robust".to_owned(), depth.clone()]));
+    typed
+}
+
+/// Robust speeds, the best point and maps, as they are asked for.
+fn workbench(study: &mut ChartStudy<'_>, asked: &LobesArgs, voice: &Voice) -> Result<(), Failure> {
+    let failed = |error: MapError| match error {
+        MapError::Refused(error) => refused(error),
+        error => Failure::argument(error, "see docs/dynamics.md"),
+    };
+    if let Some(depth) = &asked.robust {
+        let speed = study.file.cut.axes().speed;
+        let start = format!("{} {}", speed.shown(study.file.chart.speed.start), speed.unit);
+        let place = study.file.cut.place(&start, depth);
+        let (_, depth) = place.map_err(|error| Failure::argument(&error, "write for example --robust \"2 mm\""))?;
+        study.robust = study.file.robust_speeds(depth).map_err(refused)?;
+        if study.robust.is_empty() {
+            let message = "robust speeds are worked out for milling and turning at constant speed";
+            return Err(Failure::argument(message, "leave out --robust"));
+        }
+    }
+    if asked.best {
+        if !(0.5..1.0).contains(&asked.probability) {
+            let message = format!("a probability of {} is not within 0.5 … 1", asked.probability);
+            return Err(Failure::argument(message, "write for example --probability 0.95"));
+        }
+        study.best = Best::of(study, asked.probability).map_err(failed)?;
+        if study.best.is_none() {
+            voice.say(format_args!("warning: no point of the chart is stable with this probability within all limits"));
+        }
+    }
+    for word in &asked.show {
+        // The words are checked with the arguments.
+        if let Some(kind) = MapKind::from_word(word)
+            && !study.maps.iter().any(|map| map.kind == kind)
+        {
+            study.maps.push(ChartMap::new(study, kind).map_err(failed)?);
+        }
+    }
+    Ok(())
+}
+
 /// What the stability model refuses: an iteration without result is no fault of the input.
 fn refused(error: ChatterError) -> Failure {
     if matches!(error, ChatterError::NotConverged { .. }) {
         return Failure::Work { message: error.to_string() };
     }
     Failure::argument(error, "see the values of the file")
+}
+
+/// `--pitch FROM TO`: the unequal pitch for a window of speeds.
+fn pitch(file: &LobesFile, window: [&String; 2], voice: &Voice) -> Result<(), Failure> {
+    const FIX: &str = "write for example --pitch \"7000 rpm\" \"8000 rpm\"";
+    let mut speeds = [0.0; 2];
+    for (speed, text) in speeds.iter_mut().zip(window) {
+        *speed = quantity(text, "rad/s").map_err(|error| Failure::argument(error, FIX))?;
+    }
+    let best = file.best_pitch(speeds).map_err(|error| match error {
+        PitchError::Refused(error) => refused(error),
+        error => Failure::argument(error, FIX),
+    })?;
+    if voice.json { voice.json(&best.json()) } else { voice.data(best.text()) }
+}
+
+/// `--history DIR`: the vibration at a point over time.
+fn history(
+    file: &FormFile<LobesFile>,
+    path: &Path,
+    [speed, depth]: [&String; 2],
+    target: &Path,
+    args: &LobesArgs,
+    voice: &Voice,
+) -> Result<(), Failure> {
+    let start = Instant::now();
+    let place = file.content.cut.place(speed, depth).map_err(|error| Failure::argument(&error, error.fix()))?;
+    let inputs = std::iter::once(path).chain(file.files.iter().map(AsRef::as_ref));
+    let out = OutputDir::create(target, HISTORY_NAMES, inputs, voice.force)?;
+    let history = file.content.history(place).map_err(|error| match error {
+        HistoryError::Refused(error) => refused(error),
+        error => Failure::argument(error, "see docs/dynamics.md"),
+    })?;
+    let inputs = [(path.display().to_string(), file.text.as_bytes())];
+    let changes = args.set.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+    let at = ["--at".to_owned(), speed.clone(), depth.clone()];
+    let provenance = provenance("lobes", &inputs, at.into_iter().chain(changes), None);
+    out.put_all(&history.files(provenance.clone()))?;
+    out.record(&provenance, start.elapsed())?;
+    voice.say(format_args!("wrote {}", out.publish()?.join("report.html").display()));
+    Ok(())
 }
 
 /// `--at SPEED DEPTH`, with the limit straight from a `measured` response beside it.

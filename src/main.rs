@@ -9,6 +9,7 @@
 mod args;
 mod calibrate;
 mod check;
+mod coefficients;
 mod compare;
 mod completions;
 mod contour;
@@ -81,6 +82,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Modes(args) => modes::run(&args, voice),
         Command::Swap(args) => modes::swap(&args, voice),
         Command::Listen(args) => listen::run(&args, voice),
+        Command::Coefficients(args) => coefficients::run(&args, voice),
         Command::Life(args) => life::run(&args, voice),
         Command::Calibrate(args) => calibrate::run(&args, voice),
         Command::Identify(args) => identify::run(&args, voice),

@@ -6,15 +6,20 @@ use crate::speak::Voice;
 use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
-use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions};
+use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions, read_shop_cuts};
 use toolroom_lobes::read_structure;
 use toolroom_output::{Files, OutputDir, provenance};
-use toolroom_planning::modes::{ModesStudy, NAMES, Request, RequestError, range, read_tool, scatter, summary, tip};
+use toolroom_planning::modes::{
+    ModesStudy, ModesUpdate, NAMES, Request, RequestError, UpdateOptions, range, read_tool, scatter, summary, tip,
+};
 
 /// Where the files and the words of a fault are described.
 const GUIDE: &str = "see docs/dynamics.md";
 
 pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
+    if let (Some(cuts), Some(lobes)) = (&args.cuts, &args.lobes) {
+        return update(args, cuts, lobes, voice);
+    }
     let target = Target::new(args.out.as_deref(), args.report.as_deref(), args.accept_refused);
     let ModesArgs { averages, modes, .. } = *args;
     let (direction, estimator, highest) =
@@ -31,6 +36,44 @@ pub fn run(args: &ModesArgs, voice: &Voice) -> Result<(), Failure> {
     let provenance = provenance("modes", &inputs, request.arguments().into_iter().chain(scattered), None);
     let study = ModesStudy::new(target.name(&args.file), measured, &options, scatter);
     target.write(&study.map_err(|error| Failure::argument(error, GUIDE))?, &files, &provenance, voice)
+}
+
+/// `--cuts CUTS --lobes LOBES`: a structure file brought up to date by cuts of the shop.
+fn update(args: &ModesArgs, cuts: &Path, lobes: &Path, voice: &Voice) -> Result<(), Failure> {
+    let (structure, file) = (read_structure(&args.file, &[])?, toolroom_lobes::read(lobes, &[])?);
+    let files = Files::new([args.file.as_path(), cuts, lobes], voice.force);
+    if let Some(out) = &args.out {
+        files.check(out)?;
+    }
+    if !(0.0..1.0).contains(&args.coefficients) {
+        let message = format!("--coefficients: {} is not within 0 … 1", args.coefficients);
+        return Err(Failure::argument(message, "write for example --coefficients 0.15"));
+    }
+    let records = bytes(cuts)?;
+    let table = read_shop_cuts(&cuts.display().to_string(), &String::from_utf8_lossy(&records))
+        .map_err(|error| Failure::argument(error, GUIDE))?;
+    let options = UpdateOptions {
+        particles: args.particles as usize,
+        coefficients: args.coefficients,
+        ..UpdateOptions::default()
+    };
+    let update = ModesUpdate::new(&structure.content, &file.content, &table, &options)
+        .map_err(|error| Failure::argument(error, GUIDE))?;
+    if voice.json {
+        voice.json(&update.json())?;
+    } else {
+        voice.data(update.text())?;
+    }
+    let Some(out) = &args.out else { return Ok(()) };
+    let inputs = [(&args.file, structure.text.as_bytes()), (&cuts.to_owned(), &records), (&lobes.to_owned(), file.text.as_bytes())]
+        .map(|(path, bytes)| (path.display().to_string(), bytes));
+    let changes = ["--coefficients".to_owned(), args.coefficients.to_string(), "--particles".to_owned(), args.particles.to_string()];
+    let made = provenance("modes", &inputs, changes, None);
+    let digests = made.inputs.iter().map(|(name, digest)| format!("{name} ({digest})"));
+    let source = format!("{} of {}", made.command, digests.collect::<Vec<_>>().join(", "));
+    files.put(out, update.structure(&source).as_bytes())?;
+    voice.say(format_args!("wrote {}; a lobes file takes it by structure = \"…\"", out.display()));
+    Ok(())
 }
 
 /// The frequency responses of a file, and its bytes.

@@ -25,3 +25,4 @@ mod self_null;
 mod tuning;
 mod withheld;
 mod withheld_grinding_milling;
+mod workbench;

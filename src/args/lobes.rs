@@ -1,7 +1,9 @@
 //! Arguments of `toolroom lobes`.
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
+use toolroom_planning::lobes::MapKind;
 
 #[derive(Args, Debug)]
 pub struct LobesArgs {
@@ -11,9 +13,27 @@ pub struct LobesArgs {
     /// Verdict at this point alone: the values of the two axes, such as spindle speed and depth of cut
     #[arg(long, num_args = 2, value_names = ["SPEED", "DEPTH"], allow_hyphen_values = true)]
     pub at: Vec<String>,
-    /// Frequency responses (CSV or universal file) whose own limit stands beside that of the modes; turning
+    /// Frequency responses (CSV or universal file) whose own limit stands beside that of the modes
     #[arg(long, value_name = "FRF", requires = "at")]
     pub measured: Option<PathBuf>,
+    /// Write the vibration at that point to this directory: over time, its spectrum, one sample a tooth
+    #[arg(long, value_name = "DIR", requires = "at")]
+    pub history: Option<PathBuf>,
+    /// Show this quantity over the chart, with the limits of the file; repeatable
+    #[arg(long, value_name = "MAP", value_parser = PossibleValuesParser::new(MapKind::WORDS), conflicts_with_all = ["at", "plan", "run"])]
+    pub show: Vec<String>,
+    /// Find the point of greatest removal rate that keeps the limits of the file and is probably stable
+    #[arg(long, conflicts_with_all = ["at", "plan", "run"])]
+    pub best: bool,
+    /// Probability of stability that --best asks for
+    #[arg(long, value_name = "SHARE", default_value_t = 0.95, requires = "best")]
+    pub probability: f64,
+    /// Rank the speeds of the chart by the probability that this depth is stable
+    #[arg(long, value_name = "DEPTH", conflicts_with_all = ["at", "plan", "run"])]
+    pub robust: Option<String>,
+    /// Search the unequal pitch of the teeth that goes deepest over a window of speeds
+    #[arg(long, num_args = 2, value_names = ["FROM", "TO"], conflicts_with_all = ["at", "plan", "run", "best", "show", "robust"])]
+    pub pitch: Vec<String>,
     /// Replace a value of the file: path=value with unit, repeatable
     #[arg(long, value_name = "KEY=VALUE", conflicts_with = "run")]
     pub set: Vec<String>,

@@ -1,4 +1,4 @@
-//! Arguments of `toolroom modes` and `toolroom swap`.
+//! Arguments of `toolroom modes`, `swap`, `listen` and `coefficients`.
 
 use clap::Args;
 use std::path::PathBuf;
@@ -44,6 +44,18 @@ pub struct ModesArgs {
     /// Say what the file holds, and fit nothing
     #[arg(long, conflicts_with_all = ["out", "report"])]
     pub read: bool,
+    /// Cuts of the shop that chattered or did not (CSV): the file is a structure file that they bring up to date
+    #[arg(long, value_name = "FILE", requires = "lobes", conflicts_with_all = ["read", "report"])]
+    pub cuts: Option<PathBuf>,
+    /// Lobes file with cutter, engagement and force of these cuts
+    #[arg(long, value_name = "FILE", requires = "cuts")]
+    pub lobes: Option<PathBuf>,
+    /// Relative standard deviation of the cutting-force coefficients of that file
+    #[arg(long, value_name = "SHARE", requires = "cuts", default_value_t = 0.15)]
+    pub coefficients: f64,
+    /// Particles that go from what is known to what the cuts say
+    #[arg(long, value_name = "COUNT", requires = "cuts", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(64..=1_000_000))]
+    pub particles: u32,
 }
 
 #[derive(Args, Debug)]
@@ -86,4 +98,43 @@ pub struct ListenArgs {
     /// Lobes file of the cut: modes, range of speeds, and limits at the quiet ones
     #[arg(long, value_name = "FILE")]
     pub lobes: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct CoefficientsArgs {
+    /// Mean forces on the tool over the feed: a table (CSV) with feed_per_tooth [mm], mean_force_x [N], mean_force_y [N] and
+    /// mean_force_z [N]; x along the feed, y normal to it, z along the axis
+    #[arg(required_unless_present_any = ["group", "list"], conflicts_with_all = ["group", "list"])]
+    pub file: Option<PathBuf>,
+    /// Teeth of the cutter
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=200))]
+    pub teeth: Option<u32>,
+    /// Axial depth of cut, such as "2 mm"
+    #[arg(long, value_name = "DEPTH")]
+    pub depth: Option<String>,
+    /// Radial width of cut over diameter; a slot is 1
+    #[arg(long, value_name = "SHARE", default_value_t = 1.0)]
+    pub immersion: f64,
+    /// Conventional (up) milling instead of climb (down) milling
+    #[arg(long)]
+    pub up: bool,
+    /// Columns that act on the tool along feed, normal and axis, with their signs; x,y,z if left out. Forces on the work:
+    /// --axes=-x,-y,-z
+    #[arg(long, value_name = "AXES", allow_hyphen_values = true)]
+    pub axes: Option<String>,
+    /// Number of a group of work materials (VDI 3323) instead of a test; see --list
+    #[arg(long, value_name = "NUMBER", conflicts_with = "list")]
+    pub group: Option<u32>,
+    /// Chip thickness at which the specific cutting force of the group is taken
+    #[arg(long, value_name = "LENGTH", default_value = "0.1 mm")]
+    pub chip_thickness: String,
+    /// Radial over tangential coefficient of the group, 0.4 if left out
+    #[arg(long, value_name = "RATIO", requires = "group")]
+    pub radial_ratio: Option<f64>,
+    /// List the groups of work materials with their specific cutting forces
+    #[arg(long)]
+    pub list: bool,
+    /// Coefficient file to write
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }

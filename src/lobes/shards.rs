@@ -112,5 +112,5 @@ pub fn merge(plan: &Plan, parts: &Path, out: Option<&Path>, voice: &Voice) -> Re
     let out = OutputDir::create(&out, NAMES, file.files.iter().map(AsRef::as_ref), voice.force)?;
     let grid = whole(&file.content, plan, parts)?;
     let origin = Origin { file: &plan.file, changes: &plan.overrides, start };
-    finish(&file, Some(grid), &origin, out, voice)
+    finish(&file, Some(grid), &origin, None, out, voice)
 }

@@ -7,6 +7,8 @@
 
 #![cfg_attr(not(test), deny(clippy::wildcard_enum_match_arm))]
 
+mod dynamics;
+
 use serde_json::{Value, json};
 use std::fmt::{Display, Write};
 use toolroom_form::significant;
@@ -42,6 +44,7 @@ impl Claims {
         all.extend(named("wear", toolroom_wear::claims())?);
         all.extend(toolroom_cutting::milling::claims().into_iter().map(|claim| ("milling", claim)));
         all.extend(named("chatter", toolroom_chatter::claims())?);
+        all.extend(named("dynamics", dynamics::claims())?);
         all.extend(named("infeed", toolroom_infeed::claims())?);
         all.extend(named("contour", toolroom_contour::claims())?);
         all.extend(named("life", toolroom_life::claims())?);

@@ -45,7 +45,7 @@ use std::path::Path;
 use toolroom_contour::{CONTOUR, SETUP};
 use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
-use toolroom_lobes::{LOBES, STRUCTURE};
+use toolroom_lobes::{COEFFICIENTS, LOBES, STRUCTURE};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::modes::TOOL;
 use toolroom_records::import::MAPPING;
@@ -92,6 +92,13 @@ pub static KINDS: &[FileKind] = &[
         signs: &["measurement", "covariance"],
         read: Some(readers::structure),
         form: Described::By(&STRUCTURE),
+    },
+    FileKind {
+        word: "coefficients",
+        doc: "Cutting-force coefficients, for `coefficients` of lobes files; coefficients writes them",
+        signs: &["tangential", "edge_tangential"],
+        read: Some(readers::coefficients),
+        form: Described::By(&COEFFICIENTS),
     },
     FileKind {
         word: "tool",
@@ -235,6 +242,7 @@ impl FileKind {
             "life" => "toolroom tool-life study".to_owned(),
             "lobes" => "toolroom lobes file".to_owned(),
             "structure" => "toolroom structure file".to_owned(),
+            "coefficients" => "toolroom coefficient file".to_owned(),
             "gap" => "toolroom nominal model".to_owned(),
             "cycle" => "toolroom cycle file".to_owned(),
             "contour" => "toolroom contour file".to_owned(),

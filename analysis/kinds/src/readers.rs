@@ -106,6 +106,13 @@ pub fn structure(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes} modes")))
 }
 
+pub fn coefficients(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let file = toolroom_lobes::read_coefficients(path, set)?;
+    let deviation = 100.0 * file.content.deviation;
+    let summary = format!("coefficients of the cutting force, known to {deviation:.1} %");
+    Ok(checked("coefficients", Some(&file.content.name), file.echo, &summary))
+}
+
 pub fn tool(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let file = toolroom_planning::modes::read_tool(path, set)?;
     let segments = file.content.segments.len();

@@ -2,6 +2,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
+//! | [`coefficients`] | cutting-force coefficients from mean forces, or of a group of work materials |
 //! | [`contour`] | plans along a contour, and how their gains move with the conditions |
 //! | [`cycle`] | the fastest grinding cycle within limits, and when to dress |
 //! | [`engagement`] | a part program through its stock: engagement, air, power and force by tool |
@@ -19,6 +20,7 @@
 
 mod change;
 mod codes;
+pub mod coefficients;
 pub mod contour;
 pub mod cycle;
 pub mod engagement;

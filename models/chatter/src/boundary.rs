@@ -31,7 +31,8 @@ impl Milling {
         greatest: f64,
     ) -> Result<Boundary, ChatterError> {
         trace(speed, greatest, |speed| {
-            self.at_varying_speed(speed, variation)?.up_to(greatest).charted_intervals(greatest)
+            let at_speed = self.at_varying_speed(speed, variation)?.up_to(greatest);
+            at_speed.at_worst_limit(greatest)?.charted_intervals(greatest)
         })
     }
 }

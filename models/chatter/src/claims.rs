@@ -10,6 +10,9 @@ const ALTINTAS: &str = "Altintas, Manufacturing Automation (2012), p. 131";
 const ZAKOVOROTNY: &str = "Zakovorotny, Pham, Pham, Parametrical phenomena under on-machine process control, Fig. 3";
 const CROSSINGS: &str =
     "independent computation: zeros of the loop gain at 4000 points a wave, roots counted by argument";
+const SIMULATED: &str =
+    "independent computation: time domain with surface memory, 200 steps a tooth or 400 a revolution";
+const FOURIER: &str = "independent computation: Fourier series of the static force times the frequency response";
 const COLLOCATION: &str = "independent computation: Chebyshev collocation, 50 nodes";
 
 fn rpm(speed: f64) -> f64 {
@@ -31,6 +34,7 @@ pub fn claims() -> Result<Vec<Claim>, ChatterError> {
     claims.extend(crossings()?);
     claims.extend(milling()?);
     claims.extend(islands()?);
+    claims.extend(vibrations()?);
     Ok(claims)
 }
 
@@ -174,4 +178,60 @@ fn helical(immersion: f64) -> Result<Milling, ChatterError> {
         force: MillingForce::new(6e8, 2e8),
         feed_per_tooth: 0.1e-3,
     })
+}
+
+/// Vibration below and beyond the limit, with process damping in contact alone, and the surface that it leaves.
+fn vibrations() -> Result<Vec<Claim>, ChatterError> {
+    let mut claims = Vec::new();
+    let mut tell = |claim: String, source: &str, published: f64, computed: f64, tolerance: f64| {
+        claims.push(Claim { claim, source: source.to_owned(), published, computed, tolerance });
+    };
+    let (mass, damping, stiffness) = (0.561f64, 145.0, 6.48e6);
+    let w = (stiffness / mass).sqrt();
+    let mode = Mode {
+        direction: [1.0, 0.0],
+        natural_frequency: w / TAU,
+        damping_ratio: damping / (2.0 * mass * w),
+        stiffness,
+    };
+    let turning = Turning { process_damping: 6.11e5, ..Turning::orthogonal(vec![mode], 1384e6, 35e-3) };
+    let width = 1.3 * turning.limit(rpm(2600.0))?.depth;
+    let found = turning.settled(rpm(2600.0), width, 0.1e-3)?.simulation;
+    let what = "turning with process damping, 2600 rpm, 1.3 times the limit";
+    tell(format!("{what}: peak-to-peak vibration, um"), SIMULATED, 217.13, found.peak_to_peak(0) * 1e6, 0.04);
+    let ratio = found.greatest_force(0) / (1384e6 * width * 0.1e-3);
+    tell(format!("{what}: greatest force over the static one"), SIMULATED, 2.433, ratio, 0.04);
+    let milling = Milling {
+        modes: vec![Mode::from_mass([1.0, 0.0], 780.0, 0.022, 0.09), Mode::from_mass([0.0, 1.0], 905.0, 0.028, 0.07)],
+        cutter: Cutter::straight(3, 0.02),
+        engagement: Engagement::new(0.3, Direction::Down)?,
+        force: MillingForce::new(800e6, 260e6),
+        feed_per_tooth: 0.1e-3,
+    };
+    let limit = milling.at_speed(rpm(7200.0))?.limit(12e-3)?.depth;
+    let what = "milling, a/D 0.3, 7200 rpm";
+    let forced = milling.forced(rpm(7200.0), 0.8 * limit)?;
+    let left = milling.material_left(&forced) * 1e6;
+    tell(format!("{what}, 0.8 times the limit: surface location error, um"), FOURIER, 15.0444, left, 1e-4);
+    for (ratio, published) in [(1.15, [90.05, 200.94]), (2.0, [186.5, 439.7])] {
+        let found = milling.settled(rpm(7200.0), ratio * limit)?.simulation;
+        for (direction, name) in ["feed", "normal"].into_iter().enumerate() {
+            let claim = format!("{what}, {ratio} times the limit: peak-to-peak vibration along the {name}, um");
+            tell(claim, SIMULATED, published[direction], found.peak_to_peak(direction) * 1e6, 0.04);
+        }
+    }
+    let slot = Milling {
+        modes: vec![Mode::from_mass([1.0, 0.0], 922.0, 0.011, 0.03993)],
+        cutter: Cutter::straight(2, 0.02),
+        engagement: Engagement::new(1.0, Direction::Down)?,
+        force: MillingForce::new(6e8, 2e8),
+        feed_per_tooth: 0.1e-3,
+    };
+    let limit = slot.at_speed(rpm(12000.0))?.limit(12e-3)?.depth;
+    for (ratio, published) in [(1.1, 345.32), (1.5, 484.10)] {
+        let found = slot.settled(rpm(12000.0), ratio * limit)?.simulation;
+        let claim = format!("slot at 12000 rpm, period doubling, {ratio} times the limit: peak-to-peak vibration, um");
+        tell(claim, SIMULATED, published, found.peak_to_peak(0) * 1e6, 0.04);
+    }
+    Ok(claims)
 }

@@ -28,6 +28,7 @@
 //! | [`StableIntervals`] | every depth at which a cut is stable, behind limit, margin and charts |
 //! | [`Lobes`], [`Boundary`] | charts as plain data |
 //! | [`Forced`], [`Simulation`], [`LimitCycle`] | vibration of stable and unstable cuts |
+//! | [`CuttingLoad`] | torque, power, force and removal rate of a steady cut |
 //! | [`Scatter`], [`Probability`], [`RobustSpeed`] | stability under uncertain constants |
 //! | [`SpeedVariation`] | sinusoidal spindle speed |
 //! | [`paper`] | parametric stability in a three-jaw chuck |
@@ -68,9 +69,8 @@
 //!
 //! # What is not modelled
 //! * Modes that change with spindle speed, temperature or place of the cut, other than [`Bar`]'s.
-//! * Force that is not linear in the chip in milling, edge forces, size effect.
-//! * Unequal pitch and process damping in the simulation of [`Milling`]; process damping in the
-//!   amplitude of [`Turning`].
+//! * Force that is not linear in the chip in milling, size effect.
+//! * Unequal pitch in the simulation of [`Milling`]; process damping in the amplitude of [`Turning`] from the table.
 //! * Frequency responses without a modal fit; cross-coupled modes that are not symmetric.
 //! * Runout in the linear verdict assumes the surfaces of the steady cut.
 //! * A state-dependent delay, torsion of drills, boring bars with dampers.
@@ -111,10 +111,12 @@ pub use claims::claims;
 pub use error::ChatterError;
 pub use intervals::{Certificate, StableIntervals};
 pub use lobes::{Axis, Hole, Lobes};
-pub use milling::{AtSpeed, Cutter, Direction, Engagement, Forced, Milling, MillingForce};
-pub use simulate::{Simulation, SimulationSettings};
+pub use milling::{
+    AtSpeed, Cutter, CuttingLoad, Direction, Engagement, Forced, Milling, MillingForce, Response, Sampling, WorstPhase,
+};
+pub use simulate::{SETTLED, Settled, Simulation, SimulationSettings};
 pub use speed_variation::SpeedVariation;
 pub use structure::Mode;
 pub use turning::{Bar, Support, Turning};
-pub use uncertainty::{Probability, RobustSpeed, Scatter};
+pub use uncertainty::{Draw, Probability, RobustSpeed, Scatter};
 pub use verdict::{ChatterKind, StabilityLimit, StabilityVerdict};

@@ -129,8 +129,9 @@ impl Milling {
         variation: SpeedVariation,
         depth: &[f64],
     ) -> Result<Lobes, ChatterError> {
+        let greatest = depth.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         Lobes::fill(speed, depth, |speed| {
-            let mut at_speed = self.at_varying_speed(speed, variation)?;
+            let mut at_speed = self.at_varying_speed(speed, variation)?.at_worst_limit(greatest)?;
             Ok(move |depth| at_speed.screen(depth))
         })
     }

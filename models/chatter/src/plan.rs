@@ -3,7 +3,7 @@
 use crate::gauss::Rule;
 use crate::period::{Element, Past, PastSample, Period, Stretch, Term};
 use crate::response::{Modes, Response, nodes_for, parts_for};
-use crate::speed_variation::SpeedVariation;
+use crate::speed_variation::Started;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub(crate) enum Motion {
     /// At a constant speed (rad/s).
     Constant(f64),
     /// About a mean speed (rad/s).
-    Varying(f64, SpeedVariation),
+    Varying(f64, Started),
 }
 
 impl Motion {
@@ -37,7 +37,7 @@ impl Motion {
     fn greatest(self) -> f64 {
         match self {
             Self::Constant(speed) => speed,
-            Self::Varying(speed, variation) => speed * (1.0 + variation.amplitude),
+            Self::Varying(speed, started) => speed * (1.0 + started.variation.amplitude),
         }
     }
 

@@ -65,6 +65,13 @@ struct Stepper {
     state: Vec<[f64; 2]>,
 }
 
+/// Relative displacement (m) and its velocity (m/s) in both directions.
+#[derive(Clone, Copy, Default)]
+struct Moving {
+    at: [f64; 2],
+    velocity: [f64; 2],
+}
+
 /// A mode over one step.
 struct SteppedMode {
     modal: Modal,
@@ -98,8 +105,8 @@ impl Stepper {
         Self { state: vec![[0.0; 2]; modes.len()], modes }
     }
 
-    /// Displacement by the present state.
-    fn displacement(&self) -> [f64; 2] {
+    /// Motion by the present state.
+    fn motion(&self) -> Moving {
         self.trial([0.0; 2])
     }
 
@@ -112,11 +119,13 @@ impl Stepper {
         }
     }
 
-    /// Displacement if the step ended with `force`.
-    fn trial(&self, force: [f64; 2]) -> [f64; 2] {
-        self.modes.iter().zip(&self.state).fold([0.0; 2], |u, (mode, z)| {
-            let q = z[0] + mode.end[0] * mode.force(force);
-            [u[0] + mode.modal.output[0] * q, u[1] + mode.modal.output[1] * q]
+    /// Motion if the step ended with `force`.
+    fn trial(&self, force: [f64; 2]) -> Moving {
+        self.modes.iter().zip(&self.state).fold(Moving::default(), |Moving { at: u, velocity: v }, (mode, z)| {
+            let (q, rate) = (z[0] + mode.end[0] * mode.force(force), z[1] + mode.end[1] * mode.force(force));
+            let speed = mode.modal.frequency * rate;
+            let [x, y] = mode.modal.output;
+            Moving { at: [u[0] + x * q, u[1] + y * q], velocity: [v[0] + x * speed, v[1] + y * speed] }
         })
     }
 
@@ -129,12 +138,12 @@ impl Stepper {
     }
 }
 
-/// Runs a step loop: `cut(step, u)` is the force at a step, `leave` moves the surface on.
+/// Runs a step loop: `force_at` is the force at a step, `leave` moves the surface on.
 fn run(
     stepper: &mut Stepper,
     settings: &SimulationSettings,
     dt: f64,
-    mut force_at: impl FnMut(usize, [f64; 2]) -> [f64; 2],
+    mut force_at: impl FnMut(usize, Moving) -> [f64; 2],
     mut leave: impl FnMut(usize, [f64; 2]) -> (u32, u32),
 ) -> Simulation {
     let total = settings.steps * settings.periods;
@@ -146,15 +155,15 @@ fn run(
         air_fraction: 0.0,
     };
     let (mut engaged, mut in_air) = (0u64, 0u64);
-    let mut force = force_at(0, stepper.displacement());
-    leave(0, stepper.displacement());
+    let mut force = force_at(0, stepper.motion());
+    leave(0, stepper.motion().at);
     for step in 1..total {
         stepper.begin(force);
         // Predict with the force held, correct once.
         let predicted = force_at(step, stepper.trial(force));
         force = force_at(step, stepper.trial(predicted));
         stepper.finish(force);
-        let u = stepper.displacement();
+        let u = stepper.motion().at;
         let (teeth, air) = leave(step, u);
         if step >= first {
             result.displacement.push(u);
@@ -178,11 +187,10 @@ fn check(settings: &SimulationSettings) -> Result<(), ChatterError> {
 impl Turning {
     /// Simulates turning at `spindle_speed` (rad/s) with `width` and mean chip `feed_per_rev` (m).
     /// The chip is what lies between the tool and the surface that earlier revolutions have left;
-    /// there is no force in the air.
+    /// there is no force in the air. Process damping acts in contact alone and does not pull.
     ///
     /// # Errors
-    /// A cut that is none or has process damping, which this simulation does not know; settings out
-    /// of range.
+    /// A cut that is none; settings out of range.
     ///
     /// # Source
     /// Surface memory after Tlusty and Ismail (1981). Second order in the step.
@@ -197,8 +205,8 @@ impl Turning {
         positive("spindle_speed", spindle_speed)?;
         positive("width", width)?;
         positive("feed_per_rev", feed_per_rev)?;
-        within("process_damping", self.process_damping, 0.0, 0.0)?;
         check(settings)?;
+        let damping = width * self.damping_slope(spindle_speed);
         let dt = TAU / spindle_speed / settings.steps as f64;
         let mut stepper = Stepper::new(self.oriented(), dt);
         // The static deflection under the mean chip, then the kick.
@@ -210,10 +218,14 @@ impl Turning {
         let rest = static_force * stepper.modes.iter().map(compliance).sum::<f64>();
         let surface = std::cell::RefCell::new(vec![rest; settings.steps]);
         let chip = |step: usize, u: [f64; 2]| feed_per_rev + surface.borrow()[step % settings.steps] - u[0];
-        let force = |step: usize, u: [f64; 2]| {
+        let force = |step: usize, Moving { at: u, velocity }: Moving| {
             let h = chip(step, u);
-            let force = if h > 0.0 { static_force * (h / feed_per_rev).powf(self.chip_exponent) } else { 0.0 };
-            [force, 0.0]
+            if h <= 0.0 {
+                return [0.0; 2];
+            }
+            let force = static_force * (h / feed_per_rev).powf(self.chip_exponent);
+            // Without damping the force is what it was, to the last bit.
+            [if damping > 0.0 { (force - damping * velocity[0]).max(0.0) } else { force }, 0.0]
         };
         let leave = |step: usize, u: [f64; 2]| {
             let cuts = chip(step, u) > 0.0;
@@ -228,11 +240,11 @@ impl Turning {
 impl Milling {
     /// Simulates milling at `spindle_speed` (rad/s) and `depth` (m). Each tooth's chip is what lies
     /// between it and the surface that earlier teeth have left, runout included; there is no force
-    /// in the air. A helix is cut in axial slices.
+    /// in the air. A helix is cut in axial slices. Process damping acts along the radius, in contact alone, and does not
+    /// pull.
     ///
     /// # Errors
-    /// A cut that is none, has unequal pitch or process damping, which this simulation does not
-    /// know; settings out of range.
+    /// A cut that is none or has unequal pitch, which this simulation does not know; settings out of range.
     ///
     /// # Source
     /// Surface memory after Tlusty and Ismail (1981). Second order in the step.
@@ -246,7 +258,7 @@ impl Milling {
         positive("spindle_speed", spindle_speed)?;
         positive("depth", depth)?;
         positive("feed_per_tooth", self.feed_per_tooth)?;
-        within("process_damping", self.force.process_damping, 0.0, 0.0)?;
+        let damping = self.force.process_damping / (spindle_speed * self.cutter.diameter / 2.0);
         let teeth = self.cutter.teeth;
         let equal = TAU / teeth as f64;
         for pitch in &self.cutter.pitch {
@@ -286,15 +298,19 @@ impl Milling {
             (self.feed_per_tooth * sine + position - surface.borrow()[slice][bin], position)
         };
         let width = depth / slices as f64;
-        let force = |step: usize, u: [f64; 2]| {
+        let force = |step: usize, Moving { at: u, velocity }: Moving| {
             let mut force = [0.0; 2];
             visit(step, &mut |slice, bin, j| {
                 let h = chip(slice, bin, j, u).0;
                 if h > 0.0 {
                     let Bin { share, sine, cosine } = bins[bin];
-                    let (t, n) = (self.force.tangential, self.force.radial);
-                    force[0] -= share * width * h * (t * cosine + n * sine);
-                    force[1] -= share * width * h * (n * cosine - t * sine);
+                    let t = self.force.tangential * h + self.force.edge_tangential;
+                    let mut n = self.force.radial * h + self.force.edge_radial;
+                    if damping > 0.0 {
+                        n = (n + damping * (sine * velocity[0] + cosine * velocity[1])).max(0.0);
+                    }
+                    force[0] -= share * width * (t * cosine + n * sine);
+                    force[1] -= share * width * (n * cosine - t * sine);
                 }
             });
             force
@@ -326,6 +342,99 @@ impl Milling {
                 Bin { share: (to - from).max(0.0), sine, cosine }
             })
             .collect()
+    }
+}
+
+/// A simulation that has been run until its vibration repeats.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Settled {
+    /// The vibration at the end.
+    pub simulation: Simulation,
+    /// Periods that were simulated.
+    pub periods: usize,
+    /// Greatest relative change of a peak-to-peak displacement between the two halves of the observed end; of a vibration
+    /// at two frequencies it does not vanish.
+    pub change: f64,
+    /// Whether it is below [`SETTLED`].
+    pub settled: bool,
+    /// Error of a peak-to-peak displacement by step and change, relative: three quarters of the difference to a run of half
+    /// the steps, which a method of second order makes four thirds of its own error, and the change.
+    pub band: f64,
+}
+
+/// Relative change of a peak-to-peak displacement from one window to the next below which a vibration is called settled.
+pub const SETTLED: f64 = 0.02;
+/// Periods in each of the two windows that are compared.
+const WINDOW: usize = 40;
+/// Periods of the first run and of the last.
+const PERIODS: [usize; 2] = [300, 2400];
+
+/// Runs `simulate` longer and longer until two windows at its end agree, and at half the steps for the error.
+fn settle(
+    steps: usize,
+    directions: &[usize],
+    simulate: impl Fn(&SimulationSettings) -> Result<Simulation, ChatterError>,
+) -> Result<Settled, ChatterError> {
+    let run = |steps: usize, periods: usize| {
+        simulate(&SimulationSettings { steps, periods, observed: 2 * WINDOW, kick: 1.0 })
+    };
+    let ranges = |part: &[[f64; 2]]| {
+        directions
+            .iter()
+            .map(|direction| {
+                let values = part.iter().map(|u| u[*direction]);
+                values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+            })
+            .collect::<Vec<f64>>()
+    };
+    // A direction that hardly moves beside the other decides nothing.
+    let apart = |a: &[f64], b: &[f64]| {
+        let greatest = a.iter().chain(b).copied().fold(f64::MIN_POSITIVE, f64::max);
+        a.iter().zip(b).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max)
+    };
+    let mut periods = PERIODS[0];
+    loop {
+        let simulation = run(steps, periods)?;
+        let (before, after) = simulation.displacement.split_at(simulation.displacement.len() / 2);
+        let change = apart(&ranges(before), &ranges(after));
+        if change < SETTLED || periods >= PERIODS[1] {
+            let rough = run((steps / 2).max(8), periods)?;
+            let by_step = 0.75 * apart(&ranges(&simulation.displacement), &ranges(&rough.displacement));
+            return Ok(Settled { simulation, periods, change, settled: change < SETTLED, band: by_step + change });
+        }
+        periods *= 2;
+    }
+}
+
+/// Steps in a period of `length` (s): enough for the highest mode.
+fn steps_for(modes: &[crate::Mode], length: f64) -> usize {
+    const LEAST: f64 = 200.0;
+    const PER_OSCILLATION: f64 = 40.0;
+    let highest = modes.iter().map(|mode| mode.natural_frequency).fold(0.0, f64::max);
+    (PER_OSCILLATION * highest * length).clamp(LEAST, 5000.0).ceil() as usize
+}
+
+impl Turning {
+    /// The vibration that turning at `spindle_speed` (rad/s) with `width` and mean chip `feed_per_rev` (m) settles to, set off
+    /// by a chip thickness.
+    ///
+    /// # Errors
+    /// As [`Turning::simulate`].
+    pub fn settled(&self, spindle_speed: f64, width: f64, feed_per_rev: f64) -> Result<Settled, ChatterError> {
+        let steps = 2 * steps_for(&self.modes, TAU / positive("spindle_speed", spindle_speed)?);
+        settle(steps, &[0], |settings| self.simulate(spindle_speed, width, feed_per_rev, settings))
+    }
+}
+
+impl Milling {
+    /// The vibration that milling at `spindle_speed` (rad/s) and `depth` (m) settles to, set off by a chip thickness.
+    ///
+    /// # Errors
+    /// As [`Milling::simulate`].
+    pub fn settled(&self, spindle_speed: f64, depth: f64) -> Result<Settled, ChatterError> {
+        let pitch = TAU / (self.cutter.teeth as f64 * positive("spindle_speed", spindle_speed)?);
+        let steps = steps_for(&self.modes, pitch);
+        settle(steps, &[0, 1], |settings| self.simulate(spindle_speed, depth, settings))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stability under uncertain constants: probability and robust speeds.
 
 use crate::error::{ChatterError, within};
-use crate::lobes::Axis;
+use crate::lobes::{Axis, Lobes};
 use crate::{Milling, Mode, Turning};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -73,6 +73,41 @@ impl Milling {
         })
     }
 
+    /// Whether at least the share `required` of the samples is stable at `depth` (m) and `spindle_speed` (rad/s): as
+    /// [`Milling::stability_probability`], for less work. A sample whose verdict is not found counts as unstable.
+    ///
+    /// # Errors
+    /// As [`Milling::stability_probability`].
+    pub fn is_probably_stable(
+        &self,
+        (spindle_speed, depth): (f64, f64),
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+        required: f64,
+    ) -> Result<bool, ChatterError> {
+        reaches(samples, required, |sample| {
+            let cut = self.scattered(scatter, seed, sample)?;
+            Ok(cut.at_speed(spindle_speed)?.screen(depth)?.stable)
+        })
+    }
+
+    /// Shares of the samples that are stable over a grid of speeds (rad/s) and depths (m), all depths of the first speed
+    /// first; a sample whose verdict is not found counts as unstable.
+    ///
+    /// # Errors
+    /// As [`Milling::stability_probability`].
+    pub fn stability_probabilities(
+        &self,
+        speeds: &[f64],
+        depths: &[f64],
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Vec<f64>, ChatterError> {
+        shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobes(speeds, depths))
+    }
+
     /// Speeds of `speed` with the probability that `depth` (m) is stable there, the most probable
     /// first; of equals the one whose neighbours are the most probable. The same samples judge
     /// every speed.
@@ -134,6 +169,38 @@ impl Turning {
         })
     }
 
+    /// Whether at least the share `required` of the samples is stable at `width` (m) and `spindle_speed` (rad/s): as
+    /// [`Turning::stability_probability`], for less work. A sample whose verdict is not found counts as unstable.
+    ///
+    /// # Errors
+    /// As [`Turning::stability_probability`].
+    pub fn is_probably_stable(
+        &self,
+        (spindle_speed, width): (f64, f64),
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+        required: f64,
+    ) -> Result<bool, ChatterError> {
+        reaches(samples, required, |sample| self.scattered(scatter, seed, sample)?.is_stable(spindle_speed, width))
+    }
+
+    /// Shares of the samples that are stable over a grid of speeds (rad/s) and widths (m), as
+    /// [`Milling::stability_probabilities`].
+    ///
+    /// # Errors
+    /// As [`Turning::stability_probability`].
+    pub fn stability_probabilities(
+        &self,
+        speeds: &[f64],
+        widths: &[f64],
+        scatter: &Scatter,
+        samples: u64,
+        seed: u64,
+    ) -> Result<Vec<f64>, ChatterError> {
+        shares(samples, |sample| self.scattered(scatter, seed, sample)?.lobe_chart(speeds, widths))
+    }
+
     /// Speeds of `speed` with the probability that `width` (m) is stable there, ordered as by
     /// [`Milling::robust_speeds`].
     ///
@@ -171,6 +238,48 @@ fn share_stable(
     Ok(Probability { value, standard_error: (value * (1.0 - value) / samples as f64).sqrt() })
 }
 
+/// Samples that are judged at once before the answer is looked at.
+const AT_ONCE: u64 = 32;
+
+/// Whether the share of stable samples is `required` at least, asking no more samples than that takes.
+fn reaches(
+    samples: u64,
+    required: f64,
+    stable: impl Fn(u64) -> Result<bool, ChatterError> + Sync + Send,
+) -> Result<bool, ChatterError> {
+    within("samples", samples as f64, 1.0, 1e9)?;
+    let due = (required * samples as f64).ceil() as u64;
+    let (mut judged, mut found) = (0, 0);
+    while judged < samples {
+        let end = (judged + AT_ONCE).min(samples);
+        let judge = |sample: u64| match stable(sample) {
+            Err(error) if error.is_failed_search() => Ok(false),
+            outcome => outcome,
+        };
+        let outcomes: Result<Vec<bool>, ChatterError> = (judged..end).into_par_iter().map(judge).collect();
+        found += outcomes?.into_iter().filter(|stable| *stable).count() as u64;
+        judged = end;
+        if found >= due || samples - judged < due - found {
+            break;
+        }
+    }
+    Ok(found >= due)
+}
+
+/// Share of charts in which a point is stable, for every point.
+fn shares(samples: u64, chart: impl Fn(u64) -> Result<Lobes, ChatterError>) -> Result<Vec<f64>, ChatterError> {
+    within("samples", samples as f64, 1.0, 1e9)?;
+    let mut counts: Vec<u64> = Vec::new();
+    for sample in 0..samples {
+        let verdicts = chart(sample)?.verdicts;
+        counts.resize(verdicts.len(), 0);
+        for (count, verdict) in counts.iter_mut().zip(verdicts) {
+            *count += u64::from(verdict.is_some_and(|verdict| verdict.stable));
+        }
+    }
+    Ok(counts.into_iter().map(|count| count as f64 / samples as f64).collect())
+}
+
 /// Speeds by their probability; of equals the one with the most probable neighbours first.
 fn ranked(
     speed: &Axis,
@@ -194,13 +303,15 @@ fn ranked(
 }
 
 /// Normal numbers by counter: the n-th draw of a key is always the same.
-struct Draw {
+#[derive(Clone, Debug)]
+pub struct Draw {
     key: u64,
     counter: u64,
 }
 
 impl Draw {
-    fn new(seed: u64, sample: u64) -> Self {
+    /// The draws of `sample` under `seed`.
+    pub fn new(seed: u64, sample: u64) -> Self {
         Self { key: seed ^ sample.wrapping_mul(0x9E37_79B9_7F4A_7C15), counter: 0 }
     }
 
@@ -219,7 +330,7 @@ impl Draw {
     }
 
     /// Uniform in 0 … 1, zero excluded (SplitMix64, Steele, Lea and Flood 2014).
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.counter += 1;
         let mut z = self.key.wrapping_add(self.counter.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -227,10 +338,15 @@ impl Draw {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + f64::EPSILON / 4.0
     }
 
+    /// Standard normal (Box and Muller 1958).
+    pub fn normal(&mut self) -> f64 {
+        let (u, v) = (self.uniform(), self.uniform());
+        (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
+    }
+
     /// Lognormal factor of mean one with the relative standard deviation `deviation`.
     fn factor(&mut self, deviation: f64) -> f64 {
-        let (u, v) = (self.uniform(), self.uniform());
-        let normal = (-2.0 * u.ln()).sqrt() * (TAU * v).cos();
+        let normal = self.normal();
         let sigma = (1.0 + deviation * deviation).ln().sqrt();
         (sigma * normal - 0.5 * sigma * sigma).exp()
     }

@@ -99,7 +99,7 @@ fn settings_that_are_none() {
     let turning = Turning::orthogonal(vec![mode()], 1e9, 0.05);
     let settings = SimulationSettings { observed: 900, ..SimulationSettings::default() };
     assert!(turning.simulate(100.0, 1e-3, 1e-4, &settings).is_err());
-    let fast = SpeedVariation { amplitude: 0.1, revolutions: 1 };
+    let fast = SpeedVariation { amplitude: 0.1, revolutions: 1, phase: None };
     assert!(matches!(
         turning.verdict_at_varying_speed(TAU * 20.0, fast, 1e-3),
         Err(ChatterError::OutOfRange { quantity: "revolutions", .. })

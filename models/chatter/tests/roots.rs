@@ -32,7 +32,7 @@ proptest! {
         let speed = rpm / 60.0 * TAU;
         let exact = cut.verdict(speed, width).unwrap();
         // No variation of the speed: the map of two revolutions.
-        let still = SpeedVariation { amplitude: 0.0, revolutions: 2 };
+        let still = SpeedVariation { amplitude: 0.0, revolutions: 2, phase: None };
         let mapped = cut.verdict_at_varying_speed(speed, still, width).unwrap();
         prop_assert!(
             (exact.spectral_radius / mapped.spectral_radius - 1.0).abs() < 1e-6,

@@ -154,13 +154,13 @@ fn helix_of_one_pitch_cannot_flip() {
 #[test]
 fn varying_speed_of_zero_amplitude_is_constant_speed() {
     let cut = standard(1, 0.3, Direction::Up);
-    let still = SpeedVariation { amplitude: 0.0, revolutions: 4 };
+    let still = SpeedVariation { amplitude: 0.0, revolutions: 4, phase: Some(0.0) };
     let varying = cut.at_varying_speed(rpm(12000.0), still).unwrap().verdict(1.2e-3).unwrap();
     let constant = cut.verdict(rpm(12000.0), 1.2e-3).unwrap();
     // A revolution is two tooth periods.
     assert!((varying.spectral_radius / constant.spectral_radius.powi(2) - 1.0).abs() < 1e-6);
     assert!((varying.period / (2.0 * constant.period) - 1.0).abs() < 1e-12);
-    let moving = SpeedVariation { amplitude: 0.2, revolutions: 4 };
+    let moving = SpeedVariation { amplitude: 0.2, revolutions: 4, phase: Some(0.0) };
     let moving = cut.at_varying_speed(rpm(12000.0), moving).unwrap().verdict(1.2e-3).unwrap();
     assert!((moving.spectral_radius / varying.spectral_radius - 1.0).abs() > 1e-2);
 }
@@ -230,7 +230,7 @@ fn no_change_between_sampled_depths_is_missed() {
 fn a_chart_at_varying_speed_is_that_of_constant_speed_where_nothing_varies() {
     let cut = standard(1, 1.0, Direction::Down);
     let speed = Axis { start: rpm(11000.0), end: rpm(13000.0), points: 5 };
-    let still = SpeedVariation { amplitude: 0.0, revolutions: 2 };
+    let still = SpeedVariation { amplitude: 0.0, revolutions: 2, phase: Some(0.0) };
     let boundary = cut.boundary_at_varying_speed(&speed, still, 4e-3).unwrap();
     for column in &boundary.columns {
         let limit = cut.at_speed(column.speed).unwrap().limit(4e-3).unwrap().depth;
@@ -238,7 +238,7 @@ fn a_chart_at_varying_speed_is_that_of_constant_speed_where_nothing_varies() {
     }
     let chart = cut.lobes_at_varying_speed(&[rpm(12000.0)], still, &[0.2e-3, 3.9e-3]).unwrap();
     assert_eq!(chart.verdicts.iter().flatten().map(|verdict| verdict.stable).collect::<Vec<_>>(), [true, false]);
-    let varying = SpeedVariation { amplitude: 0.3, revolutions: 1 };
+    let varying = SpeedVariation { amplitude: 0.3, revolutions: 1, phase: Some(0.0) };
     assert!(cut.boundary_at_varying_speed(&speed, varying, 4e-3).is_err());
 }
 
@@ -314,7 +314,7 @@ fn a_cut_of_no_depth_is_stable_and_decays_as_the_structure_does() {
     let radius = |modes: &[Mode], time: f64| {
         modes.iter().map(|mode| (-mode.damping_ratio * TAU * mode.natural_frequency * time).exp()).fold(0.0, f64::max)
     };
-    let variation = SpeedVariation { amplitude: 0.2, revolutions: 5 };
+    let variation = SpeedVariation { amplitude: 0.2, revolutions: 5, phase: Some(0.0) };
     for modes in [vec![slow], vec![fast], vec![slow, fast]] {
         let turning = Turning { process_damping: 6e5, ..Turning::orthogonal(modes.clone(), 1384e6, 0.035) };
         let milling = Milling { modes: modes.clone(), ..standard(2, 0.5, Direction::Down) };

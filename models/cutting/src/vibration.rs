@@ -175,7 +175,7 @@ fn scattered(modes: &[Mode], frequency_factor: f64, damping_factor: f64) -> Vec<
 
 /// The variation of the spindle speed that an input asks for.
 pub(crate) fn variation(amplitude: f64, revolutions: f64) -> Option<SpeedVariation> {
-    (amplitude > 0.0).then_some(SpeedVariation { amplitude, revolutions: revolutions as u32 })
+    (amplitude > 0.0).then_some(SpeedVariation { amplitude, revolutions: revolutions as u32, phase: None })
 }
 
 /// Steps of the logarithm of speed to which verdicts are rounded: half a part in a thousand.

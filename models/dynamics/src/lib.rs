@@ -6,6 +6,7 @@
 //!  Record: sound of a cut ──► listen: speed, chatter, its frequency
 //!                              ├── Stabilisation ──► poles over the order of a common denominator
 //!                              └── fit ──► Fit: modes, covariance, quality, refusals
+//!  ForceTest: mean forces over the feed ──► Coefficients of the cutting force; MaterialGroup where none was measured
 //!  Segments, Joint, BaseMode ──► chain, Body::on: receptance at the tip of a tool on a spindle
 //! ```
 //!
@@ -21,16 +22,19 @@
 mod comb;
 mod coupling;
 mod csv;
+mod cuts;
 mod error;
 mod fft;
 mod fit;
 mod frames;
 mod frf;
+mod groups;
 mod hammer;
 mod likelihood;
 mod quality;
 mod read;
 mod record;
+mod slot;
 mod sound;
 mod stabilisation;
 mod structure;
@@ -41,13 +45,16 @@ mod wav;
 
 pub use coupling::{BaseMode, Body, Joint, Material, Receptance, Segment, base, chain};
 pub use csv::read_csv;
+pub use cuts::{ShopCut, ShopCutError, read_shop_cuts};
 pub use error::{DynamicsError, RecordProblem, UniversalProblem, WaveProblem};
 pub use fit::{Estimate, Fit, FitOptions, FittedMode, fit};
 pub use frf::{Direction, Frf, Measurement};
+pub use groups::{GROUPS_SOURCE, MATERIAL_GROUPS, MaterialGroup};
 pub use hammer::{Estimator, HammerOptions, responses};
 pub use quality::{Quality, Refusal};
 pub use read::{TapOptions, measure, read};
 pub use record::{Channel, FullScale, Record, Signal, is_record, read_record};
+pub use slot::{Coefficient, Coefficients, ForceLine, ForceTest, ForceTestError, LackOfFit, TestedCut, read_forces};
 pub use sound::{Chatter, Cutting, Heard, Line, Origin, listen};
 pub use stabilisation::{Pole, stabilisation};
 pub use structure::{Scatter, StructureText};

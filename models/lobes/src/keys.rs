@@ -8,8 +8,11 @@ pub(super) const FREQUENCY: Kind = Kind::positive("Hz", "Hz", 1e6, "922 Hz");
 pub(super) const DAMPING_RATIO: Kind = Kind::positive("1", "1", 0.999, "0.011");
 const MASS: Kind = Kind::positive("kg", "kg", 1e6, "0.04 kg");
 pub(super) const STIFFNESS: Kind = Kind::positive("N/m", "N/um", 1e12, "1.34 N/um");
-const PRESSURE: Kind = Kind::positive("Pa", "MPa", 1e12, "600 MPa");
+pub(super) const PRESSURE: Kind = Kind::positive("Pa", "MPa", 1e12, "600 MPa");
+pub(super) const PRESSURE_EITHER: Kind = Kind::quantity("Pa", "MPa", -1e12, 1e12, "200 MPa");
+pub(super) const EDGE_EITHER: Kind = Kind::quantity("N/m", "N/mm", -1e9, 1e9, "30 N/mm");
 const INDENTATION: Kind = Kind::quantity("N/m", "N/m", 0.0, 1e9, "6e5 N/m");
+const EDGE: Kind = Kind::quantity("N/m", "N/mm", 0.0, 1e9, "28 N/mm");
 const LENGTH: Kind = Kind::positive("m", "mm", 100.0, "20 mm");
 const ANGLE: Kind = Kind::quantity("rad", "deg", -6.3, 6.3, "30 deg");
 const DEPTH: Kind = Kind::quantity("m", "mm", 0.0, 1.0, "0.5 mm");
@@ -17,6 +20,7 @@ const SPEED: Kind = Kind::positive("rad/s", "rpm", 1e5, "5000 rpm");
 const LAG: Kind = Kind::quantity("s", "s", 0.0, 1.0, "0.4e-4 s");
 const SPEED_RATIO: Kind = Kind::positive("1", "1", 100.0, "1");
 const CUTTING_STIFFNESS: Kind = Kind::quantity("N/m", "N/um", 0.0, 1e12, "1.96 N/um");
+const SHARE: Kind = Kind::quantity("1", "1", 0.0, 1.0, "0.1");
 const MODULATION: Kind = Kind::quantity("1", "1", 0.0, 10.0, "0.3");
 
 const MILLING: &[&str] = &[LobesProcess::Milling.word()];
@@ -60,6 +64,13 @@ pub static LOBES: Form = Form {
             .when("process", LATHE),
         Key::optional("speed_variation", Kind::Table(&SPEED_VARIATION), "Spindle speed that varies about its mean")
             .when("process", CUTTING),
+        Key::optional("limits", Kind::Table(&LIMITS), "What machine, tool and drawing allow").when("process", CUTTING),
+        Key::optional(
+            "scatter",
+            Kind::Table(&SCATTER),
+            "How well the constants are known, for probabilities; left out: what the structure file says",
+        )
+        .when("process", CUTTING),
         Key::required("chart", Kind::Table(&CHART), "Range and resolution of the chart"),
         Key::optional("point", Kind::Tables(&POINT), "Operating points on the chart"),
     ],
@@ -112,22 +123,38 @@ static ENGAGEMENT: Form = Form {
     ],
 };
 
+/// A file in place of the coefficients.
+const COEFFICIENT_FILE: Key = Key::optional(
+    "coefficients",
+    Kind::Text,
+    "Coefficient file in place of the coefficients here, as `toolroom coefficients` writes it; the path counts from this file",
+);
+
 static FORCE: Form = Form {
     title: "[force]",
     doc: "Linear cutting force on a tooth",
     keys: &[
-        Key::required("tangential", PRESSURE, "Tangential cutting-force coefficient"),
-        Key::required(
-            "radial",
-            Kind::quantity("Pa", "MPa", -1e12, 1e12, "200 MPa"),
-            "Radial cutting-force coefficient",
-        ),
+        COEFFICIENT_FILE,
+        Key::optional("tangential", PRESSURE, "Tangential cutting-force coefficient; or give `coefficients`"),
+        Key::optional("radial", PRESSURE_EITHER, "Radial cutting-force coefficient; or give `coefficients`"),
         Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
         Key::default(
             "feed_per_tooth",
             Kind::quantity("m", "mm", 0.0, 0.1, "0.1 mm/tooth"),
             "0 mm",
-            "Feed per tooth; stability depends on it only with runout",
+            "Feed per tooth, for loads and vibration; stability depends on it only with runout",
+        ),
+        Key::default(
+            "edge_tangential",
+            EDGE,
+            "0 N/mm",
+            "Tangential force of the edge per depth, for loads and vibration",
+        ),
+        Key::default(
+            "edge_radial",
+            EDGE_EITHER,
+            "0 N/mm",
+            "Radial force of the edge per depth, for loads and vibration",
         ),
     ],
 };
@@ -136,7 +163,8 @@ static CUT: Form = Form {
     title: "[cut]",
     doc: "Cutting force and diameter of turning",
     keys: &[
-        Key::required("cutting_coefficient", PRESSURE, "Cutting-force coefficient"),
+        COEFFICIENT_FILE,
+        Key::optional("cutting_coefficient", PRESSURE, "Cutting-force coefficient; or give `coefficients`"),
         Key::required("diameter", LENGTH, "Diameter of the work"),
         Key::default("force_angle", ANGLE, "0 deg", "Angle from the chip thickness to the force"),
         Key::default("process_damping", INDENTATION, "0 N/m", "Indentation coefficient of process damping"),
@@ -146,6 +174,7 @@ static CUT: Form = Form {
             "1",
             "Exponent of chip thickness in the force",
         ),
+        Key::optional("feed_per_rev", Kind::positive("m", "mm", 0.1, "0.2 mm/rev"), "Feed, for loads and removal rate"),
     ],
 };
 
@@ -169,6 +198,42 @@ static SPEED_VARIATION: Form = Form {
     keys: &[
         Key::required("amplitude", Kind::quantity("1", "1", 0.0, 0.9, "0.2"), "Amplitude over the mean speed, RVA"),
         Key::required("revolutions", Kind::Count { min: 2, max: 200 }, "Mean revolutions in one period, 1/RVF"),
+        Key::optional(
+            "phase",
+            ANGLE,
+            "Angle of tooth 0, from the normal of the feed, where the speed is greatest; left out: the worst",
+        )
+        .when("process", MILLING),
+    ],
+};
+
+static LIMITS: Form = Form {
+    title: "[limits]",
+    doc: "What machine, tool and drawing allow; lines on the chart, and kept by --best",
+    keys: &[
+        Key::optional("power", Kind::positive("W", "kW", 1e7, "12 kW"), "Mean power at the spindle"),
+        Key::optional("torque", Kind::positive("N m", "N m", 1e6, "60 N m"), "Mean torque at the spindle"),
+        Key::optional("max_force", Kind::positive("N", "N", 1e7, "900 N"), "Greatest resultant force on the tool"),
+        Key::optional(
+            "tolerance",
+            Kind::positive("m", "um", 1e-2, "20 um"),
+            "Greatest error of the surface location, either way, of a stable cut",
+        )
+        .when("process", MILLING),
+    ],
+};
+
+static SCATTER: Form = Form {
+    title: "[scatter]",
+    doc: "Relative standard deviations; every constant is lognormal, every mode for itself",
+    keys: &[
+        Key::required("natural_frequency", SHARE, "Of the natural frequencies, at constant modal mass"),
+        Key::required("damping_ratio", SHARE, "Of the damping ratios"),
+        Key::required(
+            "coefficients",
+            SHARE,
+            "Of the cutting-force coefficients, and of the stiffness, which acts as they do",
+        ),
     ],
 };
 

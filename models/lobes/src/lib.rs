@@ -1,18 +1,20 @@
 //! Lobes files: what vibrates around a cut, the range of a stability chart, operating points.
 //!
 //! `toolroom lobes` draws them; a tool of a scenario names one as its `structure`. The modes can stand in a structure file of
-//! their own, as a tap test has found them.
+//! their own, as a tap test has found them, and the coefficients of the cutting force in a coefficient file.
 //!
 //! # What is not modelled
 //! Nothing is computed here. The crate `toolroom-chatter` says what its models leave out.
 
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod coefficients;
 mod keys;
 mod read;
 mod structure;
 mod words;
 
+pub use coefficients::{COEFFICIENTS, CoefficientFile, read_coefficients};
 pub use keys::LOBES;
 pub use read::{parse, read};
 pub use structure::{STRUCTURE, Structure, read_structure};
@@ -36,8 +38,25 @@ pub struct LobesFile {
     pub chart: Chart,
     /// Operating points.
     pub points: Vec<Point>,
-    /// How well the modes of a structure file are known, where it says so.
+    /// How well the constants are known, where this file or its structure file says so.
     pub scatter: Option<Scatter>,
+    /// What machine, tool and drawing allow.
+    pub limits: Limits,
+    /// Feed per tooth in milling, per revolution in turning (m), where it is given.
+    pub feed: Option<f64>,
+}
+
+/// What machine, tool and drawing allow; left out: anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Mean power at the spindle (W).
+    pub power: Option<f64>,
+    /// Mean torque at the spindle (N m).
+    pub torque: Option<f64>,
+    /// Greatest resultant force on the tool (N).
+    pub force: Option<f64>,
+    /// Greatest error of the surface location, either way (m).
+    pub surface_error: Option<f64>,
 }
 
 /// A cut without its operating point.

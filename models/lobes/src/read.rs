@@ -1,14 +1,15 @@
 //! From the sections of a lobes file to cut, chart and operating points.
 
+use super::coefficients;
 use super::keys::LOBES;
 use super::structure::{self, Structure};
 use super::words::{DirectionWord, LobesProcess, PresetWord, SupportWord};
-use super::{Chart, LobesCut, LobesFile, Point, axes};
+use super::{Chart, Limits, LobesCut, LobesFile, Point, axes};
 use std::f64::consts::TAU;
 use std::path::Path;
 use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
 use toolroom_chatter::{
-    Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, SpeedVariation, Support, Turning,
+    Axis, Bar, Cutter, Direction, Engagement, Milling, MillingForce, Mode, Scatter, SpeedVariation, Support, Turning,
 };
 use toolroom_form::{Fault, FormFile, ReadError, Section, Walk, significant};
 use toolroom_process::unit::convert;
@@ -33,19 +34,20 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let process = root.chosen("process", LobesProcess::from_word);
     let structure = if root.given("structure") { structure::named(walk, root) } else { None };
+    let (mut feed, mut deviation) = (None, None);
     let cut = match process {
-        Some(LobesProcess::Milling) => milling(walk, root, structure.as_ref()).map(LobesCut::Milling),
-        Some(LobesProcess::Turning) => turning(walk, root, structure.as_ref()),
+        Some(LobesProcess::Milling) => milling(walk, root, structure.as_ref(), &mut deviation).map(LobesCut::Milling),
+        Some(LobesProcess::Turning) => turning(walk, root, structure.as_ref(), &mut feed, &mut deviation),
         Some(LobesProcess::Chuck) => chuck(walk, root, LobesProcess::Chuck).map(LobesCut::Chuck),
         Some(LobesProcess::ChipLag) => chuck(walk, root, LobesProcess::ChipLag).map(LobesCut::ChipLag),
         Some(LobesProcess::Lathe) => lathe(walk, root).map(|lathe| LobesCut::Lathe(Box::new(lathe))),
         None => None,
     };
-    let variation = walk.table(root, "speed_variation").and_then(|section| {
-        let revolutions = u32::try_from(section.count("revolutions")?).ok()?;
-        Some(SpeedVariation { amplitude: section.si("amplitude")?, revolutions })
-    });
     let case = process.map(|process| ("process", process.word()));
+    let variation = walk.table_in(root, "speed_variation", case).and_then(|section| {
+        let revolutions = u32::try_from(section.count("revolutions")?).ok()?;
+        Some(SpeedVariation { amplitude: section.si("amplitude")?, revolutions, phase: section.si("phase") })
+    });
     // Without a process, which is a fault, the chart is read as that of a cut.
     let axes = axes(process.unwrap_or(LobesProcess::Turning));
     let chart = walk.table_in(root, "chart", case).and_then(|section| chart(walk, &section, axes));
@@ -58,8 +60,49 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<LobesFile> {
     let points = points.collect();
     let name = root.text("name")?.to_owned();
     let title = root.text("title").filter(|title| !title.is_empty()).unwrap_or(&name).to_owned();
-    let scatter = structure.and_then(|structure| structure.scatter);
-    Some(LobesFile { name, title, cut: cut?, variation, chart: chart?, points, scatter })
+    let limits = limits(walk, root, case);
+    let told = scatter(walk, root);
+    let of_structure = structure.and_then(|structure| {
+        let known = structure.scatter?;
+        // What was identified stands in place of what is usual for a coefficient of a table.
+        let coefficients = deviation.map(|deviation: f64| deviation.hypot(structure.stiffness_deviation).min(1.0));
+        Some(Scatter { coefficients: coefficients.unwrap_or(known.coefficients), ..known })
+    });
+    let scatter = told.or(of_structure);
+    let cut = cut?;
+    if let LobesCut::Milling(cut) = &cut {
+        feed = Some(cut.feed_per_tooth).filter(|feed| *feed > 0.0);
+    }
+    if feed.is_none() && limits != Limits::default() {
+        let (section, key, example) = match process {
+            Some(LobesProcess::Turning) => ("[cut] beside [limits]", "feed_per_rev", "\"0.2 mm/rev\""),
+            _ => ("[force] beside [limits]", "feed_per_tooth", "\"0.1 mm/tooth\""),
+        };
+        let fault = Fault::MissingKey { section: section.to_owned(), key, example: example.to_owned() };
+        walk.fault(root.span_of("limits"), fault);
+    }
+    Some(LobesFile { name, title, cut, variation, chart: chart?, points, scatter, limits, feed })
+}
+
+/// The section `[limits]`, of `process` where that is a case of its keys.
+fn limits(walk: &mut Walk, root: &Section<'_>, case: Option<(&'static str, &'static str)>) -> Limits {
+    let Some(section) = walk.table_in(root, "limits", case) else { return Limits::default() };
+    Limits {
+        power: section.si("power"),
+        torque: section.si("torque"),
+        force: section.si("max_force"),
+        surface_error: section.si("tolerance"),
+    }
+}
+
+/// The section `[scatter]`.
+fn scatter(walk: &mut Walk, root: &Section<'_>) -> Option<Scatter> {
+    let section = walk.table(root, "scatter")?;
+    Some(Scatter {
+        natural_frequency: section.si("natural_frequency")?,
+        damping_ratio: section.si("damping_ratio")?,
+        coefficients: section.si("coefficients")?,
+    })
 }
 
 /// Key of an axis, its unit in files and that for people.
@@ -189,7 +232,13 @@ fn some_modes(walk: &mut Walk, root: &Section<'_>, modes: &[Mode]) {
     }
 }
 
-fn milling(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<Milling> {
+/// The cut; the relative standard deviation of a coefficient file goes to `deviation`.
+fn milling(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    structure: Option<&Structure>,
+    deviation: &mut Option<f64>,
+) -> Option<Milling> {
     let modes = modes(walk, root, structure);
     if let Some(modes) = &modes {
         some_modes(walk, root, modes);
@@ -210,10 +259,22 @@ fn milling(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -
         let example = "\"0.1 mm/tooth\"".to_owned();
         walk.fault(force.span_of("feed_per_tooth"), Fault::MissingKey { section, key: "feed_per_tooth", example });
     }
+    let file = if force.given("coefficients") { coefficients::named(walk, &force) } else { None };
+    *deviation = file.as_ref().map(|file| file.deviation);
+    let of_file = |i: usize| file.as_ref().map(|file| file.chip[i]);
+    let tangential = coefficients::value(walk, &force, "tangential", "\"600 MPa\"", of_file(0));
+    let radial = coefficients::value(walk, &force, "radial", "\"200 MPa\"", of_file(1));
+    // What is written here counts before the file.
+    let edge = |i: usize, key: &str| match &file {
+        Some(file) if !force.given(key) => Some(file.edge[i]),
+        Some(_) | None => force.si(key),
+    };
     let force = MillingForce {
-        tangential: force.si("tangential")?,
-        radial: force.si("radial")?,
+        tangential: tangential?,
+        radial: radial?,
         process_damping: force.si("process_damping")?,
+        edge_tangential: edge(0, "edge_tangential")?,
+        edge_radial: edge(1, "edge_radial")?,
     };
     Some(Milling { modes: modes?, cutter, engagement: engagement?, force, feed_per_tooth })
 }
@@ -252,7 +313,15 @@ fn cutter(walk: &mut Walk, section: &Section<'_>) -> Option<Cutter> {
     })
 }
 
-fn turning(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -> Option<LobesCut> {
+/// The cut; its feed per revolution, where it is given, goes to `feed`, the relative standard deviation of a coefficient
+/// file to `deviation`.
+fn turning(
+    walk: &mut Walk,
+    root: &Section<'_>,
+    structure: Option<&Structure>,
+    feed: &mut Option<f64>,
+    deviation: &mut Option<f64>,
+) -> Option<LobesCut> {
     let modes = modes(walk, root, structure);
     let cut = walk.table(root, "cut");
     let diameter = cut.as_ref().and_then(|cut| cut.si("diameter"));
@@ -268,10 +337,20 @@ fn turning(walk: &mut Walk, root: &Section<'_>, structure: Option<&Structure>) -
         some_modes(walk, root, &modes);
     }
     let cut = cut?;
+    *feed = cut.si("feed_per_rev");
+    let file = if cut.given("coefficients") { coefficients::named(walk, &cut) } else { None };
+    *deviation = file.as_ref().map(|file| file.deviation);
+    // The tangential force acts along the cutting speed, the radial one along the chip thickness.
+    let resultant = file.as_ref().map(|file| file.chip[0].hypot(file.chip[1]));
+    let cutting_coefficient = coefficients::value(walk, &cut, "cutting_coefficient", "\"1500 MPa\"", resultant);
+    let force_angle = match &file {
+        Some(file) if !cut.given("force_angle") => Some(file.chip[0].atan2(file.chip[1])),
+        Some(_) | None => cut.si("force_angle"),
+    };
     let cut = Turning {
         modes,
-        cutting_coefficient: cut.si("cutting_coefficient")?,
-        force_angle: cut.si("force_angle")?,
+        cutting_coefficient: cutting_coefficient?,
+        force_angle: force_angle?,
         process_damping: cut.si("process_damping")?,
         diameter: diameter?,
         chip_exponent: cut.si("chip_exponent")?,

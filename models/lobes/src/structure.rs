@@ -147,6 +147,10 @@ pub struct Structure {
     pub rotations: Vec<Option<f64>>,
     /// Relative standard deviations, of the least known mode each; none where the file has none.
     pub scatter: Option<Scatter>,
+    /// Relative standard deviation of the least known stiffness.
+    pub stiffness_deviation: f64,
+    /// Relative standard deviations of frequency, damping ratio and stiffness of every mode of the file.
+    pub deviations: Vec<[f64; 3]>,
 }
 
 /// Relative standard deviation of a cutting-force coefficient from a table (assumption, usual for a work material that was
@@ -196,7 +200,7 @@ fn resolve(walk: &mut Walk, root: &Section<'_>) -> Option<Structure> {
     let known = natural_frequency > 0.0 || damping_ratio > 0.0 || stiffness > 0.0;
     let coefficients = COEFFICIENTS.hypot(stiffness).min(1.0);
     let scatter = known.then_some(Scatter { natural_frequency, damping_ratio, coefficients });
-    Some(Structure { name, modes, rotations, scatter })
+    Some(Structure { name, modes, rotations, scatter, stiffness_deviation: stiffness, deviations: sds })
 }
 
 /// A mode, and the relative standard deviations of frequency, damping and stiffness.

@@ -5,7 +5,7 @@ use std::path::Path;
 use toolroom_chatter::Scatter;
 use toolroom_form::{FormFile, ReadError};
 use toolroom_lobes as lobes;
-pub use toolroom_lobes::{Chart, Point};
+pub use toolroom_lobes::{Chart, Limits, Point};
 
 /// What a lobes file says.
 #[derive(Clone, Debug)]
@@ -20,8 +20,12 @@ pub struct LobesFile {
     pub chart: Chart,
     /// Operating points that are judged beside the chart.
     pub points: Vec<Point>,
-    /// How well the modes of a structure file are known, where it says so.
+    /// How well the constants are known, where the file or its structure file says so.
     pub scatter: Option<Scatter>,
+    /// What machine, tool and drawing allow.
+    pub limits: Limits,
+    /// Feed per tooth in milling, per revolution in turning (m), where it is given.
+    pub feed: Option<f64>,
 }
 
 /// Reads a lobes file; `overrides` are `path=value`.
@@ -42,7 +46,7 @@ pub fn parse(file: &str, text: &str, overrides: &[String]) -> Result<FormFile<Lo
 
 fn judged(file: FormFile<lobes::LobesFile>) -> FormFile<LobesFile> {
     let FormFile { content, echo, text, files } = file;
-    let lobes::LobesFile { name, title, cut, variation, chart, points, scatter } = content;
-    let content = LobesFile { name, title, cut: Cut::new(cut, variation), chart, points, scatter };
+    let lobes::LobesFile { name, title, cut, variation, chart, points, scatter, limits, feed } = content;
+    let content = LobesFile { name, title, cut: Cut::new(cut, variation), chart, points, scatter, limits, feed };
     FormFile { content, echo, text, files }
 }

@@ -1,11 +1,11 @@
 //! The files of a chart.
 
 use super::picture::{picture, report};
-use super::{ChartStudy, word};
+use super::{ChartMap, ChartStudy, word};
 use crate::tables::table;
 use serde_json::{Value, json};
 use toolroom_chart::page::Provenance;
-use toolroom_chart::{ResultFiles, png};
+use toolroom_chart::{Chart, ResultFiles, png};
 use toolroom_chatter::{BoundaryCurve, Hole, Lobes};
 use toolroom_form::Echo;
 use toolroom_process::table::Cell;
@@ -15,7 +15,34 @@ use toolroom_shards::fingerprint;
 const PIXELS: u32 = 1600;
 
 /// The files of a chart.
-pub const NAMES: &[&str] = &["lobes.svg", "lobes.png", "lobes.csv", "lobes.json", "report.html"];
+pub const NAMES: &[&str] = &[
+    "lobes.svg",
+    "lobes.png",
+    "lobes.csv",
+    "lobes.json",
+    "report.html",
+    "margin.svg",
+    "margin.png",
+    "margin.csv",
+    "p_stable.svg",
+    "p_stable.png",
+    "p_stable.csv",
+    "sle.svg",
+    "sle.png",
+    "sle.csv",
+    "force.svg",
+    "force.png",
+    "force.csv",
+    "torque.svg",
+    "torque.png",
+    "torque.csv",
+    "power.svg",
+    "power.png",
+    "power.csv",
+    "mrr.svg",
+    "mrr.png",
+    "mrr.csv",
+];
 
 impl ChartStudy<'_> {
     /// `lobes.json` for programs, and `lobes.svg`, `lobes.png`, `lobes.csv`, `lobes.json`, `report.html`; `echo` is the
@@ -31,6 +58,12 @@ impl ChartStudy<'_> {
         files.push("lobes.png", png(picture.as_ref(), PIXELS));
         files.push("lobes.csv", verdicts);
         files.push("lobes.json", format!("{summary:#}\n"));
+        for map in &self.maps {
+            let (word, picture) = (map.kind.word(), map.picture(self));
+            files.push(format!("{word}.svg"), picture.svg());
+            files.push(format!("{word}.png"), png(&picture, PIXELS));
+            files.push(format!("{word}.csv"), values(self, map));
+        }
         files.push("report.html", report(self, echo, provenance).html());
         (summary, files)
     }
@@ -93,7 +126,20 @@ fn summary(study: &ChartStudy<'_>) -> Value {
         })
     };
     let holes: Vec<Value> = study.grid.iter().flat_map(|grid| &grid.holes).map(hole).collect();
-    json!({
+    let limits: Vec<Value> = study
+        .limits
+        .iter()
+        .map(|(limited, depths)| {
+            let line: Vec<(f64, f64)> = study.speeds.iter().copied().zip(depths.iter().copied()).collect();
+            json!({ "limit": limited.word(), "depths": pairs(&line) })
+        })
+        .collect();
+    let robust: Vec<Value> = study
+        .robust
+        .iter()
+        .map(|robust| json!([axes.speed.shown(robust.spindle_speed), robust.probability.value]))
+        .collect();
+    let mut summary = json!({
         "schema": 1,
         "name": file.name,
         "process": file.cut.process().word(),
@@ -102,7 +148,32 @@ fn summary(study: &ChartStudy<'_>) -> Value {
         "without_verdict": holes,
         "points": points,
         "boundaries": boundaries,
-    })
+    });
+    // What was not asked for is not there.
+    if !limits.is_empty() {
+        summary["limits"] = json!(limits);
+    }
+    if let Some(best) = &study.best {
+        summary["best"] = best.json();
+    }
+    if !robust.is_empty() {
+        summary["robust_speeds"] = json!({ "columns": [axes.speed.column(), "p_stable"], "speeds": robust });
+    }
+    summary
+}
+
+/// A map as a table.
+fn values(study: &ChartStudy<'_>, map: &ChartMap) -> String {
+    let axes = study.file.cut.axes();
+    let mut rows: Vec<[Cell<'_>; 3]> = Vec::new();
+    let mut values = map.values.iter();
+    for speed in &map.speeds {
+        for (depth, value) in map.depths.iter().zip(values.by_ref()) {
+            let value = if value.is_finite() { (*value).into() } else { Cell::Empty };
+            rows.push([axes.speed.shown(*speed).into(), axes.depth.shown(*depth).into(), value]);
+        }
+    }
+    table([axes.speed.column(), axes.depth.column(), map.kind.column()], rows)
 }
 
 /// Every verdict of the grid, with the reason where there is none; the boundary where there is no grid.

@@ -3,7 +3,7 @@
 use super::cut::Cut;
 use serde_json::{Map, Value, json};
 use toolroom_chatter::paper::Reduced;
-use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, StabilityVerdict, StableIntervals};
+use toolroom_chatter::{Certificate, ChatterError, ChatterKind, Milling, Settled, StabilityVerdict, StableIntervals};
 use toolroom_form::significant;
 use toolroom_process::unit::convert;
 
@@ -29,14 +29,15 @@ pub struct Judgement {
     pub searched: f64,
     /// All depths at which the cut is stable, of milling and of turning at constant speed.
     pub intervals: Option<StableIntervals>,
-    /// The motion of a stable milling cut at constant speed with its feed.
+    /// The motion of a milling cut at constant speed with its feed where it is stable; at a single place that of unstable
+    /// cuts and of turning too.
     pub vibration: Option<Vibration>,
 }
 
 /// Greatest difference of the forced vibration from the simulated one in the tests of milling, relative.
 const BAND: f64 = 0.04;
 
-/// The periodic motion of a stable milling cut and the force behind it.
+/// The motion of a cut and the force behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vibration {
     /// Peak-to-peak displacement in feed and normal direction (m).
@@ -45,8 +46,26 @@ pub struct Vibration {
     pub greatest_force: [f64; 2],
     /// Greatest resultant of both (N).
     pub greatest_resultant: f64,
-    /// Error of the surface location (m), positive where material is left on the wall.
-    pub surface_location_error: f64,
+    /// Error of the surface location (m), positive where material is left on the wall; of a forced vibration.
+    pub surface_location_error: Option<f64>,
+    /// How it was found.
+    pub method: VibrationMethod,
+    /// Relative error of the peak-to-peak displacement.
+    pub band: f64,
+}
+
+/// How a vibration was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum VibrationMethod {
+    /// By Fourier series, of a stable cut.
+    Forced,
+    /// By simulation over time with loss of contact.
+    Simulated {
+        /// Whether it repeats from one window to the next.
+        settled: bool,
+        /// Share of the time in engagement without contact.
+        air_fraction: f64,
+    },
 }
 
 impl Vibration {
@@ -55,24 +74,45 @@ impl Vibration {
     pub(super) fn of(cut: &Milling, speed: f64, depth: f64) -> Option<Self> {
         let forced = cut.forced(speed, depth).ok().filter(|_| cut.feed_per_tooth > 0.0)?;
         Some(Self {
-            surface_location_error: cut.material_left(&forced),
+            surface_location_error: Some(cut.material_left(&forced)),
+            method: VibrationMethod::Forced,
+            band: BAND,
             peak_to_peak: forced.peak_to_peak,
             greatest_force: forced.greatest_force,
             greatest_resultant: forced.greatest_resultant,
         })
     }
 
+    /// Of a settled simulation.
+    pub(super) fn simulated(settled: &Settled) -> Self {
+        let run = &settled.simulation;
+        Self {
+            peak_to_peak: [run.peak_to_peak(0), run.peak_to_peak(1)],
+            greatest_force: [run.greatest_force(0), run.greatest_force(1)],
+            greatest_resultant: run.force.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max),
+            surface_location_error: None,
+            method: VibrationMethod::Simulated { settled: settled.settled, air_fraction: run.air_fraction },
+            band: settled.band,
+        }
+    }
+
     fn json(&self) -> Value {
-        json!({
+        let mut object = json!({
             "pp_x [um]": self.peak_to_peak[0] * 1e6,
             "pp_y [um]": self.peak_to_peak[1] * 1e6,
             "max_force [N]": self.greatest_resultant,
             "max_force_x [N]": self.greatest_force[0],
             "max_force_y [N]": self.greatest_force[1],
-            "sle [um]": self.surface_location_error * 1e6,
+            "sle [um]": self.surface_location_error.map(|error| error * 1e6),
             "method": "forced",
-            "band": BAND,
-        })
+            "band": self.band,
+        });
+        if let VibrationMethod::Simulated { settled, air_fraction } = self.method {
+            object["method"] = json!("simulated");
+            object["settled"] = json!(settled);
+            object["air_fraction"] = json!(air_fraction);
+        }
+        object
     }
 }
 

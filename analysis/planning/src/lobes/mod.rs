@@ -5,26 +5,39 @@
 //!                              ├── judge ──► Judgement at a point
 //!                              ├── lobes ──► verdicts over the grid
 //!                              ├── boundaries ──► Curve: the least unstable depth over speed
+//!                              ├── load, surface_error, limit_depths ──► what limits of the file forbid
 //!                              └── ChartStudy ──► text, table, pictures, report
+//!                                     └── ChartMap, Best, robust speeds: the workbench
 //! ```
 
+mod best;
 mod boundary;
 mod cut;
 mod file;
 mod files;
+mod history;
 mod judgement;
+mod load;
+mod map;
 mod part;
 mod picture;
+mod pitch;
 mod place;
+mod robust;
 mod study;
 mod text;
 
+pub use best::{Best, Bound};
 pub use boundary::{Curve, boundaries};
 pub use cut::{Axes, Cut, Quantity};
-pub use file::{Chart, LobesFile, Point, parse, read};
+pub use file::{Chart, Limits, LobesFile, Point, parse, read};
 pub use files::NAMES;
+pub use history::{HISTORY_NAMES, History, HistoryError, SpectralLine};
 pub use judgement::{Judged, Judgement, word};
+pub use load::Limited;
+pub use map::{ASSUMED_SCATTER, ChartMap, MAP_SAMPLES, MapError, MapKind};
 pub use part::{Columns, chart, plan};
 pub use picture::picture;
+pub use pitch::{BestPitch, PitchError};
 pub use place::{PlaceError, PointVerdict};
 pub use study::ChartStudy;

@@ -1,5 +1,8 @@
 //! The chart as a picture and the report around it.
 
+use super::best::BEST_NOTE;
+use super::map::limit_lines;
+use super::robust::robust_table;
 use super::study::with_unit;
 use super::{ChartStudy, Curve, Judged, LobesFile, Quantity, word};
 use toolroom_chart::page::{Figure, Provenance, Report, Section, Tile};
@@ -18,7 +21,8 @@ pub fn picture(study: &ChartStudy<'_>) -> Box<dyn Chart> {
     let title = file.title.clone();
     let description =
         format!("{} over {}: stability boundary and operating points.", depth.label, speed.label.to_lowercase());
-    let lobes = lobes(&study.curves, &study.judgements, speed, depth);
+    let lobes = lobes(study);
+    let lines = limit_lines(study);
     // Without a single verdict there is nothing to colour.
     if let Some(grid) = study.grid.as_ref().filter(|grid| grid.verdicts.iter().any(Option::is_some)) {
         let rows = grid.depth.len();
@@ -30,21 +34,34 @@ pub fn picture(study: &ChartStudy<'_>) -> Box<dyn Chart> {
         let columns: Vec<f64> = grid.speed.iter().map(|value| speed.shown(*value)).collect();
         let depths: Vec<f64> = grid.depth.iter().map(|value| depth.shown(*value)).collect();
         let map = HeatMap::new(title, [axis(speed), axis(depth), value], columns, depths, values);
-        return Box::new(map.colours(ColourMap::Diverging).missing("no verdict").describe(description).lobes(&lobes));
+        let map = map.colours(ColourMap::Diverging).missing("no verdict").describe(description).lobes(&lobes);
+        return Box::new(lines.into_iter().fold(map, |map, (label, points, style)| map.line(label, points, style)));
     }
     let chart = &file.chart;
     let range = |quantity: Quantity, axis_of: &toolroom_chatter::Axis| {
         axis(quantity).range(quantity.shown(axis_of.start), quantity.shown(axis_of.end))
     };
     let plot = Plot::new(title, range(speed, &chart.speed), range(depth, &chart.depth)).height(320.0);
-    Box::new(plot.describe(description).lobes(&lobes))
+    let plot = plot.describe(description).lobes(&lobes);
+    Box::new(lines.into_iter().fold(plot, |plot, (label, points, style)| plot.line(label, points, style)))
 }
 
-fn axis(quantity: Quantity) -> Axis {
+/// Stretches of a line of two points and more between the points that are no numbers.
+pub(super) fn stretches(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let points: Vec<(f64, f64)> = points.into_iter().collect();
+    let whole = points.split(|(_, depth)| !depth.is_finite()).filter(|stretch| stretch.len() > 1);
+    whole.map(<[_]>::to_vec).collect()
+}
+
+pub(super) fn axis(quantity: Quantity) -> Axis {
     Axis::linear(quantity.label, if quantity.unit == "1" { "" } else { quantity.unit })
 }
 
-fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> StabilityLobes {
+/// Boundaries, operating points and the best point of a study.
+pub(super) fn lobes(study: &ChartStudy<'_>) -> StabilityLobes {
+    let (curves, judgements) = (&study.curves, &study.judgements);
+    let axes = study.file.cut.axes();
+    let (x, y) = (axes.speed, axes.depth);
     let shown = |point: &(f64, f64)| (x.shown(point.0), y.shown(point.1));
     let mut lobes = StabilityLobes::default();
     for curve in curves {
@@ -63,6 +80,10 @@ fn lobes(curves: &[Curve], judgements: &[Judged], x: Quantity, y: Quantity) -> S
     for judgement in judgements.iter().flatten() {
         let standing = Standing::of(judgement.verdict.stable, judgement.margin());
         lobes = lobes.point("", shown(&(judgement.speed, judgement.depth)), standing);
+    }
+    if let Some(best) = &study.best {
+        // It is stable with the probability that was asked for.
+        lobes = lobes.point("best", shown(&(best.speed, best.depth)), Standing::Stable);
     }
     lobes
 }
@@ -107,6 +128,23 @@ pub(super) fn report(study: &ChartStudy<'_>, echo: &[Echo], provenance: Provenan
         section = section.paragraph(format!("Missing: {lack}."));
     }
     report = report.section(section);
+    if let Some(best) = &study.best {
+        report = report.section(Section::new("Best point").paragraph(best.text(file)).note(BEST_NOTE));
+    }
+    if !study.robust.is_empty() {
+        let section = Section::new("Robust speeds").table("The most probable speeds first", robust_table(study));
+        report = report.section(section);
+    }
+    if !study.maps.is_empty() {
+        let mut maps = Section::new("Maps").paragraph(
+            "Each over the same speeds and depths as the chart, with the stability limit and the limits of the file.",
+        );
+        for map in &study.maps {
+            let chart = map.picture(study);
+            maps = maps.figure(Figure::new(&chart, "").data_in(format!("{}.csv", map.kind.word())));
+        }
+        report = report.section(maps);
+    }
     if !study.judgements.is_empty() {
         report = report.section(points_section(file, &study.judgements));
     }

@@ -1,11 +1,12 @@
 //! A single point of a chart: where it is, as people write it, and its verdict.
 
 use super::cut::Cut;
+use super::judgement::Vibration;
 use super::{Judgement, LobesFile};
-use crate::modes::{MeasuredError, MeasuredLimit, measured_limit};
+use crate::modes::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
-use toolroom_chatter::{ChatterError, Probability};
+use toolroom_chatter::{ChatterError, Probability, SpeedVariation, WorstPhase};
 use toolroom_dynamics::Measurement;
 use toolroom_form::significant;
 use toolroom_process::unit;
@@ -69,8 +70,12 @@ pub struct PointVerdict<'a> {
     judgement: Judgement,
     /// The limit straight from a measured response, and none where no neutral vibration lies in its band.
     measured: Option<Option<MeasuredLimit>>,
-    /// Probability that the point is stable, where a structure file says how well its modes are known.
+    /// Probability that the point is stable, where a file says how well the constants are known.
     probability: Option<Probability>,
+    /// Load and limits.
+    load: Map<String, Value>,
+    /// The worst phase of a varying speed, of milling.
+    worst: Option<WorstPhase>,
 }
 
 /// Samples behind a probability: its standard error is at most 2.5 %.
@@ -87,7 +92,11 @@ impl<'a> PointVerdict<'a> {
     /// # Errors
     /// [`ChatterError`] where the model refuses a value, or finds no result.
     pub fn new(file: &'a LobesFile, (speed, depth): (f64, f64)) -> Result<Self, ChatterError> {
-        let judgement = file.cut.judge(speed, depth, &file.chart)?;
+        let mut judgement = file.cut.judge(speed, depth, &file.chart)?;
+        if !judgement.verdict.stable && depth > 0.0 {
+            // What is not simulated has no amplitude.
+            judgement.vibration = file.settled(speed, depth).ok().as_ref().map(Vibration::simulated);
+        }
         let probability = match (&file.cut, &file.scatter) {
             (Cut::Milling(cut, None), Some(scatter)) => {
                 Some(cut.stability_probability(speed, depth, scatter, SAMPLES, SEED)?)
@@ -97,16 +106,30 @@ impl<'a> PointVerdict<'a> {
             }
             (Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_), _) => None,
         };
-        Ok(Self { file, judgement, measured: None, probability })
+        let load = file.load_json(speed, depth, judgement.verdict.stable)?;
+        let worst = match &file.cut {
+            Cut::Milling(cut, Some(variation)) if depth > 0.0 => {
+                let free = SpeedVariation { phase: None, ..*variation };
+                cut.at_varying_speed(speed, free)?.worst_phase(depth)?
+            }
+            Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => None,
+        };
+        Ok(Self { file, judgement, measured: None, probability, load, worst })
     }
 
     /// Puts the limit straight from a measured response beside that of the modes.
     ///
     /// # Errors
-    /// [`MeasuredError`]: a cut that is no turning at constant speed, a missing function, no clear lines.
+    /// [`MeasuredError`]: a cut that is none at constant speed, a missing function, no clear lines.
     pub fn beside(mut self, measured: &Measurement) -> Result<Self, MeasuredError> {
-        let Cut::Turning(cut, None) = &self.file.cut else { return Err(MeasuredError::Process) };
-        self.measured = Some(measured_limit(measured, cut, self.judgement.speed)?);
+        let Judgement { speed, searched, .. } = self.judgement;
+        self.measured = Some(match &self.file.cut {
+            Cut::Turning(cut, None) => measured_limit(measured, cut, speed)?,
+            Cut::Milling(cut, None) => measured_milling_limit(measured, cut, speed, searched)?,
+            Cut::Milling(..) | Cut::Turning(..) | Cut::Chuck(_) | Cut::ChipLag(_) | Cut::Lathe(_) => {
+                return Err(MeasuredError::Process);
+            }
+        });
         Ok(self)
     }
 
@@ -128,6 +151,11 @@ impl<'a> PointVerdict<'a> {
     pub fn json(&self) -> Map<String, Value> {
         let mut object = Map::from_iter([("schema".to_owned(), json!(1)), ("name".to_owned(), json!(self.file.name))]);
         object.extend(self.judgement.json(&self.file.cut));
+        object.extend(self.load.clone());
+        if let Some(worst) = self.worst {
+            object.insert("worst_phase [deg]".to_owned(), json!(worst.phase.to_degrees()));
+            object.insert("phase_spread".to_owned(), json!(worst.spread));
+        }
         if let Some(probability) = self.probability {
             object.insert("p_stable".to_owned(), json!(probability.value));
         }
@@ -160,6 +188,10 @@ impl<'a> PointVerdict<'a> {
                         let _ = write!(text, "\n  {name:28} {value:>24}");
                     }
                     continue;
+                }
+                Value::Array(broken) if name == "limits_broken" => {
+                    let words: Vec<&str> = broken.iter().filter_map(Value::as_str).collect();
+                    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
                 }
                 // The lines are many; the strongest has a row of its own.
                 Value::Array(lines) => format!("{} lines, with --json", lines.len()),

@@ -1,7 +1,7 @@
 //! A chart worked out: boundaries, verdicts over the grid and at operating points, and what is missing of them.
 
-use super::{Curve, Judged, LobesFile, Point, Quantity, boundaries};
-use toolroom_chatter::{ChatterError, Hole, Lobes};
+use super::{Best, ChartMap, Curve, Judged, Limited, LobesFile, Point, Quantity, boundaries};
+use toolroom_chatter::{ChatterError, Hole, Lobes, RobustSpeed};
 use toolroom_form::significant;
 
 /// A chart worked out.
@@ -14,6 +14,16 @@ pub struct ChartStudy<'a> {
     pub grid: Option<Lobes>,
     /// One for each operating point of the file.
     pub judgements: Vec<Judged>,
+    /// Speeds at which the limits of the file are worked out.
+    pub speeds: Vec<f64>,
+    /// Depths up to which each limit of the file is kept, at these speeds; infinite where it is kept on the whole chart.
+    pub limits: Vec<(Limited, Vec<f64>)>,
+    /// Quantities over the chart that were asked for.
+    pub maps: Vec<ChartMap>,
+    /// The point of greatest removal rate, where it was asked for.
+    pub best: Option<Best>,
+    /// Speeds of the chart with the probability that a depth is stable there, where they were asked for.
+    pub robust: Vec<RobustSpeed>,
 }
 
 impl<'a> ChartStudy<'a> {
@@ -29,7 +39,46 @@ impl<'a> ChartStudy<'a> {
         };
         let judgements = points.iter().map(judge).collect::<Result<Vec<_>, _>>()?;
         let curves = boundaries(cut, chart)?;
-        Ok(Self { file, curves, grid, judgements })
+        let speeds = chart.speed.values("speed")?;
+        let limits = file.limit_depths(&speeds)?;
+        Ok(Self { file, curves, grid, judgements, speeds, limits, maps: Vec::new(), best: None, robust: Vec::new() })
+    }
+
+    /// The first limit of stability at other speeds between those where it was worked out, on a straight line; not a number
+    /// where the chart has none.
+    pub fn limits_at(&self, speeds: &[f64]) -> Vec<f64> {
+        let Some(curve) = self.curves.first() else { return vec![f64::NAN; speeds.len()] };
+        let at = |speed: &f64| {
+            let right = curve.limit.partition_point(|(known, _)| *known < speed * (1.0 - 1e-12));
+            let (Some(after), before) = (curve.limit.get(right), right.checked_sub(1).map(|i| curve.limit[i])) else {
+                return f64::NAN;
+            };
+            match before {
+                Some(before) if after.0 > speed * (1.0 + 1e-12) => {
+                    before.1 + (speed - before.0) / (after.0 - before.0) * (after.1 - before.1)
+                }
+                Some(_) | None => after.1,
+            }
+        };
+        speeds.iter().map(at).collect()
+    }
+
+    /// `values`, all depths of the first speed first, where the cut is stable; elsewhere not a number.
+    pub(super) fn where_stable(&self, speeds: &[f64], depths: &[f64], mut values: Vec<f64>) -> Vec<f64> {
+        let limits = self.limits_at(speeds);
+        for (i, column) in values.chunks_mut(depths.len()).enumerate() {
+            for (j, value) in column.iter_mut().enumerate() {
+                let stable = match &self.grid {
+                    Some(grid) => grid.at(i, j).is_some_and(|verdict| verdict.stable),
+                    // Without the grid up to the first limit, which is all that the chart knows for certain.
+                    None => limits[i].is_nan() || depths[j] < limits[i],
+                };
+                if !stable {
+                    *value = f64::NAN;
+                }
+            }
+        }
+        values
     }
 
     /// What the chart lacks, a sentence each: points, limits and operating points for which the search failed.

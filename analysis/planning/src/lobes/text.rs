@@ -1,5 +1,6 @@
 //! A chart on the terminal.
 
+use super::robust::robust_text;
 use super::study::with_unit;
 use super::{ChartStudy, word};
 use std::fmt::Write;
@@ -36,6 +37,10 @@ impl ChartStudy<'_> {
                 }
             };
         }
+        if let Some(best) = &self.best {
+            let _ = writeln!(text, "  best: {}", best.text(file));
+        }
+        text += &robust_text(self);
         if !self.judgements.is_empty() {
             let _ = writeln!(
                 text,

@@ -1,15 +1,22 @@
-//! The limit of a turned cut straight from the measured response: a cross-check of fitted modes.
+//! The limit of a cut straight from the measured response: a cross-check of fitted modes.
 //!
+//! # Turning
 //! A neutral vibration of frequency w has `1 + b L(i w) = 0` with `L = G [K (1 − e^(−i w tau)) + i w C/V]` and the measured
 //! response G, from the force to the chip thickness. Its width is `b = −1/Re L` where `Im L = 0` and `Re L < 0`. G between the
 //! lines is a natural cubic spline of its real and imaginary part.
 //!
+//! # Milling
+//! The neutral depths at a frequency are eigenvalues over the harmonics of the tooth-passing frequency
+//! ([`Milling::limit_of_response`]). Harmonics outside the band take the real part of its first line below it, which is the
+//! static compliance there, and fall with `1/w²` above it (assumption).
+//!
 //! # Domain
-//! Lines around the greatest response, as far as the coherence does not stay below 0.5 for three lines. Neutral vibrations
-//! outside are not seen, so that the limit is at most too high there.
+//! Lines around the greatest response, as far as the coherence does not stay below 0.5 for three lines. In turning neutral
+//! vibrations outside are not seen, so that the limit is at most too high there.
 
+use nalgebra::Complex;
 use std::f64::consts::TAU;
-use toolroom_chatter::Turning;
+use toolroom_chatter::{ChatterError, Milling, Sampling, Turning};
 use toolroom_dynamics::{Direction, Frf, Measurement};
 
 /// Coherence below which a line says little.
@@ -25,7 +32,7 @@ const PER_WAVE: f64 = 60.0;
 #[non_exhaustive]
 pub enum MeasuredError {
     /// A cut of another kind.
-    #[error("a limit straight from a measured response is worked out for turning at constant speed alone")]
+    #[error("a limit straight from a measured response is worked out for milling and turning at constant speed alone")]
     Process,
     /// A function that the cut needs was not measured.
     #[error("the cut needs the response {function}, which was not measured")]
@@ -36,6 +43,9 @@ pub enum MeasuredError {
     /// Hardly a line of clear coherence.
     #[error("fewer than ten lines have a coherence of 0.5 and more")]
     Unclear,
+    /// The model refused the cut.
+    #[error(transparent)]
+    Refused(#[from] ChatterError),
 }
 
 /// A limit from the measured response.
@@ -106,6 +116,91 @@ pub fn measured_limit(
     Ok(least)
 }
 
+/// Lines of a measured response between which a limit of milling is sought: a resonance has five lines and more in its
+/// half-power band, so that half a line turns it by a tenth of its own width at most.
+const LINES: f64 = 0.5;
+
+/// Least unstable depth of milling up to `greatest` (m) at `spindle_speed` (rad/s) with the measured response in place of the
+/// modes of `cut`; none where no neutral vibration lies below it.
+///
+/// # Errors
+/// [`MeasuredError`]: a missing function, no clear lines, a cut with a helix, unequal pitch or runout.
+pub fn measured_milling_limit(
+    measured: &Measurement,
+    cut: &Milling,
+    spindle_speed: f64,
+    greatest: f64,
+) -> Result<Option<MeasuredLimit>, MeasuredError> {
+    let find = |response: Direction, force: Direction| {
+        let found = measured.functions.iter().find(|function| function.response == response && function.force == force);
+        found.map(|function| Band::new(measured, function)).transpose()
+    };
+    let (xx, yy) = (find(Direction::X, Direction::X)?, find(Direction::Y, Direction::Y)?);
+    let (xy, yx) = (find(Direction::X, Direction::Y)?, find(Direction::Y, Direction::X)?);
+    // A direction in which no mode moves need not be measured.
+    for (direction, band, function) in [(0, &xx, "xx"), (1, &yy, "yy")] {
+        let moves = |mode: &toolroom_chatter::Mode| {
+            mode.direction[direction].abs() > 1e-6 * mode.direction[0].hypot(mode.direction[1])
+        };
+        if band.is_none() && cut.modes.iter().any(moves) {
+            return Err(MeasuredError::Missing { function });
+        }
+    }
+    let bands = [xx, xy.clone().or_else(|| yx.clone()), yx.or(xy), yy];
+    let highest = bands.iter().flatten().map(|band| band.last()).fold(0.0, f64::max);
+    if highest == 0.0 {
+        return Err(MeasuredError::Missing { function: "xx" });
+    }
+    let line = match &measured.frequencies[..] {
+        [first, .., last] => TAU * (last - first) / (measured.frequencies.len() - 1) as f64,
+        _ => return Err(MeasuredError::Unclear),
+    };
+    let response =
+        |w: f64| bands.each_ref().map(|band| band.as_ref().map_or(Complex::new(0.0, 0.0), |band| band.at(w)));
+    let sampling = Sampling { step: LINES * line, highest };
+    let found = cut.limit_of_response(spindle_speed, greatest, sampling, &response)?;
+    Ok(found.map(|limit| MeasuredLimit { depth: limit.depth, frequency: limit.chatter_frequency }))
+}
+
+/// A measured function within its clear band, and what is taken beyond.
+#[derive(Clone)]
+struct Band {
+    lines: Vec<f64>,
+    real: Spline,
+    imaginary: Spline,
+}
+
+impl Band {
+    fn new(measured: &Measurement, function: &Frf) -> Result<Self, MeasuredError> {
+        let band = clear_band(function);
+        if band.len() < 10 {
+            return Err(MeasuredError::Unclear);
+        }
+        let lines: Vec<f64> = measured.frequencies[band.clone()].iter().map(|frequency| TAU * frequency).collect();
+        let part = |of: fn(&Complex<f64>) -> f64| {
+            Spline::new(&lines, function.receptance[band.clone()].iter().map(of).collect())
+        };
+        let (real, imaginary) = (part(|h| h.re), part(|h| h.im));
+        Ok(Self { real, imaginary, lines })
+    }
+
+    fn last(&self) -> f64 {
+        self.lines[self.lines.len() - 1]
+    }
+
+    fn at(&self, w: f64) -> Complex<f64> {
+        let (first, last) = (self.lines[0], self.last());
+        let known = |w: f64| Complex::new(self.real.at(w), self.imaginary.at(w));
+        if w < first {
+            Complex::new(self.real.at(first), 0.0)
+        } else if w > last {
+            known(last) * (last / w).powi(2)
+        } else {
+            known(w)
+        }
+    }
+}
+
 /// The lines around the greatest response, up to where the coherence stays low.
 fn clear_band(function: &Frf) -> std::ops::Range<usize> {
     let count = function.receptance.len();
@@ -132,15 +227,16 @@ fn bisect(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 /// A natural cubic spline.
-struct Spline<'a> {
-    places: &'a [f64],
+#[derive(Clone)]
+struct Spline {
+    places: Vec<f64>,
     values: Vec<f64>,
     /// Second derivatives.
     bends: Vec<f64>,
 }
 
-impl<'a> Spline<'a> {
-    fn new(places: &'a [f64], values: Vec<f64>) -> Self {
+impl Spline {
+    fn new(places: &[f64], values: Vec<f64>) -> Self {
         // Thomas's algorithm on the tridiagonal equations of the second derivatives, which are zero at the ends.
         let count = values.len();
         let (mut above, mut bends) = (vec![0.0; count], vec![0.0; count]);
@@ -154,7 +250,7 @@ impl<'a> Spline<'a> {
         for i in (1..count - 1).rev() {
             bends[i] -= above[i] * bends[i + 1];
         }
-        Self { places, values, bends }
+        Self { places: places.to_vec(), values, bends }
     }
 
     fn at(&self, place: f64) -> f64 {
@@ -169,8 +265,31 @@ impl<'a> Spline<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use toolroom_chatter::Mode;
+    use toolroom_chatter::{Cutter, Engagement, MillingForce, Mode};
     use toolroom_dynamics::Motion;
+
+    #[test]
+    fn milling_from_a_table_without_noise_has_the_limit_of_its_modes() {
+        let modes = vec![mode(612.4, 0.0312, 22.4e6, 0.0), mode(1184.7, 0.0187, 9.6e6, 0.0)];
+        let measured = table(&modes);
+        let cut = Milling {
+            modes,
+            cutter: Cutter::straight(4, 0.012),
+            engagement: Engagement::new(0.25, toolroom_chatter::Direction::Down).unwrap(),
+            force: MillingForce::new(1.8e9, 6e8),
+            feed_per_tooth: 0.0,
+        };
+        for rpm in [4200.0, 5400.0] {
+            let speed = rpm / 60.0 * TAU;
+            let expected = cut.at_speed(speed).unwrap().limit(20e-3).unwrap();
+            let found = measured_milling_limit(&measured, &cut, speed, 20e-3).unwrap().unwrap();
+            assert!((found.depth / expected.depth - 1.0).abs() < 5e-3, "{rpm} {found:?} {expected:?}");
+        }
+        let mut across = cut.clone();
+        across.modes[0].direction = [0.0, 1.0];
+        let refused = measured_milling_limit(&measured, &across, 500.0, 1e-2);
+        assert_eq!(refused, Err(MeasuredError::Missing { function: "yy" }));
+    }
 
     fn mode(natural_frequency: f64, damping_ratio: f64, stiffness: f64, angle: f64) -> Mode {
         let (sine, cosine) = f64::to_radians(angle).sin_cos();

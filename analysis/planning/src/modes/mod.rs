@@ -8,13 +8,15 @@ mod request;
 mod swap;
 mod text;
 mod tool;
+mod update;
 
 pub use files::NAMES;
-pub use measured::{MeasuredError, MeasuredLimit, measured_limit};
+pub use measured::{MeasuredError, MeasuredLimit, measured_limit, measured_milling_limit};
 pub use request::{Request, RequestError, range, scatter};
 pub use swap::{SwapError, tip};
 pub use text::read as summary;
 pub use tool::{TOOL, Tool, read_tool};
+pub use update::{Learnt, ModesUpdate, UpdateError, UpdateOptions};
 
 use toolroom_chart::page::Provenance;
 use toolroom_dynamics::{DynamicsError, Fit, FitOptions, Measurement, Scatter, StructureText, fit};

@@ -155,13 +155,17 @@ impl Engagement {
     }
 }
 
-/// Cutting force on one tooth: tangential `K_t w h`, radial `K_n w h + (C_i/V) w h'`.
+/// Cutting force on one tooth: tangential `K_t w h + K_te w`, radial `K_n w h + K_re w + (C_i/V) w h'`.
 ///
 /// | symbol | field | unit | range |
 /// |---|---|---|---|
 /// | K_t | `tangential` | Pa | > 0 |
 /// | K_n | `radial` | Pa | any |
 /// | C_i | `process_damping` | N/m | ≥ 0 |
+/// | K_te | `edge_tangential` | N/m | ≥ 0 |
+/// | K_re | `edge_radial` | N/m | any |
+///
+/// The edge forces do not depend on the chip: they act on load and vibration, not on stability.
 ///
 /// # Source
 /// Linear force of Altintas and Budak (1995); the damping by the flank's indentation is taken
@@ -175,18 +179,26 @@ pub struct MillingForce {
     /// Indentation coefficient of process damping (N/m).
     #[serde(default)]
     pub process_damping: f64,
+    /// Tangential force of the edge per depth (N/m).
+    #[serde(default)]
+    pub edge_tangential: f64,
+    /// Radial force of the edge per depth (N/m).
+    #[serde(default)]
+    pub edge_radial: f64,
 }
 
 impl MillingForce {
-    /// Without process damping.
+    /// Without process damping and edge forces.
     pub fn new(tangential: f64, radial: f64) -> Self {
-        Self { tangential, radial, process_damping: 0.0 }
+        Self { tangential, radial, process_damping: 0.0, edge_tangential: 0.0, edge_radial: 0.0 }
     }
 
     pub(crate) fn check(&self) -> Result<(), ChatterError> {
         positive("tangential", self.tangential)?;
         finite("radial", self.radial)?;
         within("process_damping", self.process_damping, 0.0, f64::MAX)?;
+        within("edge_tangential", self.edge_tangential, 0.0, f64::MAX)?;
+        finite("edge_radial", self.edge_radial)?;
         Ok(())
     }
 

@@ -15,6 +15,8 @@ pub(crate) struct Arc {
     pub to: f64,
     /// Angle by which the earlier tooth is ahead (rad).
     pub delay: f64,
+    /// Radius of this tooth over that of the earlier one, by runout (m).
+    pub step: f64,
 }
 
 /// The cut over one repetition of its geometry, in angles of tooth 0.
@@ -122,6 +124,16 @@ impl Geometry {
         [ss * scale, sc * scale, sc * scale, cc * scale]
     }
 
+    /// Force per depth (feed, normal) against a tooth that `tangential` and `radial` (N/m) act on, averaged over the
+    /// depth: `[t c + r s, r c − t s]`.
+    pub fn against(&self, [tangential, radial]: [f64; 2], (j, a, turns): (usize, usize, f64), angle: f64) -> [f64; 2] {
+        let (cosine, sine) = match self.range(j, a, turns, angle) {
+            Ok((from, to)) => ((to.sin() - from.sin()) / self.lag, (from.cos() - to.cos()) / self.lag),
+            Err(phi) => (phi.cos(), phi.sin()),
+        };
+        [tangential * cosine + radial * sine, radial * cosine - tangential * sine]
+    }
+
     /// Angles that the tooth covers over the depth, within its arc; a straight tooth has one
     /// angle instead.
     fn range(&self, j: usize, a: usize, turns: f64, angle: f64) -> Result<(f64, f64), f64> {
@@ -163,7 +175,7 @@ fn arcs(cut: &Milling, j: usize) -> Vec<Arc> {
     let cutter = &cut.cutter;
     let (entry, exit) = (cut.engagement.entry, cut.engagement.exit);
     if cutter.runout == 0.0 {
-        return vec![Arc { from: entry, to: exit, delay: cutter.pitch_before(j) }];
+        return vec![Arc { from: entry, to: exit, delay: cutter.pitch_before(j), step: 0.0 }];
     }
     // Chip against the surface of the m-th tooth before: feed(m) sin(phi) + step(m).
     let mut delay = 0.0;
@@ -204,7 +216,7 @@ fn arcs(cut: &Milling, j: usize) -> Vec<Arc> {
         }
         match arcs.last_mut() {
             Some(last) if last.delay == surface.0 && (last.to - pair[0]).abs() < SAME => last.to = pair[1],
-            _ => arcs.push(Arc { from: pair[0], to: pair[1], delay: surface.0 }),
+            _ => arcs.push(Arc { from: pair[0], to: pair[1], delay: surface.0, step: surface.2 }),
         }
     }
     arcs

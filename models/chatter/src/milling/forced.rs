@@ -5,6 +5,7 @@ use super::engagement::Geometry;
 use super::{Direction, Milling};
 use crate::error::{ChatterError, positive};
 use nalgebra::{Complex, Vector2};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Periodic vibration of a stable cut.
@@ -40,7 +41,7 @@ impl Milling {
     /// surfaces overlap, which needs the simulation.
     ///
     /// # Source
-    /// `F = −w H(phi) (f_z, 0)`, coefficients `G(i r N Omega)`; surface location error after
+    /// `F = −w H(phi) (f_z, 0)` with the forces of runout and edge, coefficients `G(i r N Omega)`; surface location error after
     /// Schmitz and Smith (Machining Dynamics, 2009), at the angle where the tooth leaves the wall:
     /// 0 in up, pi in down milling.
     pub fn forced(&self, spindle_speed: f64, depth: f64) -> Result<Forced, ChatterError> {
@@ -54,17 +55,7 @@ impl Milling {
         let coefficients = self.force_coefficients(&geometry, depth);
         let motion: Vec<Vector2<Complex<f64>>> =
             coefficients.iter().zip(&response).map(|(force, response)| response * force).collect();
-        let at = |series: &[Vector2<Complex<f64>>], angle: f64| {
-            let turn = Complex::from_polar(1.0, TAU * (angle - geometry.origin) / base);
-            let mut factor = Complex::new(1.0, 0.0);
-            let mut sum = [-series[0][0].re, -series[0][1].re];
-            for c in series {
-                // Negative harmonics are the conjugates.
-                sum = [sum[0] + 2.0 * (c[0] * factor).re, sum[1] + 2.0 * (c[1] * factor).re];
-                factor *= turn;
-            }
-            sum
-        };
+        let at = |series: &[Vector2<Complex<f64>>], angle: f64| sum(series, (angle - geometry.origin) / base);
         let angles = (0..SAMPLES).map(|i| geometry.origin + base * i as f64 / SAMPLES as f64);
         let displacement: Vec<[f64; 2]> = angles.clone().map(|angle| at(&motion, angle)).collect();
         let range = |axis: usize| {
@@ -74,11 +65,9 @@ impl Milling {
         let greatest = |axis: usize| {
             angles.clone().map(|angle| self.static_force(&geometry, depth, angle)[axis].abs()).fold(0.0, f64::max)
         };
-        // The wall is left at the angle where the tooth moves along the feed.
-        let wall = if self.direction() == Direction::Up { 0.0 } else { PI };
         Ok(Forced {
             peak_to_peak: [range(0), range(1)],
-            surface_location_error: at(&motion, wall)[1],
+            surface_location_error: at(&motion, self.wall())[1],
             mean_force: [coefficients[0][0].re, coefficients[0][1].re],
             greatest_force: [greatest(0), greatest(1)],
             greatest_resultant: angles
@@ -97,6 +86,61 @@ impl Milling {
         if self.direction() == Direction::Up { -error } else { error }
     }
 
+    /// What the forced vibration of a stable cut leaves on the wall (m), as [`Milling::material_left`], at every speed
+    /// (rad/s) and depth (m): all depths of the first speed first. A cut of no depth leaves nothing.
+    ///
+    /// # Errors
+    /// As [`Milling::forced`].
+    pub fn surface_errors(&self, speeds: &[f64], depths: &[f64]) -> Result<Vec<f64>, ChatterError> {
+        self.check()?;
+        let series = |depth: &f64| {
+            if *depth == 0.0 {
+                return Ok(None);
+            }
+            let geometry = Geometry::new(self, positive("depth", *depth)?, false)?;
+            let coefficients = self.force_coefficients(&geometry, *depth);
+            Ok(Some((geometry.origin, geometry.span, coefficients)))
+        };
+        let series: Vec<_> = depths.par_iter().map(series).collect::<Result<_, ChatterError>>()?;
+        let sign = if self.direction() == Direction::Up { -1.0 } else { 1.0 };
+        // Straight teeth repeat after the same angle at every depth, helical ones too.
+        let span = if self.cutter.is_regular() { TAU / self.cutter.teeth as f64 } else { TAU };
+        let column = |speed: &f64| {
+            positive("spindle_speed", *speed)?;
+            let responses: Vec<_> = (0..=HARMONICS).map(|r| self.frequency_response(r as f64 * speed / span)).collect();
+            let left = |series: &Option<(f64, f64, Vec<Vector2<Complex<f64>>>)>| {
+                series.as_ref().map_or(0.0, |(origin, base, forces)| {
+                    let motion: Vec<_> = forces.iter().zip(&responses).map(|(force, g)| g * force).collect();
+                    sign * sum(&motion, (self.wall() - origin) / base)[1]
+                })
+            };
+            Ok(series.iter().map(left).collect::<Vec<f64>>())
+        };
+        let columns: Vec<Vec<f64>> = speeds.par_iter().map(column).collect::<Result<_, ChatterError>>()?;
+        Ok(columns.into_iter().flatten().collect())
+    }
+
+    /// Greatest resultant of the static cutting force in the plane (N) at `depth` (m), at any speed: the peak that a stable
+    /// cut asks of tool and spindle.
+    ///
+    /// # Errors
+    /// A cut that is none; a depth that is not positive.
+    pub fn greatest_static_force(&self, depth: f64) -> Result<f64, ChatterError> {
+        self.check()?;
+        let geometry = Geometry::new(self, positive("depth", depth)?, false)?;
+        let at = |i: usize| {
+            let [x, y] =
+                self.static_force(&geometry, depth, geometry.origin + geometry.span * i as f64 / SAMPLES as f64);
+            x.hypot(y)
+        };
+        Ok((0..SAMPLES).map(at).fold(0.0, f64::max))
+    }
+
+    /// Angle at which a tooth leaves the wall: it moves along the feed there.
+    fn wall(&self) -> f64 {
+        if self.direction() == Direction::Up { 0.0 } else { PI }
+    }
+
     /// Up milling if the engagement starts at the wall, else down.
     fn direction(&self) -> Direction {
         let Engagement { entry, exit } = self.engagement;
@@ -110,8 +154,12 @@ impl Milling {
         for tooth in geometry.cutting(angle - 1e-12, angle + 1e-12) {
             let arc = &geometry.teeth[tooth.0].1[tooth.1];
             let h = geometry.directional(self, tooth, angle);
-            force[0] -= depth * h[0] * feed * arc.delay;
-            force[1] -= depth * h[2] * feed * arc.delay;
+            // What does not grow with the feed: runout and the edge.
+            let tangential = self.force.tangential * arc.step + self.force.edge_tangential;
+            let radial = self.force.radial * arc.step + self.force.edge_radial;
+            let rest = geometry.against([tangential, radial], tooth, angle);
+            force[0] -= depth * (h[0] * feed * arc.delay + rest[0]);
+            force[1] -= depth * (h[2] * feed * arc.delay + rest[1]);
         }
         force
     }
@@ -141,4 +189,17 @@ impl Milling {
         }
         coefficients
     }
+}
+
+/// A real Fourier series after the share `turned` of its period.
+fn sum(series: &[Vector2<Complex<f64>>], turned: f64) -> [f64; 2] {
+    let turn = Complex::from_polar(1.0, TAU * turned);
+    let mut factor = Complex::new(1.0, 0.0);
+    let mut sum = [-series[0][0].re, -series[0][1].re];
+    for c in series {
+        // Negative harmonics are the conjugates.
+        sum = [sum[0] + 2.0 * (c[0] * factor).re, sum[1] + 2.0 * (c[1] * factor).re];
+        factor *= turn;
+    }
+    sum
 }

@@ -12,7 +12,7 @@ use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalu
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::scan::{STEPS, SignChanges};
-use crate::speed_variation::SpeedVariation;
+use crate::speed_variation::{SpeedVariation, Started};
 use crate::structure::last_to_decay;
 use crate::verdict::{StabilityLimit, StabilityVerdict};
 use nalgebra::Complex;
@@ -71,6 +71,19 @@ pub struct AtSpeed<'a> {
     prepared: [Option<Prepared>; 3],
     storage: MapStorage,
     krylov: Krylov,
+    /// Angle of tooth 0 where a varying speed is greatest (rad).
+    phase: f64,
+}
+
+/// The phase of a varying speed at which a disturbance grows most.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct WorstPhase {
+    /// Angle of tooth 0, from the normal of the feed, where the speed is greatest (rad).
+    pub phase: f64,
+    /// Spectral radius of a mean revolution there, to three digits or so.
+    pub spectral_radius: f64,
+    /// That radius less the one of the best phase.
+    pub spread: f64,
 }
 
 /// A period ready for depths up to some depth.
@@ -118,7 +131,8 @@ impl Milling {
     }
 
     /// The cut at a speed that varies about `spindle_speed` (rad/s); its spectral radii are those of
-    /// a mean revolution, `rho_T^RVF`.
+    /// a mean revolution, `rho_T^RVF`. Without a phase of the variation every question is answered at its worst phase: a
+    /// verdict at that of its depth, limits and intervals at that of the least limit.
     ///
     /// # Errors
     /// As [`Milling::at_speed`]; a variation out of range.
@@ -126,7 +140,9 @@ impl Milling {
         self.check()?;
         positive("spindle_speed", spindle_speed)?;
         variation.check()?;
-        AtSpeed::new(self, Motion::Varying(spindle_speed, variation))
+        let mut at_speed = AtSpeed::new(self, Motion::Varying(spindle_speed, Started::new(variation, 0.0)))?;
+        at_speed.turn_to(variation.phase.unwrap_or(at_speed.geometry.origin));
+        Ok(at_speed)
     }
 
     /// Verdict at `spindle_speed` (rad/s) and `depth` (m), without the margin, which costs a
@@ -178,6 +194,7 @@ impl<'a> AtSpeed<'a> {
             prepared: [None, None, None],
             storage: MapStorage::default(),
             krylov: Krylov::default(),
+            phase: 0.0,
         })
     }
 
@@ -216,7 +233,7 @@ impl<'a> AtSpeed<'a> {
         let geometry = self.geometry(depth)?;
         let (repeats, speed) = match self.motion {
             Motion::Constant(speed) => (1, speed),
-            Motion::Varying(speed, variation) => (variation.revolutions, speed),
+            Motion::Varying(speed, started) => (started.variation.revolutions, speed),
         };
         let teeth = Teeth { cut: self.cut, geometry: &geometry };
         let (stiffening, greatest) = self.stiffening(depth);
@@ -310,10 +327,17 @@ impl<'a> AtSpeed<'a> {
     /// # Errors
     /// A depth that is negative or not finite; an eigenvalue that did not converge.
     pub fn verdict(&mut self, depth: f64) -> Result<StabilityVerdict, ChatterError> {
+        if depth > 0.0
+            && self.phase_is_free()
+            && let Some(worst) = self.worst_phase(depth)?
+        {
+            self.turn_to(worst.phase);
+        }
         self.judge(depth, Effort::Verdict)
     }
 
-    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of some three digits, for charts.
+    /// Verdict as good as [`AtSpeed::verdict`]'s with a spectral radius of some three digits, for charts; of a varying speed
+    /// without a phase at the phase that was found last.
     ///
     /// # Errors
     /// As [`AtSpeed::verdict`].
@@ -325,7 +349,7 @@ impl<'a> AtSpeed<'a> {
     fn uncut(&self) -> (Dominant, f64) {
         let (repeats, speed) = match self.motion {
             Motion::Constant(speed) => (1, speed),
-            Motion::Varying(speed, variation) => (variation.revolutions, speed),
+            Motion::Varying(speed, started) => (started.variation.revolutions, speed),
         };
         let period = f64::from(repeats) * self.geometry.span / speed;
         (Dominant { value: (last_to_decay(&self.cut.modes) * period).exp(), residual: 0.0 }, period)
@@ -350,10 +374,99 @@ impl<'a> AtSpeed<'a> {
         let (dominant, period) = if depth == 0.0 { self.uncut() } else { self.refined(depth, effort)? };
         let mut verdict = StabilityVerdict::from_multiplier(dominant.value, period, dominant.residual);
         verdict.name_frequency(&self.cut.modes);
-        if let Motion::Varying(_, variation) = self.motion {
-            verdict.spread_over(variation.revolutions);
+        if let Motion::Varying(_, started) = self.motion {
+            verdict.spread_over(started.variation.revolutions);
         }
         Ok(verdict)
+    }
+
+    /// Lets tooth 0 stand at `phase` (rad) where a varying speed is greatest.
+    fn turn_to(&mut self, phase: f64) {
+        if let Motion::Varying(speed, started) = self.motion {
+            self.motion = Motion::Varying(speed, Started::new(started.variation, phase - self.geometry.origin));
+            self.prepared = [None, None, None];
+            self.phase = phase;
+        }
+    }
+
+    /// Whether the worst phase of a varying speed is asked for.
+    fn phase_is_free(&self) -> bool {
+        matches!(self.motion, Motion::Varying(_, started) if started.variation.phase.is_none())
+    }
+
+    /// The phase of a varying speed at which a disturbance at `depth` (m) grows most; none at constant speed.
+    ///
+    /// Sixteen phases over a pitch of the teeth, or a revolution of unequal ones, are tried, then the best is refined by
+    /// golden sections to a thousandth of the range.
+    ///
+    /// # Errors
+    /// As [`AtSpeed::verdict`].
+    pub fn worst_phase(&mut self, depth: f64) -> Result<Option<WorstPhase>, ChatterError> {
+        const TRIED: usize = 16;
+        const SECTIONS: u32 = 10;
+        positive("depth", depth)?;
+        let Motion::Varying(_, Started { variation: SpeedVariation { revolutions, .. }, .. }) = self.motion else {
+            return Ok(None);
+        };
+        let before = self.phase;
+        let range = if self.cut.cutter.is_regular() { TAU / self.cut.cutter.teeth as f64 } else { TAU };
+        let mut growth = |phase: f64| -> Result<f64, ChatterError> {
+            self.turn_to(phase);
+            Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln())
+        };
+        let step = range / TRIED as f64;
+        let values = (0..TRIED).map(|i| growth(step * i as f64)).collect::<Result<Vec<f64>, _>>()?;
+        let most = (0..TRIED).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut low, mut high) = (step * (most as f64 - 1.0), step * (most as f64 + 1.0));
+        let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
+        let (mut at_a, mut at_b) = (growth(a)?, growth(b)?);
+        for _ in 0..SECTIONS {
+            if at_a > at_b {
+                (high, b, at_b) = (b, a, at_a);
+                a = high - golden * (high - low);
+                at_a = growth(a)?;
+            } else {
+                (low, a, at_a) = (a, b, at_b);
+                b = low + golden * (high - low);
+                at_b = growth(b)?;
+            }
+        }
+        let candidates = [(step * most as f64, values[most]), (a, at_a), (b, at_b)];
+        let (phase, greatest) = candidates
+            .into_iter()
+            .fold((0.0, f64::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best });
+        self.turn_to(before);
+        let radius = |growth: f64| (growth / f64::from(revolutions)).exp();
+        let spread = radius(greatest) - radius(least);
+        Ok(Some(WorstPhase { phase: phase.rem_euclid(range), spectral_radius: radius(greatest), spread }))
+    }
+
+    /// Turns a varying speed without a phase to that of the least limit up to `greatest` (m): the worst phase at the limit
+    /// of the worst phase before, twice.
+    pub(crate) fn at_worst_limit(mut self, greatest: f64) -> Result<Self, ChatterError> {
+        self.turn_to_worst_limit(greatest)?;
+        Ok(self)
+    }
+
+    fn turn_to_worst_limit(&mut self, greatest: f64) -> Result<(), ChatterError> {
+        const ROUNDS: usize = 2;
+        if !self.phase_is_free() {
+            return Ok(());
+        }
+        let mut depth = greatest;
+        for _ in 0..ROUNDS {
+            depth = match self.fixed_rough_limit(depth, STEPS) {
+                Ok(limit) => limit.depth,
+                Err(ChatterError::NoLimit { searched }) => searched,
+                Err(error) => return Err(error),
+            };
+            if let Some(worst) = self.worst_phase(depth)? {
+                self.turn_to(worst.phase);
+            }
+        }
+        Ok(())
     }
 
     /// All Floquet multipliers at `depth` (m), the greatest first, by the dense eigenvalues of the
@@ -389,6 +502,7 @@ impl<'a> AtSpeed<'a> {
     /// [`ChatterError::NoLimit`] if no depth up to `greatest` is unstable; otherwise as
     /// [`AtSpeed::verdict`].
     pub fn limit(&mut self, greatest: f64) -> Result<StabilityLimit, ChatterError> {
+        self.turn_to_worst_limit(greatest)?;
         let ends = self.ends(greatest, Effort::Boundary, true)?;
         ends.first().map(|end| end.limit).ok_or(ChatterError::NoLimit { searched: greatest })
     }
@@ -401,6 +515,7 @@ impl<'a> AtSpeed<'a> {
     /// # Errors
     /// As [`AtSpeed::verdict`]; a greatest depth that is not positive.
     pub fn stable_intervals(&mut self, greatest: f64) -> Result<StableIntervals, ChatterError> {
+        self.turn_to_worst_limit(greatest)?;
         let ends = self.ends(greatest, Effort::Boundary, false)?;
         let certificate = match self.slow()? {
             Some(_) => Certificate::Envelope,
@@ -452,6 +567,11 @@ impl<'a> AtSpeed<'a> {
     /// # Errors
     /// As [`AtSpeed::limit`].
     pub fn rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
+        self.turn_to_worst_limit(greatest)?;
+        self.fixed_rough_limit(greatest, steps)
+    }
+
+    fn fixed_rough_limit(&mut self, greatest: f64, steps: usize) -> Result<StabilityLimit, ChatterError> {
         positive("greatest depth", greatest)?;
         let mut excess = |depth: f64| Ok(self.dominant(depth, Effort::Screening)?.0.value.norm().ln());
         let found = brackets(&mut excess, (0.0, -1.0), greatest, steps, true)?;

@@ -106,7 +106,7 @@ impl Turning {
     }
 
     /// Damping of the cut per width at `spindle_speed` (N s/m²).
-    fn damping_slope(&self, spindle_speed: f64) -> f64 {
+    pub(crate) fn damping_slope(&self, spindle_speed: f64) -> f64 {
         self.process_damping / (spindle_speed * self.diameter / 2.0)
     }
 

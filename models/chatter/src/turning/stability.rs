@@ -10,6 +10,7 @@ use crate::krylov::{Dominant, Krylov};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::response::{Modal, Modes};
+use crate::speed_variation::Started;
 use crate::verdict::{ChatterKind, StabilityLimit, StabilityVerdict};
 use std::f64::consts::TAU;
 
@@ -109,7 +110,7 @@ impl Turning {
     /// let cut = Turning::orthogonal(vec![mode], 1384e6, 0.035);
     /// let speed = 1500.0 / 60.0 * TAU;
     /// let width = 1.5 * cut.limit(speed).unwrap().depth;
-    /// let variation = SpeedVariation { amplitude: 0.2, revolutions: 5 };
+    /// let variation = SpeedVariation { amplitude: 0.2, revolutions: 5, phase: None };
     /// assert!(!cut.verdict(speed, width).unwrap().stable);
     /// assert!(cut.verdict_at_varying_speed(speed, variation, width).unwrap().stable);
     /// ```
@@ -141,7 +142,7 @@ impl Turning {
             let root = TurningAtSpeed::new(self, spindle_speed, width)?.rightmost_root(width)?;
             Dominant { value: (root.rate * length).exp(), residual: root.residual }
         } else {
-            let period = self.period(Motion::Varying(spindle_speed, variation), revolutions, width);
+            let period = self.period(Motion::Varying(spindle_speed, Started::new(variation, 0.0)), revolutions, width);
             let mut storage = MapStorage::default();
             Krylov::default().dominant(&mut PeriodMap::new(&period, width, &mut storage), residual)?
         };

@@ -2,7 +2,7 @@
 
 use super::milling::{rpm, standard};
 use super::turning;
-use toolroom_chatter::{Direction, SimulationSettings};
+use toolroom_chatter::{Cutter, Direction, Engagement, Milling, MillingForce, Mode, SimulationSettings};
 
 #[test]
 fn limit_cycles_of_turning_at_6000_rpm() {
@@ -87,5 +87,48 @@ fn simulation_agrees_with_the_linear_theory() {
         let forced = cut.forced(rpm(speed), 0.98 * limit).unwrap().peak_to_peak[0];
         assert!((amplitude(0.98) / forced - 1.0).abs() < 0.02, "{speed}");
         assert!(amplitude(1.02) > 1.3 * forced, "{speed} {}", amplitude(1.02) / forced);
+    }
+}
+
+/// Settled vibration with process damping that acts in contact alone, and of milling with two modes below and beyond the
+/// limit: reference of an independent simulation, within 4 %.
+#[test]
+fn vibration_settles_to_that_of_an_independent_simulation() {
+    let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 0.04, "{found} {expected}");
+    let cut = turning::standard(6.11e5);
+    let limit = cut.limit(rpm(2600.0)).unwrap().depth;
+    assert!((limit * 1e3 / 0.679_502_11 - 1.0).abs() < 1e-7);
+    let found = cut.settled(rpm(2600.0), 1.3 * limit, 0.1e-3).unwrap();
+    let mean = 1384e6 * 1.3 * limit * 0.1e-3;
+    close(found.simulation.peak_to_peak(0) * 1e6, 217.13);
+    close(found.simulation.greatest_force(0) / mean, 2.433);
+    close(found.simulation.mean_force_power(0, 2) / mean.powi(2), 1.791);
+    // Without force, be it without contact or with a damping that takes all of it.
+    let idle = found.simulation.force.iter().filter(|force| force[0] == 0.0).count();
+    close(idle as f64 / found.simulation.force.len() as f64, 0.380);
+    assert!(found.simulation.air_fraction < 0.380);
+
+    let mode = |direction, natural_frequency: f64, damping_ratio, mass| {
+        Mode::from_mass(direction, natural_frequency, damping_ratio, mass)
+    };
+    let cut = Milling {
+        modes: vec![mode([1.0, 0.0], 780.0, 0.022, 0.09), mode([0.0, 1.0], 905.0, 0.028, 0.07)],
+        cutter: Cutter::straight(3, 0.02),
+        engagement: Engagement::new(0.3, Direction::Down).unwrap(),
+        force: MillingForce::new(800e6, 260e6),
+        feed_per_tooth: 0.1e-3,
+    };
+    let limit = cut.at_speed(rpm(7200.0)).unwrap().limit(12e-3).unwrap().depth;
+    assert!((limit * 1e3 / 1.511_244_31 - 1.0).abs() < 1e-7);
+    for (ratio, motion, force) in [
+        (0.8, [41.82, 69.96], [35.1, 92.4]),
+        (1.15, [90.05, 200.94], [126.9, 154.3]),
+        (2.0, [186.5, 439.7], [347.6, 416.2]),
+    ] {
+        let found = cut.settled(rpm(7200.0), ratio * limit).unwrap();
+        for direction in 0..2 {
+            close(found.simulation.peak_to_peak(direction) * 1e6, motion[direction]);
+            close(found.simulation.greatest_force(direction), force[direction]);
+        }
     }
 }

@@ -266,3 +266,32 @@ fn two_modes_three_teeth_vibrate_and_leave_material_as_computed_independently() 
     let other = up.forced(rpm(7200.0), 0.8 * limit).unwrap();
     assert!(up.material_left(&other) * other.surface_location_error < 0.0);
 }
+
+/// The phase between a varying speed and the teeth decides about stability: radii a revolution at eight phases and the limit
+/// of the worst, of an independent semi-discretisation.
+#[test]
+fn the_phase_of_a_varying_speed_counts() {
+    use toolroom_chatter::SpeedVariation;
+    let cut = Milling {
+        modes: vec![Mode { direction: [1.0, 0.0], natural_frequency: 922.0, damping_ratio: 0.011, stiffness: 1.34e6 }],
+        cutter: Cutter::straight(2, 0.02),
+        engagement: Engagement::new(0.25, Direction::Down).unwrap(),
+        force: MillingForce::new(6e8, 2e8),
+        feed_per_tooth: 0.1e-3,
+    };
+    let expected = [1.009478, 0.984666, 0.965380, 0.964125, 0.981944, 1.007122, 1.024723, 1.025609];
+    for (i, expected) in expected.into_iter().enumerate() {
+        let phase = Some(22.5f64.to_radians() * i as f64);
+        let variation = SpeedVariation { amplitude: 0.15, revolutions: 3, phase };
+        let found = cut.at_varying_speed(rpm(8200.0), variation).unwrap().verdict(2.15e-3).unwrap();
+        assert!((found.spectral_radius - expected).abs() < 2e-5, "{i} {} {expected}", found.spectral_radius);
+    }
+    let free = SpeedVariation { amplitude: 0.15, revolutions: 3, phase: None };
+    let mut at_speed = cut.at_varying_speed(rpm(8200.0), free).unwrap();
+    let worst = at_speed.worst_phase(2.1e-3).unwrap().unwrap();
+    assert!((worst.phase.to_degrees() - 150.0).abs() < 3.0, "{worst:?}");
+    assert!((worst.spectral_radius - 1.001797).abs() < 3e-4 && worst.spread > 0.02, "{worst:?}");
+    let limit = at_speed.limit(4e-3).unwrap().depth;
+    assert!((limit * 1e3 - 2.0965).abs() < 2e-3, "{limit}");
+    assert!(at_speed.verdict(0.99 * limit).unwrap().stable && !at_speed.verdict(1.01 * limit).unwrap().stable);
+}

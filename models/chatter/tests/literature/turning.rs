@@ -108,11 +108,11 @@ fn spindle_speed_variation() {
     ];
     for (speed, amplitude, revolutions, published, relative) in rows {
         let width = 1.5 * cut.limit(rpm(speed)).unwrap().depth;
-        let variation = SpeedVariation { amplitude, revolutions };
+        let variation = SpeedVariation { amplitude, revolutions, phase: None };
         let verdict = cut.verdict_at_varying_speed(rpm(speed), variation, width).unwrap();
         close(verdict.spectral_radius, published, relative);
     }
     let limit = cut.limit(rpm(1500.0)).unwrap().depth;
-    let still = SpeedVariation { amplitude: 0.0, revolutions: 5 };
+    let still = SpeedVariation { amplitude: 0.0, revolutions: 5, phase: None };
     close(cut.verdict_at_varying_speed(rpm(1500.0), still, limit).unwrap().spectral_radius, 1.0, 1e-7);
 }

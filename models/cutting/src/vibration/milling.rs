@@ -169,7 +169,9 @@ impl MillingStructure {
             let searched = 2f64.powi(key.searched);
             let found = match at.variation {
                 None => cut.at_speed(speed)?.rough_limit(searched, STEPS),
-                Some(variation) => cut.at_varying_speed(speed, variation)?.rough_limit(searched, VARYING_STEPS),
+                Some(variation) => {
+                    cut.at_varying_speed(speed, entering(variation, &cut))?.rough_limit(searched, VARYING_STEPS)
+                }
             };
             match found {
                 Ok(limit) => Ok(Boundary::at(limit.depth, limit.kind, limit.chatter_frequency, &cut.modes, period)),
@@ -232,7 +234,7 @@ impl MillingStructure {
             let (cut, speed, _) = self.judged(at, &key)?;
             let mut at_speed: AtSpeed<'_> = match at.variation {
                 None => cut.at_speed(speed)?,
-                Some(variation) => cut.at_varying_speed(speed, variation)?,
+                Some(variation) => cut.at_varying_speed(speed, entering(variation, &cut))?,
             };
             let verdict = at_speed.verdict(depth)?;
             Ok(verdict.spectral_radius.ln() / verdict.period)
@@ -243,3 +245,9 @@ impl MillingStructure {
 
 /// Coefficient at which straight teeth are judged (Pa): limits go with its inverse.
 const NOMINAL: f64 = 1e9;
+
+/// The variation with its greatest speed as a tooth enters (assumption: no control holds the phase, and the worst one costs
+/// three times as much; `toolroom lobes` takes the worst).
+fn entering(variation: SpeedVariation, cut: &Milling) -> SpeedVariation {
+    SpeedVariation { phase: Some(cut.engagement.entry), ..variation }
+}

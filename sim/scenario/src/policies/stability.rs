@@ -77,7 +77,7 @@ impl Stability {
             StabilityRule::RobustLobe { uncertainty } => Plan::Fixed(cut.robust_lobe(range, uncertainty)?),
             StabilityRule::Reactive { reaction_time } => Plan::Reactive { reaction_time },
             StabilityRule::SpeedVariation { amplitude, revolutions } => {
-                Plan::Variation(SpeedVariation { amplitude, revolutions })
+                Plan::Variation(SpeedVariation { amplitude, revolutions, phase: None })
             }
             StabilityRule::DepthReduction { share } => Plan::Layers { share },
             StabilityRule::Constraint { margin } => Plan::Constraint { margin },

@@ -1,0 +1,591 @@
+//! Modes brought up to date by cuts of the shop that chattered or did not.
+//!
+//! Every natural frequency, damping ratio and stiffness, and the cutting-force coefficient, is lognormal about the value of the
+//! files with its relative standard deviation. A cut says chatter with probability `e + (1 − 2 e) [unstable]`, and an observed
+//! chatter frequency is normal about that of the limit at its speed. Particles go from the prior to the posterior by tempering
+//! with resampling and Metropolis moves.
+//!
+//! # What the data cannot tell
+//! A lobe moves along the speed with the natural frequency, and along the depth with `k zeta` or the coefficient alike: these two
+//! have to be told apart by a tap or a force.
+//!
+//! # Source
+//! Del Moral, Doucet and Jasra, Sequential Monte Carlo samplers (2006).
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use toolroom_chatter::{ChatterError, Direction, Draw, Engagement, Milling, Mode, Turning};
+use toolroom_dynamics::ShopCut;
+use toolroom_lobes::{LobesCut, LobesFile, Structure};
+
+/// Probability that a record of chatter is wrong (assumption).
+const WRONG: f64 = 0.05;
+/// Relative standard deviation of an observed chatter frequency about that of the limit (assumption).
+const FREQUENCY: f64 = 0.01;
+/// Share of the particles that must count in a step of the tempering.
+const EFFECTIVE: f64 = 0.5;
+/// Metropolis moves after each resampling.
+const MOVES: u64 = 3;
+/// Data sets drawn from the prior to judge how surprising the observed one is.
+const DRAWN: usize = 400;
+/// Share of these below which the modes are said to have drifted.
+const DRIFT: f64 = 0.01;
+/// Speeds and depths of the next cuts that are considered, and particles that judge them.
+const NEXT: ([usize; 2], usize) = ([24, 12], 200);
+
+/// Why modes cannot be brought up to date.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UpdateError {
+    /// A lobes file of another process.
+    #[error("modes are brought up to date by cuts of milling or turning at constant speed")]
+    Process,
+    /// Nothing is uncertain.
+    #[error("every value of the structure file is exact: without `sd` there is nothing to learn")]
+    Exact,
+    /// A table without cuts.
+    #[error("the table has no cuts")]
+    NoCuts,
+    /// An immersion of a turned cut.
+    #[error("a turned cut has no immersion: leave out that column")]
+    Immersion,
+    /// The model refused a value.
+    #[error(transparent)]
+    Refused(#[from] ChatterError),
+}
+
+/// How the particles are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UpdateOptions {
+    /// Particles.
+    pub particles: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Relative standard deviation of the cutting-force coefficient.
+    pub coefficients: f64,
+}
+
+impl Default for UpdateOptions {
+    /// 4096 particles, and 15 % of a coefficient from a table (assumption).
+    fn default() -> Self {
+        Self { particles: 4096, seed: 1, coefficients: 0.15 }
+    }
+}
+
+/// A value before and after, each with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Learnt {
+    /// Median and standard deviation of the prior.
+    pub before: [f64; 2],
+    /// Mean and standard deviation of the posterior.
+    pub after: [f64; 2],
+}
+
+/// What the cuts have told.
+#[derive(Clone, Debug)]
+pub struct ModesUpdate {
+    /// Name of the structure.
+    pub name: String,
+    /// Natural frequency (Hz), damping ratio and stiffness (N/m) of every mode.
+    pub modes: Vec<([f64; 2], [Learnt; 3])>,
+    /// Factor of the cutting-force coefficient.
+    pub coefficient: Learnt,
+    /// Static compliance xx, xy, yy of the modes above the range (m/N), unchanged.
+    residual: [f64; 3],
+    /// Logarithm of the probability of the cuts with the modes of the file over that with modes of the prior.
+    pub evidence_ratio: f64,
+    /// Share of data sets drawn from the prior that are less probable than the cuts.
+    pub surprise: f64,
+    /// The cut that would tell most: spindle speed (rad/s), depth (m), probability of chatter.
+    pub next: Option<(f64, f64, f64)>,
+    /// Cuts that were used.
+    pub cuts: usize,
+}
+
+/// What is asked of a particle.
+struct Question<'a> {
+    file: &'a LobesFile,
+    structure: &'a Structure,
+    cuts: &'a [ShopCut],
+    /// Relative standard deviations: three of every mode, one of the coefficient.
+    sds: Vec<f64>,
+}
+
+/// A particle in standard normal coordinates, with what it says of every cut.
+#[derive(Clone)]
+struct Particle {
+    z: Vec<f64>,
+    likelihood: f64,
+    unstable: Vec<bool>,
+}
+
+impl Question<'_> {
+    /// Values of the modes, and the factor of the coefficient.
+    fn values(&self, z: &[f64]) -> (Vec<Mode>, f64) {
+        let factor = |i: usize| (self.sds[i] * z[i]).exp();
+        let modes = self.structure.modes.iter().enumerate();
+        let known = self.structure.deviations.len();
+        let modes = modes.map(|(i, mode)| {
+            // Modes that stand for those above the range are kept.
+            if i >= known {
+                return *mode;
+            }
+            Mode {
+                natural_frequency: mode.natural_frequency * factor(3 * i),
+                damping_ratio: (mode.damping_ratio * factor(3 * i + 1)).min(0.9),
+                stiffness: mode.stiffness * factor(3 * i + 2),
+                ..*mode
+            }
+        });
+        (modes.collect(), factor(3 * known))
+    }
+
+    /// Whether a cut is unstable, and the frequency (Hz) of its limit where one was observed.
+    fn judge(
+        &self,
+        modes: &[Mode],
+        factor: f64,
+        cut: &ShopCut,
+    ) -> Result<(bool, Option<f64>), UpdateError> {
+        let (speed, depth) = (cut.spindle_speed, cut.depth);
+        let answer = match &self.file.cut {
+            LobesCut::Milling(milling) => {
+                let mut milling = Milling { modes: modes.to_vec(), ..milling.clone() };
+                milling.force.tangential *= factor;
+                milling.force.radial *= factor;
+                if let Some(immersion) = cut.immersion {
+                    let down = milling.engagement.entry.abs() > (PI - milling.engagement.exit).abs();
+                    let direction = if down { Direction::Down } else { Direction::Up };
+                    milling.engagement = Engagement::new(immersion, direction)?;
+                }
+                let mut at_speed = milling.at_speed(speed)?;
+                let unstable = at_speed.screen(depth).map(|verdict| !verdict.stable);
+                let mut frequency = || at_speed.rough_limit(4.0 * depth, 48).map(|limit| limit.chatter_frequency);
+                (unstable, cut.frequency.map(|_| frequency()))
+            }
+            LobesCut::Turning { cut: turning, .. } => {
+                let mut turning = Turning { modes: modes.to_vec(), ..turning.clone() };
+                turning.cutting_coefficient *= factor;
+                if cut.immersion.is_some() {
+                    return Err(UpdateError::Immersion);
+                }
+                let unstable = turning.is_stable(speed, depth).map(|stable| !stable);
+                let frequency = || turning.limit(speed).map(|limit| limit.chatter_frequency);
+                (unstable, cut.frequency.map(|_| frequency()))
+            }
+            LobesCut::Chuck(_) | LobesCut::ChipLag(_) | LobesCut::Lathe(_) => return Err(UpdateError::Process),
+        };
+        // A particle whose verdict is not found counts as unstable, and has no frequency.
+        let unstable = match answer.0 {
+            Err(error) if !error.is_failed_search() => return Err(error.into()),
+            answer => answer.unwrap_or(true),
+        };
+        Ok((unstable, answer.1.and_then(Result::ok)))
+    }
+
+    fn particle(&self, z: Vec<f64>) -> Result<Particle, UpdateError> {
+        let (modes, factor) = self.values(&z);
+        let (mut likelihood, mut unstable) = (0.0, Vec::with_capacity(self.cuts.len()));
+        for cut in self.cuts {
+            let (chatters, frequency) = self.judge(&modes, factor, cut)?;
+            likelihood += told(cut.chatter, chatters).ln();
+            if let Some(observed) = cut.frequency {
+                // A limit that was not found is three standard deviations away.
+                let apart = frequency.map_or(3.0, |frequency| (observed / frequency - 1.0) / FREQUENCY);
+                likelihood -= 0.5 * apart * apart;
+            }
+            unstable.push(chatters);
+        }
+        Ok(Particle { z, likelihood, unstable })
+    }
+}
+
+/// Probability of a record.
+fn told(chatter: bool, unstable: bool) -> f64 {
+    if chatter == unstable { 1.0 - WRONG } else { WRONG }
+}
+
+impl ModesUpdate {
+    /// Brings the modes of `structure` up to date by `cuts` with the cutter and force of `file`.
+    ///
+    /// # Errors
+    /// [`UpdateError`]: a file of another process, exact modes, no cuts, a value that the model refuses.
+    pub fn new(
+        structure: &Structure,
+        file: &LobesFile,
+        cuts: &[ShopCut],
+        options: &UpdateOptions,
+    ) -> Result<Self, UpdateError> {
+        if file.variation.is_some() {
+            return Err(UpdateError::Process);
+        }
+        if cuts.is_empty() {
+            return Err(UpdateError::NoCuts);
+        }
+        let mut sds: Vec<f64> = structure.deviations.iter().flatten().copied().collect();
+        if sds.iter().all(|sd| *sd == 0.0) {
+            return Err(UpdateError::Exact);
+        }
+        sds.push(options.coefficients);
+        let question = Question { file, structure, cuts, sds };
+        let size = question.sds.len();
+        let count = options.particles.max(16);
+        let draw = |i: usize| {
+            let mut draw = Draw::new(options.seed, i as u64);
+            question.particle((0..size).map(|_| draw.normal()).collect())
+        };
+        let prior: Vec<Particle> = (0..count).into_par_iter().map(draw).collect::<Result<_, _>>()?;
+        let (posterior, evidence) = tempered(&question, prior.clone(), options.seed)?;
+        let old = question.particle(vec![0.0; size])?;
+        let values: Vec<(Vec<Mode>, f64)> = posterior.iter().map(|particle| question.values(&particle.z)).collect();
+        let learnt = |median: f64, sd: f64, of: &dyn Fn(&(Vec<Mode>, f64)) -> f64| {
+            let mean = values.iter().map(of).sum::<f64>() / values.len() as f64;
+            let square = values.iter().map(|value| (of(value) - mean).powi(2)).sum::<f64>();
+            Learnt { before: [median, sd * median], after: [mean, (square / values.len() as f64).sqrt()] }
+        };
+        let modes = structure.modes.iter().zip(&structure.deviations).enumerate().map(|(i, (mode, [f, zeta, k]))| {
+            let learnt = [
+                learnt(mode.natural_frequency, *f, &|value| value.0[i].natural_frequency),
+                learnt(mode.damping_ratio, *zeta, &|value| value.0[i].damping_ratio),
+                learnt(mode.stiffness, *k, &|value| value.0[i].stiffness),
+            ];
+            (mode.direction, learnt)
+        });
+        let above = structure.modes.iter().skip(structure.deviations.len());
+        let residual = above.fold([0.0; 3], |[xx, xy, yy], mode| {
+            let [x, y] = mode.direction;
+            [xx + x * x / mode.stiffness, xy + x * y / mode.stiffness, yy + y * y / mode.stiffness]
+        });
+        Ok(Self {
+            name: structure.name.clone(),
+            modes: modes.collect(),
+            coefficient: learnt(1.0, options.coefficients, &|value| value.1),
+            residual,
+            evidence_ratio: old.likelihood - evidence,
+            surprise: surprise(&prior, cuts, options.seed),
+            next: next(&question, &values)?,
+            cuts: cuts.len(),
+        })
+    }
+
+    /// Whether the cuts are hard to explain with the modes as they were known.
+    pub fn drifted(&self) -> bool {
+        self.surprise < DRIFT
+    }
+
+    /// For programs.
+    pub fn json(&self) -> Value {
+        let learnt = |learnt: &Learnt, scale: f64| {
+            json!({
+                "value": learnt.after[0] * scale,
+                "sd": learnt.after[1] * scale,
+                "before": learnt.before[0] * scale,
+                "sd_before": learnt.before[1] * scale,
+            })
+        };
+        let modes: Vec<Value> = self
+            .modes
+            .iter()
+            .map(|(direction, [f, zeta, k])| {
+                json!({
+                    "direction": direction,
+                    "natural_frequency [Hz]": learnt(f, 1.0),
+                    "damping_ratio": learnt(zeta, 1.0),
+                    "stiffness [N/um]": learnt(k, 1e-6),
+                })
+            })
+            .collect();
+        json!({
+            "schema": 1,
+            "name": self.name,
+            "cuts": self.cuts,
+            "modes": modes,
+            "coefficient_factor": learnt(&self.coefficient, 1.0),
+            "log_evidence_ratio": self.evidence_ratio,
+            "surprise": self.surprise,
+            "drift": self.drifted(),
+            "next_cut": self.next.map(|(speed, depth, chatter)| json!({
+                "spindle_speed [rpm]": speed * 60.0 / TAU,
+                "depth_of_cut [mm]": depth * 1e3,
+                "p_chatter": chatter,
+            })),
+        })
+    }
+
+    /// For a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!("{}: {} cuts\n", self.name, self.cuts);
+        let mut line = |name: String, learnt: &Learnt, scale: f64, unit: &str| {
+            let [value, sd, before, sd_before] =
+                [learnt.after[0], learnt.after[1], learnt.before[0], learnt.before[1]].map(|value| value * scale);
+            let _ = writeln!(
+                text,
+                "  {name:22} {value:>10.4} ± {sd:<9.4} {unit:5}  before {before:.4} ± {sd_before:.4}"
+            );
+        };
+        for (i, (_, [f, zeta, k])) in self.modes.iter().enumerate() {
+            line(format!("m{} natural frequency", i + 1), f, 1.0, "Hz");
+            line(format!("m{} damping ratio", i + 1), zeta, 1.0, "");
+            line(format!("m{} stiffness", i + 1), k, 1e-6, "N/um");
+        }
+        line("coefficient, factor".to_owned(), &self.coefficient, 1.0, "");
+        let _ = writeln!(
+            text,
+            "  {:.1} % of cuts drawn from the modes as they were known are less probable{}",
+            100.0 * self.surprise,
+            if self.drifted() { ": the modes have drifted, tap again" } else { "" }
+        );
+        if let Some((speed, depth, chatter)) = self.next {
+            let _ = writeln!(
+                text,
+                "  most told by a cut at {:.0} rpm, {:.3} mm, which chatters with probability {chatter:.2}",
+                speed * 60.0 / TAU,
+                depth * 1e3
+            );
+        }
+        let _ = write!(
+            text,
+            "  stiffness times damping and the coefficient act alike: cuts do not tell them apart, a tap or a force does"
+        );
+        text
+    }
+
+    /// The structure file with the new values.
+    pub fn structure(&self, source: &str) -> String {
+        let quoted = source.replace('\\', "\\\\").replace('"', "\\\"");
+        let mut text = format!("schema = 1\nname = \"{}\"\n\n[measurement]\nsource = \"{quoted}\"\n", self.name);
+        for (i, ([x, y], [f, zeta, k])) in self.modes.iter().enumerate() {
+            let pair = |learnt: &Learnt, unit: &str| {
+                let [value, sd] = learnt.after;
+                if unit.is_empty() {
+                    format!("{{ value = {value:e}, sd = {sd:e} }}")
+                } else {
+                    format!("{{ value = \"{value:e} {unit}\", sd = \"{sd:e} {unit}\" }}")
+                }
+            };
+            let _ = write!(
+                text,
+                "\n[[mode]]\nname = \"m{}\"\ndirection = [{x}, {y}]\nnatural_frequency = {}\ndamping_ratio = {}\nstiffness = {}\n",
+                i + 1,
+                pair(f, "Hz"),
+                pair(zeta, ""),
+                pair(k, "N/m")
+            );
+        }
+        let [xx, xy, yy] = self.residual;
+        let _ = write!(
+            text,
+            "\n[residual]\nupper_xx = \"{xx:e} m/N\"\nupper_xy = \"{xy:e} m/N\"\nupper_yy = \"{yy:e} m/N\"\n"
+        );
+        text
+    }
+}
+
+/// Particles of the posterior, and the logarithm of the evidence.
+fn tempered(
+    question: &Question<'_>,
+    mut particles: Vec<Particle>,
+    seed: u64,
+) -> Result<(Vec<Particle>, f64), UpdateError> {
+    let count = particles.len();
+    let (mut power, mut evidence) = (0.0, 0.0);
+    let mut stage = 0;
+    while power < 1.0 {
+        let greatest = particles.iter().map(|particle| particle.likelihood).fold(f64::NEG_INFINITY, f64::max);
+        let weights = |step: f64| -> Vec<f64> {
+            particles.iter().map(|particle| (step * (particle.likelihood - greatest)).exp()).collect()
+        };
+        let effective = |weights: &[f64]| {
+            let (sum, square) = weights.iter().fold((0.0, 0.0), |(sum, square), w| (sum + w, square + w * w));
+            sum * sum / square
+        };
+        let mut step = 1.0 - power;
+        if effective(&weights(step)) < EFFECTIVE * count as f64 {
+            let (mut low, mut high) = (0.0, step);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if effective(&weights(middle)) < EFFECTIVE * count as f64 { high = middle } else { low = middle }
+            }
+            step = low.max(1e-4);
+        }
+        let weights = weights(step);
+        let sum: f64 = weights.iter().sum();
+        evidence += (sum / count as f64).ln() + step * greatest;
+        power = (power + step).min(1.0);
+        // Systematic resampling.
+        let mut draw = Draw::new(seed ^ 0x5DEE_CE66, stage);
+        let offset = draw.uniform();
+        let (mut chosen, mut below, mut i) = (Vec::with_capacity(count), weights[0], 0);
+        for n in 0..count {
+            let place = (n as f64 + offset) / count as f64 * sum;
+            while below < place && i + 1 < count {
+                i += 1;
+                below += weights[i];
+            }
+            chosen.push(particles[i].clone());
+        }
+        let size = question.sds.len();
+        let spread: Vec<f64> = (0..size)
+            .map(|d| {
+                let mean = chosen.iter().map(|particle| particle.z[d]).sum::<f64>() / count as f64;
+                (chosen.iter().map(|particle| (particle.z[d] - mean).powi(2)).sum::<f64>() / count as f64).sqrt()
+            })
+            .collect();
+        for sweep in 0..MOVES {
+            let moved = |(i, particle): (usize, Particle)| {
+                let mut draw = Draw::new(seed.wrapping_add(0x9E37 * (1 + stage * MOVES + sweep)), i as u64);
+                let scale = 2.38 / (size as f64).sqrt();
+                let z: Vec<f64> =
+                    particle.z.iter().zip(&spread).map(|(z, sd)| z + scale * sd * draw.normal()).collect();
+                let next = question.particle(z)?;
+                let prior = |particle: &Particle| -0.5 * particle.z.iter().map(|z| z * z).sum::<f64>();
+                let gain = prior(&next) - prior(&particle) + power * (next.likelihood - particle.likelihood);
+                Ok(if draw.uniform().ln() < gain { next } else { particle })
+            };
+            chosen = chosen.into_par_iter().enumerate().map(moved).collect::<Result<_, UpdateError>>()?;
+        }
+        particles = chosen;
+        stage += 1;
+    }
+    Ok((particles, evidence))
+}
+
+/// Share of data sets drawn from the prior that are as probable as the cuts or less; of chatter or none alone.
+fn surprise(prior: &[Particle], cuts: &[ShopCut], seed: u64) -> f64 {
+    let evidence = |records: &[bool]| -> f64 {
+        let of = |particle: &Particle| -> f64 {
+            particle.unstable.iter().zip(records).map(|(unstable, record)| told(*record, *unstable)).product()
+        };
+        prior.iter().map(of).sum::<f64>()
+    };
+    let observed: Vec<bool> = cuts.iter().map(|cut| cut.chatter).collect();
+    let observed = evidence(&observed);
+    let drawn = |i: usize| {
+        let mut draw = Draw::new(seed ^ 0xA5A5, i as u64);
+        let particle = &prior[i % prior.len()];
+        let records: Vec<bool> =
+            particle.unstable.iter().map(|unstable| *unstable != (draw.uniform() < WRONG)).collect();
+        evidence(&records) <= observed * (1.0 + 1e-12)
+    };
+    let fewer = (0..DRAWN).into_par_iter().filter(|i| drawn(*i)).count();
+    fewer as f64 / DRAWN as f64
+}
+
+/// The cut of the chart that would tell most: where the particles agree least.
+fn next(
+    question: &Question<'_>,
+    values: &[(Vec<Mode>, f64)],
+) -> Result<Option<(f64, f64, f64)>, UpdateError> {
+    let chart = &question.file.chart;
+    let ([columns, rows], judges) = NEXT;
+    let step = (values.len() / judges).max(1);
+    let place = |axis: &toolroom_chatter::Axis, i: usize, of: usize| {
+        axis.start + (axis.end - axis.start) * (i as f64 + 0.5) / of as f64
+    };
+    let candidate = |i: usize| -> Result<(f64, f64, f64), UpdateError> {
+        let (speed, depth) = (place(&chart.speed, i / rows, columns), place(&chart.depth, i % rows, rows));
+        let cut = ShopCut { spindle_speed: speed, depth, immersion: None, chatter: false, frequency: None };
+        let (mut unstable, mut count) = (0.0, 0.0);
+        for (modes, factor) in values.iter().step_by(step) {
+            unstable += f64::from(u8::from(question.judge(modes, *factor, &cut)?.0));
+            count += 1.0;
+        }
+        Ok((speed, depth, unstable / count))
+    };
+    let found: Vec<(f64, f64, f64)> =
+        (0..columns * rows).into_par_iter().map(candidate).collect::<Result<_, UpdateError>>()?;
+    Ok(found.into_iter().min_by(|a, b| (a.2 - 0.5).abs().total_cmp(&(b.2 - 0.5).abs())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolroom_chatter::Axis;
+    use toolroom_lobes::{Chart, Limits};
+
+    const CUTS: [(f64, f64, bool); 10] = [
+        (3400.0, 0.30, false),
+        (3900.0, 0.45, false),
+        (4400.0, 0.35, false),
+        (5000.0, 0.55, false),
+        (5600.0, 0.75, true),
+        (6300.0, 0.50, true),
+        (7000.0, 0.45, false),
+        (8000.0, 0.70, true),
+        (5800.0, 0.80, false),
+        (5400.0, 0.70, true),
+    ];
+
+    fn cuts(of: &[(f64, f64, bool)]) -> Vec<ShopCut> {
+        of.iter()
+            .map(|(rpm, depth, chatter)| ShopCut {
+                spindle_speed: rpm / 60.0 * TAU,
+                depth: depth * 1e-3,
+                immersion: None,
+                chatter: *chatter,
+                frequency: None,
+            })
+            .collect()
+    }
+
+    fn case() -> (Structure, LobesFile) {
+        let mode = Mode { direction: [1.0, 0.0], natural_frequency: 600.0, damping_ratio: 0.03, stiffness: 10e6 };
+        let structure = Structure {
+            name: "lathe".to_owned(),
+            modes: vec![mode],
+            rotations: vec![None],
+            scatter: None,
+            deviations: vec![[0.03, 0.25, 0.10]],
+            stiffness_deviation: 0.1,
+        };
+        let axis = |start, end| Axis { start, end, points: 20 };
+        let file = LobesFile {
+            name: "lathe".to_owned(),
+            title: "lathe".to_owned(),
+            cut: LobesCut::Turning { cut: Turning::orthogonal(vec![mode], 1.5e9, 0.05), bar: None },
+            variation: None,
+            chart: Chart {
+                speed: axis(300.0, 900.0),
+                depth: axis(0.0, 1.5e-3),
+                boundary_only: true,
+                beside: Vec::new(),
+            },
+            points: Vec::new(),
+            scatter: None,
+            limits: Limits::default(),
+            feed: None,
+        };
+        (structure, file)
+    }
+
+    /// Posterior of an independent grid of 25 × 13 × 13 values.
+    #[test]
+    fn ten_cuts_move_the_modes_as_an_independent_grid_says() {
+        let (structure, file) = case();
+        let options = UpdateOptions { particles: 1500, seed: 3, coefficients: 0.0 };
+        let found = ModesUpdate::new(&structure, &file, &cuts(&CUTS), &options).unwrap();
+        for (learnt, [mean, sd]) in found.modes[0].1.iter().zip([[579.08, 7.15], [0.02913, 0.00449], [10.54e6, 0.92e6]]) {
+            // Within 0.15 standard deviations, and the noise of so many particles; the grid ends at three.
+            assert!((learnt.after[0] - mean).abs() < 0.2 * sd, "{learnt:?} {mean}");
+            assert!((learnt.after[1] / sd - 1.0).abs() < 0.15, "{learnt:?} {sd}");
+        }
+        assert!(!found.drifted(), "{}", found.surprise);
+        let (speed, depth, chatter) = found.next.unwrap();
+        assert!(speed > 300.0 && depth > 0.0 && (0.3..0.7).contains(&chatter), "{:?}", found.next);
+    }
+
+    #[test]
+    fn cuts_against_all_that_is_known_are_a_drift() {
+        let (structure, file) = case();
+        let options = UpdateOptions { particles: 400, seed: 3, coefficients: 0.0 };
+        // Deep cuts far above every limit that are quiet, and shallow ones that chatter.
+        let odd: Vec<(f64, f64, bool)> =
+            (0..8).map(|i| (3000.0 + 500.0 * f64::from(i), if i % 2 == 0 { 1.4 } else { 0.1 }, i % 2 == 1)).collect();
+        let found = ModesUpdate::new(&structure, &file, &cuts(&odd), &options).unwrap();
+        assert!(found.drifted(), "{}", found.surprise);
+        let exact = Structure { deviations: vec![[0.0; 3]], ..structure };
+        assert_eq!(ModesUpdate::new(&exact, &file, &cuts(&odd), &options).unwrap_err(), UpdateError::Exact);
+    }
+}
