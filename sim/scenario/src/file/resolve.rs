@@ -11,6 +11,7 @@ use crate::{
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
+use toolroom_effects::{Definition, read_definitions};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 
@@ -27,6 +28,8 @@ pub(super) struct Names {
     pub each_machine: Vec<String>,
     pub tools: Vec<String>,
     pub parts: Vec<String>,
+    /// Effects that the file defines.
+    pub defined: Vec<&'static Definition>,
     /// What scopes and targets may name, whatever the order of the sections.
     pub all: Named,
 }
@@ -90,6 +93,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     let buffers = flow::shared(walk, root, &names, &mut machines, buffers);
     let (operators, skills) = resources::operators(walk, root, &names);
     names.skills = skills;
+    names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
@@ -154,6 +158,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         policies,
         deviations,
         calibrations,
+        defined: names.defined,
         currency,
     };
     planned::policies(walk, &scenario, &places);
