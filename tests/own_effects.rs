@@ -62,7 +62,7 @@ fn a_point_with_an_effect_of_ones_own_has_its_published_force() {
     let cut = ["cutting_speed=220 m/min", "feed_per_rev=0.3 mm", "depth_of_cut=1.5 mm", "flank_wear=0.2 mm"];
     let force = |more: &[&str]| {
         let mut arguments = vec!["point", "turning", "--tool", "c45_t15k6", "--json"];
-        cut.iter().for_each(|change| arguments.extend(["--set", change]));
+        cut.iter().for_each(|change| arguments.extend(["--set", *change]));
         arguments.extend(more);
         json(&done(&arguments))["outputs"]["cutting_force [N]"].as_f64().expect("a force")
     };
@@ -80,17 +80,16 @@ fn a_point_with_an_effect_of_ones_own_has_its_published_force() {
 fn a_file_of_effects_is_checked_and_its_faults_have_their_place() {
     let folder = Folder::new();
     assert!(done(&["check", &folder.put("mine.toml", CRATER)]).contains("my.crater"));
-    for (from, to, code, column) in [
-        ("(flank_wear / 0.3 mm)\"", "exp(cutting_time)\"", "effect-unit", "has s"),
-        ("size * (flank_wear / 0.3 mm)\"", "size * flank_were\"", "effect-parse", "nearest: `flank_wear`"),
-        ("1 + size * (flank_wear / 0.3 mm)\"", "if(flank_wear > 0.2 mm, size, 0)\"", "effect-neutral", "0 and not 1"),
-        ("1 + size * (flank_wear / 0.3 mm)\"", "1 - size * (flank_wear / 0.3 mm)\"", "effect-range", "its range is 0"),
+    for (from, to, code) in [
+        ("(flank_wear / 0.3 mm)\"", "exp(cutting_time)\"", "effect-unit"),
+        ("size * (flank_wear / 0.3 mm)\"", "size * flank_were\"", "effect-parse"),
+        ("1 + size * (flank_wear / 0.3 mm)\"", "if(flank_wear > 0.2 mm, size, 0)\"", "effect-neutral"),
+        ("1 + size * (flank_wear / 0.3 mm)\"", "1 - size * (flank_wear / 0.3 mm)\"", "effect-range"),
     ] {
         let text = CRATER.replace(from, to);
         assert_ne!(text, CRATER, "{from}");
         let said = refused(&["check", &folder.put("other.toml", &text)]);
-        assert!(said.contains(code) && said.contains(column), "{to}: {said}");
-        assert!(said.contains("other.toml:14"), "{to}: {said}");
+        assert!(said.contains(code) && said.contains("other.toml:14"), "{to}: {said}");
     }
     let said = refused(&["point", "turning", "--effect", "my.crater=0.1"]);
     assert!(said.contains("no [[effect]] defines `my.crater`"), "{said}");
@@ -139,8 +138,9 @@ fn an_effect_of_one_machine_is_named_there_applied_there_and_leaves_nothing() {
     done(&["gap", "diagnose", "--model", &model, "--data", &data, "--out", &out]);
     let diagnosis = json(&fs::read_to_string(folder.at("d/diagnosis.json")).expect("a diagnosis"));
     let named = &diagnosis["effects"][0];
-    assert_eq!((&named["id"], diagnosis["effects"].as_array().map(Vec::len)), (&"wear_force".into(), Some(1)));
-    assert_eq!(named["shape"], "machine=L1", "{named}");
+    assert_eq!(named["id"], "wear_force", "{}", diagnosis["notes"]);
+    assert_eq!(diagnosis["effects"].as_array().map(Vec::len), Some(1));
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["L1"] }), "{named}");
     let applied = &diagnosis["applied"]["effects"][0];
     assert_eq!(applied["scope"], serde_json::json!({ "machine": ["L1"] }), "{applied}");
     let size = applied["size"]["value"].as_f64().expect("a size");
@@ -149,7 +149,7 @@ fn an_effect_of_one_machine_is_named_there_applied_there_and_leaves_nothing() {
     let document = folder.at("d/diagnosis.json");
     done(&["gap", "apply", "--model", &model, "--diagnosis", &document, "--out", &better]);
     let text = fs::read_to_string(&better).expect("a model");
-    assert!(text.contains("scope = { machine = [\"L1\"] }"), "{text}");
+    assert!(text.contains("scope = { machine = \"L1\" }"), "{text}");
 }
 
 #[test]
