@@ -128,7 +128,7 @@ fn records(folder: &Folder, shop: &str, seed: u32) -> String {
 }
 
 #[test]
-fn an_effect_of_one_machine_is_named_there_applied_there_and_leaves_nothing() {
+fn an_effect_of_one_machine_is_named_there_and_applied_there() {
     let folder = Folder::new();
     let plain = shop(16);
     let model = folder.put("model.toml", &plain);
