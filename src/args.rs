@@ -125,6 +125,7 @@ The kind of a file is told by the keys and tables at its top; --kind overrides i
     #[command(before_help = "Examples:
   toolroom point turning --tool ni_vk6om --set cutting_speed=\"40 m/min\" --set flank_wear=\"0.2 mm\"
   toolroom point turning --tool c45_t15k6 --effect wear_force=0.2 --json
+  toolroom point turning --effects my-effects.toml --effect my.crater=0.1
   toolroom point infeed --set infeed_per_rev=\"4.43 um/rev\" --advance \"3 s\"")]
     Point(PointArgs),
     /// Stability chart of milling, turning or a chuck, or the verdict at one point of it
@@ -229,8 +230,9 @@ A lobes file takes the result by coefficients = \"al7075.toml\" in [force] or [c
     /// List the effects that a nominal model leaves out
     #[command(before_help = "Examples:
   toolroom effects
-  toolroom effects --json")]
-    Effects,
+  toolroom effects --json
+  toolroom effects --context                       what formulas of effects of your own may name")]
+    Effects(EffectsArgs),
     /// FMI units: package a model, look into any, check it, run one
     #[command(subcommand)]
     Fmu(FmuCommand),
@@ -456,6 +458,16 @@ pub struct CompletionsArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct EffectsArgs {
+    /// List quantities and terms that formulas of effects of your own may name, instead of the effects
+    #[arg(long)]
+    pub context: bool,
+    /// File of effects of your own, listed behind those of the catalogue, repeatable
+    #[arg(long, value_name = "EFFECTS.toml")]
+    pub effects: Vec<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct PointArgs {
     /// Process
     pub process: PointProcess,
@@ -468,6 +480,9 @@ pub struct PointArgs {
     /// Effect switched on, id=size, repeatable
     #[arg(long, value_name = "ID=SIZE")]
     pub effect: Vec<String>,
+    /// File of effects of your own, beside those of the catalogue, repeatable
+    #[arg(long, value_name = "EFFECTS.toml")]
+    pub effects: Vec<PathBuf>,
     /// Hold the input for this time first
     #[arg(long, value_name = "TIME")]
     pub advance: Option<String>,

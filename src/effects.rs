@@ -1,14 +1,35 @@
-//! `toolroom effects`.
+//! `toolroom effects`, and effects of users in files of their own.
 
+use crate::args::EffectsArgs;
 use crate::failure::Failure;
 use crate::speak::Voice;
-use toolroom_gap_report::{catalogue_json, catalogue_text};
+use std::path::PathBuf;
+use toolroom_effects::{Definition, read_effects_file};
+use toolroom_gap_report::{catalogue_json, catalogue_text, vocabulary_json, vocabulary_text};
 
-pub fn run(voice: &Voice) -> Result<(), Failure> {
-    if voice.json {
-        return voice.json(&catalogue_json());
+pub fn run(args: &EffectsArgs, voice: &Voice) -> Result<(), Failure> {
+    let defined = defined(&args.effects)?;
+    match (args.context, voice.json) {
+        (true, true) => return voice.json(&vocabulary_json()),
+        (true, false) => return voice.data(vocabulary_text().trim_end()),
+        (false, true) => return voice.json(&catalogue_json(&defined)),
+        (false, false) => voice.data(catalogue_text(&defined))?,
     }
-    voice.data(catalogue_text())?;
     voice.say("\nswitch one on in a tool: effects = [{ id = \"wear_force\", size = 0.2 }]");
     Ok(())
+}
+
+/// Effects that the files of `--effects` define.
+pub fn defined(files: &[PathBuf]) -> Result<Vec<&'static Definition>, Failure> {
+    let mut all: Vec<&'static Definition> = Vec::new();
+    for file in files {
+        for own in read_effects_file(file).map_err(Failure::File)? {
+            if all.iter().any(|known| known.entry().id == own.entry().id && *known != own) {
+                let message = format!("{}: `{}` is defined otherwise in another file", file.display(), own.entry().id);
+                return Err(Failure::argument(message, "give each effect an id of its own"));
+            }
+            all.push(own);
+        }
+    }
+    Ok(all)
 }

@@ -14,6 +14,7 @@ pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
             CODES,
             file::CODES,
             program::CODES,
+            toolroom_effects::CODES,
             toolroom_kinds::CODES,
             toolroom_planning::CODES,
             toolroom_program::CODES,

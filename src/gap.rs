@@ -10,6 +10,7 @@ mod rounds;
 mod watch;
 
 use crate::args::{GapCommand, GapData};
+use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use std::path::Path;
@@ -32,7 +33,9 @@ pub fn run(command: &GapCommand, voice: &Voice) -> Result<(), Failure> {
 
 /// The nominal model of a file.
 fn nominal(data: &GapData) -> Result<NominalModel, Failure> {
-    nominal_of(&data.model, &data.set)
+    let model = nominal_of(&data.model, &data.set)?;
+    let defined = defined(&data.effects)?;
+    model.with_effects(&data.model, &defined).map_err(|error| GapStudyError::from(error).into())
 }
 
 /// The nominal model of a file with the values of `--set`.

@@ -92,7 +92,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Shard(args) => shard::run(&args, voice),
         Command::Merge(args) => merge::run(&args, voice),
         Command::Validate => validate::run(voice),
-        Command::Effects => effects::run(voice),
+        Command::Effects(args) => effects::run(&args, voice),
         Command::Fmu(command) => fmu::run(&command, voice),
         Command::Ssp(command) => ssp::run(&command, voice),
         Command::Schema(args) => schema::run(&args, voice),

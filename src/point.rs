@@ -1,6 +1,7 @@
 //! `toolroom point PROCESS`: every output of a process at one operating point.
 
 use crate::args::PointArgs;
+use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use toolroom_planning::point::{Point, PointOptions};
@@ -10,6 +11,7 @@ pub fn run(args: &PointArgs, voice: &Voice) -> Result<(), Failure> {
         tool: args.tool.clone(),
         changes: args.set.clone(),
         effects: args.effect.clone(),
+        defined: defined(&args.effects)?,
         advance: args.advance.clone(),
         life_model: args.life_model.into(),
     };

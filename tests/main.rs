@@ -16,6 +16,7 @@ mod gap_processes;
 mod import;
 mod life;
 mod lobes;
+mod own_effects;
 mod parameter_sets;
 mod planned;
 mod planning;

@@ -314,6 +314,7 @@ pub fn diagnose(
         let request = GapRequest {
             models: &models,
             set: &set,
+            defined: &[],
             data: &data,
             group: group.as_deref(),
             holdout,

@@ -10,6 +10,7 @@ pub enum GapCommand {
   toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --out out/gap
   toolroom gap diagnose --model scenarios/gap/turning.toml --data operations.csv --holdout 0.25 --json
   toolroom gap diagnose --model turning.toml --model grinding.toml --data records      every table with its model
+  toolroom gap diagnose --model turning.toml --data operations.csv --effects my-effects.toml
 
 Exit code 3 and the verdict cannot_tell: fewer than two groups, or no channel with eight values")]
     Diagnose(DiagnoseArgs),
@@ -69,6 +70,9 @@ pub struct GapData {
     /// Replace a value of the model: path=value with unit, repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// File of effects of your own, beside those of the catalogue, repeatable
+    #[arg(long, value_name = "EFFECTS.toml")]
+    pub effects: Vec<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -85,6 +89,9 @@ pub struct DiagnoseArgs {
     /// Replace a value of every model: path=value with unit, repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// File of effects of your own, beside those of the catalogue, repeatable
+    #[arg(long, value_name = "EFFECTS.toml")]
+    pub effects: Vec<PathBuf>,
     /// Share of the groups that is kept out of the fit and only predicted
     #[arg(long, value_name = "FRACTION", conflicts_with = "holdout_data")]
     pub holdout: Option<f64>,
@@ -149,6 +156,9 @@ pub struct ApplyArgs {
     /// Effects alone: constants stay as they are
     #[arg(long)]
     pub no_calibration: bool,
+    /// Take in effects that are empirical, and no causes
+    #[arg(long)]
+    pub accept_empirical: bool,
     /// Print what would change, and write nothing
     #[arg(long)]
     pub diff: bool,
@@ -187,6 +197,9 @@ pub struct LoopArgs {
     /// Records: a CSV or Parquet file, or a directory that holds it
     #[arg(long, value_name = "DATA")]
     pub data: PathBuf,
+    /// File of effects of your own, beside those of the catalogue, repeatable
+    #[arg(long, value_name = "EFFECTS.toml")]
+    pub effects: Vec<PathBuf>,
     /// Greatest number of rounds
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=20))]
     pub rounds: u32,

@@ -39,6 +39,7 @@ fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Va
         process: nominal.kind().name(),
         only: &args.only,
         calibration: !args.no_calibration,
+        empirical: args.accept_empirical,
     };
     let mut changes = apply(request)?;
     changes.text = marked(&changes.text, &changes.data);

@@ -2,6 +2,7 @@
 
 use super::reading;
 use crate::args::DiagnoseArgs;
+use crate::effects::defined;
 use crate::failure::Failure;
 use crate::speak::Voice;
 use serde_json::json;
@@ -11,11 +12,14 @@ use toolroom_output::OutputDir;
 use toolroom_shards::fingerprint;
 
 pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
-    let inputs = args.models.iter().chain([&args.data]).chain(&args.holdout_data).map(AsRef::as_ref);
+    let inputs =
+        args.models.iter().chain([&args.data]).chain(&args.holdout_data).chain(&args.effects).map(AsRef::as_ref);
     let out = args.out.as_deref().map(|target| OutputDir::create(target, NAMES, inputs, voice.force)).transpose()?;
+    let defined = defined(&args.effects)?;
     let request = GapRequest {
         models: &args.models,
         set: &args.set,
+        defined: &defined,
         data: &args.data,
         group: args.group.as_deref(),
         holdout: args.holdout.unwrap_or(0.0),
@@ -39,7 +43,8 @@ pub fn run(args: &DiagnoseArgs, voice: &Voice) -> Result<(), Failure> {
 fn write(args: &DiagnoseArgs, out: OutputDir, study: &GapStudy, voice: &Voice) -> Result<(), Failure> {
     let models: Vec<String> = args.models.iter().map(|model| model.display().to_string()).collect();
     let data = args.data.display().to_string();
-    let command = format!("toolroom gap diagnose --model {} --data {data}", models.join(" --model "));
+    let effects: String = args.effects.iter().map(|path| format!(" --effects {}", path.display())).collect();
+    let command = format!("toolroom gap diagnose --model {} --data {data}{effects}", models.join(" --model "));
     let hash =
         |name: &String| (name.clone(), std::fs::read(name).map_or_else(|_| String::new(), |bytes| fingerprint(&bytes)));
     let inputs = models.iter().chain([&data]).map(hash).collect();

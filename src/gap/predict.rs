@@ -13,7 +13,7 @@ use toolroom_process::table::{Cell, csv_text};
 pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
     let mut rows: Vec<(String, Prediction)> = Vec::new();
     let model = std::slice::from_ref(&args.model);
-    for table in reading(voice, |reading| tables(model, &args.set, &args.data, reading))? {
+    for table in reading(voice, |reading| tables(model, &args.set, &[], &args.data, reading))? {
         let records = table.records.map_err(|why| Failure::argument(why, "add rows"))?;
         let asked = table.model.asked(&records, args.group.as_deref(), |_, _| false);
         if asked.parts.iter().all(|part| part.frame().measured.observations.is_empty()) {

@@ -3,7 +3,7 @@
 use crate::applied::{Applied, Constant, Found};
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use toolroom_effects::Effect;
+use toolroom_effects::{Definition, Effect};
 use toolroom_gap::{NINETY, WrittenEffect};
 use toolroom_process::table::{Cell, csv_text};
 use toolroom_process::unit;
@@ -23,8 +23,8 @@ pub(crate) fn exact(value: f64, si: &'static str, display: &'static str) -> (f64
 }
 
 /// Size unit of an effect: SI, and that for people.
-pub(crate) fn size_unit(id: &str) -> (&'static str, &'static str) {
-    let of_process = Effect::named(id).ok().map(|effect| effect.entry());
+pub(crate) fn size_unit(id: &str, definition: Option<&'static Definition>) -> (&'static str, &'static str) {
+    let of_process = definition.map(Definition::entry).or_else(|| Effect::named(id).ok().map(|effect| effect.entry()));
     let entry = of_process.or_else(|| SHOP_EFFECTS.iter().find(|entry| entry.id == id));
     entry.map_or(("1", "1"), |entry| (entry.size.unit, entry.size.display))
 }
@@ -56,7 +56,7 @@ fn shape_json(written: &WrittenEffect) -> Value {
 }
 
 fn found_json(found: &Found, target: &str, process: &str) -> Value {
-    let (si, display) = size_unit(found.id);
+    let (si, display) = size_unit(found.id, found.written.definition);
     let (size, unit) = exact(found.size, si, display);
     let ratio = if unit == si { 1.0 } else { unit::convert(1.0, si, display) };
     let mut value = json!({
@@ -66,6 +66,10 @@ fn found_json(found: &Found, target: &str, process: &str) -> Value {
     });
     if let Some(recorded) = found.written.recorded {
         value["recorded"] = number(recorded);
+    }
+    if let Some(definition) = found.written.definition {
+        value["kind"] = json!(if definition.is_empirical() { "empirical" } else { "cause" });
+        value["definition"] = json!(definition.text());
     }
     value
 }

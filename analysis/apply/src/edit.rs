@@ -26,6 +26,8 @@ pub struct Request<'a> {
     pub only: &'a [String],
     /// Whether calibration is applied.
     pub calibration: bool,
+    /// Whether effects that are empirical, and no causes, are applied.
+    pub empirical: bool,
 }
 
 /// What was changed.
@@ -89,9 +91,13 @@ pub fn apply(request: Request<'_>) -> Result<Changes, ApplyError> {
         Changes { text: String::new(), effects: Vec::new(), constants: Vec::new(), data, notes: Vec::new() };
     for effect in effects {
         let id = effect["id"].as_str().ok_or_else(|| unreadable("the id of an effect"))?;
+        if effect["kind"] == "empirical" && !request.empirical {
+            let reason = "it is empirical, not a cause; --accept-empirical takes it in".to_owned();
+            return Err(ApplyError::Effect { id: id.to_owned(), reason });
+        }
         if process == "program" {
             program::switch_on(&mut document, effect)?;
-        } else if Effect::named(id).is_ok() {
+        } else if Effect::named(id).is_ok() || effect["definition"].is_string() {
             of_tool(&mut document, effect)?;
         } else if Deviation::IDS.contains(&id) {
             of_shop(&mut document, effect)?;

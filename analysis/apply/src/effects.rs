@@ -6,18 +6,42 @@ use crate::scope::{machines, scope_item, scoped_item, scoped_json};
 use crate::values::{number, put, tables, unreadable, written};
 use serde_json::Value;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, value};
-use toolroom_effects::Effect;
+use toolroom_effects::{Definition, Effect, parse_definitions};
 
 /// Total below which an effect is off.
 const NOTHING: f64 = 1e-12;
 
 /// The effect that an entry of a file or diagnosis describes, at size zero.
-fn effect_of(id: &str, shape: &serde_json::Map<String, Value>) -> Option<Effect> {
-    let mut map = shape.clone();
-    map.insert("id".to_owned(), id.into());
-    let (unit, _) = size_unit(id);
-    map.insert("size".to_owned(), if unit == "1" { 0.0.into() } else { format!("0 {unit}").into() });
-    serde_json::from_value::<Effect>(Value::Object(map)).ok().map(|effect| effect.with_size(0.0))
+fn effect_of(
+    id: &str,
+    shape: &serde_json::Map<String, Value>,
+    definition: Option<&'static Definition>,
+) -> Option<Effect> {
+    let (unit, _) = size_unit(id, definition);
+    let size = if unit == "1" { 0.0.into() } else { Value::from(format!("0 {unit}")) };
+    let defined: Vec<&'static Definition> = definition.into_iter().collect();
+    let parameters = shape.iter().map(|(name, value)| (name.as_str(), value)).chain([("size", &size)]);
+    Effect::of_parameters(id, parameters, &defined).ok().map(|effect| effect.with_size(0.0))
+}
+
+/// What a user has written of an effect of a diagnosis.
+fn definition_of(effect: &Value) -> Result<Option<&'static Definition>, ApplyError> {
+    let Some(text) = effect["definition"].as_str() else { return Ok(None) };
+    let read = parse_definitions("diagnosis.json", text).map_err(|_| unreadable("the definition of an effect"))?;
+    Ok(read.first().copied())
+}
+
+/// Copies the definition of a user's effect into a file that lacks it.
+fn define(document: &mut DocumentMut, definition: &Definition) -> Result<(), ApplyError> {
+    let id = definition.entry().id;
+    let entries = tables(document, "effect")?;
+    if entries.iter().any(|entry| entry.get("id").and_then(Item::as_str) == Some(id)) {
+        return Ok(());
+    }
+    let text: DocumentMut = definition.text().parse().map_err(|_| unreadable("the definition of an effect"))?;
+    let own = text.get("effect").and_then(Item::as_array_of_tables).and_then(|all| all.get(0)).cloned();
+    entries.push(own.ok_or_else(|| unreadable("the definition of an effect"))?);
+    Ok(())
 }
 
 /// Shape of the diagnosis as keys of a file.
@@ -67,7 +91,11 @@ pub fn of_tool(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     let name = target.strip_prefix("tool ").unwrap_or(&target).to_owned();
     let id = effect["id"].as_str().unwrap_or_default().to_owned();
     let shape = shape_of(effect);
-    let wanted = effect_of(&id, &shape).ok_or_else(|| unreadable("the shape of an effect"))?;
+    let definition = definition_of(effect)?;
+    if let Some(definition) = definition {
+        define(document, definition)?;
+    }
+    let wanted = effect_of(&id, &shape, definition).ok_or_else(|| unreadable("the shape of an effect"))?;
     let mut scope = scoped_json(&effect["scope"]);
     scope.retain(|key, names| key != "tool" || !names.contains(&name));
     let machines = machines(document);
@@ -76,7 +104,7 @@ pub fn of_tool(document: &mut DocumentMut, effect: &Value) -> Result<(), ApplyEr
     let tool = tools.and_then(|tools| tools.iter_mut().find(named)).ok_or(ApplyError::Target { target })?;
     let same = |entry: &dyn TableLike| {
         let own = entry.get("id").and_then(Item::as_str) == Some(&id)
-            && effect_of(&id, &shape_of_entry(entry)) == Some(wanted);
+            && effect_of(&id, &shape_of_entry(entry), definition) == Some(wanted);
         let mut at = scoped_item(entry, &machines);
         at.retain(|key, names| key != "tool" || !names.contains(&name));
         own && at == scope

@@ -20,7 +20,7 @@ pub fn switch_on(document: &mut DocumentMut, effect: &Value) -> Result<(), Apply
     let id = effect["id"].as_str().unwrap_or_default();
     let alike = effect["shape"]["each_alike"].is_object();
     let key = if alike { "feed_hold_each" } else { id };
-    let (si, _) = crate::document::size_unit(id);
+    let (si, _) = crate::document::size_unit(id, None);
     let size = &effect["size"];
     let text = format!("{} {}", number(&size["value"], "a size")?, size["unit"].as_str().unwrap_or("1"));
     let added = if si == "1" {

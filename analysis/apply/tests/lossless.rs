@@ -42,7 +42,7 @@ fn diagnosed(text: &str, records: &Records, active: &[usize]) -> (Value, Applied
 
 fn written(text: &str, diagnosis: &Value) -> String {
     let process = model(text).kind().name();
-    let request = Request { text, overrides: &[], diagnosis, process, only: &[], calibration: true };
+    let request = Request { text, overrides: &[], diagnosis, process, only: &[], calibration: true, empirical: false };
     apply(request).expect("applicable").text
 }
 
@@ -78,8 +78,15 @@ fn every_effect_is_kept(process: &'static str, text: &str) {
         let (diagnosis, applied) = diagnosed(text, &records, &[index]);
         if unwritable {
             let process = model(text).kind().name();
-            let request =
-                Request { text, overrides: &[], diagnosis: &diagnosis, process, only: &[], calibration: true };
+            let request = Request {
+                text,
+                overrides: &[],
+                diagnosis: &diagnosis,
+                process,
+                only: &[],
+                calibration: true,
+                empirical: false,
+            };
             assert!(apply(request).is_err());
             continue;
         }
@@ -156,6 +163,7 @@ fn another_model_another_schema_and_nothing_are_refused() {
             process: "grinding",
             only: &["none".to_owned()],
             calibration: false,
+            empirical: false,
         };
         apply(request).expect_err("refused").to_string()
     };
@@ -173,4 +181,59 @@ fn everything_else_stays_byte_for_byte() {
     let mut rest = better.lines();
     let kept = TURNING.lines().filter(|line| rest.any(|own| own == *line)).count();
     assert_eq!(kept, TURNING.lines().count(), "{better}");
+}
+
+const CRATER: &str = r#"
+[[effect]]
+id = "my.crater"
+process = ["turning"]
+size = { unit = "1", ordinary = 0.1, range = [0.0, 2.0] }
+shape = { reference_speed = { value = "200 m/min", range = ["60 m/min", "400 m/min"], fit = true } }
+changes = [
+    { term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm) * (cutting_speed / reference_speed)^1.5" },
+    { term = "wear_rate", factor = "1 + size * exp(-cutting_time / 4 min)" },
+]
+"#;
+
+#[test]
+fn an_effect_of_a_user_beside_the_model_is_written_into_it_with_its_definition() {
+    let records = records("turning", TURNING);
+    let defined = toolroom_effects::parse_definitions("mine.toml", CRATER).expect("a definition");
+    let nominal = model(TURNING).with_effects(Path::new("model.toml"), &defined).expect("one of its id");
+    let forward = nominal.over(&records, None, |_, _| false).0;
+    let own = |candidate: &toolroom_gap::Candidate| candidate.id == "my.crater";
+    let all: Vec<usize> =
+        (0..forward.frame().candidates.len()).filter(|i| own(&forward.frame().candidates[*i])).collect();
+    assert_eq!(all.len(), 4, "its own speed and three over the range");
+    let basis = Basis::of_sheet(forward.as_ref(), Method::default());
+    let mut applied = applied_to(forward.as_ref(), forward.as_ref(), &[], &basis, &[all[1]]);
+    let hash = model_hash(TURNING, &[]).expect("TOML");
+    let one = |applied: Applied| {
+        let parts = [applied];
+        let process = Process {
+            name: "turning",
+            path: Path::new("m"),
+            hash: hash.clone(),
+            target: nominal.target(),
+            parts: &parts,
+        };
+        let document = document(json!({ "effects": [] }), &[process], ("d".to_owned(), records.len(), None));
+        let [applied] = parts;
+        (document, applied)
+    };
+    // A size of its own, so that the file holds it whatever the records say.
+    applied.effects[0].size = applied.effects[0].size.max(0.05);
+    let (diagnosis, applied) = one(applied);
+    let better = written(TURNING, &diagnosis);
+    assert_eq!((better.matches("[[effect]]").count(), better.matches("my.crater").count()), (1, 2), "{better}");
+    let read = model(&better);
+    assert_eq!(read.stated.defined, defined);
+    let stated = read.stated.effects.first().expect("the effect of the tool");
+    assert!((stated.effect.size() - applied.effects[0].size).abs() <= 1e-12 * stated.effect.size());
+    assert_eq!(stated.effect.parameters().value(1), applied.effects[0].written.shape.first().map(|own| own.1));
+    // In the file already, it is found there and written once.
+    every_effect_is_kept("turning", &format!("{TURNING}{CRATER}"));
+    // A model that defines it otherwise is refused beside the file.
+    let other = format!("{TURNING}{}", CRATER.replace("4 min", "5 min"));
+    assert!(model(&other).with_effects(Path::new("model.toml"), &defined).is_err());
 }

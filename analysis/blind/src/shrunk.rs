@@ -48,7 +48,7 @@ impl Shrunk {
             .map(|index| outside.closure(&[index], &of_hidden, SEED))
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
         let size = match named[..] {
-            [index] => Some(outside.size(index) * report_units(candidates[index].id).0),
+            [index] => Some(outside.size(index) * report_units(forward.frame(), candidates[index].id).0),
             _ => None,
         };
         let shrunk = Self { closed: closed.closed, by_named: by_named.closed, by_hidden: by_hidden.closed, size };

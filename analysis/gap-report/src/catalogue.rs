@@ -2,14 +2,14 @@
 
 use serde_json::{Value, json};
 use std::fmt::Write;
-use toolroom_effects::{CatalogueEntry, Effect, Sign, Touched};
+use toolroom_effects::{CatalogueEntry, Definition, Effect, Named, Sign, Touched, vocabulary};
 use toolroom_gap::EMPIRICAL_EFFECTS;
 use toolroom_scenario::effects::SHOP_EFFECTS;
 
-/// Every effect with what it is, acts on, and is told apart by; a few lines each.
-pub fn catalogue_text() -> String {
+/// Every effect, those of a user behind the others, with what it is, acts on, and is told apart by; a few lines each.
+pub fn catalogue_text(defined: &[&'static Definition]) -> String {
     let mut text = String::new();
-    for entry in catalogue() {
+    for entry in catalogue(defined) {
         let unit = if entry.size.display == "1" { String::new() } else { format!(" [{}]", entry.size.display) };
         let _ = writeln!(text, "{}  {}", entry.id, entry.title);
         let _ = writeln!(text, "  size{unit}: {}", entry.size.doc.trim());
@@ -27,14 +27,48 @@ pub fn catalogue_text() -> String {
     text
 }
 
-/// Every effect, for programs.
-pub fn catalogue_json() -> Value {
-    json!({ "schema": 1, "effects": catalogue().map(entry).collect::<Vec<_>>() })
+/// Every effect, those of a user behind the others, for programs.
+pub fn catalogue_json(defined: &[&'static Definition]) -> Value {
+    json!({ "schema": 1, "effects": catalogue(defined).map(entry).collect::<Vec<_>>() })
 }
 
-/// Effects of the processes, then those of the shop and of empirical responses.
-fn catalogue() -> impl Iterator<Item = &'static CatalogueEntry> {
-    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS)
+/// Effects of the processes, then those of the shop, of empirical responses, and of a user.
+fn catalogue<'a>(defined: &'a [&'static Definition]) -> impl Iterator<Item = &'static CatalogueEntry> + 'a {
+    let own = defined.iter().map(|own| own.entry());
+    Effect::CATALOGUE.iter().chain(SHOP_EFFECTS).chain(EMPIRICAL_EFFECTS).chain(own)
+}
+
+/// What the formulas of effects of one's own may name: quantities of the context, then terms.
+pub fn vocabulary_text() -> String {
+    let mut text = String::from("quantities that a formula may read\n");
+    let mut terms = false;
+    for own in vocabulary() {
+        if own.factor.is_some() && !terms {
+            terms = true;
+            text.push_str("\nterms that an effect may change\n");
+        }
+        let unit = if own.field.unit == "1" { "a number" } else { own.field.unit };
+        let how = own.factor.map_or("", |factor| if factor { ", by a factor" } else { ", by a summand" });
+        let processes = own.processes.iter().flatten().copied().collect::<Vec<_>>().join(", ");
+        let doc = own.field.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+        let _ = writeln!(text, "  {:24} {unit}{how}; {processes}\n    {doc}", own.field.name);
+    }
+    text
+}
+
+/// The same for programs.
+pub fn vocabulary_json() -> Value {
+    let one = |own: Named| {
+        json!({
+            "name": own.field.name, "unit": own.field.unit, "display": own.field.display,
+            "min": own.field.min, "max": own.field.max, "meaning": own.field.doc.trim(),
+            "processes": own.processes.iter().flatten().collect::<Vec<_>>(),
+            "change": own.factor.map(|factor| if factor { "factor" } else { "summand" }),
+        })
+    };
+    let (context, terms): (Vec<Named>, Vec<Named>) = vocabulary().partition(|own| own.factor.is_none());
+    let list = |all: Vec<Named>| all.into_iter().map(one).collect::<Vec<_>>();
+    json!({ "schema": 1, "context": list(context), "terms": list(terms) })
 }
 
 fn channels(touched: &[Touched]) -> String {

@@ -66,7 +66,7 @@ impl Readings {
             let own =
                 |candidate: &toolroom_gap::Candidate| candidate.id == effect.id && candidate.shape == effect.shape;
             if let Some(index) = frame.candidates.iter().position(own) {
-                effects.push((index, effect.size / report_units(effect.id).0, effect.id.to_owned()));
+                effects.push((index, effect.size / report_units(frame, effect.id).0, effect.id.to_owned()));
             }
         }
         let mut point = Point::nominal(part);

@@ -65,7 +65,7 @@ fn effects(diagnosis: &Diagnosis, readings: &Readings, minutes: Option<&Minutes>
         format!(
             "{}Cause: {} ({}{shape}; {} {}, 90 %: {} … {}; probability {:.2}).{others}{cost}",
             moved(readings, index),
-            title(effect.id),
+            effect.title,
             effect.id,
             number(effect.size, 3),
             if effect.unit == "1" { "" } else { effect.unit },
@@ -170,6 +170,7 @@ mod tests {
             if verdict == GapVerdict::Effect {
                 own.effects.push(NamedEffect {
                     id: "wear_force",
+                    title: "forces grow with flank wear",
                     shape: String::new(),
                     size: 0.2,
                     unit: "1",

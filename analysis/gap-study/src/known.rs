@@ -56,6 +56,11 @@ impl Known {
         Ok((known, fitted))
     }
 
+    /// Whether calibration was set aside for the fit, since the model has seen these records.
+    pub fn is_set_aside(&self) -> bool {
+        self.nominal.is_some()
+    }
+
     /// The applied point of each part of a diagnosis.
     pub fn applied(&self, asked: &Asked, diagnosed: &[Diagnosed]) -> Vec<Applied> {
         let parts = asked.parts.iter().zip(diagnosed).enumerate();

@@ -3,6 +3,7 @@
 use crate::GapStudyError;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use toolroom_effects::Definition;
 use toolroom_gap::NominalModel;
 use toolroom_records::{OtherTable, ReadReport, RecordError, Records};
 
@@ -44,6 +45,8 @@ pub struct GapRequest<'a> {
     pub models: &'a [PathBuf],
     /// Values that replace those of the models, `path=value`.
     pub set: &'a [String],
+    /// Effects that a user has defined in files of their own.
+    pub defined: &'a [&'static Definition],
     /// A table, or the folder of the tables.
     pub data: &'a Path,
     /// Column whose levels are groups; edges, dressing cycles or days where there is none.

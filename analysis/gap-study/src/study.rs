@@ -11,7 +11,8 @@ use toolroom_chart::page::Provenance;
 use toolroom_gap::plan::plan;
 use toolroom_gap::shop::{add_facts, visits};
 use toolroom_gap::{
-    Answers, Asked, Diagnosed, GapVerdict, NextExperiment, NominalModel, NominalProcess, diagnosed_processes, joined,
+    Answers, Asked, Diagnosed, Diagnosis, GapVerdict, NextExperiment, NominalModel, NominalProcess,
+    diagnosed_processes, joined,
 };
 use toolroom_gap_report::{Page, Rates, Readings, html, markdown};
 use toolroom_records::{ColumnKind, Records};
@@ -46,7 +47,7 @@ impl GapStudy {
     /// [`GapStudyError`]: a file that cannot be read, models and tables that do not fit each other, records in which
     /// nothing of what a model predicts was measured.
     pub fn new(request: &GapRequest<'_>, reading: &Reading<'_>) -> Result<Self, GapStudyError> {
-        let tables = tables(request.models, request.set, request.data, reading)?;
+        let tables = tables(request.models, request.set, request.defined, request.data, reading)?;
         let prepared =
             tables.into_iter().zip(request.models).map(|(table, path)| prepared(table, path, request, reading));
         let (mut asked, mut stated, mut rest) = (Vec::new(), Vec::new(), Vec::new());
@@ -56,7 +57,13 @@ impl GapStudy {
             stated.push(known);
             rest.push(table);
         }
-        let (mut answers, diagnosed) = diagnosed_processes(&asked, request.seed);
+        let (mut answers, mut diagnosed) = diagnosed_processes(&asked, request.seed);
+        if let Some(parts) = split(&answers, &rest, &stated, &asked, request) {
+            let (second, rests_on) = diagnosed_processes(&parts, request.seed);
+            if names_a_part(&second, &asked, &parts) {
+                (answers, diagnosed, asked) = (second, rests_on, parts);
+            }
+        }
         let points = points(&stated, &asked, &diagnosed);
         let with_records = stated.iter().zip(&points).filter_map(|(known, own)| Some((known.records.as_ref()?, own)));
         let predictions = with_records.flat_map(|(records, points)| predictions_of(records, points)).collect();
@@ -126,6 +133,89 @@ fn prepared(
         return Err(GapStudyError::NothingMeasured { notes: asked.notes });
     }
     Ok(Prepared { asked, known, table: Some((model, records)) })
+}
+
+/// The models of turning and milling in which what was found, or what the data ask for where nothing was named, is
+/// tried on parts of the records as well; nothing where there is no such effect.
+fn split(
+    answers: &Answers,
+    tables: &[Option<(NominalModel, Records)>],
+    stated: &[Known],
+    asked: &[Asked],
+    request: &GapRequest<'_>,
+) -> Option<Vec<Asked>> {
+    let mut any = false;
+    let mut all = Vec::new();
+    for (i, (process, diagnosis)) in answers.processes.iter().enumerate() {
+        let own = &asked[i];
+        let Some((model, records)) = &tables[i] else {
+            let (notes, impossible) = (own.notes.clone(), own.impossible);
+            all.push(Asked { process, parts: Vec::new(), notes, impossible });
+            continue;
+        };
+        // Records that the model has seen are held against what it was before them, which has no parts.
+        let effects = if stated[i].is_set_aside() { Vec::new() } else { asked_for(process, diagnosis) };
+        let places = if stated[i].is_set_aside() { Vec::new() } else { places(process, diagnosis) };
+        any |= !effects.is_empty() || !places.is_empty();
+        let held = |_: usize, name: &str| !fitted(own, name);
+        all.push(model.clone().splitting(effects, places).asked(records, request.group, held));
+    }
+    any.then_some(all)
+}
+
+/// Whether a group is part of the fit.
+fn fitted(asked: &Asked, name: &str) -> bool {
+    let measured = asked.parts.iter().map(|part| &part.frame().measured);
+    measured.flat_map(|own| own.groups.iter().zip(&own.fitted)).any(|(group, fitted)| group == name && *fitted)
+}
+
+/// Effects of a diagnosis, by id and shape, of which it is asked where they act.
+fn asked_for(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
+    if !matches!(process, "turning" | "milling") {
+        return Vec::new();
+    }
+    let named = || diagnosis.effects.iter().map(|own| (own.id.to_owned(), own.shape.clone()));
+    let likely = || {
+        let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Small | GapVerdict::Masked);
+        let asked = diagnosis.ranking.iter().filter(move |own| told && own.gain > LIKELY);
+        asked.map(|own| (own.id.to_owned(), own.shape.clone())).take(MOST_SPLIT)
+    };
+    if diagnosis.effects.is_empty() { likely().collect() } else { named().take(MOST_SPLIT).collect() }
+}
+
+/// Levels of columns that the strongest structure follows, where it has no cause: every effect is tried there.
+fn places(process: &str, diagnosis: &Diagnosis) -> Vec<(String, String)> {
+    let told = matches!(diagnosis.verdict, GapVerdict::Unknown | GapVerdict::Effect);
+    if !told || !matches!(process, "turning" | "milling") {
+        return Vec::new();
+    }
+    let mut list: Vec<(String, String)> = Vec::new();
+    let levels =
+        diagnosis.cells.iter().flat_map(|cell| [&cell.group, &cell.regime]).filter_map(|own| own.split_once('='));
+    for (column, name) in levels {
+        let own = (column.to_owned(), name.to_owned());
+        if !list.contains(&own) && list.len() < MOST_SPLIT {
+            list.push(own);
+        }
+    }
+    list
+}
+
+/// Gain of a single effect from which on it is tried on parts of the records although it was not named: the gate of a
+/// name.
+const LIKELY: f64 = 4.0;
+/// Effects that are tried on parts of the records at a time (assumption): each brings a candidate for every part.
+const MOST_SPLIT: usize = 2;
+
+/// Whether a diagnosis names an effect that acts on a part of the records and that the first one did not know.
+fn names_a_part(answers: &Answers, before: &[Asked], now: &[Asked]) -> bool {
+    let knows = |asked: &Asked, id: &str, shape: &str| {
+        let candidates = asked.parts.iter().flat_map(|part| &part.frame().candidates);
+        candidates.into_iter().any(|own| own.id == id && own.shape == shape)
+    };
+    let all = answers.processes.iter().zip(before.iter().zip(now));
+    let mut effects = all.flat_map(|((_, own), asked)| own.effects.iter().map(move |effect| (effect, asked)));
+    effects.any(|(own, (before, now))| knows(now, own.id, &own.shape) && !knows(before, own.id, &own.shape))
 }
 
 /// Whether a table in which nothing was measured has a place for it, so that more rows are all it lacks.

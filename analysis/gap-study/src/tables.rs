@@ -2,6 +2,7 @@
 
 use crate::{GapStudyError, Reading};
 use std::path::{Path, PathBuf};
+use toolroom_effects::Definition;
 use toolroom_gap::NominalModel;
 use toolroom_records::{RecordError, RecordKind, Records};
 
@@ -14,7 +15,7 @@ pub struct Table {
     pub records: Result<Records, String>,
 }
 
-/// Every model with its table; `set` are values that replace those of the models. Of several models each needs a table
+/// Every model with its table; `set` are values that replace those of the models, `defined` effects beside theirs. Of several models each needs a table
 /// of its own and every table one of them; a single model may leave tables alone.
 ///
 /// # Errors
@@ -22,12 +23,13 @@ pub struct Table {
 pub fn tables(
     paths: &[PathBuf],
     set: &[String],
+    defined: &[&'static Definition],
     data: &Path,
     reading: &Reading<'_>,
 ) -> Result<Vec<Table>, GapStudyError> {
     let mut models: Vec<(&PathBuf, NominalModel)> = Vec::new();
     for path in paths {
-        models.push((path, NominalModel::read(path, set)?));
+        models.push((path, NominalModel::read(path, set)?.with_effects(path, defined)?));
     }
     let stem = |model: &NominalModel| model.kind().file_stem();
     if models.len() > 1 && data.is_file() {

@@ -226,7 +226,7 @@ pub fn touched(model: &dyn Forward, trial: &Trial) -> Vec<&'static str> {
 
 /// Channels that the candidates `active` touch.
 pub(super) fn touched_by(model: &dyn Forward, active: &[usize]) -> Vec<&'static str> {
-    let rows = active.iter().filter_map(|index| entry(model.frame().candidates[*index].id));
+    let rows = active.iter().filter_map(|index| entry(model.frame(), model.frame().candidates[*index].id));
     rows.flat_map(|entry| entry.channels.iter().map(|touched| touched.channel)).collect()
 }
 

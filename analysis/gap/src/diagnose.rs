@@ -140,7 +140,7 @@ fn judged(model: &dyn Forward, basis: Basis, refit: Fit, seed: u64) -> Diagnosed
     } else if diagnosis.verdict == GapVerdict::NoGap {
         unrejected(&mut diagnosis, pushed);
     }
-    diagnosis.next = next(&diagnosis);
+    diagnosis.next = next(model.frame(), &diagnosis);
     Diagnosed { diagnosis, decision, basis, held_out: [base_left, chosen_left] }
 }
 
@@ -199,12 +199,13 @@ fn named(context: Diagnosing<'_>, decision: &Decision) -> Vec<NamedEffect> {
         let candidate = &model.frame().candidates[*index];
         let size = trial.fit.linear.point.effects[*index];
         let deviation = posterior[place].max(between[place]) * candidate.typical;
-        let (factor, unit) = report_units(candidate.id);
+        let (factor, unit) = report_units(model.frame(), candidate.id);
         let class = decision.class(model, *index);
         let names = trial.fit.active.iter().map(|other| model.frame().candidates[*other].id);
         let others = class.iter().filter(|(id, _)| names.clone().all(|name| name != *id));
         NamedEffect {
             id: candidate.id,
+            title: entry(model.frame(), candidate.id).map_or(candidate.id, |entry| entry.title),
             shape: candidate.shape.clone(),
             size: size * factor,
             unit,
@@ -252,7 +253,7 @@ fn ranking(model: &dyn Forward, decision: &Decision) -> Vec<Ranked> {
     let price = (model.frame().candidates.len().max(1) as f64).ln() + decision.share;
     let one = |single: &super::decide::Single| {
         let candidate = &model.frame().candidates[single.candidate];
-        let (factor, unit) = report_units(candidate.id);
+        let (factor, unit) = report_units(model.frame(), candidate.id);
         let value = gain(&single.evidence, &decision.base.evidence);
         let (left_out, left_out_error) = predictive_gain(&single.evidence, &decision.base.evidence);
         let size = single.trial.map_or(scores.estimate[single.candidate] * candidate.typical, |trial| {
@@ -342,18 +343,18 @@ fn calibration(model: &dyn Forward, decision: &Decision) -> Vec<Calibrated> {
     list
 }
 
-fn next(diagnosis: &Diagnosis) -> NextExperiment {
+fn next(frame: &super::Frame, diagnosis: &Diagnosis) -> NextExperiment {
     let confused = diagnosis.effects.iter().find(|effect| effect.class.len() > 1);
     if let Some(effect) = confused {
         let other = effect.class[1];
-        let test = entry(effect.id).map_or("", |entry| entry.separating_test);
+        let test = entry(frame, effect.id).map_or("", |entry| entry.separating_test);
         let separates = vec![[effect.id.to_owned(), other.to_owned()]];
         return NextExperiment { design: format!("{test}; three edges"), minutes: 60.0, separates };
     }
     let Some(masked) = diagnosis.masked.iter().find(|_| diagnosis.verdict != GapVerdict::Effect) else {
         return NextExperiment::default();
     };
-    let confounder = entry(masked.id).map_or("", |entry| entry.confounder);
+    let confounder = entry(frame, masked.id).map_or("", |entry| entry.confounder);
     NextExperiment {
         design: format!("{}; three edges", masked.separating_test),
         minutes: 60.0,

@@ -50,8 +50,10 @@ impl GapVerdict {
 /// A named effect. Sizes are in the display unit of the catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEffect {
-    /// Word of the catalogue.
+    /// Word of the catalogue, or id of an effect that a user has defined.
     pub id: &'static str,
+    /// What it is, in words.
+    pub title: &'static str,
     /// Which lot, window or time constant; may be empty.
     pub shape: String,
     /// Size.
@@ -341,7 +343,7 @@ impl Diagnosis {
     pub fn json(&self) -> Value {
         let effect = |effect: &NamedEffect| {
             json!({
-                "id": effect.id, "shape": effect.shape, "size": number(effect.size), "unit": effect.unit,
+                "id": effect.id, "title": effect.title, "shape": effect.shape, "size": number(effect.size), "unit": effect.unit,
                 "ci90": [number(effect.ci90[0]), number(effect.ci90[1])], "probability": number(effect.probability),
                 "z": number(effect.z), "gain": number(effect.gain[0]), "gain_left_out": number(effect.gain[1]),
                 "class": effect.class, "class_reason": effect.class_reason,

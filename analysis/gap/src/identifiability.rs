@@ -115,8 +115,8 @@ fn identified(model: &dyn Forward, basis: &Basis, trial: &Trial) -> Vec<Shown> {
     (0..nuisance).for_each(|i| matrix[(i, i)] += 1.0);
     let matrix = super::gram::factor(matrix);
     let row = |(index, candidate): (usize, &super::Candidate)| {
-        let entry = entry(candidate.id)?;
-        let (factor, unit) = report_units(candidate.id);
+        let entry = entry(model.frame(), candidate.id)?;
+        let (factor, unit) = report_units(model.frame(), candidate.id);
         let moved = matrix.solve(&super::gram::part_column(&trial.gram.total, &at, nuisance + index));
         let least = least(model, basis, trial, index, &moved, scores.length[index])
             / between(model, basis, trial, &scores, index);

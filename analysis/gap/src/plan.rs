@@ -6,7 +6,7 @@
 //! (Atkinson & Fedorov 1975, T-optimality); it counts up to the score that an effect needs to be
 //! named. The block that adds most per minute of machine time wins.
 
-use super::catalogue::entry;
+use super::catalogue::catalogued;
 use super::constants::DETECTABLE;
 use super::{Basis, Diagnosis, Fit, Forward, GapVerdict, Linear, Method, NominalModel, Point, Trial};
 use rayon::prelude::*;
@@ -231,7 +231,7 @@ impl Plan {
         let _ = writeln!(text, "         {} operations, {:.0} min of machine time", best.operations, best.minutes);
         for pair in best.pairs.iter().filter(|pair| pair.after > pair.before + 0.1) {
             let _ = writeln!(text, "  {:22} from {:24} score {:5.1} → {:5.1}", pair.a, pair.b, pair.before, pair.after);
-            if let (true, Some(entry)) = (pair.after < DETECTABLE, entry(&pair.a)) {
+            if let (true, Some(entry)) = (pair.after < DETECTABLE, catalogued(&pair.a)) {
                 let _ = writeln!(text, "    not enough yet: {}", entry.separating_test);
             }
         }

@@ -17,7 +17,7 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
             let measured = &model.frame().measured;
             let of = |left: &LeftOut| draw.map_or_else(|| left.residual.clone(), |draw| left.drawn(seed, draw));
             let [base, chosen] = [&diagnosed.held_out[0], &diagnosed.held_out[1]].map(of);
-            let counts = counted(measured, &touched(diagnosed));
+            let counts = counted(measured, &touched(*model, diagnosed));
             for group in scored(measured) {
                 let own = sums.entry((*process, measured.groups[group].as_str())).or_default();
                 for i in measured.spans[group].clone().filter(|i| counts[measured.observations[*i].channel]) {
@@ -35,14 +35,14 @@ pub fn pooled(parts: &[(usize, &dyn Forward, &Diagnosed)], seed: u64) -> Closure
         .iter()
         .flat_map(|(_, model, diagnosed)| {
             let [base, chosen] = &diagnosed.held_out;
-            standardised(*model, &diagnosed.basis, [base, chosen], &touched(diagnosed))
+            standardised(*model, &diagnosed.basis, [base, chosen], &touched(*model, diagnosed))
         })
         .collect();
     closure(&sums(None), &fits.iter().collect::<Vec<_>>(), &left, seed)
 }
 
 /// Channels that the named effects touch.
-fn touched(diagnosed: &Diagnosed) -> Vec<&'static str> {
-    let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(effect.id));
+fn touched(model: &dyn Forward, diagnosed: &Diagnosed) -> Vec<&'static str> {
+    let rows = diagnosed.diagnosis.effects.iter().filter_map(|effect| entry(model.frame(), effect.id));
     rows.flat_map(|entry| entry.channels.iter().map(|own| own.channel)).collect()
 }

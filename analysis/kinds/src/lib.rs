@@ -43,6 +43,7 @@ pub use readers::{Checked, Reader, checked};
 use serde_json::{Value, json};
 use std::path::Path;
 use toolroom_contour::{CONTOUR, SETUP};
+use toolroom_effects::EFFECTS_FILE;
 use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
 use toolroom_lobes::{COEFFICIENTS, LOBES, STRUCTURE};
@@ -85,6 +86,13 @@ pub static KINDS: &[FileKind] = &[
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
         read: Some(readers::scenario),
         form: Described::By(&SCENARIO),
+    },
+    FileKind {
+        word: "effects",
+        doc: "Effects of your own, for --effects of gap and point",
+        signs: &["effect"],
+        read: Some(readers::effects),
+        form: Described::By(&EFFECTS_FILE),
     },
     FileKind {
         word: "structure",

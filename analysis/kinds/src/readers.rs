@@ -6,7 +6,8 @@ use crate::workload::workload;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use toolroom_cutting::{MILLING_CATALOGUE, Milling};
-use toolroom_form::{Echo, Refusal, significant};
+use toolroom_effects::{EFFECTS_FILE, read_definitions};
+use toolroom_form::{Echo, Refusal, Section, Walk, significant};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::contour::{Task, read_setup};
 use toolroom_planning::cycle::CycleDesign;
@@ -148,6 +149,13 @@ pub fn mapping(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     let mapping = Mapping::read(path, set)?;
     let summary = format!("a mapping of {} columns to {} records", mapping.columns.len(), mapping.kind.name());
     Ok(checked("mapping", None, Vec::new(), &summary))
+}
+
+pub fn effects(path: &Path, set: &[String]) -> Result<Checked, KindError> {
+    let read = |walk: &mut Walk, root: &Section<'_>| Some(read_definitions(walk, root));
+    let file = toolroom_form::read(path, set, &EFFECTS_FILE, read)?;
+    let ids = file.content.iter().map(|own| own.entry().id).collect::<Vec<_>>().join(", ");
+    Ok(checked("effects", None, file.echo, &format!("effects of your own: {ids}")))
 }
 
 pub fn nominal(path: &Path, set: &[String]) -> Result<Checked, KindError> {

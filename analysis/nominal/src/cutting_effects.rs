@@ -3,7 +3,7 @@
 use super::features::{self, standardised};
 use super::search::{self, Rows, Shape, Sought, Untried, Way};
 use super::{Candidate, Channel};
-use toolroom_effects::{Effect, Effects, Search};
+use toolroom_effects::{Definition, Effect, Search};
 use toolroom_records::Records;
 use toolroom_scenario::effects::SHOP_EFFECTS;
 use toolroom_scenario::{MICRO_STOP, SCOPE_NAMES, Scope};
@@ -59,6 +59,8 @@ pub(super) enum Action {
 
 /// What the choice of candidates looks at.
 pub(super) struct Seen<'a> {
+    /// Effects that the user has defined.
+    pub defined: &'a [&'static Definition],
     pub records: &'a Records,
     pub groups: &'a [usize],
     pub durations: &'a [f64],
@@ -78,7 +80,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
         column => search::greatest(seen.records, column),
     };
     let sought = Sought { process, records: seen.records, greatest: &greatest, ways: &[Way::Lots] };
-    for effect in Effects::every(process).iter() {
+    for effect in &search::effects_of(process, seen.defined) {
         let entry = effect.entry();
         let touched: Vec<&str> = entry.channels.iter().map(|touched| touched.channel).collect();
         let shapes = match entry.search(process) {
@@ -96,7 +98,7 @@ pub(super) fn candidates(process: &'static str, seen: &Seen<'_>) -> (Vec<(Candid
                     Rows::All => Action::Effect(effect),
                     Rows::Coolant(_) | Rows::SinceDressing => unreachable!("only the way of lots is offered"),
                 };
-                (Candidate { id: entry.id, shape: name, typical, greatest, least: 0.0 }, action)
+                (Candidate { id: entry.id, shape: name, typical, greatest, least: entry.size.min.min(0.0) }, action)
             })),
             Err(reason) => untried.push(Untried { id: entry.id, reason }),
         }

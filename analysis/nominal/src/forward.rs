@@ -2,7 +2,7 @@
 
 use super::{Discrepancy, Measured, Untried, Words};
 use rayon::prelude::*;
-use toolroom_effects::Effect;
+use toolroom_effects::{Definition, Effect};
 use toolroom_innovations::Chain;
 use toolroom_scenario::Scope;
 
@@ -151,6 +151,8 @@ pub struct Frame {
     pub locals: Vec<Local>,
     /// Effects that may be missing.
     pub candidates: Vec<Candidate>,
+    /// Effects that a user has defined, whether or not they are among the candidates.
+    pub defined: Vec<&'static Definition>,
     /// Effects of the process that are not among them, and why.
     pub untried: Vec<Untried>,
     /// Covariates of the generic dictionary.
@@ -178,6 +180,7 @@ impl Frame {
             surfaces: Vec::new(),
             locals: Vec::new(),
             candidates: Vec::new(),
+            defined: Vec::new(),
             untried: Vec::new(),
             covariates: Vec::new(),
             notes: Vec::new(),
@@ -215,6 +218,8 @@ pub struct WrittenEffect {
     pub scope: Scope,
     /// Mean of what the records hold of it and the size multiplies: an override, the share of operations held.
     pub recorded: Option<f64>,
+    /// What the user has written, where it is no effect of the catalogues.
+    pub definition: Option<&'static Definition>,
 }
 
 impl WrittenEffect {
@@ -223,7 +228,7 @@ impl WrittenEffect {
         let record = effect.parameters();
         let fields = record.fields().iter().enumerate().filter(|(_, field)| field.name != "size");
         let shape = fields.filter_map(|(i, field)| Some((field.name, record.value(i)?, field.unit, field.display)));
-        Self { shape: shape.collect(), scope: scope.clone(), recorded: None }
+        Self { shape: shape.collect(), scope: scope.clone(), recorded: None, definition: effect.definition() }
     }
 }
 

@@ -9,6 +9,7 @@ use super::stated::Given;
 use super::{Forward, Settings, Stated};
 use std::path::Path;
 use toolroom_cutting::{Milling, Turning};
+use toolroom_effects::Definition;
 use toolroom_form::{Form, Key, Kind, Outline, ReadError, Section, Walk};
 use toolroom_infeed::Infeed;
 use toolroom_process::unit;
@@ -78,6 +79,14 @@ pub enum ModelFileError {
         /// What was looked for.
         process: String,
     },
+    /// Two definitions of one effect.
+    #[error("{file}: [[effect]] `{id}` is defined otherwise in a file of --effects")]
+    Defined {
+        /// The model file.
+        file: String,
+        /// The effect.
+        id: String,
+    },
     /// A sensor whose quantity does not fit its channel.
     #[error("{file}: [[gap.sensor]] {channel}: {reason}")]
     Sensor {
@@ -103,6 +112,37 @@ static PLAIN: Form = Form {
 impl NominalModel {
     /// Forms of files that are nominal models and nothing else: of power laws, and of part programs.
     pub const FORMS: [&'static Form; 2] = [&PLAIN, &program::FORM];
+
+    /// The model in which these effects, by id and shape of a candidate, are tried on each machine, part, material, lot,
+    /// shift and operator of the records by itself as well, and from dates on, and every effect on the `places`, each a
+    /// level of a column. Turning and milling only: shops try them
+    /// always, other processes never.
+    #[must_use]
+    pub fn splitting(mut self, effects: Vec<(String, String)>, places: Vec<(String, String)>) -> Self {
+        (self.stated.split, self.stated.places) = (effects, places);
+        self
+    }
+
+    /// The model with effects that a user has defined beside its file, from other files.
+    ///
+    /// # Errors
+    /// [`ModelFileError::Defined`] where two of them have one id.
+    pub fn with_effects(mut self, file: &Path, defined: &[&'static Definition]) -> Result<Self, ModelFileError> {
+        for own in defined {
+            let known = self.stated.defined.iter().find(|known| known.entry().id == own.entry().id);
+            match known {
+                None => self.stated.defined.push(own),
+                Some(known) if *known == *own => {}
+                Some(_) => {
+                    return Err(ModelFileError::Defined {
+                        file: file.display().to_string(),
+                        id: own.entry().id.to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(self)
+    }
 
     /// Reads a scenario with a section `[gap]`, or a file of nothing but that section.
     ///

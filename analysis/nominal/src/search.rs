@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::features::{self, standardised};
-use toolroom_effects::{CatalogueEntry, Effect, Search};
+use toolroom_effects::{CatalogueEntry, Definition, Effect, Effects, Search, UserEffect};
 use toolroom_records::Records;
 use toolroom_statistics::median;
 
@@ -13,6 +13,13 @@ pub struct Untried {
     pub id: &'static str,
     /// Why.
     pub reason: String,
+}
+
+/// Effects of the catalogue that act on a process, then those that a user has defined for it.
+pub(super) fn effects_of(process: &'static str, defined: &[&'static Definition]) -> Vec<Effect> {
+    let every = Effects::every(process);
+    let own = defined.iter().filter(|own| own.entry().search(process).is_some());
+    every.iter().copied().chain(own.map(|own| Effect::User(UserEffect::new(own)))).collect()
 }
 
 /// Effects of a catalogue that are not among the candidates, each with what the records lack.
@@ -99,7 +106,9 @@ impl Sought<'_> {
                 let told = |column: &str| self.records.numbers(column).and_then(standardised).is_some();
                 let usual = told_by.filter(|(column, _)| !told(column)).map(|(_, usual)| [usual]);
                 let values = usual.as_ref().map_or(values, |usual| &usual[..]);
-                let each = |value: &f64| Some(shape(format!("{value} s"), with(effect, parameter, *value)?, size));
+                let each = |value: &f64| {
+                    Some(shape(shown(effect, parameter, *value)?, with(effect, parameter, *value)?, size))
+                };
                 values.iter().filter_map(each).collect()
             }
             Search::Window { column, centre, width, count, size } => {
@@ -178,6 +187,16 @@ impl Sought<'_> {
 
 /// Least ratio of the ends of a range in which windows are told apart (assumption).
 const SPREAD: f64 = 1.2;
+
+/// A value of a parameter for people, with the name of the parameter where the effect is a user's.
+fn shown(effect: Effect, name: &str, value: f64) -> Option<String> {
+    let field = effect.parameters().fields().iter().find(|field| field.name == name)?;
+    let Some(definition) = effect.definition() else { return Some(format!("{value} {}", field.unit)) };
+    let unit = if field.display == "1" { String::new() } else { format!(" {}", field.display) };
+    let shown = format!("{:.4}", field.to_display(value));
+    let shown = shown.trim_end_matches('0').trim_end_matches('.');
+    Some(format!("{}{name} {shown}{unit}", if definition.is_empirical() { "empirical, " } else { "" }))
+}
 
 /// The effect with another value of a parameter, SI.
 fn with(mut effect: Effect, name: &str, value: f64) -> Option<Effect> {

@@ -1,6 +1,7 @@
 //! What a model file states beside its parameter sets, and how a fit starts from there.
 
 use super::{Direction, Forward, Frame, Point, Transform, WrittenEffect};
+use toolroom_effects::Definition;
 use toolroom_innovations::Chain;
 use toolroom_records::Records;
 use toolroom_scenario::{Calibration, Deviation, Moved, Occasion, Scenario, Scope, SwitchedEffect, Target};
@@ -13,6 +14,8 @@ pub struct Stated {
     pub tool: Option<String>,
     /// Its effects.
     pub effects: Vec<SwitchedEffect>,
+    /// Effects that a user has defined, in the file or beside it.
+    pub defined: Vec<&'static Definition>,
     /// Effects of the shop.
     pub deviations: Vec<Deviation>,
     /// Constants that measurements have moved.
@@ -23,6 +26,10 @@ pub struct Stated {
     pub parts: Vec<String>,
     /// Hashes of the records that the calibration has seen.
     pub seen: Vec<String>,
+    /// Effects by id and shape that are tried on parts of the records, too.
+    pub split: Vec<(String, String)>,
+    /// Levels of columns on which every effect is tried, too.
+    pub places: Vec<(String, String)>,
 }
 
 impl Stated {
@@ -35,11 +42,14 @@ impl Stated {
         Self {
             tool: tool.map(|tool| tool.name.clone()),
             effects: tool.map_or_else(Vec::new, |tool| tool.variants.effects.clone()),
+            defined: scenario.defined.clone(),
             deviations: scenario.deviations.clone(),
             calibrations: scenario.calibrations.clone(),
             handling: scenario.machines.iter().map(handling).collect(),
             parts: scenario.parts.iter().map(|part| part.name.clone()).collect(),
             seen: Vec::new(),
+            split: Vec::new(),
+            places: Vec::new(),
         }
     }
 

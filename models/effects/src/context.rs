@@ -44,6 +44,14 @@ record! {
         path_curvature: Real["1/m" => "1/m"] = 0.0, 0.0..=1e5;
         /// Deviation of the helical profile of the wall from its mean, where it is gauged.
         helical_deviation: Real["m" => "um"] = 0.0, -1e-2..=1e-2;
+        /// Feed per revolution in turning, per tooth in milling.
+        feed: Real["m" => "mm"] = 0.1e-3, 1e-7..=5e-3;
+        /// Depth of cut a_p.
+        depth_of_cut: Real["m" => "mm"] = 1e-3, 1e-6..=0.2;
+        /// Commanded radial width of cut a_e.
+        width_of_cut: Real["m" => "mm"] = 1e-3, 1e-6..=0.5;
+        /// Diameter of the workpiece at the cut.
+        workpiece_diameter: Real["m" => "mm"] = 0.1, 1e-3..=20.0;
     }
 }
 

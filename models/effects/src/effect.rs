@@ -1,6 +1,6 @@
 //! One effect and how it is read and written.
 
-use crate::{CatalogueEntry, Context, EffectError, Terms};
+use crate::{CatalogueEntry, Context, Definition, EffectError, Terms, UserEffect};
 use serde::de::Error as _;
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -16,62 +16,85 @@ macro_rules! catalogue {
 
         /// An effect that a nominal model leaves out, with its strength and shape.
         ///
-        /// An effect maps a [`Context`] to changes of [`Terms`]; its `size` is never negative
-        /// and neutral at zero.
+        /// An effect maps a [`Context`] to changes of [`Terms`]; its `size` is neutral at zero, and
+        /// never negative in those of the catalogue.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum Effect<N: Copy = f64> {
             $($(#[doc = $doc])+ $variant($variant<N>),)+
+            /// An effect that a user has defined.
+            User(UserEffect<N>),
         }
 
         impl Effect {
-            /// Every effect that can be switched on.
+            /// Every effect that is built in.
             pub const CATALOGUE: &'static [CatalogueEntry] = &[$(crate::$module::ENTRY),+];
 
-            /// Every effect at its default: size zero.
+            /// Every effect of the catalogue at its default: size zero.
             pub fn all() -> impl Iterator<Item = Self> {
                 [$(Self::$variant($variant::default())),+].into_iter()
             }
 
             /// Size and shape, the size first.
             pub fn parameters(&self) -> &dyn AnyRecord {
-                match self { $(Self::$variant(parameters) => parameters,)+ }
+                match self {
+                    $(Self::$variant(parameters) => parameters,)+
+                    Self::User(own) => own,
+                }
             }
 
             /// Size and shape, to be set.
             pub fn parameters_mut(&mut self) -> &mut dyn AnyRecord {
-                match self { $(Self::$variant(parameters) => parameters,)+ }
+                match self {
+                    $(Self::$variant(parameters) => parameters,)+
+                    Self::User(own) => own,
+                }
             }
         }
 
         impl<N: Copy> Effect<N> {
             /// The effect's row of the catalogue.
             pub fn entry(&self) -> &'static CatalogueEntry {
-                match self { $(Self::$variant(_) => const { &crate::$module::ENTRY },)+ }
+                match self {
+                    $(Self::$variant(_) => const { &crate::$module::ENTRY },)+
+                    Self::User(own) => own.definition().entry(),
+                }
             }
 
             /// Strength, SI.
             pub fn size(&self) -> N {
-                match self { $(Self::$variant(parameters) => parameters.size,)+ }
+                match self {
+                    $(Self::$variant(parameters) => parameters.size,)+
+                    Self::User(own) => own.size,
+                }
             }
 
             /// The same effect with another strength, SI.
             #[must_use]
             pub fn with_size(mut self, size: N) -> Self {
-                match &mut self { $(Self::$variant(parameters) => parameters.size = size,)+ }
+                match &mut self {
+                    $(Self::$variant(parameters) => parameters.size = size,)+
+                    Self::User(own) => own.size = size,
+                }
                 self
             }
 
             /// The same effect over another number type.
             pub fn map<M: Copy>(&self, convert: impl FnMut(N) -> M) -> Effect<M> {
-                match self { $(Self::$variant(parameters) => Effect::$variant(parameters.map(convert)),)+ }
+                match self {
+                    $(Self::$variant(parameters) => Effect::$variant(parameters.map(convert)),)+
+                    Self::User(own) => Effect::User(own.map(convert)),
+                }
             }
         }
 
         impl<N: Number> Effect<N> {
             /// Changes `terms` as the effect does in the cut that `context` describes.
             pub fn act(&self, context: &Context<N>, terms: &mut Terms<N>) {
-                match self { $(Self::$variant(parameters) => parameters.act(context, terms),)+ }
+                match self {
+                    $(Self::$variant(parameters) => parameters.act(context, terms),)+
+                    Self::User(own) => own.act(context, terms),
+                }
             }
         }
     };
@@ -142,8 +165,23 @@ impl Effect {
     /// # Errors
     /// [`EffectError::Unknown`] with the most similar id.
     pub fn named(id: &str) -> Result<Self, EffectError> {
+        Self::among(id, &[])
+    }
+
+    /// The effect called `id`, of the catalogue or of those that a user has defined, at size zero.
+    ///
+    /// # Errors
+    /// [`EffectError::Unknown`] with the most similar id; [`EffectError::Undefined`] where it can only be a user's.
+    pub fn among(id: &str, defined: &[&'static Definition]) -> Result<Self, EffectError> {
         if let Some(effect) = Self::all().find(|effect| effect.entry().id == id) {
             return Ok(effect);
+        }
+        if let Some(own) = defined.iter().find(|own| own.entry().id == id) {
+            return Ok(Self::User(UserEffect::new(own)));
+        }
+        if id.contains('.') {
+            let known = defined.iter().map(|own| own.entry().id).collect::<Vec<_>>().join(", ");
+            return Err(EffectError::Undefined { id: id.to_owned(), known });
         }
         let likeness = |entry: &&CatalogueEntry| strsim::jaro_winkler(entry.id, id);
         let nearest = Self::CATALOGUE.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
@@ -184,17 +222,56 @@ impl FromStr for Effect {
     type Err = EffectError;
 
     fn from_str(text: &str) -> Result<Self, EffectError> {
+        Self::parse(text, &[])
+    }
+}
+
+impl Effect {
+    /// The same effect at size zero in the shape that it has by default.
+    #[must_use]
+    pub fn default_shape(&self) -> Self {
+        match self {
+            Self::User(own) => Self::User(UserEffect::new(own.definition())),
+            other => Self::named(other.entry().id).unwrap_or(*other),
+        }
+    }
+
+    /// What a user has written, if this is such an effect.
+    pub fn definition(&self) -> Option<&'static Definition> {
+        if let Self::User(own) = self { Some(own.definition()) } else { None }
+    }
+
+    /// The effect called `id` with parameters as a file or a document has them: numbers, or texts with a unit.
+    ///
+    /// # Errors
+    /// An id that nobody knows, an unknown parameter, a unit that does not fit, a value out of range.
+    pub fn of_parameters<'a>(
+        id: &str,
+        parameters: impl IntoIterator<Item = (&'a str, &'a serde_json::Value)>,
+        defined: &[&'static Definition],
+    ) -> Result<Self, EffectError> {
+        let mut effect = Self::among(id, defined)?;
+        for (name, value) in parameters {
+            let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            effect.set(name, &text)?;
+        }
+        Ok(effect)
+    }
+
+    /// Reads `id=size` of the catalogue or of the effects that a user has defined.
+    ///
+    /// # Errors
+    /// An id that nobody knows, no size, a unit that does not fit, a size out of range.
+    pub fn parse(text: &str, defined: &[&'static Definition]) -> Result<Self, EffectError> {
         let (id, size) = text.split_once('=').unwrap_or((text, ""));
-        let mut effect = Self::named(id.trim())?;
+        let mut effect = Self::among(id.trim(), defined)?;
         if size.is_empty() {
             return Err(effect.missing_size());
         }
         effect.set("size", size)?;
         Ok(effect)
     }
-}
 
-impl Effect {
     fn missing_size(&self) -> EffectError {
         let entry = self.entry();
         let size = match entry.size.display {
@@ -207,7 +284,7 @@ impl Effect {
 
 /// An effect as files hold it.
 #[derive(Deserialize)]
-struct Written {
+pub(crate) struct Written {
     id: String,
     /// Parameters beside the size; they may also stand beside it.
     #[serde(default)]
@@ -216,13 +293,12 @@ struct Written {
     parameters: BTreeMap<String, Value>,
 }
 
-impl TryFrom<Written> for Effect {
-    type Error = EffectError;
-
-    fn try_from(written: Written) -> Result<Self, EffectError> {
-        let mut effect = Self::named(&written.id)?;
-        for (name, value) in written.shape.iter().chain(&written.parameters) {
-            if name == "size" && written.shape.contains_key(name) {
+impl Written {
+    /// The effect, of the catalogue or of those that a user has defined.
+    pub(crate) fn effect(self, defined: &[&'static Definition]) -> Result<Effect, EffectError> {
+        let mut effect = Effect::among(&self.id, defined)?;
+        for (name, value) in self.shape.iter().chain(&self.parameters) {
+            if name == "size" && self.shape.contains_key(name) {
                 return Err(EffectError::SizeInShape { id: effect.entry().id });
             }
             match value {
@@ -230,13 +306,13 @@ impl TryFrom<Written> for Effect {
                 Value::Quantity(quantity) => effect.set(name, quantity)?,
             }
         }
-        if written.parameters.contains_key("size") { Ok(effect) } else { Err(effect.missing_size()) }
+        if self.parameters.contains_key("size") { Ok(effect) } else { Err(effect.missing_size()) }
     }
 }
 
 impl<'de> Deserialize<'de> for Effect {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::try_from(Written::deserialize(deserializer)?).map_err(D::Error::custom)
+        Written::deserialize(deserializer)?.effect(&[]).map_err(D::Error::custom)
     }
 }
 

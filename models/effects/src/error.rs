@@ -14,6 +14,14 @@ pub enum EffectError {
         /// The most similar id.
         nearest: &'static str,
     },
+    /// An id with a dot that no `[[effect]]` defines.
+    #[error("no [[effect]] defines `{id}`{}", listed(.known))]
+    Undefined {
+        /// What was read.
+        id: String,
+        /// Ids that are defined; may be empty.
+        known: String,
+    },
     /// A parameter that the effect does not have.
     #[error("effect `{id}` has no parameter `{name}`; it has {known}")]
     UnknownParameter {
@@ -72,4 +80,12 @@ pub enum EffectError {
         /// Effects that do.
         known: String,
     },
+}
+
+fn listed(known: &str) -> String {
+    if known.is_empty() {
+        ", and no other; ids with a dot are those of users".to_owned()
+    } else {
+        format!("; there are {known}")
+    }
 }

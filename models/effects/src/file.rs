@@ -1,6 +1,7 @@
 //! Effects as files list them: `effects = [{ id = "wear_force", size = 0.2 }]`.
 
-use crate::{Effect, Effects};
+use crate::effect::Written;
+use crate::{Definition, Effect, Effects};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -75,11 +76,18 @@ impl<'a> EffectList<'a> {
         }
     }
 
-    /// The effect of an entry, without keys of the caller's own; a fault where the catalogue does not take it.
-    pub fn read(&self, walk: &mut Walk, entry: Spanned<DeValue<'_>>) -> Option<Effect> {
+    /// The effect of an entry, without keys of the caller's own, out of the catalogue or of those that a user has
+    /// defined; a fault where there is none or it does not take the values.
+    pub fn read(
+        &self,
+        walk: &mut Walk,
+        entry: Spanned<DeValue<'_>>,
+        defined: &[&'static Definition],
+    ) -> Option<Effect> {
         let span = entry.span();
-        let read = Effect::deserialize(ValueDeserializer::from(entry));
-        read.map_err(|error| self.refuse(walk, span, error.message().to_owned())).ok()
+        let read = Written::deserialize(ValueDeserializer::from(entry)).map_err(|error| error.message().to_owned());
+        let effect = read.and_then(|written| written.effect(defined).map_err(|error| error.to_string()));
+        effect.map_err(|message| self.refuse(walk, span, message)).ok()
     }
 
     /// Notes what is wrong at a place of the list.
@@ -92,7 +100,7 @@ impl<'a> EffectList<'a> {
 /// Without the key, and where a problem was noted, there are none.
 pub fn read_effects(walk: &mut Walk, section: &Section<'_>, process: Option<&'static str>) -> Effects {
     let Some(list) = EffectList::of(walk, section) else { return Effects::default() };
-    let effects = list.entries.iter().filter_map(|entry| list.read(walk, entry.clone())).collect();
+    let effects = list.entries.iter().filter_map(|entry| list.read(walk, entry.clone(), &[])).collect();
     let checked = Effects::new(effects).and_then(|effects| {
         process.map_or(Ok(()), |process| effects.check(process))?;
         Ok(effects)

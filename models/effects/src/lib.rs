@@ -24,6 +24,8 @@
 //! | [`Search`] | how a diagnosis looks for an effect, or why it does not |
 //! | [`Context`] | what an effect may look at |
 //! | [`Terms`] | what an effect may change |
+//! | [`Definition`], [`UserEffect`], [`USER_EFFECT`], [`read_definitions`] | effects of a user, written as formulas in files |
+//! | [`vocabulary`] | what such formulas may name |
 //!
 //! ```
 //! use toolroom_effects::{Context, Effect, Effects};
@@ -74,6 +76,7 @@ mod thermal_growth;
 mod thermal_heredity;
 mod thermal_softening;
 mod threshold_force;
+mod user;
 mod wear_acceleration;
 mod wear_force;
 mod wear_temperature;
@@ -88,3 +91,7 @@ pub use error::EffectError;
 pub use file::{EFFECT_LIST, EffectList, read_effects};
 pub use search::Search;
 pub use terms::Terms;
+pub use user::{
+    CODES, Definition, EFFECTS_FILE, FormulaError, Named, USER_EFFECT, UserEffect, parse_definitions, read_definitions,
+    read_effects_file, vocabulary,
+};

@@ -139,6 +139,8 @@ pub struct Scenario {
     pub deviations: Vec<Deviation>,
     /// Constants that measurements have moved. Those of a tool's process are in its process already.
     pub calibrations: Vec<Calibration>,
+    /// Effects that the file defines beside those of the catalogue.
+    pub defined: Vec<&'static toolroom_effects::Definition>,
     /// Currency code of all costs.
     pub currency: String,
 }

@@ -5,6 +5,7 @@ mod nominal;
 mod run;
 mod scattered;
 mod slopes;
+mod split;
 mod words;
 
 pub use nominal::Nominal;
@@ -218,7 +219,9 @@ impl<P: Nominal> Cutting<P> {
         model.allowance(records, &wear);
         let groups = &model.frame.measured.group_of_row;
         model.frame.covariates = features::covariates(records, groups, P::CONDITIONS, Some(&wear));
+        model.frame.defined.clone_from(&stated.defined);
         let context = cutting_effects::Seen {
+            defined: &stated.defined,
             records,
             groups,
             durations: &model.durations,
@@ -227,6 +230,7 @@ impl<P: Nominal> Cutting<P> {
         let (candidates, untried) = cutting_effects::candidates(P::NAME, &context);
         model.frame.untried = untried;
         (model.frame.candidates, model.actions) = candidates.into_iter().unzip();
+        model.split(records, &stated);
         model.state(records, &mut stated);
         model.orient();
         if broken > 0 {

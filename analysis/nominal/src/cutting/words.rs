@@ -94,7 +94,7 @@ impl<P: Nominal> Cutting<P> {
                         shape: words(effect, &scope),
                         typical,
                         greatest: entry.size.max,
-                        least: 0.0,
+                        least: entry.size.min.min(0.0),
                     },
                     action,
                 )
@@ -268,7 +268,7 @@ fn lot(scope: &Scope) -> Option<String> {
 
 /// Shape and scope for people.
 fn words(effect: Effect, scope: &Scope) -> String {
-    let default = Effect::named(effect.entry().id).unwrap_or(effect);
+    let default = effect.default_shape();
     let record = effect.parameters();
     let fields = record
         .fields()

@@ -3,7 +3,7 @@
 use super::Grinding;
 use crate::Candidate;
 use crate::search::{self, Rows, Shape, Sought, Untried, Way};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::{Definition, Effect};
 use toolroom_infeed::Infeed;
 use toolroom_process::Process;
 use toolroom_records::Records;
@@ -24,7 +24,8 @@ impl Action {
 }
 
 impl Grinding {
-    pub(super) fn catalogue(&mut self, records: &Records) {
+    pub(super) fn catalogue(&mut self, records: &Records, defined: &[&'static Definition]) {
+        self.frame.defined = defined.to_vec();
         let latest = self.conditions.latest();
         let greatest = |quantity: &str| match quantity {
             "machine_time" => (latest > 0.0).then_some(latest),
@@ -32,7 +33,7 @@ impl Grinding {
         };
         let ways = &[Way::Coolants, Way::WheelPosition];
         let sought = Sought { process: Infeed::NAME, records, greatest: &greatest, ways };
-        for effect in Effects::every(Infeed::NAME).iter().copied() {
+        for effect in search::effects_of(Infeed::NAME, defined) {
             let id = effect.entry().id;
             let shapes = match sought.shapes(effect) {
                 Ok(shapes) => shapes,
@@ -42,7 +43,13 @@ impl Grinding {
                 }
             };
             for Shape { name, effect, typical, greatest, rows } in shapes {
-                self.frame.candidates.push(Candidate { id, shape: name, typical, greatest, least: 0.0 });
+                self.frame.candidates.push(Candidate {
+                    id,
+                    shape: name,
+                    typical,
+                    greatest,
+                    least: effect.entry().size.min.min(0.0),
+                });
                 self.actions.push(match rows {
                     Rows::Coolant(rows) => Action::Coolant(rows),
                     Rows::SinceDressing => Action::Effect { effect, by_command: true },

@@ -96,7 +96,7 @@ impl Grinding {
         let mut model = Self { process, frame, conditions, rows, changes: Vec::new(), actions: Vec::new(), scattered };
         model.calibration(records, settings);
         model.allowance(records);
-        model.catalogue(records);
+        model.catalogue(records, &stated.defined);
         model.state(&mut stated.clone());
         let groups = &model.frame.measured.group_of_row;
         let conditions = ["infeed_per_rev", "revolutions", "work_rotation_speed"];

@@ -73,7 +73,7 @@ impl Grinding {
                         shape: "of the file".to_owned(),
                         typical,
                         greatest: entry.size.max,
-                        least: 0.0,
+                        least: entry.size.min.min(0.0),
                     };
                     self.frame.candidates.push(candidate);
                     self.actions.push(Action::Effect { effect: effect.with_size(0.0), by_command: false });

@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::Path;
 use toolroom_cutting::{LifeModel, Milling, MillingInput};
-use toolroom_effects::{Effect, Effects};
+use toolroom_effects::{Definition, Effect, Effects};
 use toolroom_form::significant;
 use toolroom_infeed::{Infeed, Parameters};
 use toolroom_process::{Process, ProcessEvent};
@@ -41,6 +41,8 @@ pub struct PointOptions {
     pub changes: Vec<String>,
     /// Effects that are switched on, `id=size`.
     pub effects: Vec<String>,
+    /// Effects that a user has defined.
+    pub defined: Vec<&'static Definition>,
     /// Time by which the process is advanced, with its unit.
     pub advance: Option<String>,
     /// How the life of a turning tool is worked out.
@@ -50,7 +52,14 @@ pub struct PointOptions {
 impl Default for PointOptions {
     /// A set of the demo without changes and effects; lives of a tool body in balance.
     fn default() -> Self {
-        Self { tool: None, changes: Vec::new(), effects: Vec::new(), advance: None, life_model: LifeModel::QuasiSteady }
+        Self {
+            tool: None,
+            changes: Vec::new(),
+            effects: Vec::new(),
+            defined: Vec::new(),
+            advance: None,
+            life_model: LifeModel::QuasiSteady,
+        }
     }
 }
 
@@ -71,7 +80,8 @@ pub struct Point {
 
 /// Effects of the options.
 fn effects(options: &PointOptions) -> Result<Effects, PointError> {
-    let effects = options.effects.iter().map(|text| text.parse::<Effect>()).collect::<Result<Vec<_>, _>>();
+    let effects =
+        options.effects.iter().map(|text| Effect::parse(text, &options.defined)).collect::<Result<Vec<_>, _>>();
     effects.and_then(Effects::new).map_err(PointError::Effect)
 }
 

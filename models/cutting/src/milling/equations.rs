@@ -88,6 +88,9 @@ impl<N: Number> Milling<N> {
             feed_rate: self.feed_rate(u),
             path_curvature: u.path_curvature,
             helical_deviation: u.helical_deviation,
+            feed: u.feed_per_tooth,
+            depth_of_cut: u.depth_of_cut,
+            width_of_cut: u.width_of_cut,
             ..Context::neutral()
         })
     }

@@ -158,6 +158,9 @@ impl<N: Number> Turning<N> {
             pass_time: u.pass_time,
             sensor_time: u.sensor_time,
             feed_override: u.feed_override,
+            feed: u.feed_per_rev,
+            depth_of_cut: u.depth_of_cut,
+            workpiece_diameter: u.workpiece_diameter,
             ..Context::neutral()
         })
     }

@@ -11,7 +11,7 @@ use order::{CALENDAR, ORDER, TABLES};
 pub use policy::SENSORS;
 use resource::{ATTENDANCE, BUFFER, OPERATOR, PLACES, SETUP_MATRIX};
 use serde_json::{Map, Value, json};
-use toolroom_effects::Effect;
+use toolroom_effects::{Effect, USER_EFFECT};
 use toolroom_form::{CURRENCIES, Content, Form, Key, Kind, field, schema};
 
 use super::choices::{FamilyWord, FormatWord, GrowthWord, IsolationWord, PatternWord, ProcessKind};
@@ -598,6 +598,7 @@ pub static SCENARIO: Form = Form {
             "The shop with some values changed, compared with the shop as it is",
         ),
         Key::optional("calibration", Kind::Tables(&CALIBRATION), "Constants that measurements have moved"),
+        Key::optional("effect", Kind::Tables(&USER_EFFECT), "Effects of your own, beside those of the catalogue"),
         Key::optional("tune", Kind::Table(&TUNE), "Tunes the policies before `toolroom compare` judges them"),
         Key::optional("output", Kind::Table(&OUTPUT), "What is written"),
         Key::optional("gap", Kind::Table(&GAP), "Priors and sensors of a diagnosis against measured records"),
@@ -608,9 +609,24 @@ pub static SCENARIO: Form = Form {
 static EFFECTS: Content = Content {
     expected: "a list of effects",
     example: "[{ id = \"wear_force\", size = 0.2 }]",
-    schema: || json!({ "type": "array", "items": { "oneOf": Effect::all().map(effect).collect::<Vec<_>>() } }),
+    schema: || {
+        let all = Effect::all().map(effect).chain([user_effect()]);
+        json!({ "type": "array", "items": { "oneOf": all.collect::<Vec<_>>() } })
+    },
     entry: Some(["id", "size"]),
 };
+
+/// An effect that the file defines itself.
+fn user_effect() -> Value {
+    let amount = json!({ "type": ["number", "string"] });
+    json!({
+        "type": "object", "required": ["id", "size"],
+        "properties": {
+            "id": { "type": "string", "pattern": "\\.", "description": "Id of an [[effect]] of this file" },
+            "size": amount, "standard_error": amount, "shape": { "type": "object" }, "scope": { "type": "object" },
+        },
+    })
+}
 
 /// An effect with its size and shape.
 fn effect(of: Effect) -> Value {

@@ -189,7 +189,7 @@ pub(super) fn effects(
             }
             error = table.remove("standard_error");
         }
-        let Some(effect) = read.read(walk, entry) else { continue };
+        let Some(effect) = read.read(walk, entry, &names.defined) else { continue };
         let field = effect.entry().size;
         let quantity = amounts(field.unit, field.display, 0.0, f64::MAX);
         let standard_error = error.and_then(|raw| {

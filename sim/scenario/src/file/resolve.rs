@@ -14,6 +14,7 @@ use crate::{
 };
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
+use toolroom_effects::{Definition, read_definitions};
 use toolroom_form::{Fault, Got, Section, Span, Value, Walk, nearest};
 use toolroom_process::Record;
 
@@ -31,6 +32,8 @@ pub(super) struct Names {
     pub each_machine: Vec<String>,
     pub tools: Vec<String>,
     pub parts: Vec<String>,
+    /// Effects that the file defines.
+    pub defined: Vec<&'static Definition>,
     /// What scopes and targets may name, whatever the order of the sections.
     pub all: Named,
 }
@@ -97,6 +100,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
     names.skills = skills;
     let crews = transport::crews(walk, root, &mut names);
     let transports = transport::transports(walk, root, &machines);
+    names.defined = read_definitions(walk, root);
     let tools = tools(walk, root, &mut names);
     let parts = routing::parts(walk, root, &mut names, &machines, &tools);
     let arrivals = rules::arrivals(walk, root, &names);
@@ -177,6 +181,7 @@ pub(super) fn scenario(walk: &mut Walk, root: &Section<'_>) -> Option<Resolved> 
         policies,
         deviations,
         calibrations,
+        defined: names.defined,
         currency,
     };
     planned::policies(walk, &scenario, &places);

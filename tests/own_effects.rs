@@ -1,0 +1,179 @@
+//! Effects that users write, effects on a part of the records, and terms that are proposed, from the command line.
+
+use crate::command_line::toolroom;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+const CRATER: &str = r#"schema = 1
+[[effect]]
+id = "my.crater"
+title = "crater weakens the edge in fast cuts"
+process = ["turning"]
+size = { unit = "1", ordinary = 0.1, range = [0.0, 2.0] }
+shape = { reference_speed = { value = "200 m/min", range = ["60 m/min", "400 m/min"], fit = true } }
+changes = [{ term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm) * (cutting_speed / reference_speed)^1.5" }]
+
+[[effect]]
+id = "my.wear"
+process = ["turning"]
+size = { ordinary = 0.2, range = [0, 20] }
+changes = [{ term = "cutting_force", factor = "1 + size * (flank_wear / 0.3 mm)" }]
+"#;
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn at(&self, name: &str) -> String {
+        Path::join(self.0.path(), name).display().to_string()
+    }
+
+    fn put(&self, name: &str, text: &str) -> String {
+        fs::write(self.at(name), text).expect("a writable folder");
+        self.at(name)
+    }
+}
+
+fn done(arguments: &[&str]) -> String {
+    let output = toolroom(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+fn refused(arguments: &[&str]) -> String {
+    let output = toolroom(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn a_point_with_an_effect_of_ones_own_has_its_published_force() {
+    let folder = Folder::new();
+    let file = folder.put("mine.toml", CRATER);
+    let cut = ["cutting_speed=220 m/min", "feed_per_rev=0.3 mm", "depth_of_cut=1.5 mm", "flank_wear=0.2 mm"];
+    let force = |more: &[&str]| {
+        let mut arguments = vec!["point", "turning", "--tool", "c45_t15k6", "--json"];
+        cut.iter().for_each(|change| arguments.extend(["--set", *change]));
+        arguments.extend(more);
+        json(&done(&arguments))["outputs"]["cutting_force [N]"].as_f64().expect("a force")
+    };
+    // An independent calculation.
+    let plain = force(&[]);
+    assert!((plain / 918.316_639_371_382_4 - 1.0).abs() < 1e-12, "{plain}");
+    let own = force(&["--effects", &file, "--effect", "my.wear=0.2"]);
+    assert!((own / 1_040.758_857_954_233_5 - 1.0).abs() < 1e-12, "{own}");
+    assert_eq!(own.to_bits(), force(&["--effect", "wear_force=0.2"]).to_bits());
+    let crater = force(&["--effects", &file, "--effect", "my.crater=0.1"]);
+    assert!((crater / 988.946_804_602_985_3 - 1.0).abs() < 1e-12, "{crater}");
+}
+
+#[test]
+fn a_file_of_effects_is_checked_and_its_faults_have_their_place() {
+    let folder = Folder::new();
+    assert!(done(&["check", &folder.put("mine.toml", CRATER)]).contains("my.crater"));
+    for (from, to, code) in [
+        ("(flank_wear / 0.3 mm)\"", "exp(cutting_time)\"", "effect-unit"),
+        ("size * (flank_wear / 0.3 mm)\"", "size * flank_were\"", "effect-parse"),
+        ("1 + size * (flank_wear / 0.3 mm)\"", "if(flank_wear > 0.2 mm, size, 0)\"", "effect-neutral"),
+        ("1 + size * (flank_wear / 0.3 mm)\"", "1 - size * (flank_wear / 0.3 mm)\"", "effect-range"),
+    ] {
+        let text = CRATER.replace(from, to);
+        assert_ne!(text, CRATER, "{from}");
+        let said = refused(&["check", &folder.put("other.toml", &text)]);
+        assert!(said.contains(code) && said.contains("other.toml:14"), "{to}: {said}");
+    }
+    let said = refused(&["point", "turning", "--effect", "my.crater=0.1"]);
+    assert!(said.contains("no [[effect]] defines `my.crater`"), "{said}");
+    assert!(done(&["effects", "--context"]).contains("depth_of_cut"));
+}
+
+/// The shipped turning shop with three machines over this time.
+fn shop(hours: u32) -> String {
+    let path = format!("{}/scenarios/gap/turning.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(path).expect("a shipped model");
+    text.replace("horizon = \"8 h\"", &format!("horizon = \"{hours} h\"")).replace("count = 2", "count = 3")
+}
+
+/// The shop with an entry in the effects of its tool.
+fn with(shop: &str, entry: &str) -> String {
+    let text = shop.replacen("scatter = \"lab\"", &format!("scatter = \"lab\"\neffects = [{{ {entry} }}]"), 1);
+    assert_ne!(text, shop);
+    text
+}
+
+/// Records of a run.
+fn records(folder: &Folder, shop: &str, seed: u32) -> String {
+    let truth = folder.put("truth.toml", shop);
+    done(&[
+        "run",
+        &truth,
+        "--seed",
+        &seed.to_string(),
+        "--records",
+        &folder.at("r"),
+        "--out",
+        &folder.at("o"),
+        "--force",
+    ]);
+    folder.at("r/operations.csv")
+}
+
+#[test]
+fn an_effect_of_one_machine_is_named_there_and_applied_there() {
+    let folder = Folder::new();
+    let plain = shop(16);
+    let model = folder.put("model.toml", &plain);
+    let truth = with(&plain, "id = \"wear_force\", size = 0.4, scope = { machine = \"L1\" }");
+    let data = records(&folder, &truth, 5);
+    let out = folder.at("d");
+    done(&["gap", "diagnose", "--model", &model, "--data", &data, "--out", &out]);
+    let diagnosis = json(&fs::read_to_string(folder.at("d/diagnosis.json")).expect("a diagnosis"));
+    let named = &diagnosis["effects"][0];
+    assert_eq!(named["id"], "wear_force", "{}", diagnosis["notes"]);
+    assert_eq!(diagnosis["effects"].as_array().map(Vec::len), Some(1));
+    assert_eq!(named["scope"], serde_json::json!({ "machine": ["L1"] }), "{named}");
+    let applied = &diagnosis["applied"]["effects"][0];
+    assert_eq!(applied["scope"], serde_json::json!({ "machine": ["L1"] }), "{applied}");
+    let size = applied["size"]["value"].as_f64().expect("a size");
+    assert!((0.3..0.5).contains(&size), "{size}");
+    let better = folder.at("better.toml");
+    let document = folder.at("d/diagnosis.json");
+    done(&["gap", "apply", "--model", &model, "--diagnosis", &document, "--out", &better]);
+    let text = fs::read_to_string(&better).expect("a model");
+    assert!(text.contains("scope = { machine = \"L1\" }"), "{text}");
+}
+
+#[test]
+fn an_effect_of_ones_own_is_found_in_records_of_a_shop_that_has_it() {
+    let folder = Folder::new();
+    let plain = shop(16);
+    let model = folder.put("model.toml", &plain);
+    let square = r#"
+[[effect]]
+id = "my.deep"
+process = ["turning"]
+size = { ordinary = 0.2, range = [0, 5] }
+changes = [{ term = "temperature_offset", summand = "size * 100 K * step(flank_wear / 0.1 mm - 1)" }]
+"#;
+    let file = folder.put("mine.toml", &format!("schema = 1{square}"));
+    let truth = format!("{}{square}", with(&plain, "id = \"my.deep\", size = 0.5"));
+    let data = records(&folder, &truth, 6);
+    let document = folder.at("d/diagnosis.json");
+    done(&["gap", "diagnose", "--model", &model, "--data", &data, "--effects", &file, "--out", &folder.at("d")]);
+    let diagnosis = json(&fs::read_to_string(&document).expect("a diagnosis"));
+    assert_eq!(diagnosis["effects"][0]["id"], "my.deep", "{}", diagnosis["notes"]);
+    let better = folder.at("better.toml");
+    done(&["gap", "apply", "--model", &model, "--diagnosis", &document, "--out", &better]);
+    let text = fs::read_to_string(&better).expect("a model");
+    assert_eq!(text.matches("[[effect]]").count(), 1, "{text}");
+    done(&["check", &better]);
+}
