@@ -222,7 +222,8 @@ fn a_decision_of_a_scenario_says_what_to_measure_and_edges_that_chip_give_a_rate
     let folder = TempDir::new().expect("a folder");
     let folder = folder.path();
     // The fourth edge chipped.
-    let table = wear(1.0, "flank_wear [mm]")
+    let whole = wear(1.0, "flank_wear [mm]");
+    let table = whole
         .lines()
         .map(|line| if line.starts_with("O3-8") { line.replace(",worn", ",chipped") } else { line.to_owned() });
     fs::write(folder.join("wear.csv"), table.collect::<Vec<_>>().join("\n")).expect("a table");
