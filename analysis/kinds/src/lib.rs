@@ -1,6 +1,7 @@
 //! The kinds of files that toolroom reads: what tells one, its reader, the form of its schema.
 //!
-//! Everything that knows kinds of files, which is `check` and `schema` with their arguments, follows from [`KINDS`].
+//! Everything that knows kinds of files, which is `check`, `schema`, `new` and `reference` with their arguments, follows from
+//! [`KINDS`].
 //!
 //! ```
 //! use std::path::Path;
@@ -23,16 +24,35 @@ mod error;
 mod places;
 mod plan;
 mod readers;
+mod reference;
+mod samples;
+mod warning;
 mod workload;
 
 /// Codes of errors of this crate for `toolroom explain`, each with a longer text.
-pub const CODES: &[(&str, &str)] = &[(
-    "plan",
-    "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
-)];
+pub const CODES: &[(&str, &str)] = &[
+    (
+        "plan",
+        "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
+    ),
+    (
+        "overload",
+        "A warning of check: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. Mean times, one setup a lot, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
+    ),
+    (
+        "late",
+        "A warning of check: an order cannot be finished by its due date even if nothing else is in the shop, every machine stands ready and nothing is set up.",
+    ),
+    (
+        "unusual",
+        "A warning of check: the value is admitted, and shops rarely have it. The usual cause is a slip of the unit, such as a diameter of 0.12 mm for 0.12 m or a feed per minute taken for one per revolution. Nothing is changed; a value that is meant can stay.",
+    ),
+];
 
 pub use error::KindError;
 pub use readers::{Checked, Reader, checked};
+pub use samples::Sample;
+pub use warning::Warning;
 
 use serde_json::{Value, json};
 use std::path::Path;
@@ -58,6 +78,8 @@ pub struct FileKind {
     pub read: Option<Reader>,
     /// What describes it to editors.
     pub form: Described,
+    /// What `new` writes to begin with; none where toolroom makes such files.
+    pub sample: Option<&'static Sample>,
 }
 
 /// The JSON schema of a kind.
@@ -79,6 +101,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
         read: Some(readers::scenario),
         form: Described::By(&SCENARIO),
+        sample: Some(&samples::SCENARIO),
     },
     FileKind {
         word: "structure",
@@ -86,6 +109,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["measurement", "covariance"],
         read: Some(readers::structure),
         form: Described::By(&STRUCTURE),
+        sample: Some(&samples::STRUCTURE),
     },
     FileKind {
         word: "tool",
@@ -93,6 +117,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["segment"],
         read: Some(readers::tool),
         form: Described::By(&TOOL),
+        sample: Some(&samples::TOOL),
     },
     FileKind {
         word: "lobes",
@@ -100,6 +125,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["chart", "mode", "engagement", "chuck", "lathe", "point"],
         read: Some(readers::chart),
         form: Described::By(&LOBES),
+        sample: Some(&samples::LOBES),
     },
     FileKind {
         word: "life",
@@ -107,6 +133,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["condition", "lives", "sampling", "passes", "early", "replacement", "sensitivity"],
         read: Some(readers::study),
         form: Described::By(&toolroom_life::file::STUDY),
+        sample: Some(&samples::LIFE),
     },
     FileKind {
         word: "cycle",
@@ -114,6 +141,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["limits", "conditions", "dressing"],
         read: Some(readers::cycle),
         form: Described::By(&CYCLE),
+        sample: Some(&samples::CYCLE),
     },
     FileKind {
         word: "contour",
@@ -121,6 +149,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["section"],
         read: Some(readers::planned),
         form: Described::By(&CONTOUR),
+        sample: Some(&samples::CONTOUR),
     },
     FileKind {
         word: "setup",
@@ -128,6 +157,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
         read: Some(readers::setup),
         form: Described::By(&SETUP),
+        sample: Some(&samples::SETUP),
     },
     FileKind {
         word: "mapping",
@@ -135,6 +165,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["column", "keep", "rows_per_operation"],
         read: Some(readers::mapping),
         form: Described::By(&MAPPING),
+        sample: Some(&samples::MAPPING),
     },
     FileKind {
         word: "gap",
@@ -142,6 +173,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["gap", "drives", "program"],
         read: Some(readers::nominal),
         form: Described::ByOneOf(&NominalModel::FORMS),
+        sample: Some(&samples::GAP),
     },
     FileKind {
         word: "parameter-set",
@@ -149,6 +181,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &["based_on", "handbook", "law", "material", "prior", "parameters"],
         read: Some(readers::parameter_set),
         form: Described::By(&toolroom_wear::PARAMETER_SET),
+        sample: Some(&samples::PARAMETER_SET),
     },
     plan::KIND,
     FileKind {
@@ -157,6 +190,7 @@ pub static KINDS: &[FileKind] = &[
         signs: &[],
         read: None,
         form: Described::Text(include_str!("../../../scenarios/schema/diagnosis.schema.json")),
+        sample: None,
     },
 ];
 
@@ -228,6 +262,37 @@ impl FileKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_sample_is_of_its_kind_and_its_reader_takes_it() {
+        for kind in KINDS {
+            let Some(sample) = kind.sample else {
+                assert!(["plan", "diagnosis"].contains(&kind.word), "{} has no sample", kind.word);
+                continue;
+            };
+            let folder = tempfile::tempdir().expect("a folder");
+            for (name, text) in sample.files {
+                std::fs::write(folder.path().join(name), text).expect("written");
+            }
+            let file = folder.path().join(sample.files[0].0);
+            let told = FileKind::of(&file).expect("a kind");
+            // A scenario may be a nominal model: the reader of scenarios is asked first.
+            assert!(told.word == kind.word || kind.word == "gap", "{} is told as {}", kind.word, told.word);
+            let read = (kind.read.expect("a reader"))(&file, &[]);
+            assert!(read.is_ok(), "{}: {}", kind.word, read.expect_err("refused"));
+        }
+    }
+
+    #[test]
+    fn the_reference_has_every_key_of_every_kind() {
+        for kind in KINDS {
+            let page = kind.reference();
+            let Described::By(form) = kind.form else { continue };
+            for key in form.keys {
+                assert!(page.contains(&format!("| `{}` |", key.name)), "{}: {}", kind.word, key.name);
+            }
+        }
+    }
 
     #[test]
     fn every_kind_has_a_schema() {
