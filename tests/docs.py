@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The documents hold: commands of the tutorial run in an empty folder and print what the page shows, links lead somewhere.
+"""The documents hold: links lead somewhere, the examples of `new` run, and so do the commands of the tutorial in an empty folder,
+which print what the page shows.
 
     python3 tests/docs.py target/debug/toolroom
 
@@ -9,8 +10,10 @@ exit code 0. A block after a line "File `NAME`:" is saved, and "In `NAME`, repla
 """
 
 import argparse
+import json
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -80,6 +83,25 @@ def follow(page, program):
     return missing
 
 
+def examples(program):
+    """Writes the example of every kind, and runs the commands that `new` names for it in its folder."""
+    usage = subprocess.run([program, "new", "--help"], capture_output=True, text=True, check=True).stdout
+    kinds = re.findall(r"^\s+- ([\w-]+):", usage, flags=re.M)
+    assert len(kinds) > 10, usage
+    for kind in kinds:
+        with tempfile.TemporaryDirectory() as folder:
+            told = subprocess.run([program, "new", kind, folder + "/new", "--json"], capture_output=True, text=True, check=True)
+            for command in json.loads(told.stdout)["next"]:
+                start = time.monotonic()
+                words = shlex.split(command)
+                assert words[0] == "toolroom", command
+                done = subprocess.run([program, *words[1:]], cwd=folder + "/new", capture_output=True, text=True,
+                                      timeout=LONGEST, check=False)
+                if done.returncode:
+                    sys.exit(f"new {kind}: `{command}` ends with {done.returncode}\n{done.stdout}{done.stderr}")
+                print(f"{time.monotonic() - start:6.1f} s  {command}", flush=True)
+
+
 def dead_links(page):
     """Links of a page to files and headings that are not there."""
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
@@ -121,6 +143,7 @@ def main():
     if book():
         sys.exit(f"pages that docs/SUMMARY.md does not name: {', '.join(book())}")
     print(f"{len(pages)} pages, every link leads somewhere")
+    examples(arguments.program.resolve())
     start = time.monotonic()
     missing = follow(PAGE, arguments.program)
     if missing:

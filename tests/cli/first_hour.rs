@@ -56,7 +56,7 @@ fn a_shipped_file_is_taken_by_its_name() {
     assert!(verdict.is_object());
     let out = directory("cli", "builtin").join("out").display().to_string();
     let life =
-        toolroom(&["life", "builtin:constant", "--lives", "50", "--set", "sensitivity.samples=8", "--out", &out]);
+        toolroom(&["life", "builtin:constant", "--lives", "50", "--set", "sensitivity.samples=64", "--out", &out]);
     assert_eq!(life.status.code(), Some(0), "{}", stderr(&life));
     let unknown = toolroom(&["check", "builtin:polices"]);
     assert_eq!(unknown.status.code(), Some(2));
