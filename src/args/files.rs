@@ -51,7 +51,7 @@ fn described() -> impl TypedValueParser<Value = &'static FileKind> {
 
 /// Words of the kinds of which there is an example.
 fn sampled() -> impl TypedValueParser<Value = &'static FileKind> {
-    of_kinds(|kind| kind.sample.is_some())
+    of_kinds(|kind| kind.sample().is_some())
 }
 
 /// Words of the kinds that can be read.

@@ -78,8 +78,6 @@ pub struct FileKind {
     pub read: Option<Reader>,
     /// What describes it to editors.
     pub form: Described,
-    /// What `new` writes to begin with; none where toolroom makes such files.
-    pub sample: Option<&'static Sample>,
 }
 
 /// The JSON schema of a kind.
@@ -101,7 +99,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["shop", "part", "arrivals", "dispatch", "calendar", "failure", "deviation"],
         read: Some(readers::scenario),
         form: Described::By(&SCENARIO),
-        sample: Some(&samples::SCENARIO),
     },
     FileKind {
         word: "structure",
@@ -109,7 +106,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["measurement", "covariance"],
         read: Some(readers::structure),
         form: Described::By(&STRUCTURE),
-        sample: Some(&samples::STRUCTURE),
     },
     FileKind {
         word: "tool",
@@ -117,7 +113,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["segment"],
         read: Some(readers::tool),
         form: Described::By(&TOOL),
-        sample: Some(&samples::TOOL),
     },
     FileKind {
         word: "lobes",
@@ -125,7 +120,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["chart", "mode", "engagement", "chuck", "lathe", "point"],
         read: Some(readers::chart),
         form: Described::By(&LOBES),
-        sample: Some(&samples::LOBES),
     },
     FileKind {
         word: "life",
@@ -133,7 +127,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["condition", "lives", "sampling", "passes", "early", "replacement", "sensitivity"],
         read: Some(readers::study),
         form: Described::By(&toolroom_life::file::STUDY),
-        sample: Some(&samples::LIFE),
     },
     FileKind {
         word: "cycle",
@@ -141,7 +134,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["limits", "conditions", "dressing"],
         read: Some(readers::cycle),
         form: Described::By(&CYCLE),
-        sample: Some(&samples::CYCLE),
     },
     FileKind {
         word: "contour",
@@ -149,7 +141,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["section"],
         read: Some(readers::planned),
         form: Described::By(&CONTOUR),
-        sample: Some(&samples::CONTOUR),
     },
     FileKind {
         word: "setup",
@@ -157,7 +148,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["pass", "cutter_side", "path_error", "form_error", "corners"],
         read: Some(readers::setup),
         form: Described::By(&SETUP),
-        sample: Some(&samples::SETUP),
     },
     FileKind {
         word: "mapping",
@@ -165,7 +155,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["column", "keep", "rows_per_operation"],
         read: Some(readers::mapping),
         form: Described::By(&MAPPING),
-        sample: Some(&samples::MAPPING),
     },
     FileKind {
         word: "gap",
@@ -173,7 +162,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["gap", "drives", "program"],
         read: Some(readers::nominal),
         form: Described::ByOneOf(&NominalModel::FORMS),
-        sample: Some(&samples::GAP),
     },
     FileKind {
         word: "parameter-set",
@@ -181,7 +169,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &["based_on", "handbook", "law", "material", "prior", "parameters"],
         read: Some(readers::parameter_set),
         form: Described::By(&toolroom_wear::PARAMETER_SET),
-        sample: Some(&samples::PARAMETER_SET),
     },
     plan::KIND,
     FileKind {
@@ -190,7 +177,6 @@ pub static KINDS: &[FileKind] = &[
         signs: &[],
         read: None,
         form: Described::Text(include_str!("../../../scenarios/schema/diagnosis.schema.json")),
-        sample: None,
     },
 ];
 
@@ -198,6 +184,11 @@ impl FileKind {
     /// The kind of this word.
     pub fn named(word: &str) -> Option<&'static Self> {
         KINDS.iter().find(|kind| kind.word == word)
+    }
+
+    /// What `new` writes to begin with; none where toolroom makes such files.
+    pub fn sample(&self) -> Option<&'static Sample> {
+        samples::SAMPLES.iter().find(|(word, _)| *word == self.word).map(|(_, sample)| *sample)
     }
 
     /// The kind of a file by its parsed content.
@@ -265,11 +256,9 @@ mod tests {
 
     #[test]
     fn every_sample_is_of_its_kind_and_its_reader_takes_it() {
+        assert!(samples::SAMPLES.iter().all(|(word, _)| FileKind::named(word).is_some()));
         for kind in KINDS {
-            let Some(sample) = kind.sample else {
-                assert!(["plan", "diagnosis"].contains(&kind.word), "{} has no sample", kind.word);
-                continue;
-            };
+            let Some(sample) = kind.sample() else { continue };
             let folder = tempfile::tempdir().expect("a folder");
             for (name, text) in sample.files {
                 std::fs::write(folder.path().join(name), text).expect("written");

@@ -13,7 +13,6 @@ pub const KIND: FileKind = FileKind {
     signs: &["pieces", "shards"],
     read: Some(check),
     form: Described::Text(include_str!("../../../scenarios/schema/plan.schema.json")),
-    sample: None,
 };
 
 /// What `check` says of a plan: whether a shard of it would begin.

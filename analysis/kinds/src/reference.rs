@@ -12,7 +12,7 @@ impl FileKind {
             let signs: Vec<String> = self.signs.iter().map(|sign| format!("`{sign}`")).collect();
             let _ = writeln!(text, "Such a file is told by one of these at its top: {}.\n", signs.join(", "));
         }
-        if let Some(sample) = self.sample {
+        if let Some(sample) = self.sample() {
             let _ = writeln!(text, "To begin one:\n\n```sh\ntoolroom new {} my-{0}\ncd my-{0}", self.word);
             for command in sample.next {
                 let _ = writeln!(text, "{command}");

@@ -9,6 +9,21 @@ pub struct Sample {
     pub next: &'static [&'static str],
 }
 
+/// The example of each kind that has one, by the word of the kind.
+pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
+    ("scenario", &SCENARIO),
+    ("structure", &STRUCTURE),
+    ("tool", &TOOL),
+    ("lobes", &LOBES),
+    ("life", &LIFE),
+    ("cycle", &CYCLE),
+    ("contour", &CONTOUR),
+    ("setup", &SETUP),
+    ("mapping", &MAPPING),
+    ("gap", &GAP),
+    ("parameter-set", &PARAMETER_SET),
+];
+
 /// A file of the scenarios, by its path there.
 macro_rules! scenarios {
     ($path:literal) => {
@@ -16,12 +31,12 @@ macro_rules! scenarios {
     };
 }
 
-pub(crate) static SCENARIO: Sample = Sample {
+static SCENARIO: Sample = Sample {
     files: &[("scenario.toml", scenarios!("template.toml"))],
     next: &["toolroom check scenario.toml", "toolroom compare scenario.toml"],
 };
 
-pub(crate) static STRUCTURE: Sample = Sample {
+static STRUCTURE: Sample = Sample {
     files: &[
         ("structure.toml", scenarios!("chatter/spindle.toml")),
         ("endmill12.toml", scenarios!("chatter/endmill12.toml")),
@@ -29,36 +44,36 @@ pub(crate) static STRUCTURE: Sample = Sample {
     next: &["toolroom swap structure.toml --tool endmill12.toml --out structure-d12.toml"],
 };
 
-pub(crate) static TOOL: Sample = Sample {
+static TOOL: Sample = Sample {
     files: &[("tool.toml", scenarios!("chatter/endmill12.toml")), ("spindle.toml", scenarios!("chatter/spindle.toml"))],
     next: &["toolroom swap spindle.toml --tool tool.toml --out structure-d12.toml"],
 };
 
-pub(crate) static LOBES: Sample = Sample {
+static LOBES: Sample = Sample {
     files: &[("chart.toml", scenarios!("chatter/milling-slot.toml"))],
     next: &["toolroom lobes chart.toml", "toolroom lobes chart.toml --at \"5000 rpm\" \"0.5 mm\""],
 };
 
-pub(crate) static LIFE: Sample =
+static LIFE: Sample =
     Sample { files: &[("study.toml", scenarios!("life/policies.toml"))], next: &["toolroom life study.toml"] };
 
-pub(crate) static CYCLE: Sample =
+static CYCLE: Sample =
     Sample { files: &[("cycle.toml", scenarios!("grinding/cycle.toml"))], next: &["toolroom grind cycle.toml"] };
 
-pub(crate) static CONTOUR: Sample =
+static CONTOUR: Sample =
     Sample { files: &[("contour.toml", scenarios!("contour/rk3.toml"))], next: &["toolroom contour contour.toml"] };
 
-pub(crate) static SETUP: Sample = Sample {
+static SETUP: Sample = Sample {
     files: &[("setup.toml", scenarios!("new/setup.toml")), ("part.nc", scenarios!("new/part.nc"))],
     next: &["toolroom contour setup.toml --gcode part.nc"],
 };
 
-pub(crate) static MAPPING: Sample = Sample {
+static MAPPING: Sample = Sample {
     files: &[("map.toml", scenarios!("new/map.toml")), ("log.csv", scenarios!("new/log.csv"))],
     next: &["toolroom import csv log.csv --map map.toml --out records"],
 };
 
-pub(crate) static GAP: Sample = Sample {
+static GAP: Sample = Sample {
     files: &[
         ("turning.toml", scenarios!("gap/turning.toml")),
         ("map.toml", scenarios!("new/map.toml")),
@@ -71,7 +86,7 @@ pub(crate) static GAP: Sample = Sample {
     ],
 };
 
-pub(crate) static PARAMETER_SET: Sample = Sample {
+static PARAMETER_SET: Sample = Sample {
     files: &[("set.toml", scenarios!("parameters/own/our-42crmo4.toml")), ("wear.csv", scenarios!("new/wear.csv"))],
     next: &[
         "toolroom point turning --tool ./set.toml --set cutting_speed=\"200 m/min\"",

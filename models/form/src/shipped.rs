@@ -10,64 +10,8 @@ use std::path::Path;
 /// What stands before the name of a shipped file.
 pub const SHIPPED: &str = "builtin:";
 
-/// Paths below `scenarios/`, each with its text.
-macro_rules! held {
-    ($($path:literal)*) => { &[$(($path, include_str!(concat!("../../../scenarios/", $path)))),*] };
-}
-
-/// Shipped files by their path.
-static FILES: &[(&str, &str)] = held![
-    "adverse.toml"
-    "chatter-policies.toml"
-    "chatter/chuck-fig2.toml"
-    "chatter/chuck-fig4.toml"
-    "chatter/endmill.toml"
-    "chatter/endmill12.toml"
-    "chatter/milling-slot.toml"
-    "chatter/shaft.toml"
-    "chatter/speed-variation.toml"
-    "chatter/spindle.toml"
-    "chatter/turning-bar.toml"
-    "chuck-fig3.toml"
-    "constant-vs-adaptive.toml"
-    "contour-milling.toml"
-    "contour/cam.toml"
-    "contour/mc1.toml"
-    "contour/rk3.toml"
-    "data/zb153u_trials.csv"
-    "demo.toml"
-    "fmu-lathe-native.toml"
-    "fmu-lathe.toml"
-    "gap/18-tools.toml"
-    "gap/grinding.toml"
-    "gap/map-18-tools.toml"
-    "gap/map-nasa-mill.toml"
-    "gap/map-phm2010.toml"
-    "gap/map-vicomtech.toml"
-    "gap/milling.toml"
-    "gap/nasa-mill.toml"
-    "gap/phm2010.toml"
-    "gap/program.toml"
-    "gap/shop.toml"
-    "gap/turning.toml"
-    "gap/vicomtech.toml"
-    "grinder-bottleneck.toml"
-    "grinding-policies.toml"
-    "grinding/cycle.toml"
-    "life/constant.toml"
-    "life/early.toml"
-    "life/policies.toml"
-    "life/taylor-grid.toml"
-    "shop/cell.toml"
-    "shop/ft06.toml"
-    "shop/line.toml"
-    "shop/operators.toml"
-    "shop/orders.csv"
-    "shop/orders.toml"
-    "shop/queue.toml"
-    "steel-shafts.toml"
-    "template.toml"
-];
+/// Every file of `scenarios/` that commands take, by its path there, with its text: listed by the build script.
+static FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/shipped.rs"));
 
 /// Names of the shipped files: paths without the ending `.toml`.
 pub fn shipped_names() -> impl Iterator<Item = &'static str> {
@@ -79,11 +23,17 @@ fn name(path: &Path) -> Option<String> {
     Some(path.to_str()?.strip_prefix(SHIPPED)?.replace('\\', "/"))
 }
 
-/// The shipped file of a name.
+/// The shipped file of a name: of its whole path, or of its last part where only one file has it.
 fn held(name: &str) -> Option<(&'static str, &'static str)> {
     let whole = |path: &str| path == name || path.strip_suffix(".toml") == Some(name);
-    let last = |path: &str| path.rsplit('/').next().is_some_and(whole);
-    FILES.iter().find(|(path, _)| whole(path)).or_else(|| FILES.iter().find(|(path, _)| last(path))).copied()
+    if let Some(file) = FILES.iter().find(|(path, _)| whole(path)) {
+        return Some(*file);
+    }
+    let mut last = FILES.iter().filter(|(path, _)| path.rsplit('/').next().is_some_and(whole));
+    match (last.next(), last.next()) {
+        (Some(file), None) => Some(*file),
+        _ => None,
+    }
 }
 
 /// A path as it is; that of a shipped file with its whole name, so that what the file names is found beside it.
@@ -129,11 +79,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_without_folder_and_ending_is_enough_and_means_one_file() {
+    fn a_name_without_ending_is_enough_and_without_folder_where_it_is_the_only_one() {
+        let last = |path: &'static str| path.rsplit('/').next().unwrap_or(path);
         for (path, text) in FILES {
             let stem = path.strip_suffix(".toml").unwrap_or(path);
-            let last = stem.rsplit('/').next().expect("a name");
-            for name in [*path, stem, last] {
+            let alone = FILES.iter().filter(|(other, _)| last(other) == last(path)).count() == 1;
+            for name in [*path, stem].into_iter().chain(alone.then(|| last(path))) {
                 let place = format!("{SHIPPED}{name}");
                 assert_eq!(bytes(Path::new(&place)).expect(name), text.as_bytes(), "{name}");
                 assert_eq!(place_of(Path::new(&place)), Path::new(&format!("{SHIPPED}{path}")), "{name}");
@@ -142,21 +93,9 @@ mod tests {
     }
 
     #[test]
-    fn every_file_of_the_scenarios_is_shipped() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
-        let mut folders = vec![root.clone()];
-        while let Some(folder) = folders.pop() {
-            for entry in std::fs::read_dir(folder).expect("a folder") {
-                let path = entry.expect("an entry").path();
-                let below = path.strip_prefix(&root).expect("below").to_str().expect("text").replace('\\', "/");
-                // Parameter sets have their own names, and samples are given by `new`.
-                if path.is_dir() && !["parameters", "schema", "new"].contains(&below.as_str()) {
-                    folders.push(path);
-                } else if path.extension().is_some_and(|ending| ending == "toml") {
-                    assert!(held(&below).is_some_and(|(own, _)| own == below), "{below} is not shipped");
-                }
-            }
-        }
+    fn scenarios_are_shipped_and_parameter_sets_have_their_own_names() {
+        assert!(held("life/policies").is_some() && held("orders.csv").is_some());
+        assert!(FILES.iter().all(|(path, _)| !path.starts_with("parameters/") && !path.starts_with("new/")));
     }
 
     #[test]
