@@ -15,7 +15,7 @@ mod program;
 
 pub use calibrate::CalibrateArgs;
 pub use calibration_data::CalibrationData;
-pub use files::{CheckArgs, NewArgs, SchemaArgs};
+pub use files::{CheckArgs, NewArgs, ReferenceArgs, SchemaArgs};
 pub use gap::{
     ApplyArgs, BlindArgs, BlindCases, DiagnoseArgs, GapCommand, GapData, IdentifiabilityArgs, LoopArgs, PlanArgs,
     PredictArgs, WatchArgs,
@@ -67,6 +67,12 @@ pub struct Common {
     /// Say more about how the work was done
     #[arg(long, short, global = true)]
     pub verbose: bool,
+    /// Tables as wide as they are, whatever the width of the terminal
+    #[arg(long, global = true)]
+    pub wide: bool,
+    /// Memory at which the work is ended and what is finished is kept, such as "4 GB"; half of the machine, if left out
+    #[arg(long, global = true, value_name = "SIZE", value_parser = toolroom_output::memory::bound)]
+    pub max_memory: Option<u64>,
     /// Replace files that toolroom did not write, or that were changed since; never an input
     #[arg(long, global = true)]
     pub force: bool,
@@ -107,10 +113,15 @@ pub enum Command {
 Runs of one seed in which the same machines, tools, operations, sources and failures draw are paired by replication;
 others are compared as independent samples, and the output says why.")]
     Diff(DiffArgs),
-    /// Write a commented scenario to edit
-    #[command(before_help = "Examples:
+    /// Write a commented file of any kind to edit, with sample data
+    #[command(
+        allow_missing_positional = true,
+        before_help = "Examples:
   toolroom new myshop            writes myshop/scenario.toml and its schema for editors
-  toolroom compare myshop/scenario.toml")]
+  toolroom compare myshop/scenario.toml
+  toolroom new gap mygap         a nominal model, a mapping and 168 records of a lathe
+  toolroom new lobes mychart     a stability chart; other kinds: toolroom new --help"
+    )]
     New(NewArgs),
     /// Validate a file of any kind: every problem at once, quantities echoed with units
     #[command(before_help = "Examples:
@@ -239,6 +250,11 @@ A lobes file takes the result by coefficients = \"al7075.toml\" in [force] or [c
     /// Systems of FMI units as SSP packages: look into one, run one
     #[command(subcommand)]
     Ssp(SspCommand),
+    /// Write the reference: every command, key, key figure, effect and error code
+    #[command(before_help = "Examples:
+  toolroom reference out/reference        pages in Markdown
+  toolroom reference --man ~/.local/share/man/man1")]
+    Reference(ReferenceArgs),
     /// Print the JSON schema of a kind of file, for editors
     #[command(before_help = "Examples:
   toolroom schema > scenario.schema.json

@@ -8,5 +8,5 @@ use clap::CommandFactory;
 pub fn run(args: &CompletionsArgs, voice: &Voice) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Toolroom::command(), "toolroom", &mut script);
-    voice.data(String::from_utf8_lossy(&script).trim_end())
+    voice.raw(String::from_utf8_lossy(&script).trim_end())
 }

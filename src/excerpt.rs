@@ -15,7 +15,8 @@ pub struct Excerpt {
     file: String,
     line: usize,
     column: usize,
-    source: NamedSource<String>,
+    /// The text; none where its lines are too long to be shown.
+    source: Option<NamedSource<String>>,
     label: Option<LabeledSpan>,
 }
 
@@ -25,6 +26,7 @@ impl Excerpt {
         let excerpt = |problem: &toolroom_form::Problem| {
             let place = list.place(problem);
             let (file, text) = list.source(place.origin);
+            let shown = shown(text, place.line);
             Self {
                 code: problem.fault.code(),
                 message: problem.fault.to_string(),
@@ -32,8 +34,8 @@ impl Excerpt {
                 file: file.to_owned(),
                 line: place.line,
                 column: place.column,
-                source: NamedSource::new(file, text.to_owned()),
-                label: label(text, place.span),
+                source: shown.then(|| NamedSource::new(file, text.to_owned())),
+                label: label(text, place.span).filter(|_| shown),
             }
         };
         list.problems.iter().map(excerpt).collect()
@@ -58,9 +60,21 @@ fn label(text: &str, span: Range<usize>) -> Option<LabeledSpan> {
     (!text.is_empty()).then(|| LabeledSpan::new_with_span(None, span.start..span.start + length))
 }
 
+/// Longest line of a text that is shown around a fault, bytes.
+const LONGEST_LINE: usize = 1000;
+
+/// Whether the line of a fault and its neighbours can be shown.
+fn shown(text: &str, line: usize) -> bool {
+    text.lines().skip(line.saturating_sub(3)).take(5).all(|line| line.len() <= LONGEST_LINE)
+}
+
 impl fmt::Display for Excerpt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        f.write_str(&self.message)?;
+        if self.source.is_none() {
+            write!(f, " ({}, line {}, column {})", self.file, self.line, self.column)?;
+        }
+        Ok(())
     }
 }
 
@@ -76,7 +90,7 @@ impl Diagnostic for Excerpt {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.source)
+        self.source.as_ref().map(|source| source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {

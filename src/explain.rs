@@ -8,28 +8,30 @@ use toolroom_form::CODES;
 use toolroom_gap::program;
 use toolroom_scenario::file;
 
+/// Every code with its text.
+pub fn codes() -> impl Iterator<Item = (&'static str, &'static str)> {
+    [
+        CODES,
+        file::CODES,
+        program::CODES,
+        toolroom_effects::CODES,
+        toolroom_kinds::CODES,
+        toolroom_planning::CODES,
+        toolroom_program::CODES,
+        toolroom_shop::CODES,
+        toolroom_watch::CODES,
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
+}
+
 pub fn run(args: &ExplainArgs, voice: &Voice) -> Result<(), Failure> {
-    let all = || {
-        [
-            CODES,
-            file::CODES,
-            program::CODES,
-            toolroom_effects::CODES,
-            toolroom_kinds::CODES,
-            toolroom_planning::CODES,
-            toolroom_program::CODES,
-            toolroom_shop::CODES,
-            toolroom_watch::CODES,
-        ]
-        .into_iter()
-        .flatten()
-        .copied()
-    };
     let wanted: Vec<(&str, &str)> = match &args.code {
-        None => all().collect(),
+        None => codes().collect(),
         Some(code) => {
-            let (_, text) = all().find(|(known, _)| known == code).ok_or_else(|| {
-                let known = all().map(|(code, _)| code).collect::<Vec<_>>().join(", ");
+            let (_, text) = codes().find(|(known, _)| known == code).ok_or_else(|| {
+                let known = codes().map(|(code, _)| code).collect::<Vec<_>>().join(", ");
                 Failure::argument(format_args!("there is no error code `{code}`"), format_args!("codes: {known}"))
             })?;
             vec![(code, text)]

@@ -69,6 +69,20 @@ impl Failure {
         Self::Argument { message: message.to_string(), help: Some(help.to_string()) }
     }
 
+    /// A word for programs.
+    fn code(&self) -> &'static str {
+        match self {
+            Self::File(_) => "unreadable",
+            Self::Argument { .. } => "argument",
+            Self::Work { .. } | Self::Json(_) => "work",
+            Self::Stopped { .. } => "stopped",
+            Self::TooLittle { .. } => "too-little",
+            Self::Alarm { .. } => "alarm",
+            Self::Interrupted { .. } => "interrupted",
+            Self::Unwritable { .. } => "unwritable",
+        }
+    }
+
     /// Tells the user and chooses the exit code.
     pub fn report(&self, voice: &Voice) -> ExitCode {
         match self {
@@ -85,7 +99,12 @@ impl Failure {
                 voice.error(format_args!("warning: the shop has changed: {message}"));
                 ExitCode::from(3)
             }
-            Self::Interrupted { message, help } => self.plain(voice, message, Some(help), stop::exit_code()),
+            Self::Interrupted { message, help } => match stop::out_of_memory() {
+                Some((reason, way)) => {
+                    self.plain(voice, format!("{reason}; {message}"), Some(&format!("{way}; {help}")), 1)
+                }
+                None => self.plain(voice, message, Some(help), stop::exit_code()),
+            },
             Self::Unwritable { path, source } => {
                 let message = format!("{} cannot be written: {source}", path.display());
                 // A wrong path is the user's to mend, a full disk is not in the command.
@@ -97,6 +116,7 @@ impl Failure {
     }
 
     fn plain(&self, voice: &Voice, message: impl fmt::Display, help: Option<&str>, code: u8) -> ExitCode {
+        told(voice, self.code(), &message.to_string(), help);
         voice.error(format_args!("error: {message}"));
         if let Some(help) = help {
             voice.error(format_args!("  help: {help}"));
@@ -159,12 +179,24 @@ impl From<KindError> for Failure {
     }
 }
 
+/// Tells a program that asked for JSON why there is no result, unless one was printed before.
+pub fn told(voice: &Voice, code: &str, message: &str, help: Option<&str>) {
+    if voice.json && !voice.has_spoken() {
+        let error = serde_json::json!({ "code": code, "message": message, "help": help });
+        // Where standard output is gone there is nobody to tell.
+        let _ = voice.json(&serde_json::json!({ "schema": 1, "error": error }));
+    }
+}
+
 /// Tells the faults of a file, to programs too, and chooses the exit code.
 fn refuse(voice: &Voice, file: &str, faults: Vec<Excerpt>) -> ExitCode {
     if voice.json {
         // The verb's result would have been JSON: so is its refusal.
         let problems: Vec<serde_json::Value> = faults.iter().map(Excerpt::json).collect();
-        let _ = voice.json(&serde_json::json!({ "schema": 1, "file": file, "valid": false, "problems": problems }));
+        let error = problems.first().cloned();
+        let result =
+            serde_json::json!({ "schema": 1, "error": error, "file": file, "valid": false, "problems": problems });
+        let _ = voice.json(&result);
     }
     let count = faults.len();
     for fault in faults {

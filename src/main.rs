@@ -33,6 +33,7 @@ mod new;
 mod point;
 mod program;
 mod progress;
+mod reference;
 mod report;
 mod run;
 mod schema;
@@ -48,10 +49,10 @@ use clap::Parser;
 use failure::Failure;
 use speak::Voice;
 use std::process::ExitCode;
-use toolroom_output::signals;
+use toolroom_output::{memory, signals};
 
 fn main() -> ExitCode {
-    let Toolroom { command, common } = Toolroom::parse();
+    let Toolroom { command, common } = Toolroom::try_parse().unwrap_or_else(|error| refused(&error));
     let voice = Voice::new(&common);
     toolroom_study::draws::register();
     #[cfg(feature = "fmu-import")]
@@ -60,12 +61,32 @@ fn main() -> ExitCode {
     let watched = if matches!(command, Command::Fmu(args::FmuCommand::Worker)) {
         Ok(())
     } else {
-        signals::watch().map_err(Failure::from)
+        signals::watch(common.max_memory.or_else(memory::default_bound)).map_err(Failure::from)
     };
     match watched.and_then(|()| perform(command, &voice)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(&voice),
     }
+}
+
+/// Ends with what clap says of a command line that cannot be understood; as JSON, too, where that was asked for.
+fn refused(error: &clap::Error) -> ! {
+    if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
+        let voice = Voice::new(&args::Common {
+            json: true,
+            quiet: false,
+            verbose: false,
+            wide: false,
+            force: false,
+            max_memory: None,
+        });
+        let text = error.to_string();
+        // The first paragraph; usage and the way to help follow it.
+        let words: Vec<&str> = text.split("\n\n").next().unwrap_or_default().split_whitespace().collect();
+        let message = words.join(" ");
+        failure::told(&voice, "usage", message.strip_prefix("error: ").unwrap_or(&message), None);
+    }
+    error.exit()
 }
 
 fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
@@ -95,6 +116,7 @@ fn perform(command: Command, voice: &Voice) -> Result<(), Failure> {
         Command::Effects(args) => effects::run(&args, voice),
         Command::Fmu(command) => fmu::run(&command, voice),
         Command::Ssp(command) => ssp::run(&command, voice),
+        Command::Reference(args) => reference::run(&args, voice),
         Command::Schema(args) => schema::run(&args, voice),
         Command::Gap(command) => gap::run(&command, voice),
         Command::Import(command) => import::run(&command, voice),

@@ -18,7 +18,7 @@ pub fn run(args: &ReportArgs, voice: &Voice) -> Result<(), Failure> {
     if voice.json {
         voice.json(&results.summary)?;
     } else {
-        voice.data(report.display())?;
+        voice.raw(report.display())?;
         let decision = results.summary["decision"]["line"].as_str().filter(|_| results.run["replications"] != 0);
         if let Some(line) = decision {
             voice.say(line);

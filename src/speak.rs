@@ -5,6 +5,8 @@ use crate::failure::Failure;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use toolroom_output::fitted;
 
 /// What the flags of every verb ask for: how much is said, in which form, and what may be replaced.
 #[derive(Clone, Copy, Debug)]
@@ -15,18 +17,38 @@ pub struct Voice {
     pub colour: bool,
     /// Whether files of others are replaced.
     pub force: bool,
+    /// Columns of the terminal into which tables have to fit; none for files, pipes and `--wide`.
+    pub width: Option<usize>,
     quiet: bool,
     verbose: bool,
 }
 
+/// Whether anything was written to standard output.
+static SPOKEN: AtomicBool = AtomicBool::new(false);
+
 impl Voice {
     pub fn new(common: &Common) -> Self {
         let colour = io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-        Self { json: common.json, colour, force: common.force, quiet: common.quiet, verbose: common.verbose }
+        let width = if common.wide { None } else { columns() };
+        Self { json: common.json, colour, force: common.force, width, quiet: common.quiet, verbose: common.verbose }
     }
 
-    /// Data to standard output. A reader that has seen enough (`| head`) is no failure.
+    /// Whether data were written.
+    pub fn has_spoken(&self) -> bool {
+        SPOKEN.load(Ordering::Relaxed)
+    }
+
+    /// Data for people to standard output, wrapped to the terminal.
     pub fn data(&self, text: impl Display) -> Result<(), Failure> {
+        match self.width {
+            Some(width) => self.raw(fitted(&text.to_string(), width)),
+            None => self.raw(text),
+        }
+    }
+
+    /// Data to standard output as they are. A reader that has seen enough (`| head`) is no failure.
+    pub fn raw(&self, text: impl Display) -> Result<(), Failure> {
+        SPOKEN.store(true, Ordering::Relaxed);
         let mut out = io::stdout().lock();
         match writeln!(out, "{text}").and_then(|()| out.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -38,13 +60,16 @@ impl Voice {
 
     /// A result as JSON, indented.
     pub fn json(&self, value: &impl Serialize) -> Result<(), Failure> {
-        self.data(serde_json::to_string_pretty(value).map_err(Failure::Json)?)
+        self.raw(serde_json::to_string_pretty(value).map_err(Failure::Json)?)
     }
 
     /// A line about what happens; silent with `--quiet`.
     pub fn say(&self, text: impl Display) {
         if !self.quiet {
-            self.error(text);
+            match self.width {
+                Some(width) => self.error(fitted(&text.to_string(), width)),
+                None => self.error(text),
+            }
         }
     }
 
@@ -65,4 +90,10 @@ impl Voice {
     pub fn progress(&self) -> bool {
         !self.quiet && io::stderr().is_terminal()
     }
+}
+
+/// Columns of the terminal of standard output, where it is one.
+fn columns() -> Option<usize> {
+    let (terminal_size::Width(columns), _) = terminal_size::terminal_size_of(io::stdout())?;
+    Some(usize::from(columns))
 }

@@ -183,7 +183,7 @@ pub fn perform(request: &Request<'_>, place: Option<Place>, voice: &Voice) -> Re
     } else if voice.json {
         voice.json(&summary(scenario, study, &recorded.comparison))?;
     } else {
-        let style = Style { colour: voice.colour, wall: Some(recorded.wall) };
+        let style = Style { colour: voice.colour, wall: Some(recorded.wall), width: voice.width };
         voice.data(table(scenario, study, &recorded.comparison, style).trim_end())?;
     }
     if let Some(dir) = &args.records {

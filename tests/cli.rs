@@ -4,6 +4,7 @@
 mod owned;
 
 mod files;
+mod first_hour;
 mod orders;
 mod planner;
 mod point;

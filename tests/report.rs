@@ -76,34 +76,67 @@ if(w>2&&h>3&&a[0]!=b[0])marks.push(a[0]+' on '+b[0])})})});\
 var root=document.documentElement;\
 document.title='MEASURED '+root.scrollHeight+' '+(root.scrollWidth-root.clientWidth)+' ['+over+'] ['+marks+']';})();</script></body>";
 
+/// What cannot be read: texts whose contrast to what lies behind them is below that of large letters by WCAG 2.1 (3 : 1).
+const CONTRAST: &str = "<script>(function(){\
+function rgb(c){var m=c.match(/[0-9.]+/g);return m?m.map(Number):[0,0,0,0]}\
+function light(c){var v=c.slice(0,3).map(function(x){x/=255;return x<=0.03928?x/12.92:Math.pow((x+0.055)/1.055,2.4)});\
+return 0.2126*v[0]+0.7152*v[1]+0.0722*v[2]}\
+function behind(e){for(;e;e=e.parentElement){var c=rgb(getComputedStyle(e).backgroundColor);if(c.length<4||c[3]>0.5)return c}return[255,255,255]}\
+var poor=[],seen=0;document.querySelectorAll('h1,h2,h3,p,td,th,li,a,figcaption,summary,label,svg text').forEach(function(e){\
+if(!e.textContent.trim()||!e.getClientRects().length)return;seen++;var s=getComputedStyle(e);\
+var a=light(rgb(e.closest('svg')?s.fill:s.color)),b=light(behind(e));\
+var ratio=(Math.max(a,b)+0.05)/(Math.min(a,b)+0.05);\
+if(ratio<3&&!e.closest('svg'))poor.push(e.textContent.trim().slice(0,30)+' '+ratio.toFixed(1));\
+if(ratio<3&&e.closest('svg')&&!e.closest('[fill]'))poor.push('in a chart: '+e.textContent.trim().slice(0,30)+' '+ratio.toFixed(1))});\
+document.title='MEASURED '+seen+' ['+poor+']';})();</script></body>";
+
+/// What a script says of a page of this width; the page forbids scripts, the copy that is measured does not.
+fn measured(browser: &str, folder: &Path, html: &str, script: &str, width: u32) -> String {
+    let copy = folder.join("measured.html");
+    std::fs::write(&copy, html.replace("default-src 'none';", "").replace("</body>", script)).expect("a copy");
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
+        .arg(format!("--window-size={width},1000"))
+        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+        .arg(format!("file://{}", copy.display()))
+        .output()
+        .expect("the browser runs");
+    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+    let start = dom.find("<title>MEASURED ").expect("the page was measured") + "<title>MEASURED ".len();
+    dom[start..].split("</title>").next().expect("a title").to_owned()
+}
+
 #[test]
-fn a_report_fits_the_window_and_no_label_lies_on_another() {
+fn a_report_fits_the_window_and_the_page_and_no_label_lies_on_another() {
     let Some(browser) = browser() else {
         println!("skipped: no Chromium on this machine");
         return;
     };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let report = demo(&folder.path().join("demo"));
-    // The page forbids scripts; the copy that is measured does not.
-    let html = std::fs::read_to_string(&report).expect("a report").replace("default-src 'none';", "");
-    let copy = folder.path().join("measured.html");
-    std::fs::write(&copy, html.replace("</body>", MEASURE)).expect("a copy");
-    let measure = |width: u32| {
-        let output = Command::new(browser)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--dump-dom"])
-            .arg(format!("--window-size={width},1000"))
-            .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
-            .arg(format!("file://{}", copy.display()))
-            .output()
-            .expect("the browser runs");
-        let dom = String::from_utf8_lossy(&output.stdout).into_owned();
-        let start = dom.find("<title>MEASURED ").expect("the page was measured") + "<title>MEASURED ".len();
-        dom[start..].split("</title>").next().expect("a title").to_owned()
-    };
-    for (width, most) in [(1400, 6000), (700, 11_000)] {
-        let measured = measure(width);
+    let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
+    // A4 with its margins of 14 mm is 688 px wide; on paper nothing scrolls, and the height is that of the pages.
+    let paper = html.replace("@media print", "@media all");
+    for (page, width, most) in [(&html, 1400, 6000), (&html, 700, 11_000), (&paper, 688, 60_000)] {
+        let measured = measured(browser, folder.path(), page, MEASURE, width);
         let (height, rest) = measured.split_once(' ').expect("a height");
         assert_eq!(rest, "0 [] []", "at {width} px something overflows or lies on something else");
         assert!(height.parse::<u32>().expect("a number") <= most, "{height} px tall at {width} px");
+    }
+}
+
+#[test]
+fn every_text_of_a_report_can_be_read_in_light_and_in_the_dark() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium on this machine");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let html = std::fs::read_to_string(demo(&folder.path().join("demo"))).expect("a report");
+    let themed = |theme: &str| html.replacen("<html", &format!("<html data-theme=\"{theme}\""), 1);
+    for theme in ["light", "dark"] {
+        let told = measured(browser, folder.path(), &themed(theme), CONTRAST, 1400);
+        let (seen, poor) = told.split_once(' ').expect("a count");
+        assert!(seen.parse::<u32>().expect("a number") > 100, "{told}");
+        assert_eq!(poor, "[]", "{theme}");
     }
 }

@@ -87,7 +87,7 @@ pub fn study(py: Python<'_>, options: Options, progress: Option<Py<PyAny>>) -> R
             return Err(Failure::work(stopped));
         }
         let told = summary(scenario, &recorded.study, &recorded.comparison).to_string();
-        let style = Style { colour: false, wall: None };
+        let style = Style { colour: false, wall: None, width: None };
         let text = table(scenario, &recorded.study, &recorded.comparison, style);
         Ok((told, text, recorded.study.complete))
     })

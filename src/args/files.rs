@@ -8,8 +8,22 @@ use toolroom_kinds::{FileKind, KINDS};
 
 #[derive(Args, Debug)]
 pub struct NewArgs {
+    /// Kind of file; a scenario, if left out
+    #[arg(value_parser = sampled())]
+    pub kind: Option<&'static FileKind>,
     /// Directory to create
+    #[arg(required = true)]
     pub dir: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct ReferenceArgs {
+    /// Directory of the pages
+    #[arg(default_value = "out/reference")]
+    pub dir: PathBuf,
+    /// Manual pages in place of Markdown
+    #[arg(long)]
+    pub man: bool,
 }
 
 #[derive(Args, Debug)]
@@ -33,6 +47,11 @@ pub struct CheckArgs {
 /// Words of every kind.
 fn described() -> impl TypedValueParser<Value = &'static FileKind> {
     of_kinds(|_| true)
+}
+
+/// Words of the kinds of which there is an example.
+fn sampled() -> impl TypedValueParser<Value = &'static FileKind> {
+    of_kinds(|kind| kind.sample().is_some())
 }
 
 /// Words of the kinds that can be read.

@@ -77,7 +77,7 @@ impl UnitRunArgs {
         let Some(path) = &self.output else {
             let mut table = Vec::new();
             let done = simulate(&mut table);
-            voice.data(String::from_utf8_lossy(&table).trim_end())?;
+            voice.raw(String::from_utf8_lossy(&table).trim_end())?;
             return Ok(done);
         };
         let mut draft = files.begin(path)?;

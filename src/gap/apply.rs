@@ -31,7 +31,7 @@ fn read(path: &Path) -> Result<String, Failure> {
 
 /// The model of a file with what the diagnosis has found of its process.
 fn changed(args: &ApplyArgs, path: &Path, nominal: &NominalModel, diagnosis: &Value) -> Result<Changes, ApplyError> {
-    let text = std::fs::read_to_string(path).map_err(|error| ApplyError::Text { message: error.to_string() })?;
+    let text = toolroom_form::text(path).map_err(|error| ApplyError::Text { message: error.to_string() })?;
     let request = Request {
         text: &text,
         overrides: &args.set,
@@ -56,7 +56,7 @@ fn one(args: &ApplyArgs, model: &Path, files: &Files, diagnosis: &Value, voice: 
     let nominal = nominal_of(model, &args.set)?;
     let changes = changed(args, model, &nominal, diagnosis).map_err(|error| refused(&error))?;
     if args.diff {
-        return voice.data(toolroom_apply::changed_lines(&read(model)?, &changes.text).trim_end());
+        return voice.raw(toolroom_apply::changed_lines(&read(model)?, &changes.text).trim_end());
     }
     put(files, out, &changes.text)?;
     for note in &changes.notes {
@@ -107,7 +107,7 @@ fn several(
             return Err(Failure::argument(message, "apply them one by one"));
         }
         if args.diff {
-            voice.data(toolroom_apply::changed_lines(&read(model)?, &text).trim_end())?;
+            voice.raw(toolroom_apply::changed_lines(&read(model)?, &text).trim_end())?;
         }
         texts.push((path, is, text));
     }

@@ -33,7 +33,7 @@ pub fn run(args: &PlanArgs, voice: &Voice) -> Result<(), Failure> {
             out.put("runs.csv", &String::from_utf8_lossy(&csv))?;
         }
         let name = args.data.model.display().to_string();
-        let bytes = std::fs::read(&args.data.model)
+        let bytes = toolroom_form::bytes(&args.data.model)
             .map_err(|error| Failure::argument(format!("{name}: {error}"), "check the path"))?;
         let data = args.data.data.display().to_string();
         let record = provenance("gap plan", &[(name, &bytes)], ["--data".to_owned(), data], Some(args.seed));

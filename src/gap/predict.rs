@@ -49,7 +49,7 @@ pub fn run(args: &PredictArgs, voice: &Voice) -> Result<(), Failure> {
             .collect();
         return voice.json(&json!({ "schema": 1, "predictions": list }));
     }
-    voice.data(text.trim_end())
+    voice.raw(text.trim_end())
 }
 
 fn cells((id, own): &(String, Prediction)) -> [Cell<'_>; 6] {

@@ -8,7 +8,7 @@ fn an_order_table_is_checked_and_answered() {
     let checked = toolroom(&["check", &scenario]);
     assert_eq!(checked.status.code(), Some(0), "{}", stderr(&checked));
     let told = stderr(&checked) + &stdout(&checked);
-    assert!(told.contains("warning: order O6 cannot be finished before 2026-04-07 12:40"), "{told}");
+    assert!(told.contains("warning[late]: order O6 cannot be finished before 2026-04-07 12:40"), "{told}");
     let out = directory("cli", "orders");
     let ran = |more: &[&str]| {
         let out = out.display().to_string();

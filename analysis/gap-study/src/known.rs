@@ -24,7 +24,8 @@ pub struct Known {
 impl Known {
     /// A model without usable records.
     pub fn nothing(model: &NominalModel, path: &Path, set: &[String]) -> Result<Self, GapStudyError> {
-        let text = std::fs::read_to_string(path)
+        let text = toolroom_form::bytes(path)
+            .and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
             .map_err(|source| GapStudyError::Unreadable { path: path.to_owned(), source })?;
         let hash = model_hash(&text, set)?;
         let (process, target) = (model.kind().name(), model.target());

@@ -1,6 +1,7 @@
 //! The kinds of files that toolroom reads: what tells one, its reader, the form of its schema.
 //!
-//! Everything that knows kinds of files, which is `check` and `schema` with their arguments, follows from [`KINDS`].
+//! Everything that knows kinds of files, which is `check`, `schema`, `new` and `reference` with their arguments, follows from
+//! [`KINDS`].
 //!
 //! ```
 //! use std::path::Path;
@@ -23,6 +24,9 @@ mod error;
 mod places;
 mod plan;
 mod readers;
+mod reference;
+mod samples;
+mod warning;
 mod workload;
 
 /// Codes of errors of this crate for `toolroom explain`, each with a longer text.
@@ -35,10 +39,24 @@ pub const CODES: &[(&str, &str)] = &[
         "plan",
         "A plan of shards holds its study as it was planned: text, changes, seed, fingerprints of the files that it names. Shards of two plans are never merged, so a plan is run by the version that made it and as it was written; to change anything, make a new plan with --plan.",
     ),
+    (
+        "overload",
+        "A warning of check: a station, or everybody who has a skill, has more work than working time until the horizon, or until a due date. The queue before it then grows without end, and lead times say how long was simulated. Mean times, one setup a lot, no breakdowns: the true load is greater. Lower the arrivals, or add machines, people or hours.",
+    ),
+    (
+        "late",
+        "A warning of check: an order cannot be finished by its due date even if nothing else is in the shop, every machine stands ready and nothing is set up.",
+    ),
+    (
+        "unusual",
+        "A warning of check: the value is admitted, and shops rarely have it. The usual cause is a slip of the unit, such as a diameter of 0.12 mm for 0.12 m or a feed per minute taken for one per revolution. Nothing is changed; a value that is meant can stay.",
+    ),
 ];
 
 pub use error::KindError;
 pub use readers::{Checked, Reader, checked};
+pub use samples::Sample;
+pub use warning::Warning;
 
 use serde_json::{Value, json};
 use std::path::Path;
@@ -201,6 +219,11 @@ impl FileKind {
         KINDS.iter().find(|kind| kind.word == word)
     }
 
+    /// What `new` writes to begin with; none where toolroom makes such files.
+    pub fn sample(&self) -> Option<&'static Sample> {
+        samples::SAMPLES.iter().find(|(word, _)| *word == self.word).map(|(_, sample)| *sample)
+    }
+
     /// The kind of a file by its parsed content.
     ///
     /// # Errors
@@ -264,6 +287,35 @@ impl FileKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_sample_is_of_its_kind_and_its_reader_takes_it() {
+        assert!(samples::SAMPLES.iter().all(|(word, _)| FileKind::named(word).is_some()));
+        for kind in KINDS {
+            let Some(sample) = kind.sample() else { continue };
+            let folder = tempfile::tempdir().expect("a folder");
+            for (name, text) in sample.files {
+                std::fs::write(folder.path().join(name), text).expect("written");
+            }
+            let file = folder.path().join(sample.files[0].0);
+            let told = FileKind::of(&file).expect("a kind");
+            // A scenario may be a nominal model: the reader of scenarios is asked first.
+            assert!(told.word == kind.word || kind.word == "gap", "{} is told as {}", kind.word, told.word);
+            let read = (kind.read.expect("a reader"))(&file, &[]);
+            assert!(read.is_ok(), "{}: {}", kind.word, read.expect_err("refused"));
+        }
+    }
+
+    #[test]
+    fn the_reference_has_every_key_of_every_kind() {
+        for kind in KINDS {
+            let page = kind.reference();
+            let Described::By(form) = kind.form else { continue };
+            for key in form.keys {
+                assert!(page.contains(&format!("| `{}` |", key.name)), "{}: {}", kind.word, key.name);
+            }
+        }
+    }
 
     #[test]
     fn every_kind_has_a_schema() {

@@ -2,6 +2,7 @@
 
 use crate::KindError;
 use crate::places::{header, nominal as nominal_place, parameter, refused};
+use crate::warning::{Warning, unusual};
 use crate::workload::workload;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -37,7 +38,8 @@ pub fn checked(word: &str, name: Option<&str>, echo: Vec<Echo>, more: &str) -> C
     if !echo.is_empty() {
         result.insert("values".to_owned(), json!(echo));
     }
-    Checked { echo, result, summary: format!("valid: {more}") }
+    let warnings = unusual(&echo);
+    Checked { echo, result, summary: format!("valid: {more}") }.warned(&warnings)
 }
 
 pub fn program_setup(path: &Path, set: &[String]) -> Result<Checked, KindError> {
@@ -75,7 +77,7 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
     result.insert("policies".to_owned(), json!(policies));
     result.insert("values".to_owned(), json!(echo));
     let workload = workload(&scenario);
-    result.extend(workload.json());
+    result.extend([workload.json(), ("warnings".to_owned(), json!([]))]);
     let operations: usize = scenario.parts.iter().map(|part| part.operations.len()).sum();
     let summary = format!(
         "valid: {}, {}, {} with {}, {}, {} of {} h",
@@ -87,7 +89,9 @@ pub fn scenario(path: &Path, set: &[String]) -> Result<Checked, KindError> {
         counted(scenario.replications as usize, "replication", "replications"),
         scenario.horizon / 3600.0,
     ) + &workload.text();
-    Ok(Checked { echo, result, summary })
+    let strange = unusual(&echo);
+    let warnings: Vec<Warning> = workload.warnings.into_iter().chain(strange).collect();
+    Ok(Checked { echo, result, summary }.warned(&warnings))
 }
 
 /// `1 machine`, `2 machines`.

@@ -2,6 +2,7 @@
 //!
 //! Everything here is worked out without a simulation, from mean times.
 
+use crate::Warning;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use toolroom_scenario::{
@@ -21,8 +22,8 @@ const MOST_ROUNDS: usize = 200;
 pub(crate) struct Workload {
     /// Stations in the order of the routings, then skills.
     pub loads: Vec<Load>,
-    /// What cannot go well, in words.
-    pub warnings: Vec<String>,
+    /// What cannot go well.
+    pub warnings: Vec<Warning>,
 }
 
 /// Load of a station, or of everybody who has a skill.
@@ -68,15 +69,17 @@ struct Shop<'a> {
 pub(crate) fn workload(scenario: &Scenario) -> Workload {
     let shop = Shop { scenario, cutting: programmed_cutting_times(scenario) };
     let loads = shop.loads();
-    let mut warnings: Vec<String> = Vec::new();
+    let mut warnings: Vec<Warning> = Vec::new();
     for load in &loads {
-        warnings.extend(shop.overload(load));
+        warnings.extend(shop.overload(load).map(|message| Warning { code: "overload", message }));
     }
     let late: Vec<String> = scenario.orders.iter().filter_map(|order| shop.unreachable(order)).collect();
     let more = late.len().saturating_sub(MOST_TOLD);
-    warnings.extend(late.into_iter().take(MOST_TOLD));
+    let late = late.into_iter().map(|message| Warning { code: "late", message });
+    warnings.extend(late.take(MOST_TOLD));
     if more > 0 {
-        warnings.push(format!("due dates of {more} more orders cannot be reached"));
+        let message = format!("due dates of {more} more orders cannot be reached");
+        warnings.push(Warning { code: "late", message });
     }
     Workload { loads, warnings }
 }
@@ -106,14 +109,11 @@ impl Workload {
                 100.0 * load.share(),
             );
         }
-        for warning in &self.warnings {
-            let _ = write!(text, "\nwarning: {warning}");
-        }
         text
     }
 
-    /// The same for programs: `load` and `warnings`.
-    pub fn json(&self) -> [(String, Value); 2] {
+    /// The same for programs.
+    pub fn json(&self) -> (String, Value) {
         let load = |load: &Load| {
             json!({
                 "station": load.name,
@@ -124,7 +124,7 @@ impl Workload {
             })
         };
         let loads: Vec<Value> = self.loads.iter().map(load).collect();
-        [("load".to_owned(), json!(loads)), ("warnings".to_owned(), json!(self.warnings))]
+        ("load".to_owned(), json!(loads))
     }
 }
 
@@ -472,7 +472,10 @@ mod tests {
         assert_eq!(lathes.setup, (2.0 * 30.0 + 4.0 * 45.0) * 60.0);
         // O6: turned until Thu 14:00, washed Sat 06:00 to 08:40, measured Tue 06:00 to 12:40.
         assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
-        assert!(found.warnings[0].starts_with("order O6 cannot be finished before 2026-04-07 12:40"), "{found:?}");
+        assert!(
+            found.warnings[0].message.starts_with("order O6 cannot be finished before 2026-04-07 12:40"),
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -496,12 +499,12 @@ mod tests {
             workload(&shipped("orders.toml", &[&change]).scenario).warnings
         };
         // 70 shafts of 2 h are more than the CMM works in two weeks.
-        assert!(slow("2 h").iter().any(|told| told.starts_with("C is overloaded: 15")), "{:?}", slow("2 h"));
+        assert!(slow("2 h").iter().any(|told| told.message.starts_with("C is overloaded: 15")), "{:?}", slow("2 h"));
         // Of 30 min: O4 needs 15 h and the rings of O2 3 h, due on Tuesday 14:00; the CMM works 24 h by then. With O1
         // and O3 it is 40 h by Wednesday 14:00, and the CMM works 40 h: 2 + 3 + 20 + 15 = 40.08 h are more.
         let told = slow("30 min");
         assert!(
-            told.iter().any(|each| each.starts_with("C cannot do in time what is due until 2026-04-01 14:00")),
+            told.iter().any(|each| each.message.starts_with("C cannot do in time what is due until 2026-04-01 14:00")),
             "{told:?}"
         );
     }

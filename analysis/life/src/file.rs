@@ -56,11 +56,13 @@ impl StudyText {
     /// # Errors
     /// [`ReadError`]: the file cannot be opened or decoded.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let path = toolroom_form::place_of(path);
         let file = path.display().to_string();
-        let text = toolroom_form::text(path)?;
+        let text = toolroom_form::text(&path)?;
         let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let directory = std::fs::canonicalize(folder);
-        let directory = directory.map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+        let whole =
+            if toolroom_form::is_shipped(&path) { Ok(folder.to_owned()) } else { std::fs::canonicalize(folder) };
+        let directory = whole.map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
         Ok(Self { file, text, directory })
     }
 
@@ -443,7 +445,7 @@ fn empirical(
 ) -> Option<Spread> {
     let path = directory.join(section.text("file")?);
     let column = section.text("column")?;
-    let bytes = match std::fs::read(&path) {
+    let bytes = match toolroom_form::bytes(&path) {
         Ok(bytes) => bytes,
         Err(error) => {
             let file = section.text("file").unwrap_or_default().to_owned();

@@ -149,6 +149,7 @@ impl NominalModel {
     /// # Errors
     /// [`ModelFileError`]: every fault of the file, no tool of the process, a sensor's unit.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, ModelFileError> {
+        let path = &*toolroom_form::place_of(path);
         let file = path.display().to_string();
         // A file that cannot be read is refused by the reader of scenarios.
         let outline = Outline::read(path).ok();

@@ -5,7 +5,8 @@
 //! | a folder of results (`--out`) | [`OutputDir`]: a draft, a list of files with hashes, a lock |
 //! | a single file that an option names | [`Files`]: a list beside the file |
 //! | work that is not complete | [`OutputDir::journal`]: what is finished, for going on |
-//! | an end by SIGINT or SIGTERM | [`signals`]: no draft and no lock stays |
+//! | an end by SIGINT or SIGTERM, or for memory | [`signals`]: no draft and no lock stays |
+//! | the bound of memory | [`memory`] |
 //!
 //! Nothing that toolroom did not write is replaced or removed, but by force; an input of the command never.
 //!
@@ -17,12 +18,15 @@
 mod error;
 mod files;
 mod folder;
+mod lines;
 mod listed;
 mod lock;
+pub mod memory;
 mod provenance;
 pub mod signals;
 
 pub use error::OutputError;
 pub use files::{Draft, Files};
 pub use folder::OutputDir;
+pub use lines::fitted;
 pub use provenance::{provenance, quoted};

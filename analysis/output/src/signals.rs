@@ -1,24 +1,34 @@
-//! SIGINT (Ctrl-C) and SIGTERM: drafts and locks are removed, what is kept is said, the program ends.
+//! SIGINT (Ctrl-C) and SIGTERM: drafts and locks are removed, what is kept is said, the program ends. The same happens where the
+//! process has more memory than it may.
 //!
 //! A watcher looks for a signal twenty times a second. Most verbs have nothing that could be finished in two
 //! seconds: for them the watcher tidies up and ends the program. A study of a shop has finished replications to
 //! write: it holds a [`Gentle`], whose flag the first signal raises; the second one ends the program all the same.
 
 use crate::error::OutputError;
+use crate::memory::{resident, shown};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::register_usize;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Time between two looks at the signal.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// In place of the number of a signal: more memory than allowed.
+const OVER: usize = usize::MAX;
+
+/// The bound is passed by this factor before work that is still being written is given up.
+const PATIENCE: f64 = 1.5;
+
 /// The first signal that came, 0 for none.
 static RAISED: AtomicUsize = AtomicUsize::new(0);
+/// The bound that was passed, bytes.
+static LIMIT: AtomicU64 = AtomicU64::new(0);
 static STATE: Mutex<State> = Mutex::new(State { begun: Vec::new(), next: 0, kept: None, gentle: None });
 /// Held while files take their names: a signal waits for that.
 static PUBLISHING: Mutex<()> = Mutex::new(());
@@ -58,11 +68,11 @@ fn locked<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts the watcher.
+/// Starts the watcher; `most` is the memory that the process may have, bytes, where it is bounded.
 ///
 /// # Errors
 /// The system lets nobody catch signals.
-pub fn watch() -> Result<(), OutputError> {
+pub fn watch(most: Option<u64>) -> Result<(), OutputError> {
     let signal = Arc::new(AtomicUsize::new(0));
     for number in [SIGINT, SIGTERM] {
         register_usize(number, Arc::clone(&signal), number as usize)
@@ -71,9 +81,16 @@ pub fn watch() -> Result<(), OutputError> {
     let look = move || {
         loop {
             std::thread::sleep(LOOK);
-            let number = signal.swap(0, Ordering::SeqCst);
-            if number == 0 {
-                continue;
+            let number = match signal.swap(0, Ordering::SeqCst) {
+                0 => match over(most) {
+                    // Work that was told to end writes what it has.
+                    Some(times) if RAISED.load(Ordering::SeqCst) != OVER || times > PATIENCE => OVER,
+                    _ => continue,
+                },
+                number => number,
+            };
+            if number == OVER {
+                LIMIT.store(most.unwrap_or(0), Ordering::SeqCst);
             }
             let first = RAISED.compare_exchange(0, number, Ordering::SeqCst, Ordering::SeqCst).is_ok();
             match &locked(&STATE).gentle {
@@ -90,10 +107,25 @@ pub fn watch() -> Result<(), OutputError> {
         .map_err(|error| OutputError::Work { message: format!("signals cannot be caught: {error}") })
 }
 
+/// How many times the bound the process has, where it is more than the bound.
+fn over(most: Option<u64>) -> Option<f64> {
+    let most = most?;
+    let has = resident()?;
+    (has > most).then(|| has as f64 / most as f64)
+}
+
+/// Why the work was ended, where it was for memory: in words, and the way on.
+pub fn out_of_memory() -> Option<(String, &'static str)> {
+    (RAISED.load(Ordering::SeqCst) == OVER).then(|| {
+        let most = shown(LIMIT.load(Ordering::SeqCst));
+        (format!("the work needs more than {most} of memory"), "allow more with --max-memory, or make the work smaller")
+    })
+}
+
 /// Exit code after an interruption: 130 by SIGINT, 143 by SIGTERM, and 1 where no signal came.
 pub fn exit_code() -> u8 {
     match RAISED.load(Ordering::SeqCst) {
-        0 => 1,
+        0 | OVER => 1,
         number => 128_u8.saturating_add(u8::try_from(number).unwrap_or(0)),
     }
 }
@@ -147,6 +179,10 @@ fn end() -> ! {
     let (message, help) = state.kept.clone().unwrap_or_else(|| {
         ("interrupted: no result was written".to_owned(), "the same command starts anew".to_owned())
     });
+    let (message, help) = match out_of_memory() {
+        Some((reason, way)) => (format!("{reason}; {message}"), format!("{way}; {help}")),
+        None => (message, help),
+    };
     // Where even standard error is gone there is nobody left to tell.
     let _ = writeln!(io::stderr().lock(), "error: {message}\n  help: {help}");
     drop((state, publishing));

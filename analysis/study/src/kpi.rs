@@ -41,7 +41,7 @@ mod definition;
 mod tally;
 
 pub use counting::Counting;
-pub use definition::{Better, Definition, Kpi, kpis};
+pub use definition::{Better, Definition, Kpi, definitions, kpis};
 
 use toolroom_scenario::{Scenario, ToolType};
 use toolroom_shop::runlog::RunLog;

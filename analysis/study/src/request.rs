@@ -130,7 +130,7 @@ fn inputs(name: &str, file: &ScenarioFile) -> Vec<(String, String)> {
     let scenario = (name.to_owned(), fingerprint(file.text.as_bytes()));
     let named = file.files.iter().map(|path| {
         // Gone since it was read: its name at least.
-        let bytes = std::fs::read(path).unwrap_or_default();
+        let bytes = toolroom_form::bytes(path).unwrap_or_default();
         (path.display().to_string(), fingerprint(&bytes))
     });
     std::iter::once(scenario).chain(named).collect()

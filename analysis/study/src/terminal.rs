@@ -20,6 +20,8 @@ pub struct Style {
     pub colour: bool,
     /// Wall time to show in the first line.
     pub wall: Option<Duration>,
+    /// Columns into which tables have to fit, by leaving out their last columns and shortening names; any number, if none.
+    pub width: Option<usize>,
 }
 
 /// Figures in the order of the table; those of chatter only where stability is judged.
@@ -66,7 +68,7 @@ const MOST_COLUMNS: usize = 7;
 pub fn table(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style) -> String {
     let mut out = heading(scenario, study, style);
     match comparison.policies.len() {
-        1 => alone(scenario, study, comparison, &mut out),
+        1 => alone(scenario, study, comparison, style, &mut out),
         2 => pair(scenario, study, comparison, style, &mut out),
         _ => many(scenario, study, comparison, style, &mut out),
     }
@@ -136,13 +138,60 @@ impl From<String> for Cell {
     }
 }
 
-/// First column to the left, the others to the right, unless `left` says otherwise.
-fn align(rows: &[Vec<Cell>], left: &[usize], style: Style, out: &mut String) {
+/// Shortest name of a policy or figure that is still told apart.
+const SHORTEST: usize = 14;
+
+/// Between two columns.
+const GAP: usize = 2;
+
+/// Widths of the columns of a table.
+fn widths(rows: &[Vec<Cell>]) -> Vec<usize> {
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.text.chars().count()).max().unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..count).map(width).collect();
+    (0..count).map(width).collect()
+}
+
+/// Makes a table fit: the columns of `optional` go, the last of them first, then the first column is shortened.
+/// How many columns went.
+fn fit(rows: &mut [Vec<Cell>], optional: &[usize], style: Style) -> usize {
+    let Some(most) = style.width else { return 0 };
+    let whole = |rows: &[Vec<Cell>]| {
+        let widths = widths(rows);
+        widths.iter().sum::<usize>() + GAP * widths.len().saturating_sub(1)
+    };
+    let mut gone = 0;
+    for &column in optional.iter().rev() {
+        if whole(rows) <= most {
+            break;
+        }
+        for row in rows.iter_mut().filter(|row| row.len() > column) {
+            row.remove(column);
+        }
+        gone += 1;
+    }
+    let over = whole(rows).saturating_sub(most);
+    let longest = widths(rows).first().copied().unwrap_or(0).saturating_sub(over).max(SHORTEST);
+    for cell in rows.iter_mut().filter_map(|row| row.first_mut()) {
+        if cell.text.chars().count() > longest {
+            cell.text = cell.text.chars().take(longest - 1).chain(['…']).collect();
+        }
+    }
+    gone
+}
+
+/// Says that columns were left out.
+fn left_out(count: usize, out: &mut String) {
+    if count > 0 {
+        let plural = if count == 1 { "" } else { "s" };
+        let _ = writeln!(out, "({count} more column{plural} with --wide)");
+    }
+}
+
+/// First column to the left, the others to the right, unless `left` says otherwise.
+fn align(rows: &[Vec<Cell>], left: &[usize], style: Style, out: &mut String) {
+    let widths = widths(rows);
     for row in rows {
         let mut line = String::new();
         for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
@@ -195,7 +244,7 @@ fn title(scenario: &Scenario, kpi: &Kpi) -> Cell {
     if kpi.definition.display == "%" { kpi.definition.title.to_owned().into() } else { label(scenario, kpi).into() }
 }
 
-fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, out: &mut String) {
+fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Style, out: &mut String) {
     let policy = &comparison.policies[0];
     let mut rows = vec![vec![Cell::default(), policy.name.clone().into(), "95 % CI".to_owned().into()]];
     for (index, kpi) in told(study, comparison) {
@@ -207,6 +256,7 @@ fn alone(scenario: &Scenario, study: &Study, comparison: &Comparison, out: &mut 
         }
         rows.push(row);
     }
+    fit(&mut rows, &[], style);
     align(&rows, &[0, 2], Style::default(), out);
 }
 
@@ -226,6 +276,7 @@ fn pair(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         let value = |value: f64| Cell::from(format!("{}{}", plain(value, digits), per_cent(kpi)));
         rows.push(vec![title(scenario, kpi), value(values[0]), value(values[1]), cell]);
     }
+    fit(&mut rows, &[], style);
     align(&rows, &[0, 3], style, out);
 }
 
@@ -252,12 +303,17 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         });
         rows.push(std::iter::once(policy.name.clone().into()).chain(values).collect());
     }
+    // The heads stand over the differences, too.
+    let heads: Vec<Cell> = rows[0].clone();
+    let optional: Vec<usize> = (3..heads.len()).collect();
+    let gone = fit(&mut rows, &optional, style);
     align(&rows, &[0], style, out);
+    left_out(gone, out);
 
     let _ = writeln!(out, "difference to {} (95 % CI)", comparison.policies[0].name);
     let gains = ["cell gain", "shop gain", "by capacity"].map(|text| Cell::from(text.to_owned()));
     let shown_differences = columns.len().min(3);
-    let head = rows[0][1..=shown_differences].iter().cloned().chain(gains);
+    let head = heads[1..=shown_differences].iter().cloned().chain(gains);
     let mut rows: Vec<Vec<Cell>> = vec![std::iter::once(Cell::default()).chain(head).collect()];
     for difference in &comparison.differences {
         let mut row = vec![comparison.policies[difference.policy].name.clone().into()];
@@ -274,7 +330,11 @@ fn many(scenario: &Scenario, study: &Study, comparison: &Comparison, style: Styl
         row.extend(factors.map(|value| Cell::from(factor(value))));
         rows.push(row);
     }
+    // What is left at last: one difference, cell gain and shop gain.
+    let optional: Vec<usize> = (2..=shown_differences).chain([shown_differences + 3]).collect();
+    let gone = fit(&mut rows, &optional, style);
     align(&rows, &[0], style, out);
+    left_out(gone, out);
 }
 
 /// Variants of the shop.
@@ -325,7 +385,7 @@ mod tests {
 
     #[test]
     fn two_policies_stand_side_by_side_with_their_difference() {
-        let text = print(2, 4, Style { colour: false, wall: Some(Duration::from_millis(3140)) });
+        let text = print(2, 4, Style { colour: false, wall: Some(Duration::from_millis(3140)), width: None });
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[0],
@@ -338,6 +398,21 @@ mod tests {
         assert!(scrap.contains("50 %      50 %  0  (0 … 0)"), "{scrap}");
         assert!(text.contains("cell gain ×1.00 → shop gain ×1.00 (bottleneck L1 + L2; cutting is 5 % of the shift"));
         assert!(!text.contains('\u{1b}'));
+    }
+
+    #[test]
+    fn tables_fit_the_terminal_and_say_what_they_leave_out() {
+        let whole = print(3, 4, Style::default());
+        let longest = |text: &str| {
+            let rows = text.lines().skip(2).take_while(|line| !line.starts_with("cell gain"));
+            rows.map(|line| line.chars().count()).max().unwrap_or(0)
+        };
+        assert!(longest(&whole) > 60 && !whole.contains("--wide"), "{whole}");
+        let narrow = print(3, 4, Style { width: Some(60), ..Style::default() });
+        assert!(longest(&narrow) <= 60 && narrow.contains("with --wide)"), "{narrow}");
+        assert!(narrow.contains("parts / shift") && narrow.contains("cell gain"), "{narrow}");
+        let narrow = print(2, 4, Style { width: Some(60), ..Style::default() });
+        assert!(narrow.contains('…'), "{narrow}");
     }
 
     #[test]
@@ -359,7 +434,7 @@ mod tests {
 
     #[test]
     fn colour_is_used_only_when_asked_for_and_news_is_certain() {
-        let text = print(2, 4, Style { colour: true, wall: None });
+        let text = print(2, 4, Style { colour: true, wall: None, width: None });
         let lead = text.lines().find(|line| line.starts_with("lead time")).expect("a row");
         assert!(lead.contains("\u{1b}[31m+1.5"), "longer lead time is bad news: {lead:?}");
         assert!(!text.lines().any(|line| line.starts_with("OEE") && line.contains('\u{1b}')));

@@ -17,7 +17,9 @@
 //! | `walk`, `section` | sections read by their form |
 //! | `record` | tables of which a record says keys, units and ranges |
 //! | `fault`, `error`, `codes` | what can be wrong, where, how to mend it, longer texts |
+//! | `reference` | the keys of a form as a page for people |
 //! | `refusal` | what a model refuses of a file whose form is right |
+//! | `shipped` | files that the program holds, `builtin:NAME` |
 //! | `overrides` | single values replaced before the file is read |
 //! | `vocabulary` | lists of words, each with the variant that it becomes |
 //!
@@ -33,9 +35,11 @@ mod form;
 mod outline;
 mod overrides;
 mod record;
+mod reference;
 mod refusal;
 mod schema;
 mod section;
+mod shipped;
 mod text;
 mod vocabulary;
 mod walk;
@@ -47,9 +51,11 @@ pub use fault::{ContentFault, Fault, nearest};
 pub use form::{CURRENCIES, Content, Form, Key, Kind, Need, Quantity, When, joined, record_keys};
 pub use outline::Outline;
 pub use record::{fill_record, set_parameters, set_record};
+pub use reference::reference;
 pub use refusal::{Refusal, key_place};
 pub use schema::{field, schema};
 pub use section::{Got, RuleTable, Section, Span, Value};
+pub use shipped::{SHIPPED, bytes, is_shipped, place_of, shipped_names};
 pub use walk::{Echo, Problem, Walk};
 pub use words::{display, example, significant};
 
@@ -82,16 +88,17 @@ pub fn read<T>(
     form: &'static Form,
     resolve: impl FnOnce(&mut Walk, &Section<'_>) -> Option<T>,
 ) -> Result<FormFile<T>, ReadError> {
-    parse(&path.display().to_string(), &text(path)?, overrides, form, resolve)
+    let place = place_of(path);
+    parse(&place.display().to_string(), &text(&place)?, overrides, form, resolve)
 }
 
-/// The text of a file, without the mark that some editors put before it.
+/// The text of a file of the disk or a shipped one, without the mark that some editors put before it.
 ///
 /// # Errors
 /// [`ReadError`]: the file cannot be opened or decoded.
 pub fn text(path: &Path) -> Result<String, ReadError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
+    let bytes = bytes(path).map_err(|source| ReadError::Unreadable { file: file.clone(), source })?;
     let text = text::decode(&file, &bytes)?;
     Ok(text.strip_prefix('\u{FEFF}').unwrap_or(&text).to_owned())
 }

@@ -65,7 +65,7 @@ impl Walk {
     pub fn file(&mut self, section: &Section<'_>, key: &str, path: &str) -> Option<String> {
         let refuse = |source: std::io::Error| Fault::Unreadable { file: path.to_owned(), reason: source.kind() };
         let place = self.folder.join(path);
-        let bytes = std::fs::read(&place).map_err(refuse);
+        let bytes = crate::bytes(&place).map_err(refuse);
         self.files.push(place);
         match bytes {
             Ok(bytes) => match crate::text::decode(path, &bytes) {

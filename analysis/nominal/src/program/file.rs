@@ -101,7 +101,7 @@ pub fn section(walk: &mut Walk, root: &Section<'_>, directory: &Path) -> Program
         let span = section.span_of("file");
         let file = path.display().to_string();
         let shipped = || SHIPPED.iter().find(|(known, _)| section.text("file") == Some(known)).map(|(_, text)| *text);
-        let text = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        let text = toolroom_form::bytes(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
         match text.or_else(|error| shipped().map(str::to_owned).ok_or(error)) {
             Ok(text) => {
                 let control = Control::of_file(&path, section.text("units").and_then(Units::named));

@@ -554,6 +554,12 @@ pub(super) const MACHINE: &[MachineFigure] = &[
     ),
 ];
 
+/// Every figure that there is, and whether it is one of a machine: those of the shop first.
+pub fn definitions() -> impl Iterator<Item = (&'static Definition, bool)> {
+    let shop = SHOP.iter().map(|(definition, _)| (definition, false));
+    shop.chain(MACHINE.iter().map(|(definition, _)| (definition, true)))
+}
+
 /// All figures of a scenario: those of the shop, then those of each machine.
 pub fn kpis(scenario: &Scenario) -> Vec<Kpi> {
     let shop = SHOP.iter().map(|&(definition, _)| Kpi { definition, machine: None });

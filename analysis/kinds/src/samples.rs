@@ -1,0 +1,95 @@
+//! What `toolroom new KIND DIR` writes: a commented example of each kind that people write, with sample data.
+
+/// Files to begin with.
+#[derive(Debug)]
+pub struct Sample {
+    /// Name and text of each file; the first is of the kind.
+    pub files: &'static [(&'static str, &'static str)],
+    /// Commands that take them, as typed in their folder.
+    pub next: &'static [&'static str],
+}
+
+/// The example of each kind that has one, by the word of the kind.
+pub(crate) static SAMPLES: &[(&str, &Sample)] = &[
+    ("scenario", &SCENARIO),
+    ("structure", &STRUCTURE),
+    ("tool", &TOOL),
+    ("lobes", &LOBES),
+    ("life", &LIFE),
+    ("cycle", &CYCLE),
+    ("contour", &CONTOUR),
+    ("setup", &SETUP),
+    ("mapping", &MAPPING),
+    ("gap", &GAP),
+    ("parameter-set", &PARAMETER_SET),
+];
+
+/// A file of the scenarios, by its path there.
+macro_rules! scenarios {
+    ($path:literal) => {
+        include_str!(concat!("../../../scenarios/", $path))
+    };
+}
+
+static SCENARIO: Sample = Sample {
+    files: &[("scenario.toml", scenarios!("template.toml"))],
+    next: &["toolroom check scenario.toml", "toolroom compare scenario.toml"],
+};
+
+static STRUCTURE: Sample = Sample {
+    files: &[
+        ("structure.toml", scenarios!("chatter/spindle.toml")),
+        ("endmill12.toml", scenarios!("chatter/endmill12.toml")),
+    ],
+    next: &["toolroom swap structure.toml --tool endmill12.toml --out structure-d12.toml"],
+};
+
+static TOOL: Sample = Sample {
+    files: &[("tool.toml", scenarios!("chatter/endmill12.toml")), ("spindle.toml", scenarios!("chatter/spindle.toml"))],
+    next: &["toolroom swap spindle.toml --tool tool.toml --out structure-d12.toml"],
+};
+
+static LOBES: Sample = Sample {
+    files: &[("chart.toml", scenarios!("chatter/milling-slot.toml"))],
+    next: &["toolroom lobes chart.toml", "toolroom lobes chart.toml --at \"5000 rpm\" \"0.5 mm\""],
+};
+
+static LIFE: Sample =
+    Sample { files: &[("study.toml", scenarios!("life/policies.toml"))], next: &["toolroom life study.toml"] };
+
+static CYCLE: Sample =
+    Sample { files: &[("cycle.toml", scenarios!("grinding/cycle.toml"))], next: &["toolroom grind cycle.toml"] };
+
+static CONTOUR: Sample =
+    Sample { files: &[("contour.toml", scenarios!("contour/rk3.toml"))], next: &["toolroom contour contour.toml"] };
+
+static SETUP: Sample = Sample {
+    files: &[("setup.toml", scenarios!("new/setup.toml")), ("part.nc", scenarios!("new/part.nc"))],
+    next: &["toolroom contour setup.toml --gcode part.nc"],
+};
+
+static MAPPING: Sample = Sample {
+    files: &[("map.toml", scenarios!("new/map.toml")), ("log.csv", scenarios!("new/log.csv"))],
+    next: &["toolroom import csv log.csv --map map.toml --out records"],
+};
+
+static GAP: Sample = Sample {
+    files: &[
+        ("turning.toml", scenarios!("gap/turning.toml")),
+        ("map.toml", scenarios!("new/map.toml")),
+        ("log.csv", scenarios!("new/log.csv")),
+    ],
+    next: &[
+        "toolroom import csv log.csv --map map.toml --out records",
+        "toolroom gap diagnose --model turning.toml --data records --out gap",
+        "toolroom gap apply --model turning.toml --diagnosis gap/diagnosis.json --out better.toml",
+    ],
+};
+
+static PARAMETER_SET: Sample = Sample {
+    files: &[("set.toml", scenarios!("parameters/own/our-42crmo4.toml")), ("wear.csv", scenarios!("new/wear.csv"))],
+    next: &[
+        "toolroom point turning --tool ./set.toml --set cutting_speed=\"200 m/min\"",
+        "toolroom calibrate turning --model c45_t15k6 --data wear.csv --limit \"0.3 mm\" --out my.toml",
+    ],
+};

@@ -1,0 +1,145 @@
+//! The first hour: examples of every kind, shipped files anywhere, the reference, refusals for programs.
+
+use super::*;
+
+/// Kinds of which there is an example.
+const KINDS: [&str; 11] =
+    ["scenario", "structure", "tool", "lobes", "life", "cycle", "contour", "setup", "mapping", "gap", "parameter-set"];
+
+#[test]
+fn new_writes_an_example_of_every_kind_that_check_takes() {
+    let all = directory("cli", "new_kinds");
+    for kind in KINDS {
+        let folder = all.join(kind);
+        let told = json(&toolroom(&["new", kind, &folder.display().to_string(), "--json"]));
+        assert_eq!(told["kind"], kind);
+        let file = told[kind].as_str().expect("the file");
+        let text = fs::read_to_string(file).expect("written");
+        assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")), "{kind}");
+        assert!(folder.join(format!("{kind}.schema.json")).is_file(), "{kind}");
+        let checked = toolroom(&["check", file, "--kind", kind]);
+        assert_eq!(checked.status.code(), Some(0), "{kind}: {}", stderr(&checked));
+        assert!(!stderr(&checked).contains("warning["), "{kind}: {}", stderr(&checked));
+        // A second time nothing is replaced.
+        assert_eq!(toolroom(&["new", kind, &folder.display().to_string()]).status.code(), Some(2), "{kind}");
+    }
+    let unknown = toolroom(&["new", "sccenario", &all.join("x").display().to_string()]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("scenario"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn the_records_of_the_example_of_a_gap_name_what_they_hide() {
+    let folder = directory("cli", "new_gap").join("gap");
+    let here = |name: &str| folder.join(name).display().to_string();
+    assert_eq!(toolroom(&["new", "gap", &here("")]).status.code(), Some(0));
+    let (log, map, records) = (here("log.csv"), here("map.toml"), here("records"));
+    let read = json(&toolroom(&["import", "csv", &log, "--map", &map, "--out", &records, "--json"]));
+    assert_eq!(read["rows"], 168);
+    let diagnosis =
+        json(&toolroom(&["gap", "diagnose", "--model", &here("turning.toml"), "--data", &records, "--json"]));
+    assert_eq!(
+        (diagnosis["verdict"].as_str(), diagnosis["effects"][0]["id"].as_str()),
+        (Some("effect"), Some("wear_force"))
+    );
+}
+
+#[test]
+fn a_shipped_file_is_taken_by_its_name() {
+    for name in
+        ["builtin:template", "builtin:policies", "builtin:life/policies.toml", "builtin:orders", "builtin:cycle"]
+    {
+        let checked = toolroom(&["check", name]);
+        assert_eq!(checked.status.code(), Some(0), "{name}: {}", stderr(&checked));
+    }
+    let verdict = json(&toolroom(&["lobes", "builtin:milling-slot", "--at", "5000 rpm", "0.5 mm", "--json"]));
+    assert!(verdict.is_object());
+    let out = directory("cli", "builtin").join("out").display().to_string();
+    let life =
+        toolroom(&["life", "builtin:constant", "--lives", "50", "--set", "sensitivity.samples=64", "--out", &out]);
+    assert_eq!(life.status.code(), Some(0), "{}", stderr(&life));
+    let unknown = toolroom(&["check", "builtin:polices"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(stderr(&unknown).contains("did you mean builtin:policies?"), "{}", stderr(&unknown));
+}
+
+#[test]
+fn the_reference_has_every_verb_option_and_code() {
+    let folder = directory("cli", "reference");
+    let dir = folder.join("pages").display().to_string();
+    assert_eq!(toolroom(&["reference", &dir]).status.code(), Some(0));
+    let page = |name: &str| fs::read_to_string(folder.join("pages").join(name)).expect(name);
+    let commands = page("commands.md");
+    for expected in
+        ["## toolroom compare\n", "## toolroom gap diagnose\n", "`--set <KEY=VALUE>`", "`--wide`", "## Exit codes"]
+    {
+        assert!(commands.contains(expected), "{expected}");
+    }
+    assert!(!commands.contains("## toolroom fmu worker"), "for programs only");
+    let codes = json(&toolroom(&["explain", "--json"]));
+    let errors = page("errors.md");
+    for code in codes["codes"].as_array().expect("codes") {
+        assert!(errors.contains(&format!("| `{}` |", code["code"].as_str().expect("a word"))), "{code}");
+    }
+    assert!(page("key-figures.md").contains("| `cost_per_part` |") && page("effects.md").contains("| `wear_force` |"));
+    assert!(page("file-scenario.md").contains("| `tool_change_time` | "), "keys");
+    // A second run replaces its own pages, not one that somebody has edited.
+    assert_eq!(toolroom(&["reference", &dir]).status.code(), Some(0));
+    fs::write(folder.join("pages/errors.md"), "mine").expect("writable");
+    assert_eq!(toolroom(&["reference", &dir]).status.code(), Some(2));
+    let man = folder.join("man").display().to_string();
+    assert_eq!(toolroom(&["reference", "--man", &man]).status.code(), Some(0));
+    assert!(names(&folder.join("man")).contains(&"toolroom-gap-diagnose.1".to_owned()));
+    let compare = fs::read_to_string(folder.join("man/toolroom-compare.1")).expect("a page");
+    assert!(compare.starts_with(".TH TOOLROOM-COMPARE 1") && compare.contains(".SH EXAMPLES"), "{compare}");
+}
+
+#[test]
+fn programs_are_told_why_there_is_no_result() {
+    for (arguments, code) in [
+        (&["check", "gone.toml", "--json"][..], "unreadable"),
+        (&["point", "turning", "--tool", "gone", "--json"], "argument"),
+        (&["compare", "--json"], "usage"),
+    ] {
+        let output = toolroom(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(told["error"]["code"], code, "{arguments:?}: {told}");
+        assert!(told["error"]["message"].as_str().is_some_and(|text| !text.is_empty()), "{told}");
+    }
+    let broken = file("first_problem", "[shop]\nnamee = 1\n");
+    let output = toolroom(&["check", &broken, "--json"]);
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(told["error"], told["problems"][0]);
+}
+
+#[test]
+fn a_line_without_end_is_told_without_its_text() {
+    let broken = file("endless", format!("{}\n", "9".repeat(100_000)));
+    let output = toolroom(&["check", &broken]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output).len());
+    assert!(stderr(&output).contains("line 1, column") && stderr(&output).len() < 2000);
+}
+
+#[test]
+fn a_slip_of_the_unit_is_a_warning() {
+    let text = fs::read_to_string(shipped("template")).expect("shipped");
+    let odd = file("unusual", text.replace("diameter = \"120 mm\"", "diameter = \"0.12 mm\""));
+    let output = toolroom(&["check", &odd]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("warning[unusual]: diameter"), "{}", stderr(&output));
+    assert_eq!(json(&toolroom(&["check", &odd, "--json"]))["warning_codes"][0], "unusual");
+    assert_eq!(toolroom(&["explain", "unusual"]).status.code(), Some(0));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_command_ends_at_its_bound_of_memory_and_says_so() {
+    let out = directory("cli", "memory").join("out");
+    let ended = quick_of("compare", &out, &["--replications", "2000", "--max-memory", "1 MB"]);
+    assert_eq!(ended.status.code(), Some(1), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("needs more than 0.001 GB of memory"), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("--max-memory"), "{}", stderr(&ended));
+    let refused = quick("compare", &out, &["--max-memory", "1"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+}
