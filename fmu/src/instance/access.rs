@@ -74,6 +74,13 @@ impl<U: Unit> Instance<U> {
     }
 
     pub(super) fn read_values(&mut self, value_type: ValueType, references: &[u32], values: &mut [f64]) -> Outcome {
+        // One real value is what importers ask for most.
+        if let (ValueType::Real, [reference], [target]) = (value_type, references, &mut *values)
+            && let Some(value) = self.real(*reference)
+        {
+            *target = value;
+            return Ok(Status::Ok);
+        }
         let (mut at, total) = (0, values.len());
         for &reference in references {
             if let (ValueType::Real, Some(value)) = (value_type, self.real(reference))
@@ -162,6 +169,19 @@ impl<U: Unit> Instance<U> {
     }
 
     pub(super) fn write_values(&mut self, value_type: ValueType, references: &[u32], values: &[f64]) -> Outcome {
+        // One real input is what importers set most.
+        if let (ValueType::Real, [reference], [value]) = (value_type, references, values)
+            && let Some(Slot::Input(i)) = Slot::of(*reference)
+            && let Some(field) = U::Input::FIELDS.get(i).filter(|field| field.kind == Kind::Real)
+            && self.setting(Settable::Input(i), false) == Set::Now
+        {
+            if let Err(source) = field.check(*value) {
+                return Err(Fault::Value { variable: self.name_of(Slot::Input(i)), source }.into());
+            }
+            self.core.input.set(i, *value);
+            self.outputs_valid = false;
+            return Ok(Status::Ok);
+        }
         // First whether all can be set, then all of it.
         let mut at = 0;
         for &reference in references {

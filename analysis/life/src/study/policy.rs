@@ -4,9 +4,9 @@ use super::Passes;
 use super::edge::rehearsed;
 use std::sync::Arc;
 use toolroom_scenario::SensorSheet;
-use toolroom_scenario::policies::ramp_limits;
 use toolroom_wear::{
     Coefficients, Contact, Cut, Measurement, Objective, Observer, Pair, RampLimits, SpeedSchedule, SpeedTable,
+    ramp_limits,
 };
 
 /// A rule, before it is worked out for a cut.

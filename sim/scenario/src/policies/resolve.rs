@@ -1,7 +1,7 @@
 //! From a policy of the scenario to a controller for every pass.
 
 use super::constant::{self, ChangeCost, Edges, Spoilage};
-use super::planned::{Law, Planned};
+use super::planned::Planned;
 use super::set_increment::SetIncrement;
 use super::{
     Believed, ChangeRule, ContourPlan, Controller, GrindingController, PolicyError, Speed, Stability, schedule,
@@ -12,7 +12,7 @@ use crate::{
     Work,
 };
 use std::sync::Arc;
-use toolroom_wear::Pair;
+use toolroom_wear::{Pair, SpeedLaw};
 
 /// A policy worked out for a scenario: resolve once, share over all replications.
 #[derive(Clone, Debug, PartialEq)]
@@ -241,7 +241,7 @@ fn speed(
 ) -> Speed {
     let on_model = |plan: &dyn Fn(&Believed) -> Speed| believed.map_or(Speed::Fixed(programmed), plan);
     let factor = rule.speed_factor;
-    let planned = |law: &dyn Fn(&Believed) -> Law| {
+    let planned = |law: &dyn Fn(&Believed) -> SpeedLaw| {
         on_model(&|believed| Speed::Planned(Arc::new(Planned::new(believed, law(believed), factor))))
     };
     match rule.speed {
@@ -253,10 +253,10 @@ fn speed(
         SpeedRule::SetIncrement { path_per_edge } => {
             on_model(&|_| Speed::SetIncrement(SetIncrement { path_per_edge, factor }))
         }
-        SpeedRule::MinimumWear { literal: true } => planned(&|_| Law::LiteralBalance),
-        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => planned(&|_| Law::MinimumWear),
+        SpeedRule::MinimumWear { literal: true } => planned(&|_| SpeedLaw::LiteralBalance),
+        SpeedRule::MinimumWear { literal: false } | SpeedRule::Oracle => planned(&|_| SpeedLaw::MinimumWear),
         SpeedRule::Productivity { price } => planned(&|believed| {
-            Law::ShadowPrice(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit)))
+            SpeedLaw::ShadowPrice(price.unwrap_or_else(|| shadow_price(believed, cost.worth(), edges.limit)))
         }),
     }
 }
