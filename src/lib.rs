@@ -49,6 +49,7 @@ pub use toolroom_infeed as infeed;
 pub use toolroom_kernel as kernel;
 pub use toolroom_kinds as kinds;
 pub use toolroom_life as life;
+pub use toolroom_lobes as lobes;
 pub use toolroom_parquet as parquet;
 pub use toolroom_planning as planning;
 pub use toolroom_process as process;

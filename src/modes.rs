@@ -7,9 +7,9 @@ use std::path::Path;
 use std::time::Instant;
 use toolroom_chart::page::Provenance;
 use toolroom_dynamics::{FitOptions, Measurement, Scatter, TapOptions};
+use toolroom_lobes::read_structure;
 use toolroom_output::{Files, OutputDir, provenance};
 use toolroom_planning::modes::{ModesStudy, NAMES, Request, RequestError, range, read_tool, scatter, summary, tip};
-use toolroom_scenario::lobes::read_structure;
 
 /// Where the files and the words of a fault are described.
 const GUIDE: &str = "see docs/dynamics.md";

@@ -39,11 +39,11 @@ use std::path::Path;
 use toolroom_contour::{CONTOUR, SETUP};
 use toolroom_form::{Form, Outline, schema};
 use toolroom_infeed::CYCLE;
+use toolroom_lobes::{LOBES, STRUCTURE};
 use toolroom_nominal::NominalModel;
 use toolroom_planning::modes::TOOL;
 use toolroom_records::import::MAPPING;
 use toolroom_scenario::file::SCENARIO;
-use toolroom_scenario::lobes::{LOBES, STRUCTURE};
 
 /// One kind of file.
 #[derive(Debug)]

@@ -82,7 +82,7 @@ pub fn chart(path: &Path, set: &[String]) -> Result<Checked, KindError> {
 }
 
 pub fn structure(path: &Path, set: &[String]) -> Result<Checked, KindError> {
-    let file = toolroom_scenario::lobes::read_structure(path, set)?;
+    let file = toolroom_lobes::read_structure(path, set)?;
     let modes = file.content.modes.len();
     Ok(checked("structure", Some(&file.content.name), file.echo, &format!("a structure of {modes} modes")))
 }

@@ -84,9 +84,9 @@ fn difference(shop: &[[f64; 3]], cell: &[[f64; 4]]) -> f64 {
     worst
 }
 
-fn compared(policy: &str, version: Version) {
+fn compared(policy: &str, version: Version, changes: &[&str], bound: f64) {
     let folder = tempfile::TempDir::new().expect("a folder");
-    let scenario = scenario(&[]);
+    let scenario = scenario(changes);
     let path = exported(&scenario, policy, version, folder.path());
     let shop = in_the_shop(&scenario, policy);
     let fine = simulated(&path, &Order::GaussSeidel, 0.25);
@@ -100,28 +100,30 @@ fn compared(policy: &str, version: Version) {
     );
     assert!(used >= 2.0 && (fine.last().expect("rows")[2] - used).abs() <= 1.0, "{policy}: {used} edges");
     // A pass ends between two communication points: the next one, and an edge, begin up to a step early.
-    assert!(fine_error < 5e-3 && fine_error < coarse_error, "{policy}: {fine_error}, {coarse_error}");
+    assert!(fine_error < bound && fine_error < coarse_error, "{policy}: {fine_error}, {coarse_error}");
     assert!(coarse_error < 2e-2 && late_error < 5e-2, "{policy}: {coarse_error}, {late_error}");
 }
 
 #[test]
 fn a_cell_that_is_fed_by_sensors_wears_as_in_the_shop() {
-    compared("adaptive", Version::Two);
+    // Between two samples the shop ramps the speed, which the cell holds: it errs less the more often it samples.
+    compared("adaptive", Version::Two, &[], 1e-2);
+    compared("adaptive", Version::Two, &["policy.adaptive.sensors.sampling_period=1 s"], 5e-3);
 }
 
 #[test]
 fn a_cell_that_predicts_its_wear_wears_as_in_the_shop() {
-    compared("minimum wear", Version::Three);
+    compared("minimum wear", Version::Three, &[], 2e-3);
 }
 
 #[test]
 fn a_cell_that_is_shown_its_wear_wears_as_in_the_shop() {
-    compared("set path", Version::Two);
+    compared("set path", Version::Two, &[], 2e-3);
 }
 
 #[test]
 fn a_cell_of_constant_speed_wears_as_in_the_shop() {
-    compared("constant", Version::Two);
+    compared("constant", Version::Two, &[], 2e-3);
 }
 
 #[test]

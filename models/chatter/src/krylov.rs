@@ -36,16 +36,31 @@ pub(crate) struct Dominant {
     pub residual: f64,
 }
 
+/// All eigenvalues, the greatest modulus first. The iteration would not end on a matrix with entries beyond all
+/// numbers, which a period map has where a vibration outgrows them within the period.
+///
+/// # Errors
+/// [`ChatterError::NotConverged`] for such a matrix, and where the iteration does not end.
+pub(crate) fn dense_eigenvalues(matrix: DMatrix<f64>) -> Result<Vec<Complex<f64>>, ChatterError> {
+    const SWEEPS: usize = 100_000;
+    let failed = ChatterError::NotConverged { residual: f64::INFINITY };
+    if !matrix.norm().is_finite() {
+        return Err(failed);
+    }
+    let Some(schur) = Schur::try_new(matrix, f64::EPSILON, SWEEPS) else { return Err(failed) };
+    let mut values: Vec<_> = schur.complex_eigenvalues().iter().copied().collect();
+    if values.is_empty() || values.iter().any(|value| !value.norm_sqr().is_finite()) {
+        return Err(failed);
+    }
+    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+    Ok(values)
+}
+
 /// Eigenvalue of greatest modulus among all, where the iteration found none. The residual is the
 /// backward error of the Schur form.
 pub(crate) fn dense_dominant(matrix: DMatrix<f64>) -> Result<Dominant, ChatterError> {
-    const SWEEPS: usize = 100_000;
     let error = f64::EPSILON * matrix.norm() * matrix.nrows() as f64;
-    let schur = Schur::try_new(matrix, f64::EPSILON, SWEEPS);
-    let values = schur.ok_or(ChatterError::NotConverged { residual: f64::INFINITY })?.complex_eigenvalues();
-    let value = values.iter().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
-    let value = value.filter(|value| value.norm_sqr().is_finite());
-    let value = value.ok_or(ChatterError::NotConverged { residual: f64::INFINITY })?;
+    let value = dense_eigenvalues(matrix)?[0];
     let modulus = value.norm();
     Ok(Dominant { value, residual: if modulus > 0.0 { error / modulus } else { 0.0 } })
 }

@@ -12,7 +12,6 @@
 //! | [`date`] | civil dates of orders and calendars |
 //! | [`policies`] | who chooses the speed and when an edge is changed: a scenario's policy worked out |
 //! | [`effects`] | catalogue rows of what a shop does beside its nominal simulation |
-//! | [`lobes`] | files of stability charts |
 //!
 //! # What is not modelled
 //! What controllers leave out is listed in [`policies`].
@@ -30,7 +29,6 @@ pub mod file;
 mod flow;
 mod gap;
 mod grinding;
-pub mod lobes;
 mod order;
 mod part;
 pub mod policies;

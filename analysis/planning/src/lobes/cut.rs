@@ -8,8 +8,8 @@ use toolroom_chatter::paper::{FiveDegrees, Reduced};
 use toolroom_chatter::{
     AtSpeed, ChatterError, Lobes, Milling, SpeedVariation, StabilityLimit, StabilityVerdict, Turning,
 };
+use toolroom_lobes::{LobesCut, LobesProcess, axes};
 use toolroom_process::unit::convert;
-use toolroom_scenario::lobes::{LobesCut, LobesProcess, axes};
 
 /// A cut without its operating point, with the variation of its spindle speed.
 #[derive(Clone, Debug)]

@@ -4,8 +4,8 @@ use super::cut::Cut;
 use std::path::Path;
 use toolroom_chatter::Scatter;
 use toolroom_form::{FormFile, ReadError};
-use toolroom_scenario::lobes;
-pub use toolroom_scenario::lobes::{Chart, Point};
+use toolroom_lobes as lobes;
+pub use toolroom_lobes::{Chart, Point};
 
 /// What a lobes file says.
 #[derive(Clone, Debug)]

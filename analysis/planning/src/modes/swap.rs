@@ -3,7 +3,7 @@
 use super::tool::Tool;
 use std::f64::consts::TAU;
 use toolroom_dynamics::{BaseMode, Direction, Frf, Measurement, Motion, base, chain};
-use toolroom_scenario::lobes::Structure;
+use toolroom_lobes::Structure;
 
 /// Step of the frequencies (Hz) at which the tip is computed: a half-power band of 1 % damping at 250 Hz has five lines.
 const STEP: f64 = 1.0;

@@ -8,7 +8,7 @@ use crate::boundary::Crossing;
 use crate::crossing::{brackets, root};
 use crate::error::{ChatterError, positive, within};
 use crate::intervals::{Certificate, StableIntervals};
-use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant};
+use crate::krylov::{Dominant, Krylov, LinearMap, dense_dominant, dense_eigenvalues};
 use crate::period::{MapStorage, Period, PeriodMap};
 use crate::plan::{Cut, Frame, Motion, PlannedStretch, PlannedTerm, Resolution, assemble};
 use crate::scan::{STEPS, SignChanges};
@@ -366,9 +366,7 @@ impl<'a> AtSpeed<'a> {
         let period = self.assemble(depth, Effort::Boundary.settings().0 + extra)?.period;
         let mut storage = MapStorage::default();
         let matrix = PeriodMap::new(&period, depth, &mut storage).dense();
-        let mut multipliers: Vec<_> = matrix.complex_eigenvalues().iter().copied().collect();
-        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-        Ok(multipliers)
+        dense_eigenvalues(matrix)
     }
 
     /// Spectral radius at `depth` (m) with just `nodes` nodes in each stretch in cut, however many

@@ -1,6 +1,8 @@
 //! Period map of a linear system whose delay equals its period.
 
+use crate::error::ChatterError;
 use crate::gauss::Rule;
+use crate::krylov::dense_eigenvalues;
 use nalgebra::{Complex, DMatrix, SMatrix};
 
 /// Floquet multipliers of `z' = a(t) z + b(t) y(t − period)`, `y = c z`, the greatest first.
@@ -9,6 +11,9 @@ use nalgebra::{Complex, DMatrix, SMatrix};
 /// on the D delayed signals at the nodes and on the state at the end of the period. It is meant
 /// for smooth coefficients and a few dozen oscillations, where it converges exponentially.
 ///
+/// # Errors
+/// A vibration that outgrows all numbers within the period.
+///
 /// ```
 /// use nalgebra::{Matrix1, Matrix1x2, Matrix2, Matrix2x1};
 /// use std::f64::consts::TAU;
@@ -16,7 +21,7 @@ use nalgebra::{Complex, DMatrix, SMatrix};
 /// let a = |t: f64| Matrix2::new(0.0, 1.0, -3.0 - 2.0 * t.cos(), -0.1);
 /// let b = |_: f64| Matrix2x1::new(0.0, -0.15);
 /// let c = Matrix1x2::new(1.0, 0.0);
-/// let dominant = toolroom_chatter::paper::delayed_multipliers(a, b, &c, TAU, 3, 14)[0];
+/// let dominant = toolroom_chatter::paper::delayed_multipliers(a, b, &c, TAU, 3, 14).unwrap()[0];
 /// assert!((dominant.norm() - 0.512052284).abs() < 1e-8);
 /// ```
 pub fn delayed_multipliers<const N: usize, const D: usize>(
@@ -26,7 +31,7 @@ pub fn delayed_multipliers<const N: usize, const D: usize>(
     period: f64,
     elements: usize,
     nodes: usize,
-) -> Vec<Complex<f64>> {
+) -> Result<Vec<Complex<f64>>, ChatterError> {
     let rule = Rule::of(nodes);
     let n = rule.nodes.len();
     let h = period / elements as f64;
@@ -65,7 +70,5 @@ pub fn delayed_multipliers<const N: usize, const D: usize>(
         }
     }
     map.rows_mut(signals, N).copy_from(&state);
-    let mut multipliers: Vec<_> = map.complex_eigenvalues().iter().copied().collect();
-    multipliers.sort_by(|x, y| y.norm().total_cmp(&x.norm()));
-    multipliers
+    dense_eigenvalues(map)
 }

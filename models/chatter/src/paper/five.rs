@@ -2,9 +2,14 @@
 
 use super::{KGF_PER_MM, Preset, delayed_multipliers, monodromy};
 use crate::error::{ChatterError, finite, positive, within};
+use crate::krylov::dense_eigenvalues;
 use crate::verdict::{ChatterKind, StabilityVerdict};
-use nalgebra::{Complex, SMatrix};
+use nalgebra::{Complex, DMatrix, SMatrix};
 use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Cycles of the fastest vibration in a revolution with regeneration: the period map has 28 rows for each, and its
+/// eigenvalues take seconds.
+const MOST_REGENERATED: f64 = 30.0;
 
 type Matrix5 = SMatrix<f64, 5, 5>;
 type Matrix10 = SMatrix<f64, 10, 10>;
@@ -210,7 +215,8 @@ impl FiveDegrees {
     /// Floquet multipliers over one revolution at `spindle_speed` (rad/s), the greatest first.
     ///
     /// # Errors
-    /// Constants that are no structure; a spindle speed that is not positive.
+    /// Constants that are no structure; a spindle speed that is not positive, or at which the fastest vibration swings
+    /// more than 1000 times in a revolution (30 times with regeneration); a vibration that outgrows all numbers within it.
     ///
     /// # Examples
     /// ```
@@ -227,7 +233,10 @@ impl FiveDegrees {
         let ratio = spindle_speed / w0;
         // Fastest oscillation: the stiffest direction of the tool, in units of w0.
         let fastest = ((0..3).map(|i| self.tool_stiffness[i][i]).sum::<f64>() / self.tool_mass).sqrt() / w0;
-        let cycles = fastest.max(1.0) / ratio;
+        let fastest = fastest.max(1.0);
+        let cycles = fastest / ratio;
+        let most = if self.regeneration { MOST_REGENERATED } else { super::MOST_CYCLES };
+        within("speed_ratio", ratio, fastest / most, f64::MAX)?;
         if self.regeneration {
             let mut observed = SMatrix::<f64, 2, 10>::zeros();
             observed[(0, 2)] = 1.0;
@@ -235,13 +244,11 @@ impl FiveDegrees {
             let elements = cycles.ceil() as usize;
             let a = |s: f64| self.coefficients(ratio * s);
             let b = |s: f64| self.delayed(ratio * s);
-            return Ok(delayed_multipliers(a, b, &observed, TAU / ratio, elements, 14));
+            return delayed_multipliers(a, b, &observed, TAU / ratio, elements, 14);
         }
         let steps = ((80.0 * cycles).ceil() as usize).max(400);
         let map = monodromy(|s| self.coefficients(ratio * s), TAU / ratio, steps);
-        let mut multipliers: Vec<_> = map.complex_eigenvalues().iter().copied().collect();
-        multipliers.sort_by(|x, y| y.norm().total_cmp(&x.norm()));
-        Ok(multipliers)
+        dense_eigenvalues(DMatrix::from_iterator(10, 10, map.iter().copied()))
     }
 
     /// Verdict at `spindle_speed` (rad/s), with the spectral radius over one revolution.
@@ -284,7 +291,7 @@ fn positive_definite<const N: usize>(quantity: &'static str, rows: [[f64; N]; N]
     for value in matrix.iter() {
         finite(quantity, *value)?;
     }
-    let matrix = nalgebra::DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
+    let matrix = DMatrix::from_fn(N, N, |i, j| matrix[(i, j)]);
     let least = matrix.symmetric_eigenvalues().min();
     positive(quantity, least).map(|_| ())
 }

@@ -44,6 +44,9 @@ pub use reduced::Reduced;
 
 use crate::error::ChatterError;
 
+/// Natural cycles in a period that the integration follows: a second of one core for the system of ten states.
+const MOST_CYCLES: f64 = 1000.0;
+
 /// Newtons in a kilogram-force; with millimetres and seconds the unit of the paper's tables.
 const KGF: f64 = 9.80665;
 /// kgf/mm in N/m; the same factor turns kgf·s/mm into N·s/m and kgf·s²/mm into kg.

@@ -2,8 +2,9 @@
 
 use super::{KGF_PER_MM, Preset, magnus::monodromy};
 use crate::error::{ChatterError, finite, positive, within};
+use crate::krylov::dense_eigenvalues;
 use crate::verdict::{ChatterKind, StabilityVerdict};
-use nalgebra::{Complex, SMatrix};
+use nalgebra::{Complex, DMatrix, SMatrix};
 use std::f64::consts::TAU;
 
 /// Workpiece in a chuck as one mode:
@@ -114,7 +115,8 @@ impl Reduced {
     /// greatest first. The state is (x, x'/w0, y), or (x, x'/w0) without lag.
     ///
     /// # Errors
-    /// Constants that are no structure, modulation below 0, speed ratio not positive.
+    /// Constants that are no structure, modulation below 0, speed ratio below 0.001; a vibration that outgrows all
+    /// numbers within the period.
     ///
     /// # Source
     /// Fourth-order Magnus, 40 steps to a natural cycle and at least 64, good to 1e-6.
@@ -122,13 +124,13 @@ impl Reduced {
         self.check()?;
         within("modulation", modulation, 0.0, f64::MAX)?;
         positive("speed_ratio", speed_ratio)?;
-        let mut multipliers: Vec<Complex<f64>> = if self.lag == 0.0 {
-            self.period_map_without_lag(modulation, speed_ratio).complex_eigenvalues().iter().copied().collect()
+        within("speed_ratio", speed_ratio, 1.0 / super::MOST_CYCLES, f64::MAX)?;
+        dense_eigenvalues(if self.lag == 0.0 {
+            let map = self.period_map_without_lag(modulation, speed_ratio);
+            DMatrix::from_iterator(2, 2, map.iter().copied())
         } else {
-            self.period_map(modulation, speed_ratio).complex_eigenvalues().iter().copied().collect()
-        };
-        multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-        Ok(multipliers)
+            DMatrix::from_iterator(3, 3, self.period_map(modulation, speed_ratio).iter().copied())
+        })
     }
 
     /// Period map with lag, in time scaled by w0.

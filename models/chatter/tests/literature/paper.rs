@@ -1,7 +1,7 @@
 //! Zakovorotny et al.: reduced and five-degree systems.
 
 use toolroom_chatter::paper::{FiveDegrees, Preset, Reduced};
-use toolroom_chatter::{Axis, ChatterKind};
+use toolroom_chatter::{Axis, ChatterError, ChatterKind};
 
 const KGF_PER_MM: f64 = 9806.65;
 
@@ -89,6 +89,22 @@ fn multipliers_of_the_reduced_system() {
     }
     let third = Reduced::from_preset(Preset::Table2Milli, 0.4e-4).multipliers(0.3, 1.9).unwrap()[2].re;
     close(third, 3.481e-10, 1e-2);
+}
+
+#[test]
+fn a_vibration_beyond_all_numbers_and_a_speed_near_zero_are_refused() {
+    // A lag of 0.4 s is a negative damping under which the tool's vibration grows by more than 1e308 in a revolution.
+    let lathe = FiveDegrees::from_preset(Preset::Table2Milli, 0.4, 0.1e-3);
+    let speed = 0.2 * lathe.reference_frequency();
+    for regeneration in [false, true] {
+        let lathe = FiveDegrees { regeneration, ..lathe.clone() };
+        assert!(!lathe.verdict(speed).is_ok_and(|verdict| verdict.stable));
+        assert!(matches!(lathe.verdict(1e-6 * speed), Err(ChatterError::OutOfRange { .. })));
+    }
+    assert!(matches!(lathe.verdict(speed), Err(ChatterError::NotConverged { .. })));
+    let chuck = Reduced::from_preset(Preset::F0_120Hz, 0.8e-4);
+    assert!(matches!(chuck.verdict(0.3, 1e-6), Err(ChatterError::OutOfRange { .. })));
+    assert!(chuck.verdict(0.3, 2e-3).is_ok());
 }
 
 #[test]

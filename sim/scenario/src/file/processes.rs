@@ -4,7 +4,6 @@ use super::choices::ProcessKind;
 use super::fault::ScenarioFault;
 use super::imported;
 use super::stability;
-use crate::lobes::LobesCut;
 use crate::{Posterior, ProcessModel, SwitchedEffect};
 use std::fmt::Display;
 use std::sync::Arc;
@@ -12,6 +11,7 @@ use toolroom_cutting::{MILLING_CATALOGUE, Milling, MillingInput, Turning};
 use toolroom_effects::Effects;
 use toolroom_form::{Fault, Section, Value, Walk, nearest, set_parameters};
 use toolroom_infeed::{Infeed, Parameters};
+use toolroom_lobes::LobesCut;
 use toolroom_process::{ModelError, Process};
 use toolroom_wear::{Catalogue, Chipping, Pair, ParameterSet, Scatter, SetError, TURNING_SETS, check_tilt};
 

@@ -2,19 +2,19 @@
 
 use super::choices::ChatterWord;
 use super::fault::ScenarioFault;
-use crate::lobes::{self, LobesCut, LobesFile};
 use crate::{StabilityRule, StructureScatter, Uncertainty};
 use std::sync::Arc;
 use toolroom_chatter::Cutter;
 use toolroom_cutting::{Milling, MillingStructure, Regeneration, Turning, TurningStructure};
 use toolroom_form::{Section, Walk};
+use toolroom_lobes::{LobesCut, LobesFile};
 
 /// The lobes file that a tool names, beside the scenario.
 pub(super) fn structure(walk: &mut Walk, tool: &Section<'_>) -> Option<LobesFile> {
     let name = tool.text("structure")?.to_owned();
     let path = walk.folder.join(&name);
     walk.files.push(path.clone());
-    match lobes::read(&path, &[]) {
+    match toolroom_lobes::read(&path, &[]) {
         Ok(file) => {
             walk.files.extend(file.files);
             Some(file.content)

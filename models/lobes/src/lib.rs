@@ -2,6 +2,11 @@
 //!
 //! `toolroom lobes` draws them; a tool of a scenario names one as its `structure`. The modes can stand in a structure file of
 //! their own, as a tap test has found them.
+//!
+//! # What is not modelled
+//! Nothing is computed here. The crate `toolroom-chatter` says what its models leave out.
+
+#![deny(clippy::wildcard_enum_match_arm)]
 
 mod keys;
 mod read;
