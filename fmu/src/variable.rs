@@ -56,7 +56,7 @@ const BLOCK: u32 = 1000;
 
 impl Slot {
     /// The value reference.
-    pub fn reference(self) -> u32 {
+    pub const fn reference(self) -> u32 {
         let (block, index) = match self {
             Self::Time => (0, 0),
             Self::Input(i) => (1, i),

@@ -58,17 +58,14 @@ impl<U: Unit> Instance<U> {
     #[inline]
     fn real(&mut self, reference: u32) -> Option<f64> {
         let is_real = |fields: &[Field], i: usize| fields.get(i).is_some_and(|field| field.kind == Kind::Real);
-        let slot = Slot::of(reference)?;
-        if let Slot::Output(i) = slot
-            && is_real(U::Output::FIELDS, i)
-        {
-            return self.outputs().get(i).copied();
+        // A block of references is longer than every record.
+        let output = reference.wrapping_sub(const { Slot::Output(0).reference() }) as usize;
+        if is_real(U::Output::FIELDS, output) {
+            return self.outputs().get(output).copied();
         }
-        if let Slot::State(i) = slot
-            && U::State::LEN == U::State::FIELDS.len()
-            && is_real(U::State::FIELDS, i)
-        {
-            return self.states().get(i).copied();
+        let state = reference.wrapping_sub(const { Slot::State(0).reference() }) as usize;
+        if U::State::LEN == U::State::FIELDS.len() && is_real(U::State::FIELDS, state) {
+            return self.states().get(state).copied();
         }
         None
     }
